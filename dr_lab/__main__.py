@@ -1,0 +1,64 @@
+"""The console script `dr-lab`: verbs, composed by Hydra, run as plain functions."""
+
+import os
+import sys
+from collections.abc import Sequence
+
+from dr_lab import __version__
+from dr_lab.cli.completion import FLAGS, complete
+from dr_lab.cli.folders import split_config_dir
+from dr_lab.cli.verbs import overview, verbs
+from dr_lab.errors import DrLabError, UnknownNameError
+
+FAILED = 2
+INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        argv: arguments after the program's name; None takes them from the process.
+
+    Returns:
+        The exit code: 0, 2 (the user can mend the cause), 1 (a fault of dr_lab) or 130 (interrupted).
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        return _dispatch(arguments)
+    except DrLabError as error:
+        if os.environ.get("HYDRA_FULL_ERROR") == "1":
+            raise
+        print(f"dr-lab: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        print("\ndr-lab: interrupted.", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read the output, such as head, has gone; nothing may be written any more, at exit neither.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+
+
+def _dispatch(arguments: list[str]) -> int:
+    first = arguments[0] if arguments else "--help"
+    if first in ("-h", "--help"):
+        print(overview())
+        return 0
+    if first == "--version":
+        print(f"dr_lab {__version__}")
+        return 0
+    if first in FLAGS:
+        delegated = complete(arguments)
+        return 0 if delegated is None else _dispatch(delegated)
+    known = verbs()
+    if first not in known:
+        raise UnknownNameError("verb", first, known, "dr-lab")
+    folders, rest = split_config_dir(arguments[1:])
+    from dr_lab.cli.run import run  # noqa: PLC0415  Hydra takes a third of a second; --help answers without it
+
+    return run(first, rest, folders)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

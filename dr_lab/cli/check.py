@@ -1,0 +1,150 @@
+"""Checking a composed configuration against the signatures that it will call, before any work is done."""
+
+import collections.abc
+import inspect
+import types
+import typing
+from collections.abc import Callable, Collection, Mapping
+from typing import Any
+
+from omegaconf import DictConfig, OmegaConf
+from typeguard import CollectionCheckStrategy, TypeCheckError, check_type
+
+from dr_lab.cli.targets import locate
+from dr_lab.errors import ConfigError, UnknownNameError
+
+INSTRUCTIONS = ("_target_", "_args_", "_convert_", "_partial_", "_recursive_")
+PLAIN = (bool, int, float, str, type(None), Any)
+YAML = (dict, list, str, int, float, type(None))
+CONTAINERS = (list, dict, collections.abc.Sequence, collections.abc.Mapping, typing.Literal, types.UnionType)
+
+
+def check(
+    cfg: DictConfig, workflow: Callable[..., Any], verb: str, supplied: Collection[str], unused: Collection[str] = ()
+) -> None:
+    """Check the whole of a job's configuration.
+
+    Args:
+        cfg: the composed configuration without Hydra's node.
+        workflow: the function that takes the top-level keys as keyword arguments.
+        verb: its name, for messages.
+        supplied: parameters of the workflow that do not come from the configuration.
+        unused: top-level keys that the workflow does not get.
+
+    Raises:
+        ConfigError: a value is missing or of the wrong type, or a target cannot be built.
+        UnknownNameError: a key is no parameter of what it configures.
+        omegaconf.errors.OmegaConfBaseException: an interpolation leads nowhere.
+    """
+    missing = sorted(OmegaConf.missing_keys(cfg))
+    if missing:
+        given = " ".join(f"{key}=…" for key in missing)
+        raise ConfigError(f"No value for {', '.join(missing)}. Give one: dr-lab {verb} {given}")
+    values = OmegaConf.to_container(cfg, resolve=True)
+    if not isinstance(values, dict):
+        raise ConfigError(f"The configuration of {verb} is a {type(values).__name__}, expected keys with values.")
+    plain = {str(key): value for key, value in values.items() if key not in unused}
+    _check_call(plain, workflow, f"dr-lab {verb}", "", supplied)
+    _walk(plain, "")
+
+
+def _walk(value: object, path: str) -> None:
+    """Check every `_target_` below a value."""
+    if isinstance(value, Mapping):
+        if "_target_" in value:
+            _check_target(value, path)
+        for key, child in value.items():
+            _walk(child, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list):
+        for index, child in enumerate(value):
+            _walk(child, f"{path}[{index}]")
+
+
+def _check_target(node: Mapping[str, Any], path: str) -> None:
+    target = node["_target_"]
+    function = locate(str(target), path)
+    arguments = {key: value for key, value in node.items() if key not in INSTRUCTIONS}
+    incomplete = node.get("_partial_", False) or "_args_" in node
+    supplied = _parameters(function) if incomplete else ()
+    _check_call(arguments, function, str(target), f"{path}.", supplied)
+
+
+def _check_call(
+    arguments: Mapping[str, Any], function: Callable[..., Any], name: str, prefix: str, supplied: Collection[str]
+) -> None:
+    """Check keyword arguments against a signature: none unknown, none missing, plain ones of the right type."""
+    parameters = _parameters(function)
+    named = {k: p for k, p in parameters.items() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)}
+    open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+    expected = [key for key in named if key not in supplied or key in arguments]
+    for key, value in arguments.items():
+        if key in named:
+            _check_type(value, named[key].annotation, f"{prefix}{key}", name)
+        elif not open_ended:
+            raise UnknownNameError("key", f"{prefix}{key}", [f"{prefix}{k}" for k in expected], name)
+    lacking = [k for k in expected if k not in arguments and named[k].default is inspect.Parameter.empty]
+    if lacking:
+        keys = ", ".join(prefix + key for key in lacking)
+        group = f" Keys of one that is complete: --cfg job -p {prefix.partition('.')[0]}." if prefix else ""
+        raise ConfigError(f"{name} needs {keys}; the configuration has no such key.{group}")
+
+
+def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
+    try:
+        return inspect.signature(function, eval_str=True).parameters
+    except NameError:  # an annotation that only exists for the type checker
+        return inspect.signature(function).parameters
+
+
+def _check_type(value: object, hint: object, key: str, name: str) -> None:
+    if _has_target(value):
+        return
+    if not _is_plain(hint):
+        _check_object(value, hint, key, name)
+        return
+    if not _fits(value, hint):
+        kind = type(value).__name__
+        expected = inspect.formatannotation(hint)
+        raise ConfigError(f"{key} is {value!r} ({kind}); {name} expects {expected}.")
+
+
+def _fits(value: object, hint: object) -> bool:
+    if isinstance(value, str) and not _takes_text(hint):  # a str is a sequence of str, but never meant as one
+        return False
+    try:
+        check_type(value, hint, collection_check_strategy=CollectionCheckStrategy.ALL_ITEMS)
+    except TypeCheckError:
+        return False
+    return True
+
+
+def _check_object(value: object, hint: object, key: str, name: str) -> None:
+    """Check a value that should have been built from a `_target_`, but names none."""
+    if inspect.isclass(hint) and hint is not inspect.Parameter.empty and isinstance(value, YAML):
+        raise ConfigError(
+            f"{key} names no class: its yaml lacks the line _target_: package.module.Name, from which {name} expects a "
+            f"{hint.__name__}."
+        )
+
+
+def _takes_text(hint: object) -> bool:
+    """Whether a plain type hint admits a string as such."""
+    if typing.get_origin(hint) in (types.UnionType, typing.Union):
+        return any(map(_takes_text, typing.get_args(hint)))
+    return hint in (str, Any, object) or typing.get_origin(hint) is typing.Literal
+
+
+def _is_plain(hint: object) -> bool:
+    """Whether a type hint speaks only of what yaml can hold; others are the target's own business."""
+    origin = typing.get_origin(hint)
+    if origin is typing.Literal:
+        return True
+    if origin in CONTAINERS or origin is typing.Union:
+        return all(_is_plain(argument) for argument in typing.get_args(hint))
+    return hint in PLAIN
+
+
+def _has_target(value: object) -> bool:
+    if isinstance(value, Mapping):
+        return "_target_" in value or any(map(_has_target, value.values()))
+    return isinstance(value, list) and any(map(_has_target, value))

@@ -1,0 +1,159 @@
+"""Composing a verb's configuration: search path, resolvers, and whole groups as one option."""
+
+import functools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import ClassVar
+
+import hydra
+from hydra.core.config_search_path import ConfigSearchPath
+from hydra.core.config_store import ConfigStore
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.plugins import Plugins
+from hydra.errors import ConfigCompositionException
+from hydra.plugins.search_path_plugin import SearchPathPlugin
+from hydra.types import RunMode
+from omegaconf import DictConfig, OmegaConf
+
+from dr_lab.cli import folders as places
+from dr_lab.cli.overrides import refused_key, respell
+from dr_lab.errors import ConfigError
+
+HYDRA_VERSION = "1.3"
+WHOLE_GROUP = "all"
+INTERNAL_GROUPS = ("base", "hydra")
+
+
+class UserFoldersFirst(SearchPathPlugin):
+    """Puts the user's configuration folders before the one that ships with dr_lab.
+
+    Attributes:
+        folders: the user's folders, first searched first.
+    """
+
+    folders: ClassVar[tuple[Path, ...]] = ()
+
+    def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
+        """Insert the folders; Hydra calls this for every composition."""
+        for folder in self.folders:
+            search_path.prepend(provider="user", path=f"file://{folder}", anchor="main")
+
+
+def register_resolvers(folders: Sequence[Path]) -> None:
+    """Make ``${conf:…}`` and ``${examples:…}`` known to OmegaConf; needed in every process that reads a config.
+
+    Args:
+        folders: configuration folders, first searched first.
+    """
+    OmegaConf.register_new_resolver("conf", functools.partial(places.find, tuple(folders)), replace=True)
+    OmegaConf.register_new_resolver("examples", places.example, replace=True)
+
+
+def prepare(folders: Sequence[Path]) -> None:
+    """Make Hydra compose from the given folders in this process.
+
+    Args:
+        folders: configuration folders, first searched first; the last one ships with dr_lab.
+    """
+    register_resolvers(folders)
+    UserFoldersFirst.folders = tuple(folders[:-1])
+    Plugins.instance().register(UserFoldersFirst)
+    _offer_whole_groups(folders)
+
+
+def compose(verb: str, overrides: Sequence[str] = (), config_dir: Path | None = None) -> DictConfig:
+    """A verb's configuration, for notebooks and tests.
+
+    Args:
+        verb: e.g. ``"close"``.
+        overrides: as on the command line, e.g. ``["model=furuta", "seed=3"]``.
+        config_dir: folder with the user's own groups, searched first.
+
+    Raises:
+        hydra.errors.ConfigCompositionException: an override names nothing.
+    """
+    own = () if config_dir is None else (config_dir.absolute(),)
+    prepare((*own, places.shipped()))
+    typed = list(overrides)
+    with hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(places.shipped())):
+        while True:
+            try:
+                return hydra.compose(config_name=verb, overrides=typed)
+            except ConfigCompositionException as error:
+                refused = refused_key(error)
+                respelt = None if refused is None else respell(typed, refused)
+                if respelt is None:
+                    raise
+                typed = respelt
+
+
+def compose_with_hydra(config_name: str, overrides: Sequence[str], folders: Sequence[Path]) -> DictConfig:
+    """The same with Hydra's own node, and without complaint about a group that still needs a choice.
+
+    Args:
+        config_name: root configuration.
+        overrides: as on the command line.
+        folders: configuration folders, first searched first.
+    """
+    prepare(folders)
+    with hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(folders[-1])):
+        loader = GlobalHydra.instance().config_loader()
+        # Composition for a sweep is the mode in which Hydra tolerates a mandatory group without a choice.
+        return loader.load_configuration(config_name, list(overrides), RunMode.MULTIRUN)
+
+
+def choices(cfg: DictConfig) -> dict[str, str | None]:
+    """The groups of a verb and their chosen options, without internal ones and those nested in another (``a@b.c``).
+
+    Args:
+        cfg: configuration with Hydra's node.
+    """
+    chosen = OmegaConf.to_container(cfg.hydra.runtime.choices)
+    if not isinstance(chosen, dict):
+        return {}
+    shown = {str(group): option for group, option in reversed(chosen.items()) if "@" not in str(group)}
+    return {group: option for group, option in shown.items() if group.split("/")[0] not in INTERNAL_GROUPS}
+
+
+def options(group: str, folders: Sequence[Path]) -> dict[str, Path]:
+    """The options of a group, sorted; a user's file hides ours of the same name.
+
+    Args:
+        group: e.g. ``"model"``.
+        folders: configuration folders, first searched first.
+
+    Returns:
+        File by option.
+    """
+    files = {path.stem: path for folder in reversed(folders) for path in (folder / group).glob("*.yaml")}
+    return dict(sorted(files.items()))
+
+
+def combines(files: dict[str, Path]) -> bool:
+    """Whether a group's options stand side by side: each declares a package of its own, ``<something>.<option>``.
+
+    Raises:
+        ConfigError: some do and some do not.
+    """
+    headers = {name: path.read_text(encoding="utf-8").partition("\n")[0].split() for name, path in files.items()}
+    beside = {
+        name: words[-1].removesuffix(f".{name}")
+        for name, words in headers.items()
+        if words[:2] == ["#", "@package"] and words[-1].endswith(f".{name}")
+    }
+    alone = [name for name in files if name not in beside]
+    if alone and beside:
+        package = f"{next(iter(beside.values()))}.{alone[0]}"
+        raise ConfigError(f"{files[alone[0]]}: its first line must be '# @package {package}', as its neighbours have.")
+    return bool(beside)
+
+
+def _offer_whole_groups(folders: Sequence[Path]) -> None:
+    """Give every group of side-by-side options the option `all`, so that a new file joins the catalogue by itself."""
+    groups = {path.name for folder in folders for path in folder.iterdir() if path.is_dir()}
+    for group in sorted(groups):
+        files = options(group, folders)
+        if combines(files):
+            ConfigStore.instance().store(
+                WHOLE_GROUP, {"defaults": list(files)}, group=group, package="_global_", provider="dr_lab"
+            )

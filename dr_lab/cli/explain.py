@@ -1,0 +1,162 @@
+"""One clear message for every way in which a command can fail."""
+
+import re
+import traceback
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import yaml
+from hydra.errors import (
+    HydraException,
+    InstantiationException,
+    MissingConfigException,
+    OverrideParseException,
+)
+from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
+
+from dr_lab.cli.compose import choices, compose_with_hydra, options
+from dr_lab.cli.overrides import RefusedKey, refused_key
+from dr_lab.cli.verbs import description
+from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
+
+USER_FAULT = 2
+OUR_FAULT = 1
+
+
+def explain(error: Exception, verb: str, folders: Sequence[Path]) -> tuple[str, int]:
+    """What to tell the user, and the exit code.
+
+    Args:
+        error: what was raised.
+        verb: the verb that was running.
+        folders: configuration folders, first searched first.
+
+    Returns:
+        The message, and 2 where the user can mend the cause or 1 where it looks like a fault of dr_lab.
+    """
+    for cause in _chain(error):
+        if isinstance(cause, DrLabError):
+            return str(cause), USER_FAULT
+    if isinstance(error, InstantiationException):
+        return _instantiation(error), OUR_FAULT
+    mendable = _mendable(error, verb, folders)
+    if mendable is not None:
+        return mendable, USER_FAULT
+    detail = f"{type(error).__name__}: {error}"
+    return f"{detail}\nThis looks like a fault of dr_lab; HYDRA_FULL_ERROR=1 shows where it happened.", OUR_FAULT
+
+
+def _mendable(error: Exception, verb: str, folders: Sequence[Path]) -> str | None:
+    """What to tell of an error of others that the user can mend, or None where it is none of these."""
+    if isinstance(error, yaml.MarkedYAMLError):
+        return _syntax(error)
+    if isinstance(error, HydraException | OmegaConfBaseException):
+        return _composition(str(error), verb, folders) or _configuration(error, verb, folders)
+    if isinstance(error, ValueError) and _raised_by_hydra(error):
+        return str(error)
+    if isinstance(error, OSError) and error.filename is not None:
+        return _file_error(error)
+    return None
+
+
+def _file_error(error: OSError) -> str:
+    """A file or folder that the system refuses; while Hydra runs alone it makes the run folder and nothing else."""
+    modules = [str(frame.f_globals.get("__name__")) for frame, _ in traceback.walk_tb(error.__traceback__)]
+    if "hydra.core.utils" in modules and "dr_lab.cli.job" not in modules:
+        return f"Cannot make the run folder {error.filename}: {error.strerror}. Choose another place: outputs=FOLDER."
+    return f"{error.filename}: {error.strerror}. Choose another one, or change its permissions."
+
+
+def _raised_by_hydra(error: Exception) -> bool:
+    """Whether Hydra's own code raised it, as it does for flags that exclude one another."""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    return bool(frames) and str(frames[-1].f_globals.get("__name__")).startswith("hydra.")
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An error and what led to it; OmegaConf keeps the cause of a failed resolver only as context."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
+
+
+def _syntax(error: yaml.MarkedYAMLError) -> str:
+    mark = error.problem_mark
+    where = f"{mark.name}, line {mark.line + 1}: " if mark is not None else ""
+    return f"{where}{error.problem}. This is not valid yaml; indent with spaces and quote texts that hold ': ' or ' #'."
+
+
+def _instantiation(error: InstantiationException) -> str:
+    *_, root = _chain(error)
+    key = re.search(r"full_key: (\S+)", str(error))
+    where = f"Building {key[1]} failed. " if key else ""
+    return f"{where}{type(root).__name__}: {root}\nHYDRA_FULL_ERROR=1 shows where it happened."
+
+
+def _configuration(error: Exception, verb: str, folders: Sequence[Path]) -> str:
+    """A fault that Hydra or OmegaConf found while composing."""
+    if isinstance(error, OverrideParseException):
+        return _unreadable(str(error.override))
+    if isinstance(error, MissingConfigException):
+        return _missing_option(error, folders)
+    refused = refused_key(error)
+    if refused is not None:
+        return str(_unknown_key(refused, error, verb, folders))
+    cause = next((e for e in _chain(error) if isinstance(e, OmegaConfBaseException)), None)
+    if cause is not None:
+        return _omegaconf(cause)
+    return str(error).strip()
+
+
+def _composition(text: str, verb: str, folders: Sequence[Path]) -> str | None:
+    """What Hydra says of the defaults list, in our words: a group without a choice, an experiment of another verb."""
+    needed = re.match(r"You must specify '([^']+)'", text)
+    if needed is not None:
+        available = ", ".join(options(needed[1], folders))
+        return f"No {needed[1]} is chosen. Give one: dr-lab {verb} {needed[1]}=NAME. Available: {available}."
+    foreign = re.match(r"In 'experiment/([^']+)': Could not override '([^']+)'", text)
+    if foreign is None:
+        return None
+    lines = description(options("experiment", folders)[foreign[1]])
+    own = next((f" Its own command: {line}" for line in lines if line.startswith("dr-lab ")), "")
+    return f"Experiment {foreign[1]!r} is not one of dr-lab {verb}, which has no group {foreign[2]!r}.{own}"
+
+
+def _unreadable(override: str) -> str:
+    """An override that Hydra's grammar does not hold; shows how the shell and Hydra get the value whole."""
+    key, equals, value = override.partition("=")
+    if not equals or not key or not value or value[0] in "{[\"'=":
+        return (
+            f"Cannot read {override!r}; expected key=value. Quote a text that holds spaces, commas, brackets or other "
+            "signs, once for the shell and once for Hydra: 'key=\"text\"'."
+        )
+    return f"Cannot read {override!r}. Quote the value, once for the shell and once for Hydra: '{key}=\"{value}\"'."
+
+
+def _missing_option(error: MissingConfigException, folders: Sequence[Path]) -> str:
+    """An option that its group does not have; Hydra lists the others only where a single one was chosen."""
+    group, _, option = (error.missing_cfg_file or "").rpartition("/")
+    available = error.options or [*options(group, folders)]
+    if not group or not available:
+        return str(error).splitlines()[0]
+    return str(UnknownNameError(group, option, available, "the configuration"))
+
+
+def _unknown_key(refused: RefusedKey, error: Exception, verb: str, folders: Sequence[Path]) -> DrLabError:
+    """An override that names neither a key nor a group of the verb; says what there is beside it."""
+    if refused.prefix and refused.node is not None:
+        known = {f"{refused.prefix}.{name}" for name in refused.node}
+    else:
+        cfg = compose_with_hydra(verb, [], folders)
+        known = {str(name) for name in cfg if name != "hydra"} | set(choices(cfg))
+    if refused.key in known:
+        return ConfigError(str(error))
+    return UnknownNameError("key or group", refused.key, known, f"dr-lab {verb}")
+
+
+def _omegaconf(error: OmegaConfBaseException) -> str:
+    text = re.sub(r"^\w+ raised while resolving interpolation: ", "", (error.msg or str(error)).splitlines()[0])
+    where = f"{error.full_key}: " if error.full_key else ""
+    if isinstance(error, MissingMandatoryValue):
+        return f"{where}no value. Give one: {error.full_key}=…"
+    return f"{where}{text}"

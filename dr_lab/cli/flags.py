@@ -1,0 +1,33 @@
+"""Flags that neither dr_lab nor Hydra knows, told before Hydra prints its usage at them."""
+
+from collections.abc import Sequence
+from typing import NoReturn
+
+from hydra._internal.utils import get_args_parser
+
+from dr_lab.errors import ConfigError, UnknownNameError
+
+
+def require_known_flags(arguments: Sequence[str], verb: str) -> None:
+    """Check the flags among a command's arguments.
+
+    Args:
+        arguments: what follows the verb.
+        verb: for messages.
+
+    Raises:
+        UnknownNameError: a flag that does not exist.
+        ConfigError: a flag lacks its value or has a wrong one.
+    """
+    parser = get_args_parser()
+    flags = [flag for action in parser._actions for flag in action.option_strings if flag.startswith("--")]
+
+    def refuse(message: str) -> NoReturn:
+        raise ConfigError(f"{message}. Flags: {', '.join(sorted(flags))}.")
+
+    parser.error = refuse
+    _, unknown = parser.parse_known_args(list(arguments))
+    for word in unknown:
+        name = word.partition("=")[0]
+        if name.lstrip("-") != name:
+            raise UnknownNameError("flag", name, flags, f"dr-lab {verb} (settings have no dashes: key=value)")

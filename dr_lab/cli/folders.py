@@ -1,0 +1,101 @@
+"""Where configuration and examples lie; imports nothing heavy, so that `dr-lab --help` answers at once."""
+
+import glob
+from collections.abc import Sequence
+from pathlib import Path
+
+from dr_lab.errors import ConfigError, UnknownNameError
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def shipped() -> Path:
+    """The configuration that comes with dr_lab: inside the package when installed from a wheel, else the checkout's.
+
+    Raises:
+        ConfigError: neither exists (a broken installation).
+    """
+    candidates = (PACKAGE / "conf", PACKAGE.parent / "conf")
+    for folder in candidates:
+        if folder.is_dir():
+            return folder
+    looked = " and ".join(map(str, candidates))
+    raise ConfigError(f"dr_lab's configuration is missing (looked at {looked}). Install dr_lab again.")
+
+
+def split_config_dir(arguments: Sequence[str]) -> tuple[tuple[Path, ...], list[str]]:
+    """Take the user's configuration folder out of the arguments, because it must be searched before ours.
+
+    Hydra itself searches ``--config-dir`` last, so that a file of the user's would silently lose against one of ours
+    with the same name.
+
+    Args:
+        arguments: what follows the verb.
+
+    Returns:
+        Folders to search in order, and the remaining arguments.
+
+    Raises:
+        ConfigError: the flag has no value, or the folder does not exist.
+    """
+    folders: list[Path] = []
+    rest: list[str] = []
+    words = iter(arguments)
+    for word in words:
+        if word in ("--config-dir", "-cd"):
+            folders.append(_existing(next(words, "")))
+        elif word.startswith("--config-dir="):
+            folders.append(_existing(word.partition("=")[2]))
+        else:
+            rest.append(word)
+    return (*folders, shipped()), rest
+
+
+def _existing(given: str) -> Path:
+    folder = Path(given).expanduser().absolute()
+    if not given or not folder.is_dir():
+        raise ConfigError(f"--config-dir needs an existing folder; given {given!r}. It holds groups such as model/.")
+    return folder
+
+
+def find(folders: Sequence[Path], relative: str) -> str:
+    """Absolute path of a file of the configuration; the resolver ``${conf:model/furuta.xml}``.
+
+    Args:
+        folders: folders to search, in order.
+        relative: path inside a configuration folder.
+
+    Raises:
+        UnknownNameError: no folder has it; the message lists the files of that kind beside it.
+    """
+    for folder in folders:
+        path = folder / relative
+        if path.exists():
+            return str(path)
+    given = Path(relative)
+    beside = {
+        str(given.parent / path.name) for folder in folders for path in (folder / given.parent).glob(f"*{given.suffix}")
+    }
+    raise UnknownNameError("configuration file", relative, beside, " or ".join(map(str, folders)))
+
+
+def example(relative: str) -> str:
+    """Absolute path inside the checkout's examples; the resolver ``${examples:furuta/*.mcap}``.
+
+    Args:
+        relative: path or glob inside ``examples/``.
+
+    Raises:
+        ConfigError: dr_lab was installed without its examples, or there is no such example.
+    """
+    folder = PACKAGE.parent / "examples"
+    if not folder.is_dir() or shipped().parent != folder.parent:
+        raise ConfigError(
+            f"The example {relative!r} is not part of an installed dr_lab. Run inside a clone of its repository, "
+            "or name your own logs: measurements.logs=[log.mcap]."
+        )
+    path = folder / relative
+    if not glob.glob(str(path)):
+        available = sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.suffix == path.suffix)
+        raise UnknownNameError("example", relative, available, str(folder))
+    return str(path)

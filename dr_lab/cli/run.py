@@ -1,0 +1,129 @@
+"""Handing a verb to Hydra, and every failure to the user as one message."""
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import hydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.errors import ConfigCompositionException
+from hydra.types import RunMode
+from omegaconf import DictConfig, OmegaConf
+
+from dr_lab.cli.compose import HYDRA_VERSION, prepare
+from dr_lab.cli.explain import explain
+from dr_lab.cli.flags import require_known_flags
+from dr_lab.cli.job import Job, run_job
+from dr_lab.cli.overrides import refused_key, respell
+from dr_lab.cli.verb_help import verb_help
+from dr_lab.errors import DrLabError
+
+TRACEBACK_VARIABLE = "HYDRA_FULL_ERROR"
+Task = Callable[[DictConfig], None]
+
+
+def run(verb: str, arguments: list[str], folders: tuple[Path, ...]) -> int:
+    """Run a verb with Hydra's whole command line.
+
+    Args:
+        verb: name of a root configuration.
+        arguments: what follows the verb, without ``--config-dir``.
+        folders: configuration folders, first searched first; the last one ships with dr_lab.
+
+    Returns:
+        The exit code: 0, 2 where the user can mend the cause, 1 for a fault of dr_lab.
+
+    Raises:
+        Exception: any failure, with its traceback, where ``HYDRA_FULL_ERROR=1``.
+    """
+    traceback_wanted = os.environ.get(TRACEBACK_VARIABLE) == "1"
+    try:
+        if "--help" in arguments or "-h" in arguments:
+            print(verb_help(verb, [word for word in arguments if not word.startswith("-")], folders))
+            return 0
+        require_known_flags(arguments, verb)
+        with _environment(RUST_LOG="error"):  # Rerun's reader logs what becomes a note in the report
+            _hand_to_hydra(verb, arguments, folders, traceback_wanted)
+    except BrokenPipeError:
+        raise
+    except Exception as error:
+        if traceback_wanted:
+            raise
+        message, code = explain(error, verb, folders)
+        print(f"dr-lab {verb}: {message}", file=sys.stderr)
+        return code
+    return 0
+
+
+def _hand_to_hydra(verb: str, arguments: list[str], folders: tuple[Path, ...], traceback_wanted: bool) -> None:
+    """Let Hydra read the arguments; what it refuses for a name with a dot is respelt once for each such name."""
+    prepare(folders)
+    failures: list[Exception] = []
+    task = _task(verb, folders, traceback_wanted, failures)
+    main = hydra.main(version_base=HYDRA_VERSION, config_path=str(folders[-1]), config_name=verb)(task)
+    while True:
+        sys.argv = [sys.argv[0], *arguments]
+        try:
+            # Hydra then raises its errors instead of printing them and exiting: all take the same way to the user.
+            with _environment(**{TRACEBACK_VARIABLE: "1"}):
+                main()
+        except ConfigCompositionException as error:
+            refused = refused_key(error)
+            respelt = None if refused is None else respell(arguments, refused)
+            if respelt is None:
+                raise
+            arguments = respelt
+        else:
+            break
+    for failure in failures:
+        raise failure
+
+
+def _task(verb: str, folders: tuple[Path, ...], traceback_wanted: bool, failures: list[Exception]) -> Task:
+    """The function that Hydra calls for every job.
+
+    A single job leaves its exception in `failures`, because Hydra would announce it in words of its own. A job of a
+    sweep may run in another process: it raises, the text alone travelling back, and the other jobs go on.
+    """
+
+    def task(cfg: DictConfig) -> None:
+        state = HydraConfig.get()
+        typed = tuple(map(str, OmegaConf.to_container(state.overrides.task, resolve=False) or ()))
+        output_dir = Path(state.runtime.output_dir)
+        job = Job(verb, typed, state.runtime.choices.get("base"), output_dir, folders)
+        single = state.mode != RunMode.MULTIRUN
+        label = "" if single else f"job {state.job.num} ({' '.join(typed)})"
+        if label:
+            print(f"\n{label}")
+        try:
+            run_job(job, cfg)
+        except Exception as error:
+            if single:
+                failures.append(error)
+                return
+            if traceback_wanted:
+                raise
+            message = f"{label} failed: {explain(error, verb, folders)[0]}"
+            print(message, file=sys.stderr)
+            raise DrLabError(message) from None
+
+    # Hydra names the job after the module of its function.
+    task.__module__ = f"dr_lab.workflows.{verb}"
+    return task
+
+
+@contextmanager
+def _environment(**values: str) -> Iterator[None]:
+    """Set environment variables for the time of a block."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

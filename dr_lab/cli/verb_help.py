@@ -1,0 +1,106 @@
+"""The text of ``dr-lab <verb> --help``, made from the configuration files and the comments in them."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import yaml
+from omegaconf import DictConfig, OmegaConf
+
+from dr_lab.cli.compose import WHOLE_GROUP, choices, combines, compose_with_hydra, options
+from dr_lab.cli.verbs import description, summary
+
+WIDTH = 118
+ABSENT = object()
+NOT_SETTINGS = ("defaults", "hydra", "_target_")
+FLAGS = """\
+Flags
+  --cfg job [--resolve] [-p key]   print the composed configuration and stop
+  -m, --multirun                   one job per combination: -m seed=1,2,3
+  --config-dir FOLDER              your own model/, measurements/, effect/ … files, found before ours
+  --hydra-help                     everything else that Hydra can do
+
+Remove a key with ~key; repeat a run with --config-dir RUN_FOLDER --config-name config."""
+
+
+def verb_help(verb: str, overrides: Sequence[str], folders: Sequence[Path]) -> str:
+    """What a verb does, its groups with their options, its keys with value and comment, and where results go.
+
+    Args:
+        verb: name of a root configuration.
+        overrides: what else was typed; the shown values follow it.
+        folders: configuration folders, first searched first.
+    """
+    cfg = compose_with_hydra(verb, overrides, folders)
+    root = next(path for folder in folders if (path := folder / f"{verb}.yaml").is_file())
+    first, *examples = description(root)
+    lines = [f"dr-lab {verb} [group=option ...] [key=value ...]", "", f"  {first}"]
+    lines += [f"  {line}".rstrip() for line in examples]
+    lines += ["", "Groups"]
+    for group, chosen in choices(cfg).items():
+        lines += _group(group, chosen, folders)
+    lines += ["", "Keys (those of a group: --cfg job)", *_keys(cfg, root, folders)]
+    if "now:" in str(OmegaConf.to_container(cfg.hydra.run, resolve=False)):
+        model = "<model>/" if "model" in cfg else ""
+        lines += ["", f"Results: {cfg.outputs}/{verb}/{model}<date_time>/"]
+    return "\n".join([*lines, "", FLAGS])
+
+
+def _group(group: str, chosen: str | None, folders: Sequence[Path]) -> Iterator[str]:
+    """A group's choice, then one line for every option where there is something to choose."""
+    files = options(group, folders)
+    several = combines(files)
+    hint = f"   several at once: {group}=[a,b]" if several else ""
+    yield f"  {group}={'null' if chosen is None else chosen}{hint}"
+    if list(files) == [chosen]:
+        return
+    texts = {WHOLE_GROUP: "every one of them"} if several else {}
+    texts |= {name: summary(path).partition(". ")[0].removesuffix(".") for name, path in files.items()}
+    width = max(map(len, texts), default=0) + 2
+    for name, text in texts.items():
+        line = f"      {name:<{width}}{text}".rstrip()
+        yield line if len(line) <= WIDTH else f"{line[: WIDTH - 2].rpartition(' ')[0]} …"
+
+
+def _keys(cfg: DictConfig, root: Path, folders: Sequence[Path]) -> Iterator[str]:
+    """The keys of the root configuration and of groups without alternatives, each with its value and comment."""
+    comments = dict(_commented(root))
+    for path in options("base", folders).values():
+        comments |= dict(_commented(path))
+    for group, chosen in choices(cfg).items():
+        files = options(group, folders)
+        if (
+            chosen is not None
+            and list(files) == [chosen]
+            and "@package" not in files[chosen].read_text(encoding="utf-8")
+        ):
+            prefix = group.replace("/", ".")
+            comments |= {f"{prefix}.{key}": comment for key, comment in _commented(files[chosen])}
+    shown = {}
+    for key, comment in comments.items():
+        value = OmegaConf.select(cfg, key, default=ABSENT)
+        if value is not ABSENT:
+            shown[f"{key}={'null' if value is None else value}"] = comment
+    width = min(max(map(len, shown), default=0), 48) + 2
+    for text, comment in shown.items():
+        yield f"  {text:<{width - 2}}  {comment}".rstrip()
+
+
+def _commented(path: Path) -> Iterator[tuple[str, str]]:
+    """The settings that a yaml file holds, as dotted keys, each with the comment at the end of its line."""
+    text = path.read_text(encoding="utf-8")
+    lines = [*text.splitlines(), ""]
+
+    def walk(node: yaml.Node | None, prefix: str) -> Iterator[tuple[str, str]]:
+        if not isinstance(node, yaml.MappingNode):
+            return
+        for key, value in node.value:
+            name = f"{prefix}{key.value}"
+            if name in NOT_SETTINGS:
+                continue
+            if isinstance(value, yaml.MappingNode) and not value.flow_style:
+                yield from walk(value, f"{name}.")
+            else:
+                rest = lines[value.end_mark.line][value.end_mark.column :]
+                yield name, rest.partition("#")[2].strip()
+
+    yield from walk(yaml.compose(text, yaml.SafeLoader), "")

@@ -1,0 +1,1 @@
+"""How a gap between model and measurement is measured, explained and closed."""

@@ -1,0 +1,63 @@
+"""Uncertainty of a fitted context: formal, and from the scatter between logs."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.blocks import blocks
+from dr_lab.diagnosis.fit import Fit
+from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.diagnosis.windows import Windows
+from dr_lab.physics.context import ContextEstimate, ContextSpace
+from dr_lab.trajectory import Array
+
+
+def estimate(space: ContextSpace, fit: Fit, windows: Windows, settings: EvidenceSettings) -> ContextEstimate:
+    """Mean and covariance of the fitted context.
+
+    The covariance is the larger, direction by direction, of the formal one, I⁻¹, and of a block bootstrap over logs
+    (one Gauss–Newton step per resample from the logs' own gradients), so that it covers logs that disagree and
+    residuals that are coloured. A single log is resampled in blocks of consecutive windows instead.
+    """
+    formal = np.asarray(np.linalg.inv(fit.equations.information()), np.float64)
+    span = np.diag(space.span)
+    return ContextEstimate(space, fit.z, span @ _larger(formal, _scatter(fit, windows, settings)) @ span)
+
+
+def per_log(space: ContextSpace, fit: Fit, windows: Windows) -> Array:
+    """Context that each log alone would prefer, by one Gauss–Newton step from the common fit, shape (logs, n)."""
+    information, gradient = _sums(fit, blocks(windows.log))
+    steps = [np.linalg.solve(i + np.diag(fit.equations.prior), g) for i, g in zip(information, gradient, strict=True)]
+    return space.clip(fit.z - np.array(steps) * space.span)
+
+
+def _sums(fit: Fit, groups: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
+    """Information and gradient of groups of windows, shapes (groups, n, n) and (groups, n)."""
+    information, gradient = fit.equations.window_information()
+    return np.array([information[g].sum(0) for g in groups]), np.array([gradient[g].sum(0) for g in groups])
+
+
+def _scatter(fit: Fit, windows: Windows, settings: EvidenceSettings) -> Array:
+    """Covariance of the contexts (unit cube) that resampled data prefer, shape (n, n); zero for a single block."""
+    several = len(np.unique(windows.log)) > 1
+    information, gradient = _sums(fit, blocks(windows.log) if several else blocks(windows.log, settings.block))
+    count = len(gradient)
+    if count == 1:
+        return np.zeros_like(information[0])
+    picks = np.random.default_rng(settings.seed).integers(0, count, (settings.resamples, count))
+    total = information[picks].sum(1) + np.diag(fit.equations.prior)
+    found = -np.linalg.solve(total, gradient[picks].sum(1)[..., None])[..., 0]
+    # Resampling n blocks shows only (n − 1)/n of their scatter.
+    return np.cov(found.T, ddof=1).reshape(total.shape[1:]) * count / (count - 1)
+
+
+def _larger(a: Array, b: Array) -> Array:
+    """Smallest covariance of a simple form that is at least `a` and at least `b` in every direction.
+
+    In the coordinates in which a is the identity, each eigenvalue of b is raised to at least 1.
+    """
+    root = np.linalg.cholesky(a)
+    inverse = np.linalg.inv(root)
+    values, vectors = np.linalg.eigh(inverse @ b @ inverse.T)
+    return root @ (vectors * np.maximum(values, 1.0)) @ vectors.T @ root.T

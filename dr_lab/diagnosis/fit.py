@@ -1,0 +1,149 @@
+"""Fit of a model's context to windows of measurements by Levenberg–Marquardt over batched simulations.
+
+Unknowns are the context z and, as nuisance, every window's initial state x_w with a Gaussian prior around its
+smoothed measurement (multiple shooting, MAP). The cost is
+Σ_w ‖(y − ŷ(z, x_w))/σ‖²_Huber + Σ_w ‖(x_w − x̄_w)/s‖² + ‖(z − z_nominal)/(k · span)‖².
+All columns of the Jacobian are one batch of simulations; the states are eliminated by a Schur complement.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.normal_equations import NormalEquations
+from dr_lab.diagnosis.point import Point, huber_weights
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.diagnosis.slopes import Slopes, differences
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Fit(Point):
+    """The point at which the cost is lowest.
+
+    Attributes:
+        equations: Gauss–Newton model at the point, with the slopes of the last linearisation, in unit-cube parameters.
+        first: the same at the start.
+        slopes: Jacobian at the last linearisation.
+        iterations: steps taken.
+    """
+
+    equations: NormalEquations
+    first: NormalEquations
+    slopes: Slopes
+    iterations: int
+
+    @property
+    def order(self) -> tuple[int, float]:
+        """What makes one fit of the same windows better than another: fewer that diverge, then a lower cost."""
+        return int(self.infeasible.sum()), self.cost
+
+
+class Fitter:
+    """Levenberg–Marquardt over one `Replay`.
+
+    Args:
+        replay: windows and model.
+        settings: step sizes and stopping rule.
+    """
+
+    def __init__(self, replay: Replay, settings: SolverSettings) -> None:
+        self.replay = replay
+        self.settings = settings
+        self.space = replay.model.space
+        self._columns = np.arange(len(self.space.parameters))
+        self._precision = replay.windows.prior.std**-2.0
+        self._prior_precision = np.full(len(self._columns), settings.prior_spans**-2.0)
+
+    def run(
+        self, z: Array, delta: Array | None = None, known: Slopes | None = None, iterations: int | None = None
+    ) -> Fit:
+        """Fit from a start.
+
+        Args:
+            z: start, shape (n,).
+            delta: first state corrections, shape (w, 2 nv); None starts at the prior's mean.
+            known: slopes at the start for the states and the first parameters, which need no simulation then.
+            iterations: most steps; None takes the settings'.
+        """
+        if delta is None:
+            delta = np.zeros((len(self.replay.windows), self.replay.nstate))
+        best, settings = self._point(z, delta), self.settings
+        slopes, stale = self._first_slopes(best, known), known is not None
+        best, weight, linear = self._linear(best, slopes)
+        first, damping, most, taken = linear, settings.damping, iterations or settings.iterations, 0
+        for taken in range(1, most + 1):
+            trial = self._trial(best, linear, damping, weight)
+            gain = best.cost - trial.cost
+            if gain >= 0:
+                done = gain <= settings.tolerance * best.cost
+                stale = gain <= settings.refresh * best.cost
+                best, damping = trial, damping / settings.damping_down
+                if done or taken == most:
+                    break
+                slopes = self._slopes(best, slopes.state if stale else None)
+            elif stale:
+                slopes, stale = self._slopes(best), False
+            else:
+                damping *= settings.damping_up
+                if damping > settings.damping_max:
+                    break
+                continue
+            best, weight, linear = self._linear(best, slopes)
+        best, _, linear = self._linear(best, slopes)
+        return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, linear, first, slopes, taken)
+
+    def _first_slopes(self, point: Point, known: Slopes | None) -> Slopes:
+        if known is None:
+            return self._slopes(point)
+        given = known.parameter.shape[2]
+        rest = self._differences(point, states=False, columns=self._columns[given:])
+        return Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
+
+    def _slopes(self, point: Point, state: Array | None = None) -> Slopes:
+        """Slopes at a point; those of the states may be kept from a nearby one, where they have hardly changed."""
+        columns = self._differences(point, states=state is None, columns=self._columns)
+        count = self.replay.nstate if state is None else 0
+        return Slopes(columns[..., :count] if state is None else state, columns[..., count:])
+
+    def _differences(self, point: Point, *, states: bool, columns: NDArray[np.intp]) -> Array:
+        return differences(self.replay, self.settings, point, states=states, columns=columns)
+
+    def _linear(self, point: Point, slopes: Slopes) -> tuple[Point, Array, NormalEquations]:
+        """The point with its cost under fresh robust weights, the weights, and the normal equations there."""
+        weight = huber_weights(point.residuals, self.replay.fitted, point.infeasible, self.settings.huber)
+        unit = self.space.to_unit(point.z) - self.space.to_unit(self.space.nominal)
+        equations = NormalEquations.build(
+            residual=point.residuals,
+            state_jacobian=slopes.state,
+            parameter_jacobian=slopes.parameter,
+            weight=weight,
+            delta=point.delta,
+            state_precision=self._precision,
+            prior=self._prior_precision,
+            prior_gradient=self._prior_precision * unit,
+        )
+        return replace(point, cost=self._cost(point, weight)), weight, equations
+
+    def _point(self, z: Array, delta: Array) -> Point:
+        residuals, infeasible = self.replay.residuals(z[None], delta[None])
+        return Point(z, delta, residuals[0], np.inf, infeasible[0])
+
+    def _cost(self, point: Point, weight: Array) -> float:
+        offset = self.space.to_unit(point.z) - self.space.to_unit(self.space.nominal)
+        states = float((self._precision * point.delta**2).sum())
+        prior = float((self._prior_precision * offset**2).sum())
+        return float((weight * point.residuals**2).sum()) + states + prior
+
+    def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> Point:
+        unit = self.space.to_unit(best.z)
+        gradient = linear.window_information()[1].sum(0) + linear.prior_gradient
+        movable = ~(((unit <= 0) & (gradient > 0)) | ((unit >= 1) & (gradient < 0)))
+        move, state_move = linear.step(damping, movable)
+        unit = np.clip(unit + move, 0, 1)
+        trial = self._point(self.space.from_unit(unit), best.delta + state_move)
+        if (trial.infeasible & ~best.infeasible).any():
+            return trial
+        return replace(trial, cost=self._cost(trial, weight), infeasible=best.infeasible | trial.infeasible)

@@ -1,0 +1,39 @@
+"""Can the data show an effect at all, and could the free parameters take its place?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.diagnosis.normal_equations import NormalEquations
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """Predicted Δχ² of an effect over the width of its bounds, to first order.
+
+    Attributes:
+        alone: with all other parameters held; below the evidence threshold the data do not excite the effect.
+        beside: with the other parameters free to take its place.
+    """
+
+    alone: float
+    beside: float
+
+    @property
+    def share(self) -> float:
+        """Share of the effect's information that no other parameter can absorb."""
+        return self.beside / self.alone if self.alone > 0 else 0.0
+
+
+def identifiability(equations: NormalEquations, effect_parameters: int) -> Identifiability:
+    """Information about the last `effect_parameters` unknowns, whose unit is the width of their bounds.
+
+    I_beside = I_φφ − I_φθ I_θθ⁻¹ I_θφ (Schur complement), the states being eliminated; both figures are largest
+    eigenvalues. The weak prior is part of I_θθ only, so a parameter that the data do not move absorbs nothing.
+    """
+    total = equations.window_information()[0].sum(0)
+    n = len(total) - effect_parameters
+    alone = total[n:, n:]
+    rest = total[:n, :n] + np.diag(equations.prior[:n])
+    beside = alone - total[n:, :n] @ np.linalg.solve(rest, total[:n, n:])
+    return Identifiability(float(np.linalg.eigvalsh(alone)[-1]), max(float(np.linalg.eigvalsh(beside)[-1]), 0.0))

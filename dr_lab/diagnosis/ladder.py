@@ -1,0 +1,161 @@
+"""The ladder of models: add the effect the data name, refit all, repeat until nothing more is supported."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import mujoco
+
+from dr_lab.diagnosis.evidence import paired_gain, supported
+from dr_lab.diagnosis.rank import Bench, Candidate, Explained, candidates, explain, rank
+from dr_lab.diagnosis.verdict import Verdict, decide
+from dr_lab.effects.effect import Effect, Scales
+
+Watch = Callable[[int], Callable[[str], None]]
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One model that was judged, and what the catalogue could do for it.
+
+    Attributes:
+        base: the model, refitted and scored.
+        ranking: the candidates beside it, best first.
+        verdict: the judgement on them.
+    """
+
+    base: Explained
+    ranking: tuple[Candidate, ...]
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class Step:
+    """One effect that was added.
+
+    Attributes:
+        explained: the model with it.
+        rivals: fitted alternatives that these data cannot separate from it, given all that was added since.
+    """
+
+    explained: Explained
+    rivals: tuple[Candidate, ...]
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """A climbed ladder.
+
+    Attributes:
+        rungs: the rankings, in the order in which they were made.
+        base: the calibrated model.
+        steps: the added effects, in order.
+    """
+
+    rungs: tuple[Rung, ...]
+    base: Explained
+    steps: tuple[Step, ...]
+
+    @property
+    def models(self) -> tuple[Explained, ...]:
+        """The ladder's models, the calibrated one first."""
+        return (self.base, *(step.explained for step in self.steps))
+
+    @property
+    def verdict(self) -> str:
+        """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone."""
+        if not self.steps:
+            return self.rungs[0].verdict.kind
+        return "equivalent" if any(step.rivals for step in self.steps) else "named"
+
+
+def climb(
+    bench: Bench,
+    base: Explained,
+    effects: Mapping[str, Effect],
+    scales: Scales,
+    compiled: mujoco.MjModel,
+    *,
+    most: int,
+    watch: Watch,
+) -> Ladder:
+    """Climb from a fitted base until `none`, `unexplained` or `most` added effects.
+
+    Where a rung leaves several effects inseparable the first goes on, and each later rung reconsiders: a rival that
+    explains more beside what was added since takes its place, one that explains less is no rival any more.
+
+    Args:
+        bench: data and settings.
+        base: the calibrated model.
+        effects: the catalogue.
+        scales: size of the effects' bounds.
+        compiled: the compiled nominal model.
+        most: most effects that are added.
+        watch: is told the number of candidates of each ranking and gives what is called with each label that is done.
+    """
+    ladder = Ladder((), base, ())
+    while True:
+        last = ladder.models[-1]
+        placed = candidates(last.model, effects, scales, compiled)
+        ranking = rank(bench, last, placed, watch(len(placed)))
+        verdict = decide(last, ranking, bench.evidence)
+        ladder = replace(ladder, rungs=(*ladder.rungs, Rung(last, ranking, verdict)))
+        if not verdict.effects or len(ladder.steps) >= most:
+            return ladder
+        steps = (*ladder.steps, step_from(ladder.rungs[-1]))
+        ladder = replace(ladder, steps=reconsider(bench, base, steps))
+
+
+def step_from(rung: Rung) -> Step:
+    """The effect that a rung's verdict names first, with its rivals; the verdict must name one."""
+    found = {c.effect.label: c for c in rung.ranking}
+    chosen, *rivals = (found[label] for label in rung.verdict.effects)
+    return Step(chosen.explained, tuple(rivals))
+
+
+def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[Step, ...]:
+    """Try every rival of an earlier effect in its place, beside all that was added since.
+
+    A rival that was added itself since then stands beside the effect, not in its place.
+    """
+    for place, step in enumerate(steps[:-1]):
+        for rival in step.rivals:
+            added = {other.explained.model.effects[-1].label for k, other in enumerate(steps) if k != place}
+            if rival.effect.label in added:
+                steps = _without(steps, place, rival)
+                continue
+            swapped = _swap(bench, base, steps, place, rival)
+            ours, theirs = steps[-1].explained.held_out, swapped[-1].explained.held_out
+            if supported(paired_gain(ours, theirs, bench.evidence), 0, bench.evidence):
+                steps = swapped
+            elif supported(paired_gain(theirs, ours, bench.evidence), 0, bench.evidence):
+                steps = _without(steps, place, rival)
+    return steps
+
+
+def _without(steps: tuple[Step, ...], place: int, rival: Candidate) -> tuple[Step, ...]:
+    kept = tuple(r for r in steps[place].rivals if r is not rival)
+    return (*steps[:place], replace(steps[place], rivals=kept), *steps[place + 1 :])
+
+
+def _swap(bench: Bench, base: Explained, steps: Sequence[Step], place: int, rival: Candidate) -> tuple[Step, ...]:
+    """The steps with a rival at one place, later models refitted; what it replaced explains less and is dropped."""
+    others = tuple(r for r in steps[place].rivals if r is not rival)
+    below = steps[place - 1].explained if place else base
+    swapped = [*steps[:place], Step(_on(bench, below, rival.explained), others)]
+    for step in steps[place + 1 :]:
+        swapped.append(Step(_on(bench, swapped[-1].explained, step.explained), step.rivals))
+    return tuple(swapped)
+
+
+def _on(bench: Bench, below: Explained, explained: Explained) -> Explained:
+    """The last effect of a fitted model on top of another model; refitted where that is not what it stood on."""
+    *others, last = explained.model.effects
+    if [e.label for e in others] == [e.label for e in below.model.effects]:
+        return explained
+    model, values = below.model.with_effect(last), _values(explained) | _values(below)
+    start = model.space.vector({name: value for name, value in values.items() if name in model.space.names})
+    return explain(bench, model, start, below.fit.delta)
+
+
+def _values(explained: Explained) -> dict[str, float]:
+    return explained.model.space.mapping(explained.fit.z)

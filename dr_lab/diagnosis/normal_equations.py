@@ -1,0 +1,111 @@
+"""Normal equations of a fit whose windows' initial states are eliminated by a Schur complement."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.trajectory import Array
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """Gauss–Newton model of the cost ½‖W(r + J_x δ + J_θ θ)‖² + priors, window by window.
+
+    Unknowns are one initial state a window (s entries) and the parameters common to all windows (p entries).
+
+    Attributes:
+        state: JxᵀWJx + P per window, shape (w, s, s).
+        mixed: JxᵀWJθ per window, shape (w, s, p).
+        state_gradient: JxᵀWr + P δ per window, shape (w, s).
+        parameter: JθᵀWJθ per window, shape (w, p, p).
+        parameter_gradient: JθᵀWr per window, shape (w, p).
+        prior: precision of the parameters' weak prior, shape (p,).
+        prior_gradient: gradient of that prior, shape (p,).
+    """
+
+    state: Array
+    mixed: Array
+    state_gradient: Array
+    parameter: Array
+    parameter_gradient: Array
+    prior: Array
+    prior_gradient: Array
+
+    @classmethod
+    def build(
+        cls,
+        *,
+        residual: Array,
+        state_jacobian: Array,
+        parameter_jacobian: Array,
+        weight: Array,
+        delta: Array,
+        state_precision: Array,
+        prior: Array,
+        prior_gradient: Array,
+    ) -> "NormalEquations":
+        """Assemble from weighted residuals.
+
+        Args:
+            residual: shape (w, m).
+            state_jacobian: ∂r/∂δ, shape (w, m, s).
+            parameter_jacobian: ∂r/∂θ, shape (w, m, p).
+            weight: weight of each residual, shape (w, m).
+            delta: current state corrections, shape (w, s).
+            state_precision: prior precision of a state, shape (s,).
+            prior: precision of the parameters' prior, shape (p,).
+            prior_gradient: gradient of that prior, shape (p,).
+        """
+        weighted_state = (state_jacobian * weight[..., None]).transpose(0, 2, 1)
+        weighted_parameter = (parameter_jacobian * weight[..., None]).transpose(0, 2, 1)
+        return cls(
+            state=weighted_state @ state_jacobian + np.diag(state_precision),
+            mixed=weighted_state @ parameter_jacobian,
+            state_gradient=(weighted_state @ residual[..., None])[..., 0] + state_precision * delta,
+            parameter=weighted_parameter @ parameter_jacobian,
+            parameter_gradient=(weighted_parameter @ residual[..., None])[..., 0],
+            prior=prior,
+            prior_gradient=prior_gradient,
+        )
+
+    def step(self, damping: float, free: Mask) -> tuple[Array, Array]:
+        """Damped step of the free parameters and of all states.
+
+        Args:
+            damping: Levenberg–Marquardt λ, relative to the diagonal.
+            free: parameters that may move, shape (p,).
+
+        Returns:
+            Parameter step, shape (p,), zero where not free, and state steps, shape (w, s).
+        """
+        information, gradient, gain, offset = self._reduce(damping)
+        move = np.zeros(len(free))
+        if free.any():
+            reduced = information[np.ix_(free, free)]
+            reduced = reduced + damping * np.diag(np.diag(reduced))
+            move[free] = -np.linalg.solve(reduced, gradient[free])
+        return move, -(offset + gain @ move)
+
+    def information(self) -> Array:
+        """Information about the parameters once the states are eliminated, prior included, shape (p, p)."""
+        return self._reduce(0.0)[0]
+
+    def window_information(self) -> tuple[Array, Array]:
+        """Each window's share of `information` and of its gradient, without the prior, shapes (w, p, p), (w, p)."""
+        gain = np.linalg.solve(self.state, self.mixed)
+        transposed = self.mixed.transpose(0, 2, 1)
+        offset = np.linalg.solve(self.state, self.state_gradient[..., None])
+        return self.parameter - transposed @ gain, self.parameter_gradient - (transposed @ offset)[..., 0]
+
+    def _reduce(self, damping: float) -> tuple[Array, Array, Array, Array]:
+        diagonal = np.einsum("wii->wi", self.state)
+        damped = self.state + damping * diagonal[:, :, None] * np.eye(self.state.shape[1])
+        gain = np.linalg.solve(damped, self.mixed)
+        offset = np.linalg.solve(damped, self.state_gradient[..., None])
+        transposed = self.mixed.transpose(0, 2, 1)
+        information = (self.parameter - transposed @ gain).sum(0) + np.diag(self.prior)
+        gradient = (self.parameter_gradient - (transposed @ offset)[..., 0]).sum(0) + self.prior_gradient
+        return information, gradient, gain, offset[..., 0]

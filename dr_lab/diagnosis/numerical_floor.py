@@ -1,0 +1,73 @@
+"""The integrator's own error: the nominal rollout against the same at a quarter of the time step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dr_lab.diagnosis.replay import Mask, Replay
+from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.diagnosis.windows import cut
+from dr_lab.errors import ModelError
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array, Log, MeasurementSet
+
+_REFINEMENT = 4
+
+
+@dataclass(frozen=True)
+class NumericalFloor:
+    """Error of the time step over the windows.
+
+    Attributes:
+        error: root mean square difference by channel, in the channel's unit; NaN where no window holds a sample.
+        share: the same in noise standard deviations; above 1 the step hides behind the physics.
+        step: the model's time step, s.
+        proposed: time step to try next, s; equal to `step` where that is fine enough.
+    """
+
+    error: dict[str, float]
+    share: dict[str, float]
+    step: float
+    proposed: float
+
+
+def numerical_floor(
+    model: Model, logs: Sequence[Log], measured: MeasurementSet, settings: WindowSettings, threads: int | None
+) -> NumericalFloor:
+    """Simulate every window of the logs at the model's step and at a quarter of it, from the same starts.
+
+    Raises:
+        ModelError: the model as given diverges in every window.
+    """
+    replay, coarse, diverged = _simulate(model, logs, measured, settings, threads)
+    _, fine, diverged_finely = _simulate(_refined(model), logs, measured, settings, threads)
+    step = replay.windows.step
+    if diverged.all():
+        raise ModelError(
+            f"Model {model.name!r} diverges in every window of the logs at its time step of {step:g} s. Try "
+            f"timestep {step / _REFINEMENT:g} in the MJCF, and check units and signs of the logs."
+        )
+    error, share, both = {}, {}, ~(diverged | diverged_finely)
+    for samples, difference in replay.by_channel(coarse - fine):
+        used = samples.scored & both[:, None]
+        size = float(np.sqrt((difference[used] ** 2).mean())) if used.any() else np.nan
+        share[samples.channel.name], error[samples.channel.name] = size, size * samples.std
+    rough = (diverged & ~diverged_finely).any() or any(size > 1 for size in share.values())
+    return NumericalFloor(error, share, step, step / _REFINEMENT if rough else step)
+
+
+def _refined(model: Model) -> Model:
+    spec = model.spec.copy()
+    spec.option.timestep /= _REFINEMENT
+    return replace(model, spec=spec)
+
+
+def _simulate(
+    model: Model, logs: Sequence[Log], measured: MeasurementSet, settings: WindowSettings, threads: int | None
+) -> tuple[Replay, Array, Mask]:
+    """Replay, residuals of the windows (w, m) at nominal, and which of them diverge (w,)."""
+    windows = cut(logs, measured, model.nominal(), settings)
+    replay = Replay(model, windows, threads)
+    residuals, infeasible = replay.residuals(model.space.nominal[None], np.zeros((1, len(windows), replay.nstate)))
+    return replay, residuals[0], infeasible[0]

@@ -1,0 +1,180 @@
+"""Residuals of all windows for many contexts and initial states, as one batch of simulations."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
+from threading import Event
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.channels import Channel, Tape, available, residual
+from dr_lab.diagnosis.windows import Samples, Windows
+from dr_lab.errors import DataError
+from dr_lab.physics.model import Model
+from dr_lab.physics.simulator import Simulator
+from dr_lab.trajectory import Array
+
+Mask = NDArray[np.bool_]
+_ROUNDING = 1e-9  # s
+
+
+class Replay:
+    """Simulates windows under a model and compares them with the measured samples.
+
+    Residuals of a window are (measured − simulated)/std, all channels side by side, zero where a window has no sample.
+
+    Args:
+        model: the model with its effects.
+        windows: the windows; their controls follow the layout of the model without effects, whose actuators come first.
+        threads: C threads; None takes every core.
+        stop: once it is set, from another thread, the replay refuses to go on.
+    """
+
+    def __init__(self, model: Model, windows: Windows, threads: int | None = None, stop: Event | None = None) -> None:
+        self.model = model
+        self.windows = windows
+        self._threads = threads
+        self._stop = stop
+        self._simulators: dict[int, Simulator] = {}
+        compiled = model.nominal()
+        self._compiled = compiled
+        self._controls = _widen(windows.controls, compiled.nu)
+        self._past = _widen(windows.past, compiled.nu)
+        self._require_margin()
+        self._require_past()
+        self.fitted = self._mask("fitted")
+        self.scored = self._mask("scored")
+
+    @property
+    def nstate(self) -> int:
+        """Unknowns of one initial state, 2 nv."""
+        return 2 * self._compiled.nv
+
+    @property
+    def commands(self) -> dict[str, int]:
+        """Column in `ctrl` of each command of the windows."""
+        return dict(self.windows.commands)
+
+    @property
+    def compiled(self) -> mujoco.MjModel:
+        """The model compiled at its nominal context."""
+        return self._compiled
+
+    def joint(self, name: str, kind: str) -> Channel:
+        """The ``position`` or ``velocity`` channel of a hinge or slide joint."""
+        return available(self._compiled)[f"{name}.{kind}"]
+
+    def slides(self, joint: str) -> bool:
+        """Whether a joint is a slide (its unit is the metre)."""
+        return int(self._compiled.joint(joint).type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+    def residuals(self, z: Array, delta: Array) -> tuple[Array, Mask]:
+        """Residuals in noise standard deviations.
+
+        Args:
+            z: contexts, shape (c, n).
+            delta: corrections of the initial states in the tangent space, shape (c, w, 2 nv).
+
+        Returns:
+            Residuals, shape (c, w, m), zero for samples that do not exist, and which windows are infeasible, (c, w).
+        """
+        tape, infeasible = self.simulate(z, delta)
+        shifts = self._shifts(z)
+        blocks = []
+        for samples in self.windows.samples:
+            delay = np.array([s.get(samples.channel.name, 0.0) for s in shifts])[:, None, None]
+            simulated = tape.read(samples.channel, samples.time[None] - delay)
+            difference = residual(samples.channel, simulated, samples.value) / samples.std
+            exists = (samples.fitted | samples.scored)[..., None]
+            blocks.append(np.where(exists, difference, 0.0).reshape(*difference.shape[:2], -1))
+        return np.concatenate(blocks, axis=2), infeasible
+
+    def by_channel(self, residuals: Array) -> Iterator[tuple[Samples, Array]]:
+        """Each channel's samples with its columns of the residuals, (w, all) → (w, m, size)."""
+        first = 0
+        for samples in self.windows.samples:
+            last = first + samples.time.shape[1] * samples.channel.size
+            yield samples, residuals[:, first:last].reshape(*samples.time.shape, samples.channel.size)
+            first = last
+
+    def simulate(self, z: Array, delta: Array) -> tuple[Tape, Mask]:
+        """Rollouts of every window under every context; arguments as `residuals`.
+
+        Raises:
+            CancelledError: the replay was told to stop.
+        """
+        if self._stop is not None and self._stop.is_set():
+            raise CancelledError
+        contexts, count = delta.shape[:2]
+        qpos, qvel = self._starts(delta, self._shifts(z))
+        simulator = self._simulator(contexts * count)
+        rollout = simulator.replay(z, qpos, qvel, self._controls, self._past)
+        shape = (contexts, count)
+        tape = Tape(
+            rollout.qpos.reshape(*shape, *rollout.qpos.shape[1:]),
+            rollout.qvel.reshape(*shape, *rollout.qvel.shape[1:]),
+            rollout.sensordata.reshape(*shape, *rollout.sensordata.shape[1:]),
+            rollout.start.reshape(*shape, -1),
+            rollout.controls.reshape(*shape, *rollout.controls.shape[1:]),
+            self.windows.step,
+        )
+        return tape, rollout.infeasible.reshape(shape)
+
+    def _shifts(self, z: Array) -> list[dict[str, float]]:
+        """Delay in s of each delayed channel, by context."""
+        return [self.model.output_delays(row) for row in z]
+
+    def _starts(self, delta: Array, shifts: Sequence[Mapping[str, float]]) -> tuple[Array, Array]:
+        """Initial states: the prior's mean, as much later as the channel reads late, plus the corrections."""
+        nv = self._compiled.nv
+        prior = self.windows.prior
+        qpos = np.broadcast_to(prior.qpos, (*delta.shape[:2], self._compiled.nq)).copy()
+        qvel = prior.qvel + delta[..., nv:]
+        for context, delays in enumerate(shifts):
+            for channel in (s.channel for s in self.windows.samples if s.channel.kind == "position"):
+                delay, dof = delays.get(channel.name, 0.0), channel.dof
+                qpos[context, :, channel.address] += delay * (prior.qvel[:, dof] + 0.5 * delay * prior.qacc[:, dof])
+                qvel[context, :, dof] += delay * prior.qacc[:, dof]
+        if self._compiled.nq == nv:
+            qpos += delta[..., :nv]
+        else:
+            for index in np.ndindex(delta.shape[:2]):
+                mujoco.mj_integratePos(self._compiled, qpos[index], delta[index][:nv], 1.0)
+        return qpos, qvel
+
+    def _require_margin(self) -> None:
+        """Samples that are read early or late must still lie within the simulation."""
+        space = self.model.space
+        delays = [abs(d) for shift in self._shifts(np.stack([space.low, space.high])) for d in shift.values()]
+        if (longest := max(delays, default=0.0)) > self.windows.margin + _ROUNDING:
+            raise DataError(
+                f"Outputs of model {self.model.name!r} may be {longest:g} s late, but windows.margin is "
+                f"{self.windows.margin:g} s. Set windows.margin to at least {longest:g}, or lower the effect's bound."
+            )
+
+    def _require_past(self) -> None:
+        """A delayed actuator must find the commands of before the start."""
+        compiled = self._compiled
+        need = int(compiled.actuator_history[:, 0].max(initial=0)) - 1
+        if self._past.shape[1] < need:
+            seconds = need * compiled.opt.timestep
+            raise DataError(
+                f"Model {self.model.name!r} delays commands by up to {seconds:g} s, but windows.past keeps "
+                f"{self._past.shape[1] * self.windows.step:g} s. Set windows.past to at least {seconds:g}."
+            )
+
+    def _simulator(self, nsim: int) -> Simulator:
+        if nsim not in self._simulators:
+            self._simulators[nsim] = Simulator(self.model, nsim, self._threads)
+        return self._simulators[nsim]
+
+    def _mask(self, which: str) -> Mask:
+        masks = [np.repeat(getattr(s, which), s.channel.size, axis=1) for s in self.windows.samples]
+        return np.concatenate(masks, axis=1)
+
+
+def _widen(controls: Array, nu: int) -> Array:
+    """Controls with zero columns for actuators that effects added behind the model's own."""
+    extra = nu - controls.shape[2]
+    return np.pad(controls, ((0, 0), (0, 0), (0, extra))) if extra else controls

@@ -1,0 +1,90 @@
+"""The generalised force a model lacks, from how short windows bend away from the measurements."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.states import StateFit
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class ResidualForce:
+    """Missing force at one joint over w windows.
+
+    Attributes:
+        velocity: mean joint velocity of each window, rad/s or m/s, shape (w,).
+        force: force that would remove the error, N·m or N, NaN where the simulation diverges, shape (w,).
+    """
+
+    velocity: Array
+    force: Array
+
+
+def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
+    """Missing forces by joint whose position is measured, taken as constant within a window.
+
+    An acceleration Δa that is missing from a window's start on shows as r(t) = S(t) δ + Δa ∫₀ᵗ S_v(τ) dτ, where S are
+    the slopes by the start state, S_v those by the joint's velocity (a constant push is a train of velocity steps), and
+    δ is how far the fitted start gave way to it. Least squares over all samples of the window give Δa of the joints
+    whose position is measured, and F = M(q) Δa with the model's mass matrix at the window's middle.
+
+    Args:
+        replay: short windows.
+        fit: fit of their starts.
+    """
+    model = replay.model.compile(fit.z)
+    tape, _ = replay.simulate(fit.z[None], fit.delta[None])
+    measured = [s.channel for s in replay.windows.samples if s.channel.kind == "position"]
+    if not measured:
+        return {}
+    dofs = [channel.dof for channel in measured]
+    accelerations = np.zeros((len(replay.windows), model.nv))
+    accelerations[:, dofs] = _accelerations(replay, fit, dofs)
+    forces = _forces(model, tape.qpos[0, :, tape.qpos.shape[2] // 2], accelerations)
+    forces[fit.infeasible] = np.nan
+    velocity = tape.qvel[0].mean(1)
+    return {
+        channel.name.removesuffix(".position"): ResidualForce(velocity[:, channel.dof], forces[:, channel.dof])
+        for channel in measured
+    }
+
+
+def _accelerations(replay: Replay, fit: StateFit, dofs: list[int]) -> Array:
+    """Missing accelerations of the given degrees of freedom, shape (w, len(dofs))."""
+    used = (replay.fitted | replay.scored) & ~fit.infeasible[:, None]
+    nv = fit.slopes.shape[2] // 2
+    pushes = np.stack([_integral(replay, fit.slopes[..., nv + dof]) for dof in dofs], axis=2)
+    basis = np.where(used[..., None], np.concatenate([fit.slopes, pushes], axis=2), 0.0)
+    residuals = np.where(used, fit.residuals, 0.0)
+    # In units of the columns' own size; what no sample shows stays 0, and the states' prior decides what few show.
+    size = np.sqrt((basis**2).sum(1))
+    size = np.where(size > 0, size, 1.0)
+    basis = basis / size[:, None]
+    prior = np.concatenate([replay.windows.prior.std**-2.0, np.zeros(len(dofs))]) / size**2
+    ridge = (prior + np.finfo(float).eps)[:, :, None] * np.eye(size.shape[1])
+    solved = np.linalg.solve(basis.transpose(0, 2, 1) @ basis + ridge, basis.transpose(0, 2, 1) @ residuals[..., None])
+    return -solved[:, 2 * nv :, 0] / size[:, 2 * nv :]
+
+
+def _integral(replay: Replay, slope: Array) -> Array:
+    """∫₀ᵗ of a slope that starts at 0, channel by channel, shape (w, m) as the residuals."""
+    parts = []
+    for samples, part in replay.by_channel(slope):
+        time = np.maximum.accumulate(samples.time, axis=1)  # padding behind the last sample adds nothing
+        first = 0.5 * time[:, :1, None] * part[:, :1]
+        rest = cumulative_trapezoid(part, time[..., None], axis=1, initial=0.0)
+        parts.append((first + rest).reshape(len(part), -1))
+    return np.concatenate(parts, axis=1)
+
+
+def _forces(model: mujoco.MjModel, qpos: Array, accelerations: Array) -> Array:
+    data, forces = mujoco.MjData(model), np.zeros_like(accelerations)
+    for q, a, out in zip(qpos, accelerations, forces, strict=True):
+        data.qpos[:] = q
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_mulM(model, data, out, a)
+    return forces

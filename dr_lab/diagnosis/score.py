@@ -1,0 +1,83 @@
+"""How well a model at a context explains windows: χ² against the noise floor and errors in the signals' units."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from dr_lab.diagnosis.point import Point
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.windows import Samples
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Score:
+    """Errors of one model over w windows whose parameters were not fitted on them.
+
+    Attributes:
+        chi2: mean squared residual in noise standard deviations; 1 is the noise floor, infinite where every simulation
+            diverges.
+        rmse: root mean square error by channel, in the channel's unit.
+        nrmse: rmse over the standard deviation of the measured samples, by channel.
+        fit_percent: 100 (1 − ‖y − ŷ‖/‖y − ȳ‖), by channel.
+        window_sum: Σ residual² of each window, shape (w,).
+        window_count: number of scored residuals of each window, shape (w,).
+        log: index of each window's log, shape (w,).
+        infeasible: number of windows left out because their simulation diverges.
+    """
+
+    chi2: float
+    rmse: dict[str, float]
+    nrmse: dict[str, float]
+    fit_percent: dict[str, float]
+    window_sum: Array
+    window_count: Array
+    log: NDArray[np.intp]
+    infeasible: int
+
+
+def score_of(replay: Replay, fit: Point) -> Score:
+    """Score of a fit on the scored samples of its own windows."""
+    used = replay.scored & ~fit.infeasible[:, None]
+    squared = np.where(used, fit.residuals**2, 0.0)
+    count = used.sum(1)
+    rmse, nrmse, percent = _channel_errors(replay, squared, ~fit.infeasible)
+    return Score(
+        chi2=float(squared.sum() / count.sum()) if count.any() else np.inf,
+        rmse=rmse,
+        nrmse=nrmse,
+        fit_percent=percent,
+        window_sum=squared.sum(1),
+        window_count=count.astype(float),
+        log=replay.windows.log,
+        infeasible=int(fit.infeasible.sum()),
+    )
+
+
+def _channel_errors(
+    replay: Replay, squared: Array, feasible: NDArray[np.bool_]
+) -> tuple[dict[str, float], dict[str, float], dict[str, float]]:
+    rmse, nrmse, percent = {}, {}, {}
+    for samples, part in replay.by_channel(squared):
+        scored = samples.scored & feasible[:, None]
+        total = float(part.sum()) * samples.std**2
+        count = max(int(scored.sum()) * samples.channel.size, 1)
+        variance = _spread(samples, scored)
+        name = samples.channel.name
+        rmse[name] = float(np.sqrt(total / count))
+        ratio = float(np.sqrt(total / variance)) if variance > 0 else float("nan")
+        nrmse[name], percent[name] = ratio, 100 * (1 - ratio)
+    return rmse, nrmse, percent
+
+
+def _spread(samples: Samples, scored: NDArray[np.bool_]) -> float:
+    """Σ squared distance of the measured samples from their mean, as residuals measure it."""
+    value = samples.value[scored]
+    if not len(value):
+        return 0.0
+    if samples.channel.kind == "orientation":
+        value = Rotation.from_quat(value, scalar_first=True)
+        return float(((value.mean().inv() * value).magnitude() ** 2).sum())
+    return float(((value - value.mean(0)) ** 2).sum())

@@ -1,0 +1,126 @@
+"""Settings of the diagnosis; their values live in conf/windows, conf/solver and conf/evidence."""
+
+from dataclasses import dataclass
+
+from dr_lab.errors import ConfigError, require_numbers
+
+_ROUNDING = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class WindowSettings:
+    """How logs are cut; times in s.
+
+    Attributes:
+        length: scored part of a window.
+        stride: time between the starts of two windows; at least `length`, so that no sample counts twice.
+        margin: simulated time before and after the scored part, which delayed outputs may reach into.
+        run_in: time before the scored part whose samples alone estimate the start (0: the scored samples do).
+        past: time before the start for which commands are kept, at least the longest delay of an actuator.
+        max_windows: most windows taken from one log, evenly spread.
+        smoother: half-width of the local polynomial that gives a start its first estimate.
+        prior_scale: standard deviations of the noise that the first estimate may be wrong by.
+        unmeasured_position: prior standard deviation of a joint position that is not measured, rad or m.
+        unmeasured_velocity: the same of its velocity, rad/s or m/s.
+
+    Raises:
+        ConfigError: a number is too small, or the windows overlap.
+    """
+
+    length: float
+    stride: float
+    margin: float
+    run_in: float
+    past: float
+    max_windows: int
+    smoother: float
+    prior_scale: float
+    unmeasured_position: float
+    unmeasured_velocity: float
+
+    def __post_init__(self) -> None:
+        positive = ("length", "smoother", "prior_scale", "unmeasured_position", "unmeasured_velocity")
+        least = {"margin": 0.0, "run_in": 0.0, "past": 0.0, "max_windows": 1.0}
+        require_numbers(self, "windows", positive=positive, least=least)
+        if self.stride < self.length - _ROUNDING:
+            raise ConfigError(
+                f"The stride of windows is {self.stride:g} s, their length {self.length:g} s: they would overlap and "
+                f"samples count twice. Set stride to at least {self.length:g}."
+            )
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """Levenberg–Marquardt with finite differences.
+
+    Attributes:
+        iterations: most accepted or rejected steps.
+        tolerance: stop when a step lowers the cost by less than this share.
+        refresh: share of the cost that a step must gain for the slopes by the start states to be taken anew.
+        damping: first value of λ.
+        damping_up: factor on λ after a rejected step.
+        damping_down: divisor of λ after an accepted step.
+        damping_max: give up when λ exceeds it.
+        parameter_step: finite-difference step of a parameter, in widths of its bounds.
+        state_step: finite-difference step of an initial state, in prior standard deviations.
+        huber: residuals beyond this many robust standard deviations count linearly.
+        prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
+        start_iterations: steps spent on each further start before the best one goes on.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+
+    iterations: int
+    tolerance: float
+    refresh: float
+    damping: float
+    damping_up: float
+    damping_down: float
+    damping_max: float
+    parameter_step: float
+    state_step: float
+    huber: float
+    prior_spans: float
+    start_iterations: int
+
+    def __post_init__(self) -> None:
+        positive = ("damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
+        least = {"iterations": 1.0, "start_iterations": 1.0, "tolerance": 0.0, "refresh": 0.0}
+        require_numbers(self, "solver", positive=positive, least={**least, "damping_up": 1.0, "damping_down": 1.0})
+
+
+@dataclass(frozen=True)
+class EvidenceSettings:
+    """When a gain on held-out windows counts.
+
+    Attributes:
+        confidence: of the intervals of paired gains.
+        block: consecutive windows of a log that are resampled together.
+        resamples: number of bootstrap resamples.
+        seed: of the resampling.
+        threshold: least evidence on the held-out windows, as Δχ², that separates two models.
+        least_gap: share of the χ² above the noise floor that an effect must close to count.
+        penalty: Δχ² that each added parameter must earn on top.
+        floor: largest χ² per sample that counts as the noise floor.
+        absorbed: share of an effect's information below which the free parameters are said to absorb it.
+
+    Raises:
+        ConfigError: a number is too small, or the confidence is no share.
+    """
+
+    confidence: float
+    block: int
+    resamples: int
+    seed: int
+    threshold: float
+    least_gap: float
+    penalty: float
+    floor: float
+    absorbed: float
+
+    def __post_init__(self) -> None:
+        least = {"block": 1.0, "resamples": 1.0, "seed": 0.0, "threshold": 0.0, "least_gap": 0.0, "penalty": 0.0}
+        require_numbers(self, "evidence", positive=("floor",), least={**least, "absorbed": 0.0})
+        if not 0 < self.confidence < 1:
+            raise ConfigError(f"evidence.confidence is {self.confidence:g}; expected a share between 0 and 1, as 0.99.")

@@ -1,0 +1,93 @@
+"""First estimates of the windows' initial states, and how far they may be wrong."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.channels import available
+from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.trajectory import Array, Log, Noise, Signal
+
+_DEGREE = 3  # of the local polynomials
+
+
+@dataclass(frozen=True)
+class StartPrior:
+    """Gaussian prior of the windows' initial states.
+
+    Attributes:
+        qpos: mean positions, shape (w, nq).
+        qvel: mean velocities, shape (w, nv).
+        qacc: mean accelerations, which tell the state a little earlier or later, shape (w, nv).
+        std: prior standard deviations in the tangent space, positions then velocities, shape (2 nv,).
+    """
+
+    qpos: Array
+    qvel: Array
+    qacc: Array
+    std: Array
+
+
+def estimate_starts(
+    logs: Sequence[Log],
+    begins: Sequence[Array],
+    model: mujoco.MjModel,
+    noise: Mapping[str, Noise],
+    settings: WindowSettings,
+) -> StartPrior:
+    """Local polynomials through the measured positions give every window's initial state.
+
+    The prior's standard deviation is `prior_scale` times the larger of two errors: the noise (for a velocity divided
+    by the smoother's half-width), and what the polynomial misses of the motion, told by how much it changes at half
+    the width (root mean square over the windows). A joint whose velocity alone is measured takes that; joints without
+    a channel start at the model's reference.
+
+    Returns:
+        The prior of all windows, in the order of `begins`.
+    """
+    count = sum(len(b) for b in begins)
+    qpos, (qvel, qacc) = np.tile(model.qpos0, (count, 1)), np.zeros((2, count, model.nv))
+    std = np.concatenate(
+        [np.full(model.nv, settings.unmeasured_position), np.full(model.nv, settings.unmeasured_velocity)]
+    )
+    for name in logs[0].outputs:
+        channel, nv = available(model)[name], model.nv
+        floor = noise[name].std * np.array([1.0, 1 / settings.smoother])
+        if channel.kind == "position":
+            means, wrong = _fits(logs, name, begins, settings)
+            qpos[:, channel.address], qvel[:, channel.dof], qacc[:, channel.dof] = means
+            std[[channel.dof, nv + channel.dof]] = settings.prior_scale * np.maximum(floor, wrong[:2])
+        elif channel.kind == "velocity" and name.removesuffix("velocity") + "position" not in logs[0].outputs:
+            means, wrong = _fits(logs, name, begins, settings)
+            qvel[:, channel.dof], qacc[:, channel.dof] = means[:2]
+            std[nv + channel.dof] = settings.prior_scale * max(floor[0], wrong[0])
+    return StartPrior(qpos, qvel, qacc, std)
+
+
+def starts_known(signal: Signal, begins: Array, settings: WindowSettings) -> NDArray[np.bool_]:
+    """Which starts have enough samples that they may know of."""
+    if settings.run_in <= 0:
+        return np.full(len(begins), len(signal) > _DEGREE)
+    return np.searchsorted(signal.time, begins + (settings.margin + settings.run_in)) > _DEGREE
+
+
+def _fits(logs: Sequence[Log], name: str, begins: Sequence[Array], settings: WindowSettings) -> tuple[Array, Array]:
+    """Value, slope and curvature at each start, shape (3, w), and what the polynomial misses of each, shape (3,)."""
+    rows = [(log.outputs[name], begin) for log, part in zip(logs, begins, strict=True) for begin in part]
+    wide, narrow = (
+        np.array([_local(signal, begin, width, settings) for signal, begin in rows]).T
+        for width in (settings.smoother, settings.smoother / 2)
+    )
+    return wide, np.sqrt(((wide - narrow) ** 2).mean(1))
+
+
+def _local(signal: Signal, begin: float, width: float, settings: WindowSettings) -> tuple[float, float, float]:
+    """Value, slope and curvature at a start, from samples that it may know of."""
+    # A sample at the end of the run-in belongs to the scored part.
+    known = np.nextafter(begin + (settings.margin + settings.run_in), -np.inf) if settings.run_in > 0 else np.inf
+    fit = local_polynomial(signal, begin, width, until=known, degree=_DEGREE)
+    return float(fit.value), float(fit.slope), float(fit.curvature)

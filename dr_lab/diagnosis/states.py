@@ -1,0 +1,134 @@
+"""Initial states of windows at a fixed context: one small Levenberg–Marquardt per window, all windows in one batch."""
+
+from dataclasses import dataclass, replace
+from threading import Event
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.point import Point, huber_weights
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.diagnosis.slopes import differences
+from dr_lab.diagnosis.windows import Windows
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+_NO_PARAMETER = np.zeros(0, np.intp)
+
+
+@dataclass(frozen=True)
+class StateFit(Point):
+    """States at which every window's own cost is lowest.
+
+    Attributes:
+        slopes: ∂r/∂δ at the last linearisation, shape (w, m, s).
+    """
+
+    slopes: Array
+
+
+def fit_states(
+    model: Model,
+    z: Array,
+    windows: Windows,
+    solver: SolverSettings,
+    threads: int | None = None,
+    near: StateFit | None = None,
+    stop: Event | None = None,
+) -> tuple[Replay, StateFit]:
+    """Fit only the windows' initial states at a context, from the samples that windows allow.
+
+    Each window minimises ‖(y − ŷ(z, x_w))/σ‖²_Huber + ‖(x_w − x̄_w)/s‖² on its own, with its own damping.
+
+    Args:
+        model: the model.
+        z: its context, shape (n,).
+        windows: the windows.
+        solver: settings.
+        threads: C threads; None takes every core.
+        near: such a fit of a similar model, whose states and slopes make a good start in most windows.
+        stop: see `Replay`.
+    """
+    replay = Replay(model, windows, threads, stop)
+    return replay, _Search(replay, solver, z).run(near)
+
+
+class _Search:
+    """State of the search over all windows of one replay."""
+
+    def __init__(self, replay: Replay, settings: SolverSettings, z: Array) -> None:
+        self.replay = replay
+        self.settings = settings
+        self.z = z
+        self.precision = replay.windows.prior.std**-2.0
+
+    def run(self, near: StateFit | None) -> StateFit:
+        settings, count = self.settings, len(self.replay.windows)
+        point = self._start(None if near is None else near.delta)
+        slopes = self._slopes(point) if near is None else near.slopes
+        stale, damping = np.full(count, near is not None), np.full(count, settings.damping)
+        active = ~point.infeasible
+        for _ in range(settings.iterations):
+            weight = self._weights(point)
+            cost = self._costs(point, weight)
+            trial = self._point(point.delta + self._steps(point, slopes, weight, damping, active))
+            gain = np.where(trial.infeasible, -np.inf, cost - self._costs(trial, weight))
+            better = active & (gain >= 0)
+            failed = active & ~better
+            point = _take(point, trial, better)
+            damping = np.where(better, damping / settings.damping_down, damping)
+            damping = np.where(failed & ~stale, damping * settings.damping_up, damping)
+            renew = (failed & stale) | (better & (gain > settings.refresh * cost))
+            stale |= better
+            active &= ~(better & (gain <= settings.tolerance * cost)) & (damping < settings.damping_max)
+            if not active.any():
+                break
+            if (active & renew).any():
+                slopes, stale = self._slopes(point), np.zeros(count, bool)
+        total = float(self._costs(point, self._weights(point)).sum())
+        return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
+
+    def _start(self, near: Array | None) -> Point:
+        """The prior's mean, or in each window states that are near where they fit better.
+
+        States that made up for what another model lacks may lie behind a barrier from the best ones.
+        """
+        mean = self._point(np.zeros((len(self.replay.windows), self.replay.nstate)))
+        if near is None:
+            return mean
+        other = self._point(near)
+        weight = self._weights(mean)
+        worse = mean.infeasible | (self._costs(mean, weight) > self._costs(other, weight))
+        chosen = worse & ~other.infeasible
+        return replace(_take(mean, other, chosen), infeasible=mean.infeasible & ~chosen)
+
+    def _weights(self, point: Point) -> Array:
+        return huber_weights(point.residuals, self.replay.fitted, point.infeasible, self.settings.huber)
+
+    def _point(self, delta: Array) -> Point:
+        residuals, infeasible = self.replay.residuals(self.z[None], delta[None])
+        return Point(self.z, delta, residuals[0], np.inf, infeasible[0])
+
+    def _slopes(self, point: Point) -> Array:
+        return differences(self.replay, self.settings, point, states=True, columns=_NO_PARAMETER)
+
+    def _costs(self, point: Point, weight: Array) -> Array:
+        return (weight * point.residuals**2).sum(1) + (self.precision * point.delta**2).sum(1)
+
+    def _steps(self, point: Point, slopes: Array, weight: Array, damping: Array, active: NDArray[np.bool_]) -> Array:
+        weighted = (slopes * weight[..., None]).transpose(0, 2, 1)
+        hessian = weighted @ slopes + np.diag(self.precision)
+        gradient = (weighted @ point.residuals[..., None])[..., 0] + self.precision * point.delta
+        diagonal = np.einsum("wii->wi", hessian)
+        damped = hessian + (damping[:, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
+        return np.where(active[:, None], -np.linalg.solve(damped, gradient[..., None])[..., 0], 0.0)
+
+
+def _take(point: Point, trial: Point, better: NDArray[np.bool_]) -> Point:
+    chosen = better[:, None]
+    return replace(
+        point,
+        delta=np.where(chosen, trial.delta, point.delta),
+        residuals=np.where(chosen, trial.residuals, point.residuals),
+    )

@@ -1,0 +1,90 @@
+"""The verdict on one ranking: named, equivalent, none or unexplained, and the status of every candidate."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from dr_lab.diagnosis.evidence import paired_gain, supported
+from dr_lab.diagnosis.rank import Candidate, Explained
+from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.effects.effect import FAMILIES
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a ranking says of the missing effect.
+
+    Attributes:
+        kind: ``named`` (one effect at one site beats all others), ``equivalent`` (several that the data cannot
+            separate), ``none`` (nothing supported, the model is at the noise floor) or ``unexplained`` (nothing
+            supported although a gap remains).
+        effects: labels of the named or equivalent effects, best first.
+        status: label → ``named``, ``equivalent``, ``not_excited`` or ``rejected``.
+        absorbed: labels of effects whose place the model's own free parameters can take on these data.
+        reason: one sentence.
+    """
+
+    kind: str
+    effects: tuple[str, ...]
+    status: Mapping[str, str]
+    absorbed: tuple[str, ...]
+    reason: str
+
+
+def decide(base: Explained, ranking: Sequence[Candidate], settings: EvidenceSettings) -> Verdict:
+    """Judge a ranking, most evidence first.
+
+    Among supported candidates that the best one does not beat beyond its interval, those with the fewest parameters
+    stand: a richer effect that explains nothing more is not a rival.
+    """
+    backed = [c for c in ranking if supported(c.gain, len(c.effect.parameters), settings)]
+    group = _inseparable(backed, settings)
+    absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
+    status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}
+    labels = tuple(c.effect.label for c in group)
+    chi2 = base.held_out.chi2
+    if not group:
+        kind = "none" if chi2 <= settings.floor else "unexplained"
+        place = "at the noise floor" if kind == "none" else f"above the noise floor ({settings.floor:g})"
+        reason = f"The model is {place}, held-out χ² {chi2:.3f}, and no effect of the catalogue lowers it credibly."
+    elif len(group) == 1:
+        kind, after = "named", group[0].explained.held_out.chi2
+        reason = f"{labels[0]} lowers the held-out χ² from {chi2:.3f} to {after:.3f}, beyond every other candidate."
+    else:
+        kind = "equivalent"
+        reason = f"{', '.join(labels)} explain the held-out logs equally well; these data cannot separate them."
+    return Verdict(kind, labels, status, absorbed, reason)
+
+
+def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> list[Candidate]:
+    """The best candidate and those it does not beat, reduced to the fewest parameters, the nearest to a joint first."""
+    if not backed:
+        return []
+    best = backed[0]
+    group = [best] + [
+        c
+        for c in backed[1:]
+        if not supported(paired_gain(c.explained.held_out, best.explained.held_out, settings), 0, settings)
+    ]
+    fewest = min(len(c.effect.parameters) for c in group)
+    return sorted((c for c in group if len(c.effect.parameters) == fewest), key=_nearness)
+
+
+def _nearness(candidate: Candidate) -> tuple[int, float]:
+    """Order among inseparable effects: the catalogue's families, from the joint outwards, then held-out χ²."""
+    return FAMILIES.index(candidate.effect.effect.family), candidate.explained.held_out.chi2
+
+
+def _absorbed(candidate: Candidate, settings: EvidenceSettings) -> bool:
+    known = candidate.identifiability
+    excited = known.alone >= settings.threshold
+    return excited and (known.share < settings.absorbed or known.beside < settings.threshold)
+
+
+def _status(
+    candidate: Candidate, group: Sequence[Candidate], absorbed: Sequence[str], settings: EvidenceSettings
+) -> str:
+    if candidate in group:
+        return "named" if len(group) == 1 else "equivalent"
+    if candidate.identifiability.alone < settings.threshold:
+        return "not_excited"
+    return "equivalent" if candidate.effect.label in absorbed and candidate.gain.low <= 0 else "rejected"

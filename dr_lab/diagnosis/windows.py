@@ -1,0 +1,170 @@
+"""Logs cut into windows: what is simulated from each start, under which controls, compared with which samples."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.channels import Channel, resolve
+from dr_lab.diagnosis.commands import actuator_columns, averages
+from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.diagnosis.start import StartPrior, estimate_starts, starts_known
+from dr_lab.errors import DataError
+from dr_lab.trajectory import Array, Log, MeasurementSet, Noise
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples of one channel in w windows, padded to m columns.
+
+    Attributes:
+        channel: the channel.
+        std: noise of the residual, of orientations in rad: twice that of the quaternion's components.
+        time: s after the window's simulated start, shape (w, m).
+        value: measured values, shape (w, m, raw size).
+        fitted: samples that estimate starts and parameters, shape (w, m).
+        scored: samples that count in the score, shape (w, m).
+    """
+
+    channel: Channel
+    std: float
+    time: Array
+    value: Array
+    fitted: Mask
+    scored: Mask
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Everything a replay needs of the data.
+
+    Attributes:
+        log: index of each window's log in `logs`, shape (w,).
+        logs: names of the logs that hold a window.
+        begin: time on the log's clock at which the simulation of the window starts, shape (w,).
+        samples: the channels' samples.
+        controls: control of each step in the nominal model's ctrl layout, shape (w, s, nu).
+        past: controls of the steps before the start, shape (w, p, nu).
+        commands: column in `ctrl` of each command.
+        prior: first estimate of the start and how far it may be wrong.
+        step: s, time step of the simulation.
+        margin: s, time simulated beyond the samples at either end.
+    """
+
+    log: NDArray[np.intp]
+    logs: tuple[str, ...]
+    begin: Array
+    samples: tuple[Samples, ...]
+    controls: Array
+    past: Array
+    commands: Mapping[str, int]
+    prior: StartPrior
+    step: float
+    margin: float
+
+    def __len__(self) -> int:
+        """Number of windows."""
+        return len(self.begin)
+
+
+def cut(logs: Sequence[Log], measured: MeasurementSet, model: mujoco.MjModel, settings: WindowSettings) -> Windows:
+    """Cut logs into windows for a model; a log without room for one is left out.
+
+    Args:
+        logs: the logs to cut (a part of `measured`).
+        measured: gives noise and gap lengths.
+        model: compiled nominal model.
+        settings: how to cut.
+
+    Raises:
+        DataError: no log is long enough for one window, or no sample falls into one.
+        UnknownNameError: a channel or command is not in the model.
+    """
+    logs, begins = _windowed(logs, measured.gaps, settings)
+    step, total = model.opt.timestep, settings.run_in + settings.length + 2 * settings.margin
+    nstep, npast = int(np.ceil(total / step)) + 1, int(np.ceil(settings.past / step))
+    edges = step * np.arange(-npast, nstep + 1)
+    columns = actuator_columns(model, logs)
+    steps = np.concatenate(
+        [averages(log.commands, columns, model.nu, b[:, None] + edges) for log, b in zip(logs, begins, strict=True)]
+    )
+    samples = tuple(
+        _samples(channel, logs, begins, measured.noise[channel.name], settings)
+        for channel in resolve(model, tuple(logs[0].outputs))
+    )
+    if not any(part.scored.any() for part in samples):
+        raise DataError(f"No sample falls into a window of {settings.length:g} s. Lengthen windows.length.")
+    return Windows(
+        log=np.repeat(np.arange(len(logs)), [len(b) for b in begins]),
+        logs=tuple(log.name for log in logs),
+        begin=np.concatenate(begins),
+        samples=samples,
+        controls=steps[:, npast:],
+        past=steps[:, :npast],
+        commands=columns,
+        prior=estimate_starts(logs, begins, model, measured.noise, settings),
+        step=step,
+        margin=settings.margin,
+    )
+
+
+def _windowed(
+    logs: Sequence[Log], gaps: Mapping[str, float], settings: WindowSettings
+) -> tuple[list[Log], list[Array]]:
+    """Logs that hold a window, and the simulated starts in each."""
+    begins = [_begins(log, gaps, settings) for log in logs]
+    kept = [k for k, b in enumerate(begins) if len(b)]
+    if not kept:
+        need = settings.length + settings.run_in + 2 * settings.margin
+        spans = (_span(log, settings.past) for log in logs)
+        listed = ", ".join(f"{log.name} {last - first:.3g} s" for log, (first, last) in zip(logs, spans, strict=True))
+        raise DataError(
+            f"No log holds one gapless window of {need:.3g} s behind {settings.past:g} s of commands (logs: {listed}). "
+            "Shorten windows.length or give longer logs."
+        )
+    return [logs[k] for k in kept], [begins[k] for k in kept]
+
+
+def _span(log: Log, past: float) -> tuple[float, float]:
+    """Time covered by every channel and behind enough commands; commands hold their last value."""
+    starts = [s.time[0] for s in log.outputs.values()] + [s.time[0] + past for s in log.commands.values()]
+    return max(starts), min(s.time[-1] for s in log.outputs.values())
+
+
+def _begins(log: Log, gaps: Mapping[str, float], settings: WindowSettings) -> Array:
+    """Simulated starts of the windows of a log that no gap touches, at most `max_windows`, evenly spread."""
+    first, last = _span(log, settings.past)
+    total = settings.run_in + settings.length + 2 * settings.margin
+    begins = np.arange(first, last - total, settings.stride)
+    for name, signal in log.outputs.items():
+        holes = np.flatnonzero(np.diff(signal.time) > gaps[name])
+        for left, right in zip(signal.time[holes], signal.time[holes + 1], strict=True):
+            begins = begins[(begins + total < left) | (begins > right)]
+        begins = begins[starts_known(signal, begins, settings)]
+    keep = np.unique(np.linspace(0, len(begins) - 1, min(len(begins), settings.max_windows)).round().astype(int))
+    return begins[keep] if len(begins) else begins
+
+
+def _samples(
+    channel: Channel, logs: Sequence[Log], begins: Sequence[Array], noise: Noise, settings: WindowSettings
+) -> Samples:
+    """Pad the samples of one channel in all windows to one width."""
+    lead = settings.margin + settings.run_in
+    rows = [(log.outputs[channel.name], begin) for log, part in zip(logs, begins, strict=True) for begin in part]
+    cuts = [np.searchsorted(s.time, [b + settings.margin, b + lead, b + lead + settings.length]) for s, b in rows]
+    width = max(int(stop - start) for start, _, stop in cuts)
+    raw = 4 if channel.kind == "orientation" else channel.size
+    time, value = np.zeros((len(rows), width)), np.zeros((len(rows), width, raw))
+    if channel.kind == "orientation":
+        value[..., 0] = 1.0
+    known, scored = np.zeros((2, len(rows), width), bool)
+    for w, ((signal, begin), (start, middle, stop)) in enumerate(zip(rows, cuts, strict=True)):
+        time[w, : stop - start] = signal.time[start:stop] - begin
+        value[w, : stop - start] = signal.value[start:stop].reshape(stop - start, raw)
+        known[w, : middle - start] = scored[w, middle - start : stop - start] = True
+    std = noise.std * (2.0 if channel.kind == "orientation" else 1.0)  # a turn by φ moves a unit quaternion by φ/2
+    return Samples(channel, std, time, value, known if settings.run_in > 0 else scored, scored)

@@ -1,0 +1,1 @@
+"""The catalogue of physical effects a model may be missing: one phenomenon a file."""

@@ -1,0 +1,83 @@
+"""Commands that act late."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+
+from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
+from dr_lab.effects.effect import Scales
+from dr_lab.errors import ModelError
+from dr_lab.physics.parameter import Parameter
+
+
+@dataclass(frozen=True)
+class ActuatorDelay(ActuatorEffect):
+    """Bus, driver and controller latency between a command's stamp and its force.
+
+    force(t) computed from u(t − delay). MuJoCo keeps the commands of the last steps and reads them with linear
+    interpolation. At the start of a step, which is where first-order integrators read, that is exactly the step's
+    average of the late command. RK4 also reads in the middle and at the end, as if the step's command had been given
+    at its start and not held through it: half a step early, for which the compiled delay makes up.
+    MuJoCo cannot read the command of the running step. A shorter delay (below one step, with RK4 below one and a half)
+    is left to `command_delay`, which makes the response continuous down to absent. A history of the same length is
+    compiled in at every value.
+
+    Parameters (nominal = absent): delay [s], within [0, longest].
+    Limits: actuators with one command and no delay of their own; an exported MJCF file lacks the short delays.
+    Raises: ModelError if the actuator already has a delay.
+    Source: MuJoCo 4.0, modeling chapter ("Delays").
+
+    Attributes:
+        longest: upper bound of the delay [s].
+        start_delays: delays of the fits that start away from absent [s].
+    """
+
+    longest: float
+    start_delays: tuple[float, ...]
+
+    name: ClassVar[str] = "actuator_delay"
+    family: ClassVar[str] = "actuator"
+    law: ClassVar[str] = "tau(t) from u(t - delay)"
+    fingerprint: ClassVar[str] = "residual proportional to the rate of the command; passes for damping, or for its lack"
+    confused_with: ClassVar[tuple[str, ...]] = ("sensor_time_offset", "viscous_friction")
+    lacks: ClassVar[str] = "a delay below one physics step (one and a half with RK4)"
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The delay."""
+        del model, site, scales
+        return (Parameter("delay", "s", 0.0, 0.0, self.longest),)
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Compile the history in, and the delay where it is at least one step."""
+        actuator = actuator_of(spec, site)
+        if actuator.nsample:
+            raise ModelError(
+                f"Actuator {site!r} already keeps {actuator.nsample} commands. Take its delay out of the MJCF, "
+                "or make no actuator_delay effect of it."
+            )
+        early = _read_early(spec.option)
+        actuator.nsample = math.ceil((self.longest + early) / spec.option.timestep) + 1
+        actuator.interp = 1  # linear
+        actuator.delay = values["delay"] + early if values["delay"] >= _shortest(spec.option) else 0.0
+
+    def command_delay(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
+        """A delay that is too short for MuJoCo."""
+        return {site: values["delay"]} if values["delay"] < _shortest(option) else {}
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """Several delays: a long one has another best damping, hence local minima."""
+        del parameters
+        return tuple({"delay": delay} for delay in self.start_delays)
+
+
+def _read_early(option: mujoco.MjOption) -> float:
+    """Time in s by which the integrator reads commands too early, averaged over a step."""
+    return option.timestep / 2 if option.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 0.0
+
+
+def _shortest(option: mujoco.MjOption) -> float:
+    """Shortest delay in s whose every reading lies at or before the last completed step."""
+    return option.timestep + _read_early(option)

@@ -1,0 +1,138 @@
+"""The contract of an effect: where it can sit, its parameters, and how it edits a fresh spec."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import mujoco
+
+from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.parameter import Parameter
+
+# from the joint outwards; of effects that data cannot separate, the first is tried first
+FAMILIES = ("friction", "transmission", "actuator", "inertia", "environment", "sensing")
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Typical magnitudes of the machine in its logs; they give an effect's bounds their size.
+
+    Attributes:
+        position: range of motion by joint, rad or m.
+        speed: 95th percentile of |q̇| by joint, rad/s or m/s.
+        torque: RMS generalised force needed for the measured motion by joint, N·m or N.
+        command: largest |command| by actuator, in the command's unit.
+    """
+
+    position: Mapping[str, float]
+    speed: Mapping[str, float]
+    torque: Mapping[str, float]
+    command: Mapping[str, float]
+
+
+class Effect(ABC):
+    """One physical phenomenon that a model may lack.
+
+    An implementation says in its docstring the law, the formula with units, the limits and the source, and fills the
+    class attributes. Its parameters are zero effect at nominal, where the simulated output has a usable slope.
+
+    Attributes:
+        name: the catalogue's name, equal to the file's and the yaml's.
+        family: one of `FAMILIES`.
+        law: one line of physics.
+        fingerprint: what the residual looks like when the effect is missing.
+        confused_with: names of effects that given data may not separate from it.
+        lacks: what an exported MJCF file cannot express of it, empty when it is native.
+    """
+
+    name: ClassVar[str]
+    family: ClassVar[str]
+    law: ClassVar[str]
+    fingerprint: ClassVar[str]
+    confused_with: ClassVar[tuple[str, ...]] = ()
+    lacks: ClassVar[str] = ""
+
+    @abstractmethod
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the elements of the model at which the effect can sit."""
+
+    @abstractmethod
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """Parameters at a site, with short names, nominal = absent and bounds scaled to the machine."""
+
+    @abstractmethod
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Write the effect into a fresh spec; `values` by short parameter name."""
+
+    def output_delay(self, site: str, values: Mapping[str, float]) -> Mapping[str, float]:
+        """Delay in s of measured channels, by channel name; none for effects of the physics."""
+        del site, values
+        return {}
+
+    def command_delay(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
+        """Delay in s that the edit leaves to whoever feeds the commands, by actuator name."""
+        del site, values, option
+        return {}
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """Values away from absent from which a fit also starts (where the slope at absent is zero or misleading)."""
+        del parameters
+        return ()
+
+
+@dataclass(frozen=True)
+class PlacedEffect:
+    """An effect at a site of one model; fulfils `physics.model.ModelEffect`.
+
+    Attributes:
+        effect: the phenomenon.
+        site: the element it sits at.
+        parameters: its parameters under their full names, ``"<effect>@<site>.<short name>"``.
+        starts: full name → value, starts of a fit away from absent.
+    """
+
+    effect: Effect
+    site: str
+    parameters: tuple[Parameter, ...]
+    starts: tuple[Mapping[str, float], ...] = field(default=())
+
+    @property
+    def label(self) -> str:
+        """``effect@site``."""
+        return f"{self.effect.name}@{self.site}"
+
+    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
+        """Write the effect into a fresh spec; `values` by full name."""
+        self.effect.edit(spec, self.site, self._short(values))
+
+    def output_delay(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """Delay in s of measured channels, by channel name."""
+        return self.effect.output_delay(self.site, self._short(values))
+
+    def command_delay(self, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
+        """Delay in s that the edit leaves to whoever feeds the commands, by actuator name."""
+        return self.effect.command_delay(self.site, self._short(values), option)
+
+    def _short(self, values: Mapping[str, float]) -> dict[str, float]:
+        prefix = f"{self.label}."
+        return {p.name.removeprefix(prefix): values[p.name] for p in self.parameters}
+
+
+def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> PlacedEffect:
+    """Put an effect at a site.
+
+    Raises:
+        UnknownNameError: the effect cannot sit there; the message lists where it can.
+        ModelError: the effect declares no parameter.
+    """
+    sites = effect.sites(model)
+    if site not in sites:
+        raise UnknownNameError(f"site for {effect.name}", site, sites, "the model")
+    short = effect.parameters(model, site, scales)
+    if not short:
+        raise ModelError(f"Effect {effect.name!r} declares no parameter at {site!r}.")
+    label = f"{effect.name}@{site}."
+    full = tuple(Parameter(label + p.name, p.unit, p.nominal, p.low, p.high) for p in short)
+    starts = tuple({label + k: v for k, v in start.items()} for start in effect.starts(short))
+    return PlacedEffect(effect, site, full, starts)

@@ -1,0 +1,62 @@
+"""What effects at a hinge or slide joint have in common."""
+
+from typing import Any
+
+import mujoco
+
+from dr_lab.effects.effect import Effect
+from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.model import joints
+
+_SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+class JointEffect(Effect):
+    """An effect that sits at one named hinge or slide joint; ball and free joints have no single axis to act on."""
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the hinge and slide joints."""
+        return tuple(name for name in joints(model, _SCALAR) if name)
+
+
+def slides(model: mujoco.MjModel, joint: str) -> bool:
+    """Whether the joint is a slide, whose position is in m and whose generalised force is in N."""
+    return int(model.joint(joint).type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+def joint_of(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsJoint)
+    """The joint of a spec whose passive forces an effect edits.
+
+    Raises:
+        UnknownNameError: there is no such joint; the message lists those that exist.
+        ModelError: the joint's ``springdamper`` would overwrite the edit when the spec is compiled.
+    """
+    joint = spec.joint(name)
+    if joint is None:
+        raise UnknownNameError("joint", name, [j.name for j in spec.joints if j.name], f"model {spec.modelname!r}")
+    if all(value > 0 for value in joint.springdamper):
+        raise ModelError(
+            f"Joint {name!r} has springdamper {list(joint.springdamper)}, from which MuJoCo computes stiffness and "
+            "damping anew, over what an effect writes. Give the joint stiffness and damping instead."
+        )
+    return joint
+
+
+def add_passive_force(spec: mujoco.MjSpec, joint: str, name: str) -> Any:  # noqa: ANN401 (MjsActuator)
+    """Add an actuator without any command, whose force on a joint is biasprm · (1, position, velocity).
+
+    MuJoCo knows command-free actuators as a gain type of ``dcmotor`` (``input="none"``); with an affine bias nothing
+    of a motor is left, and neither ``ctrl`` nor ``act`` grows. What the model's default class says of actuators does
+    not hold for it. Source: MuJoCo 4.0, XML reference, actuator/general/biastype and actuator/dcmotor/input.
+    """
+    actuator = spec.add_actuator()
+    actuator.name = name
+    actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT
+    actuator.target = joint
+    actuator.gear = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    actuator.ctrlrange = actuator.forcerange = [0.0, 0.0]
+    actuator.ctrllimited = actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_FALSE
+    actuator.damping, actuator.armature, actuator.nsample, actuator.delay = [0.0, 0.0, 0.0], 0.0, 0, 0.0
+    actuator.set_to_dcmotor((0.0, 0.0), 1.0, ctrlspec=int(mujoco.mjtCtrlInput.mjINPUT_NONE))
+    actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+    return actuator

@@ -1,0 +1,64 @@
+"""Errors a user can act on: what was given, what was expected, what is available, and the remedy."""
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+
+
+class DrLabError(Exception):
+    """Base of every error that a user can cause and mend; the command line prints it without a traceback."""
+
+
+class UnknownNameError(DrLabError):
+    """A name that is not among the available ones; the message lists them and the closest match.
+
+    Args:
+        kind: what the name stands for, e.g. ``"joint"``.
+        given: the name that was given.
+        available: the names that exist.
+        where: where it was looked up, e.g. ``"model 'furuta'"``.
+    """
+
+    def __init__(self, kind: str, given: str, available: Iterable[str], where: str) -> None:
+        names = sorted(available)
+        close = difflib.get_close_matches(given, names, n=1)
+        hint = f" Did you mean {close[0]!r}?" if close else ""
+        listed = ", ".join(names) if names else "none"
+        super().__init__(f"There is no {kind} {given!r} in {where}.{hint} Available: {listed}.")
+        self.given = given
+        self.available = tuple(names)
+
+
+class DataError(DrLabError):
+    """Measurements that break the data contract (missing, empty, cut, no overlap, not finite …)."""
+
+
+class ModelError(DrLabError):
+    """A model, parameter or effect that does not compile or does nothing; keeps MuJoCo's message."""
+
+
+class ConfigError(DrLabError):
+    """A configuration that cannot be run (missing value, wrong type, unknown key)."""
+
+
+def require_numbers(
+    settings: object, key: str, *, positive: Sequence[str] = (), least: Mapping[str, float] | None = None
+) -> None:
+    """Check the numbers of a settings object.
+
+    Args:
+        settings: holds the numbers as attributes.
+        key: where they stand in the configuration, for the message.
+        positive: attributes that must be above 0.
+        least: smallest value of further attributes.
+
+    Raises:
+        ConfigError: a number is too small or not a number.
+    """
+    for name in positive:
+        value = getattr(settings, name)
+        if not value > 0:
+            raise ConfigError(f"{key}.{name} is {value:g}; expected a number above 0.")
+    for name, low in (least or {}).items():
+        value = getattr(settings, name)
+        if not value >= low:
+            raise ConfigError(f"{key}.{name} is {value:g}; expected at least {low:g}.")

@@ -1,0 +1,135 @@
+"""Samples that break the data contract: not finite, out of order, missing, wrapped."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dr_lab.errors import DataError
+from dr_lab.measurements.contract import DataContract
+from dr_lab.trajectory import Array, Note
+
+_TURN = 2 * np.pi
+# The usual period is measured over this many samples, so that bursts of a slow network do not shorten it.
+_BLOCK = 16
+# Places by which a network reorders messages; a clock that is set back moves more.
+_REORDERED = 16
+
+
+class Cleaned(NamedTuple):
+    """Samples of one channel after a step of cleaning, and what the step found."""
+
+    time: Array
+    value: Array
+    notes: tuple[Note, ...]
+
+
+def drop_not_finite(name: str, time: Array, value: Array, log: str = "") -> Cleaned:
+    """Drop samples whose time or value (or a component of it) is NaN or infinite.
+
+    Args:
+        name: channel.
+        time: shape (n,).
+        value: shape (n,) or (n, k).
+        log: whose channel it is, for messages.
+
+    Raises:
+        DataError: nothing is left.
+    """
+    good = np.isfinite(time) & np.isfinite(value.reshape(len(value), -1)).all(axis=1)
+    lost = int(len(good) - good.sum())
+    if not good.any():
+        where = f"Log {log!r}: channel" if log else "Channel"
+        raise DataError(f"{where} {name!r}: all {len(good)} samples are NaN or infinite. Check its topic or column.")
+    if lost == 0:
+        return Cleaned(time, value, ())
+    note = Note("nan", name, f"{name}: {lost} of {len(good)} samples were NaN or infinite and were dropped.", lost)
+    return Cleaned(time[good], value[good], (note,))
+
+
+def drop_unordered(name: str, time: Array, value: Array) -> Cleaned:
+    """Make the times increase; report what stood in the way.
+
+    Samples that came out of order over a few places (a network's reordering) are sorted. A longer step back is a clock
+    that was set: the samples that lie before an earlier one are dropped. So are repeats of a time.
+    """
+    order = np.argsort(time, kind="stable")
+    moved = np.abs(order - np.arange(len(time)))
+    notes = []
+    if 0 < moved.max() <= _REORDERED:
+        time, value = time[order], value[order]
+        count = int((moved > 0).sum())
+        notes.append(Note("reordered", name, f"{name}: {count} samples came out of order and were sorted.", count))
+    latest = np.maximum.accumulate(time)
+    before = np.concatenate([[-np.inf], latest[:-1]])
+    same, back = time == before, time < before
+    if same.any():
+        count = int(same.sum())
+        message = f"{name}: {count} samples repeat the time of an earlier one and were dropped."
+        notes.append(Note("duplicates", name, message, count))
+    if back.any():
+        count, far = int(back.sum()), float((before - time)[back].max())
+        message = (
+            f"{name}: time goes back by up to {far:.3g} s; the {count} samples before an earlier one were dropped."
+        )
+        notes.append(Note("back_steps", name, message, count))
+    keep = ~(same | back)
+    return Cleaned(time[keep], value[keep], tuple(notes))
+
+
+def period(time: Array) -> float:
+    """Usual time between two samples in s: the median over blocks of samples, shape (n,), n ≥ 2."""
+    block = min(_BLOCK, len(time) - 1)
+    return float(np.median(time[block:] - time[:-block])) / block
+
+
+def find_gaps(name: str, time: Array, contract: DataContract) -> tuple[Note, ...]:
+    """Report times between two samples that are longer than `contract.gap` usual periods."""
+    if len(time) < 3:
+        return ()
+    usual = period(time)
+    waits = np.diff(time)
+    count = int((waits > contract.gap * usual).sum())
+    if count == 0:
+        return ()
+    longest = int(waits.argmax())
+    message = (
+        f"{name}: {count} gaps longer than {contract.gap:g} periods of {usual * 1e3:.3g} ms; the longest is "
+        f"{waits[longest]:.3g} s at {time[longest]:.3g} s. No window reaches across them."
+    )
+    return (Note("gap", name, message, count),)
+
+
+def longest_wait(times: list[Array], contract: DataContract, *, on_change: bool) -> float:
+    """Longest time between two samples that is not a gap, over all logs, in s.
+
+    Args:
+        times: one array of sample times per log.
+        contract: how many periods make a gap.
+        on_change: whether the sender may have sent only changes; then a channel with many gaps has none (infinity).
+    """
+    times = [time for time in times if len(time) > 1]
+    if not times:
+        return float("inf")
+    limit = contract.gap * max(period(time) for time in times)
+    waits = np.concatenate([np.diff(time) for time in times])
+    if on_change and (waits > limit).mean() > contract.event_share:
+        return float("inf")
+    return limit
+
+
+def unwrap(name: str, value: Array) -> Cleaned:
+    """Undo an angle's jumps by full turns; `value` in rad, shape (n,) or (n, k)."""
+    smooth = np.unwrap(value, axis=0)
+    count = int((np.abs(np.diff(smooth - value, axis=0)) > np.pi).sum())
+    note = Note("wrapped", name, f"{name}: {count} jumps by a full turn were undone.", count)
+    return Cleaned(np.empty(0), smooth, (note,) if count else ())
+
+
+def find_wraps(name: str, value: Array, contract: DataContract) -> tuple[Note, ...]:
+    """Report an angle in rad that seems to wrap: jumps of nearly 2π from one sample to the next."""
+    jumps = np.abs(np.abs(np.diff(value, axis=0)) - _TURN) < contract.wrap_tolerance * _TURN
+    count = int(jumps.sum())
+    if count == 0:
+        return ()
+    message = f"{name}: {count} jumps by about 2π look like an angle that wraps; set wrap: true for this channel."
+    return (Note("wrap", name, message, count),)

@@ -1,0 +1,52 @@
+"""Thresholds of the data contract: what counts as a gap, a glitch, a wrap or a wrong unit."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class DataContract:
+    """Thresholds applied to every measured channel; their values live in conf/data_contract.
+
+    Attributes:
+        minimum_samples: fewest samples a measured channel may have.
+        gap: a time between two samples that is longer than this many usual periods is a gap.
+        event_share: a command with more gaps than this share of its samples is sent on change; it has no gaps.
+        glitch: a glitch lies further than this many noise standard deviations from its neighbours' curve …
+        glitch_contrast: … and this many times further than those neighbours scatter about it.
+        glitch_share: with more glitches than this share of the samples nothing is removed, only said.
+        wrap_tolerance: a jump within this share of a full turn is an angle that wrapped.
+        clock_outlier: a stamp is suspect if it lies this many robust standard deviations below the usual delay …
+        clock_outlier_share: … and is left out of the clock fit if at most this share of the stamps is suspect.
+        clock_step: s, a clock that leaves its straight line by more than this is reported.
+        same_clock: s, header clocks of two topics that agree to this are one clock and share one fit.
+        unit_ratio: share by which a ratio may differ from 180/π and still raise the suspicion of degrees.
+        velocity_ratio: share by which a velocity may differ from its position's derivative before it is reported.
+        unit_quantum: the same as unit_ratio for the number of encoder steps in a full turn; 0 switches that test off.
+        speed_limit: rad/s, no joint turns faster; faster data are suspected to be in degrees.
+        noise_settled: the order of differencing is high enough when the next changes the noise by less than this share.
+        noise_floor: smallest noise standard deviation, as a share of the channel's range.
+        fast: rounding errors of a quantised signal are random where it moves by this many steps a sample.
+        quantised: there the residual is rounding alone up to this factor …
+        staircase: … and in a slower staircase up to this one.
+    """
+
+    minimum_samples: int
+    gap: float
+    event_share: float
+    glitch: float
+    glitch_contrast: float
+    glitch_share: float
+    wrap_tolerance: float
+    clock_outlier: float
+    clock_outlier_share: float
+    clock_step: float
+    same_clock: float
+    unit_ratio: float
+    velocity_ratio: float
+    unit_quantum: float
+    speed_limit: float
+    noise_settled: float
+    noise_floor: float
+    fast: float
+    quantised: float
+    staircase: float

@@ -1,0 +1,76 @@
+"""The step of a quantised channel (encoder, converter, printed digits), from its values alone."""
+
+import numpy as np
+
+from dr_lab.trajectory import Array
+
+# A distance is a multiple of the step if it is off by less than this share of it; by chance one in five is.
+_OFF = 0.1
+_AGREE = 0.95
+# Fewest distances that may establish a step; eight random ones agree with a probability of 3e-6.
+_LEAST = 8
+# Distances up to this many steps establish the step before longer ones refine it.
+_NEAR = 20
+# Samples of a long signal that are looked at.
+_MOST = 50_000
+
+
+def lattice_step(value: Array) -> float | None:
+    """Find the step q of values that lie on a lattice v_0 + k q.
+
+    Values that differ by less than a tenth of a step count as one point of the lattice, so that rounding in a file's
+    digits does no harm. Of the steps that explain the distances between neighbouring points, the largest is taken.
+
+    Args:
+        value: samples, shape (n,).
+
+    Returns:
+        The step in the values' unit, or None if the values are constant or continuous.
+    """
+    points = np.unique(value[:: len(value) // _MOST + 1])
+    points = points[np.isfinite(points)]
+    if len(points) < 2:
+        return None
+    distances = np.diff(points)
+    distances = distances[distances > 1e-12 * np.abs(points).max()]
+    if len(distances) == 0:
+        return None
+    octaves = np.floor(np.log2(distances))
+    starts = [float(distances[octaves == octave].min()) for octave in np.unique(octaves)]
+    found = [step for start in starts if (step := _confirm(points, distances, start))]
+    return max(found, default=None)
+
+
+def _confirm(points: Array, distances: Array, start: float) -> float | None:
+    """Refine a first guess, or reject it."""
+    near = distances[(distances > 0.5 * start) & (distances < 1.5 * start)]
+    if len(near) == 0:
+        return None
+    step = float(np.median(near))
+    centres = _merge(points, step)
+    gaps = np.diff(centres)
+    if len(gaps) == 0 or (len(gaps) < _LEAST and len(points) > _LEAST):
+        return None
+    close = gaps[gaps < _NEAR * step]
+    if len(close) < 0.5 * min(len(gaps), _LEAST):
+        return None
+    counts = np.rint(close / step)
+    step = float(close @ counts / (counts @ counts))
+    multiples = gaps / step
+    if (np.abs(multiples - np.rint(multiples)) < _OFF).mean() < _AGREE:
+        return None
+    return _refine(centres, gaps, step)
+
+
+def _merge(points: Array, step: float) -> Array:
+    """Means of runs of points that lie closer than a tenth of a step."""
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(points) > _OFF * step) + 1])
+    sizes = np.diff(np.append(starts, len(points)))
+    return np.add.reduceat(points, starts) / sizes
+
+
+def _refine(centres: Array, gaps: Array, step: float) -> float:
+    """Least squares over the whole range: counts the steps from one end to the other."""
+    places = np.concatenate([[0.0], np.cumsum(np.rint(gaps / step))])
+    places -= places.mean()
+    return float(places @ (centres - centres.mean()) / (places @ places))

@@ -1,0 +1,138 @@
+"""One file, or a stretch of it, to one `Log`: read, put on one clock, convert, clean."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.errors import DataError
+from dr_lab.measurements.cleaning import drop_not_finite, drop_unordered, find_gaps, find_wraps, longest_wait, unwrap
+from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.glitches import drop_glitches
+from dr_lab.measurements.noise import estimate_noise
+from dr_lab.measurements.raw_log import RawChannel, RawLog, TimeAxis, read_raw
+from dr_lab.measurements.signal_map import channel_maps
+from dr_lab.measurements.unit_check import check_units
+from dr_lab.trajectory import Array, Log, Note, Signal
+
+Mask = NDArray[np.bool_]
+
+
+def read_log(
+    path: Path,
+    outputs: Mapping[str, Mapping[str, Any]],
+    commands: Mapping[str, Mapping[str, Any]],
+    contract: DataContract,
+    clock: str = "",
+    time: TimeAxis | None = None,
+) -> Log:
+    """Read one file.
+
+    Args:
+        path: MCAP (``.mcap``), CSV (``.csv``, ``.txt``) or Parquet (``.parquet``) file.
+        outputs: entries of the measured channels; see `dr_lab.measurements.signal_map.channel_map`.
+        commands: entries of the commands.
+        contract: thresholds.
+        clock: default clock of all channels; ``""`` takes the file's own (log time, time column).
+        time: time column and cut.
+
+    Returns:
+        The log, with its notes; times count from the file's first message or row.
+
+    Raises:
+        DataError: the file or a channel cannot be used; the message says why and what to do.
+        UnknownNameError: a topic, field, joint or column that is not there.
+    """
+    raw = read_raw(path, channel_maps(outputs, clock), channel_maps(commands, clock), time or TimeAxis(), contract)
+    return clean(raw, path.stem, -np.inf, np.inf, contract)
+
+
+def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContract) -> Log:
+    """Make a log of the seconds `start` to `stop` of a file.
+
+    A command keeps its last sample before `start`, whose value holds until the next.
+
+    Args:
+        raw: the file's channels.
+        name: the log's name.
+        start: s.
+        stop: s.
+        contract: thresholds.
+
+    Raises:
+        DataError: a channel has no usable sample, commands and outputs do not overlap, or a unit seems wrong.
+    """
+    notes = list(raw.notes)
+    outputs: dict[str, Signal] = {}
+    commands: dict[str, Signal] = {}
+    for part in raw.outputs:
+        keep = ~((part.time < start) | (part.time > stop))
+        outputs[part.channel.name] = _output(part, keep, name, notes, contract)
+    for part in raw.commands:
+        held = part.time[part.time <= start].max(initial=-np.inf)
+        keep = ~((part.time < held) | (part.time > stop))
+        commands[part.channel.name] = _command(part, keep, name, notes, contract)
+    _check_overlap(name, outputs, commands)
+    notes += check_units(outputs, [part.channel for part in raw.outputs], contract)
+    return Log(name, outputs, commands, tuple(notes), raw.clocks)
+
+
+def _output(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract: DataContract) -> Signal:
+    channel = part.channel
+    time, value = _sound(part, keep, log, notes)
+    if channel.wrap:
+        _, value, found = unwrap(channel.name, value)
+        notes += found
+    elif channel.unit.name == "rad":
+        notes += find_wraps(channel.name, value, contract)
+    if len(time) < contract.minimum_samples:
+        raise DataError(
+            f"Log {log!r}: channel {channel.name!r} ({channel.source}) has {len(time)} usable samples; at least "
+            f"{contract.minimum_samples} are needed. Give a longer log."
+        )
+    signal = Signal(channel.name, channel.unit.name, time, value)
+    wait = longest_wait([time], contract, on_change=False)
+    if value.ndim == 1 and np.ptp(value) > 0.0:
+        noise_std = channel.noise_std_si or estimate_noise([signal], wait, contract).std
+        time, value, found = drop_glitches(channel.name, time, value, noise_std, wait, contract)
+        notes += found
+        signal = Signal(channel.name, channel.unit.name, time, value)
+    notes += find_gaps(channel.name, time, contract)
+    return signal
+
+
+def _command(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract: DataContract) -> Signal:
+    time, value = _sound(part, keep, log, notes)
+    if np.isfinite(longest_wait([time], contract, on_change=True)):
+        notes += find_gaps(part.channel.name, time, contract)
+    return Signal(part.channel.name, part.channel.unit.name, time, value)
+
+
+def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note]) -> tuple[Array, Array]:
+    """Finite samples in the order of time."""
+    name = part.channel.name
+    if not keep.any():
+        raise DataError(f"Log {log!r}: channel {name!r} ({part.channel.source}) has no sample in the chosen time.")
+    if part.missing:
+        message = f"{name}: {part.missing} messages of {part.channel.topic} do not hold it."
+        notes.append(Note("partial", name, message, part.missing))
+    finite = drop_not_finite(name, part.time[keep], part.value[keep], log)
+    ordered = drop_unordered(name, finite.time, finite.value)
+    notes += [*finite.notes, *ordered.notes]
+    return ordered.time, ordered.value
+
+
+def _check_overlap(log: str, outputs: Mapping[str, Signal], commands: Mapping[str, Signal]) -> None:
+    for command in commands.values():
+        for output in outputs.values():
+            if command.time[0] > output.time[-1] or (command.time[-1] < output.time[0] and len(command) > 1):
+                raise DataError(
+                    f"Log {log!r}: {_span(command)} and {_span(output)} do not overlap in time. If their stamps come "
+                    "from different clocks, choose another clock (header, publish or log) for one of them."
+                )
+
+
+def _span(signal: Signal) -> str:
+    return f"{signal.name!r} ({signal.time[0]:.6g} to {signal.time[-1]:.6g} s)"

@@ -1,0 +1,169 @@
+"""MCAP logs of ROS 2: any numeric field of any topic, with the header's, the publisher's and the recorder's time.
+
+Messages are decoded by Rerun's reader into Arrow arrays, a whole topic at a time.
+"""
+
+import re
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+from rerun.chunk import McapReader
+
+from dr_lab.errors import DataError, UnknownNameError
+from dr_lab.measurements.field_path import Rows, extract
+from dr_lab.measurements.samples import Samples, Stamps, combine
+from dr_lab.measurements.signal_map import ChannelMap, names_of
+from dr_lab.trajectory import Array, Note
+
+_DECODER = "ros2_reflection"
+_CLOCK_COLUMNS = {"log": "message_log_time", "publish": "message_publish_time", "header": "ros2_timestamp"}
+_NANO = 1e-9
+
+
+class _Topic(NamedTuple):
+    messages: pa.StructArray
+    stamps: dict[str, NDArray[np.int64]]
+    kind: str
+
+
+class McapSource:
+    """An MCAP file; a cut one is recovered as far as its messages are complete.
+
+    Times count from the log time of the file's first message, and within the header's clock from the header stamp
+    first read.
+
+    Args:
+        path: the file.
+
+    Raises:
+        DataError: empty, not an MCAP, or without messages.
+    """
+
+    natural_clock = "log"
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._recover = False
+        self._header_zero: int | None = None
+        self._topics: dict[str, _Topic] = {}
+        self._info = self._inspect()
+        if self._info.message_count == 0:
+            raise DataError(f"{path} holds no messages. Record it again, or leave it out of logs.")
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Whether the file was cut, and what survived."""
+        if not self._recover:
+            return ()
+        count = self._info.message_count
+        message = f"{self._path.name} ends early (interrupted recording); {count} complete messages were recovered."
+        return (Note("cut", "", message, count),)
+
+    def samples(self, channel: ChannelMap) -> Samples:
+        """Read one channel.
+
+        Raises:
+            UnknownNameError: no such topic, field or joint; the message lists those there are.
+            DataError: a topic that cannot be decoded, or a field that holds no numbers.
+        """
+        if not channel.topic:
+            raise DataError(
+                f"Channel {channel.name!r} names a column, but {self._path.name} is an MCAP file. "
+                "Write topic: NAME and field: PATH instead."
+            )
+        topic = self._topic(channel.topic)
+        where = f"topic {channel.topic!r} ({topic.kind}) of {self._path.name}"
+        found = {name: extract(topic.messages, name, where) for name in names_of(channel.readings)}
+        rows = _common([part.rows for part in found.values()])
+        parts = {name: part.value[np.searchsorted(part.rows, rows)] for name, part in found.items()}
+        missing = len(topic.messages) - len(rows)
+        stamps = {clock: self._relative(clock, ns[rows]) for clock, ns in topic.stamps.items()}
+        return Samples(combine(channel, parts.__getitem__), stamps, channel.topic, missing)
+
+    def _inspect(self) -> Any:  # noqa: ANN401  (the class is private to Rerun)
+        if self._path.stat().st_size == 0:
+            raise DataError(f"{self._path} is empty (0 bytes). Record it again, or leave it out of logs.")
+        try:
+            return self._reader().info()
+        except ValueError as error:
+            if "start magic" in str(error):
+                raise DataError(
+                    f"{self._path} is not an MCAP file: it does not start with MCAP's magic bytes. "
+                    "Name another file in logs; convert a ROS 1 bag or a ROS 2 .db3 with the mcap tool."
+                ) from error
+        self._recover = True
+        try:
+            return self._reader().info()
+        except ValueError as error:
+            raise DataError(
+                f"{self._path} is damaged and nothing in it could be recovered: {error}. Leave it out of logs."
+            ) from error
+
+    def _reader(self, topic: str | None = None) -> McapReader:
+        chosen = None if topic is None else [f"^{re.escape(topic)}$"]
+        return McapReader(self._path, decoders=[_DECODER], include_topic_regex=chosen, recover=self._recover)
+
+    @cached_property
+    def _channels(self) -> dict[str, Any]:
+        return {channel.topic: channel for channel in self._info.channels}
+
+    def _topic(self, name: str) -> _Topic:
+        if name not in self._topics:
+            if name not in self._channels:
+                raise UnknownNameError("topic", name, self._channels, self._path.name)
+            self._topics[name] = self._read(name)
+        return self._topics[name]
+
+    def _read(self, name: str) -> _Topic:
+        schema = self._channels[name].schema
+        kind = schema.name if schema else "no schema"
+        batches = [chunk.to_record_batch() for chunk in self._reader(name).stream()]
+        suffix = ":message"
+        batches = [b for b in batches if any(column.endswith(suffix) for column in b.schema.names)]
+        if not batches:
+            encoding = f"{self._channels[name].message_encoding} with schema {schema.encoding if schema else 'none'}"
+            raise DataError(
+                f"Topic {name!r} ({kind}) of {self._path.name} holds no message that can be decoded: its encoding is "
+                f"{encoding}; expected cdr with schema ros2msg."
+            )
+        column = next(c for c in batches[0].schema.names if c.endswith(suffix))
+        messages = pa.concat_arrays([batch.column(column).flatten() for batch in batches])
+        stamps = {
+            clock: np.concatenate([batch.column(title).cast(pa.int64()).to_numpy() for batch in batches])
+            for clock, title in _CLOCK_COLUMNS.items()
+            if all(title in batch.schema.names for batch in batches)
+        }
+        return _in_log_order(messages, stamps, kind)
+
+    def _relative(self, clock: str, nanoseconds: NDArray[np.int64]) -> Stamps:
+        start = int(self._info.message_start_time_ns)
+        if clock != "header" or len(nanoseconds) == 0:
+            return Stamps(_seconds(nanoseconds, start), zero=0.0)
+        if self._header_zero is None:
+            self._header_zero = int(nanoseconds[0])
+        return Stamps(_seconds(nanoseconds, self._header_zero), zero=(self._header_zero - start) * _NANO)
+
+
+def _in_log_order(messages: pa.StructArray, stamps: dict[str, NDArray[np.int64]], kind: str) -> _Topic:
+    """Recorders write what arrives when; chunks may overlap in time."""
+    log = stamps["log"]
+    if (np.diff(log) >= 0).all():
+        return _Topic(messages, stamps, kind)
+    order = np.argsort(log, kind="stable")
+    return _Topic(messages.take(pa.array(order)), {clock: ns[order] for clock, ns in stamps.items()}, kind)
+
+
+def _seconds(nanoseconds: NDArray[np.int64], zero: int) -> Array:
+    """Subtract first, in integers: nanoseconds since 1970 have more digits than a float64."""
+    return (nanoseconds - zero).astype(np.float64) * _NANO
+
+
+def _common(rows: list[Rows]) -> Rows:
+    common = rows[0]
+    for other in rows[1:]:
+        common = np.intersect1d(common, other, assume_unique=True)
+    return common

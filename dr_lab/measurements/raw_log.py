@@ -1,0 +1,103 @@
+"""The channels of one file in SI on the file's log clock, before anything is dropped."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dr_lab.errors import ConfigError, DataError
+from dr_lab.measurements.alignment import align
+from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.mcap import McapSource
+from dr_lab.measurements.samples import Source
+from dr_lab.measurements.signal_map import ChannelMap
+from dr_lab.measurements.table import TableSource
+from dr_lab.trajectory import Array, ClockFit, Note
+
+
+@dataclass(frozen=True)
+class TimeAxis:
+    """Where a log's times come from and which of them count.
+
+    Attributes:
+        column: time column of a table.
+        unit: of that column.
+        start: s, earlier samples are left out.
+        stop: s, later samples are left out.
+    """
+
+    column: str = "time"
+    unit: str = "s"
+    start: float | None = None
+    stop: float | None = None
+
+
+@dataclass(frozen=True)
+class RawChannel:
+    """One channel of a file on the log's clock, not yet cleaned.
+
+    Attributes:
+        channel: its map.
+        time: s, shape (n,).
+        value: SI, shape (n,) or (n, k).
+        missing: messages that did not hold it.
+    """
+
+    channel: ChannelMap
+    time: Array
+    value: Array
+    missing: int
+
+
+@dataclass(frozen=True)
+class RawLog:
+    """A file's channels; parts of it become logs through `dr_lab.measurements.log.clean`."""
+
+    path: Path
+    outputs: tuple[RawChannel, ...]
+    commands: tuple[RawChannel, ...]
+    clocks: Mapping[str, ClockFit]
+    notes: tuple[Note, ...]
+
+
+def read_raw(
+    path: Path,
+    outputs: Sequence[ChannelMap],
+    commands: Sequence[ChannelMap],
+    time: TimeAxis,
+    contract: DataContract,
+) -> RawLog:
+    """Read one file's channels and put them on its log clock; see `dr_lab.measurements.log.read_log`."""
+    source = open_source(path, time)
+    channels = (*outputs, *commands)
+    samples = {channel.name: source.samples(channel) for channel in channels}
+    aligned = align(channels, samples, source.natural_clock, path.name, contract)
+    start = -np.inf if time.start is None else time.start
+    stop = np.inf if time.stop is None else time.stop
+
+    def raw(channel: ChannelMap) -> RawChannel:
+        at = aligned.times[channel.name]
+        keep = ~((at < start) | (at > stop))
+        value = channel.to_si(samples[channel.name].value)
+        return RawChannel(channel, at[keep], value[keep], samples[channel.name].missing)
+
+    return RawLog(
+        path, tuple(map(raw, outputs)), tuple(map(raw, commands)), aligned.clocks, (*source.notes, *aligned.notes)
+    )
+
+
+def open_source(path: Path, time: TimeAxis) -> Source:
+    """Open a file by its suffix.
+
+    Raises:
+        DataError: no such file, or it cannot be read.
+        ConfigError: unknown suffix.
+    """
+    if not path.is_file():
+        raise DataError(f"There is no file {path}.")
+    if path.suffix == ".mcap":
+        return McapSource(path)
+    if path.suffix in (".csv", ".txt", ".parquet"):
+        return TableSource(path, time.column, time.unit)
+    raise ConfigError(f"{path.name}: a log is an .mcap, .csv, .txt or .parquet file; convert it to one of these.")

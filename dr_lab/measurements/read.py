@@ -1,0 +1,96 @@
+"""A ``measurements`` configuration to a `MeasurementSet`."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from dr_lab.errors import ConfigError
+from dr_lab.measurements.cleaning import longest_wait
+from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.log import clean
+from dr_lab.measurements.noise import estimate_noise
+from dr_lab.measurements.raw_log import RawLog, TimeAxis, read_raw
+from dr_lab.measurements.signal_map import ChannelMap, channel_maps
+from dr_lab.measurements.split import Part, find_files, split
+from dr_lab.trajectory import Log, MeasurementSet, Noise
+
+Entries = Mapping[str, Mapping[str, Any]]
+
+
+def read(
+    name: str,
+    logs: Sequence[str],
+    outputs: Entries,
+    contract: DataContract,
+    commands: Entries | None = None,
+    fit: Sequence[str] | None = None,
+    held_out: Sequence[str] | None = None,
+    clock: str | None = None,
+    time: Mapping[str, Any] | None = None,
+) -> MeasurementSet:
+    """Read all logs of one machine.
+
+    Args:
+        name: of the configuration.
+        logs: files or globs, MCAP, CSV or Parquet; only those that `fit` or `held_out` name are read.
+        outputs: measured channels by name; see `dr_lab.measurements.signal_map.channel_map`.
+        contract: thresholds of the data contract.
+        commands: commands by actuator name, in the same form; None for a machine that swings freely.
+        fit: logs to fit on, ``stem`` or ``stem[a:b]`` in s; None takes every log that is not held out.
+        held_out: logs never fitted; None holds nothing out.
+        clock: default clock of all channels, ``header``, ``publish``, ``log`` or ``column``; None takes the file's own.
+        time: for tables ``column`` and ``unit`` of the time, and for any log ``start`` and ``stop`` in s.
+
+    Returns:
+        The logs; per channel one noise std pooled over all logs and the longest wait that is not a gap.
+
+    Raises:
+        DataError: a file or channel that cannot be used.
+        UnknownNameError: a log, topic, field, joint, column or key that does not exist; the message lists the others.
+        ConfigError: the configuration contradicts itself.
+    """
+    if not outputs:
+        raise ConfigError(f"Measurements {name!r} name no outputs; give at least one measured channel.")
+    measured, sent = channel_maps(outputs, clock or ""), channel_maps(commands or {}, clock or "")
+    fitted, scored = split(find_files(logs), fit, held_out)
+    every = _load((*fitted, *scored), measured, sent, _time_axis(name, time or {}), contract)
+    gaps = _gaps(measured, sent, every, contract)
+    noise = {c.name: _noise(c, every, gaps[c.name], contract) for c in measured}
+    return MeasurementSet(name, every[: len(fitted)], every[len(fitted) :], noise, gaps)
+
+
+def _load(
+    parts: Sequence[Part],
+    measured: Sequence[ChannelMap],
+    sent: Sequence[ChannelMap],
+    axis: TimeAxis,
+    contract: DataContract,
+) -> tuple[Log, ...]:
+    """Read each file once, whatever the number of its parts."""
+    raw: dict[Path, RawLog] = {}
+    for part in parts:
+        if part.path not in raw:
+            raw[part.path] = read_raw(part.path, measured, sent, axis, contract)
+    return tuple(clean(raw[part.path], part.name, part.start, part.stop, contract) for part in parts)
+
+
+def _gaps(
+    measured: Sequence[ChannelMap], sent: Sequence[ChannelMap], logs: Sequence[Log], contract: DataContract
+) -> dict[str, float]:
+    waits = {c.name: longest_wait([g.outputs[c.name].time for g in logs], contract, on_change=False) for c in measured}
+    held = {c.name: longest_wait([g.commands[c.name].time for g in logs], contract, on_change=True) for c in sent}
+    return waits | held
+
+
+def _noise(channel: ChannelMap, logs: Sequence[Log], wait: float, contract: DataContract) -> Noise:
+    if channel.noise_std_si is not None:
+        return Noise(channel.noise_std_si, channel.unit.name, "given")
+    return estimate_noise([log.outputs[channel.name] for log in logs], wait, contract)
+
+
+def _time_axis(name: str, settings: Mapping[str, Any]) -> TimeAxis:
+    known = ("column", "unit", "start", "stop")
+    unknown = [key for key in settings if key not in known]
+    if unknown:
+        raise ConfigError(f"Measurements {name!r}: time has no key {unknown[0]!r}; it has {', '.join(known)}.")
+    return TimeAxis(**{key: value for key, value in settings.items() if value is not None})

@@ -1,0 +1,166 @@
+"""From a topic or column of a file to a channel of the model: name, unit, sign, scale, clock."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+from dr_lab.errors import ConfigError, DataError, UnknownNameError
+from dr_lab.measurements.units import Unit, unit
+from dr_lab.trajectory import Array
+
+# One reading is a weighted sum of a file's fields or columns.
+Reading = Mapping[str, float]
+
+_DIMENSIONS = {
+    ".position": ("dimensionless", "[length]"),
+    ".velocity": ("1 / [time]", "[length] / [time]"),
+}
+_EXAMPLES = {".position": "rad, deg, m or mm", ".velocity": "rad/s, deg/s or m/s"}
+_CLOCKS = ("header", "publish", "log", "column")
+
+_NUMBERS = ("scale", "offset", "latency", "noise_std")
+
+
+@dataclass(frozen=True)
+class ChannelMap:
+    """Where one channel comes from and how its numbers become SI.
+
+    x = factor(unit) · (sign · scale · Σ_j w_j raw_j + offset), with the weights w_j of the reading (one field or
+    column of weight 1 as a rule).
+
+    Attributes:
+        name: channel of the model.
+        unit: unit of the numbers after sign, scale and offset.
+        topic: MCAP topic, or ``""`` for a table.
+        readings: one per component of a vector channel, a single one for a scalar.
+        vector: whether the channel's samples have shape (n, k) instead of (n,).
+        sign: +1 or −1.
+        scale: factor into `unit`.
+        offset: in `unit`.
+        noise_std: known standard deviation of the noise in `unit`, or None to estimate it.
+        wrap: whether the numbers are an angle that jumps by a full turn.
+        clock: whose stamps to use, ``header``, ``publish``, ``log`` or ``column``; ``""`` takes that of the file.
+        latency: known time in s by which the stamps lie after the true times; it is subtracted.
+    """
+
+    name: str
+    unit: Unit
+    topic: str
+    readings: tuple[Reading, ...]
+    vector: bool
+    sign: float = 1.0
+    scale: float = 1.0
+    offset: float = 0.0
+    noise_std: float | None = None
+    wrap: bool = False
+    clock: str = ""
+    latency: float = 0.0
+
+    def to_si(self, raw: Array) -> Array:
+        """Convert raw numbers of any shape to the channel's SI unit."""
+        return self.unit.factor * (self.sign * self.scale * raw + self.offset)
+
+    @property
+    def noise_std_si(self) -> float | None:
+        """Known noise in the SI unit, or None."""
+        return None if self.noise_std is None else self.unit.factor * self.noise_std
+
+    @property
+    def source(self) -> str:
+        """What the user wrote, for messages."""
+        parts = "; ".join(
+            " + ".join(f"{w:g}·{name}" if w != 1 else name for name, w in r.items()) for r in self.readings
+        )
+        return f"topic {self.topic} {parts}" if self.topic else f"column {parts}"
+
+
+def channel_map(name: str, settings: Mapping[str, Any], clock: str) -> ChannelMap:
+    """Read one entry of a ``measurements`` configuration.
+
+    Args:
+        name: channel of the model.
+        settings: ``unit``, then ``topic`` and ``field`` (MCAP) or ``column`` (CSV, Parquet), and any of the further
+            attributes of `ChannelMap`. A field or column is a name, a mapping from names to weights (their weighted
+            sum), or a list of either (a vector channel).
+        clock: the clock if the entry names none; ``""`` leaves the choice to the file.
+
+    Raises:
+        ConfigError: a key is missing or contradicts another.
+        UnknownNameError: a key or clock that does not exist.
+        DataError: unknown unit, or one of the wrong dimension.
+    """
+    _check_keys(name, settings)
+    place = settings.get("field", settings.get("column"))
+    vector = isinstance(place, Sequence) and not isinstance(place, str)
+    readings = tuple(_reading(name, part) for part in (place if vector else (place,)))  # pyright: ignore[reportOptionalIterable]
+    chosen = str(settings.get("clock") or clock or "")
+    if chosen and chosen not in _CLOCKS:
+        raise UnknownNameError("clock", chosen, _CLOCKS, f"the entry of channel {name!r}")
+    numbers = {key: _number(name, key, settings[key]) for key in _NUMBERS if settings.get(key) is not None}
+    return ChannelMap(
+        name=name,
+        unit=_unit(name, str(settings["unit"])),
+        topic=str(settings.get("topic", "")),
+        readings=readings,
+        vector=vector,
+        sign=_sign(name, settings.get("sign", 1)),
+        wrap=bool(settings.get("wrap", False)),
+        clock=chosen,
+        **numbers,
+    )
+
+
+def channel_maps(entries: Mapping[str, Mapping[str, Any]], clock: str) -> tuple[ChannelMap, ...]:
+    """Read all entries of ``outputs`` or ``commands``; see `channel_map`."""
+    return tuple(channel_map(name, settings, clock) for name, settings in entries.items())
+
+
+def _check_keys(name: str, settings: Mapping[str, Any]) -> None:
+    known = {f.name for f in fields(ChannelMap)} - {"name", "readings", "vector"} | {"field", "column"}
+    for key in settings:
+        if key not in known:
+            raise UnknownNameError("key", str(key), known, f"the entry of channel {name!r}")
+    given = {key for key in ("topic", "field", "column") if settings.get(key) not in (None, "")}
+    if given not in ({"topic", "field"}, {"column"}):
+        expected = "topic and field (MCAP) or column (CSV, Parquet)"
+        raise ConfigError(f"Channel {name!r}: give {expected}; got {', '.join(sorted(given)) or 'neither'}.")
+    if not settings.get("unit"):
+        raise ConfigError(f"Channel {name!r}: give its unit, e.g. unit: rad (1 for a number without one).")
+
+
+def _reading(name: str, part: object) -> Reading:
+    if isinstance(part, str):
+        return {part: 1.0}
+    if isinstance(part, Mapping) and part and all(isinstance(w, int | float) for w in part.values()):
+        return {str(key): float(weight) for key, weight in part.items()}
+    raise ConfigError(f"Channel {name!r}: {part!r} is neither a name nor a mapping from names to weights.")
+
+
+def _unit(name: str, text: str) -> Unit:
+    found = unit(text)
+    for suffix, dimensions in _DIMENSIONS.items():
+        if name.endswith(suffix) and found.dimension not in dimensions:
+            raise DataError(
+                f"Channel {name!r}: unit {text!r} has dimension {found.dimension}; a joint's {suffix[1:]} is "
+                f"measured in {_EXAMPLES[suffix]}. Correct unit or the channel's name."
+            )
+    return found
+
+
+def _sign(name: str, value: object) -> float:
+    if value not in (1, -1):
+        raise ConfigError(f"Channel {name!r}: sign must be 1 or -1; got {value!r}. Put other factors into scale.")
+    return float(value)  # pyright: ignore[reportArgumentType]
+
+
+def _number(name: str, key: str, value: object) -> float:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        raise ConfigError(f"Channel {name!r}: {key} is {value!r}; expected a number.")
+    if key == "noise_std" and value <= 0:
+        raise ConfigError(f"Channel {name!r}: noise_std must be > 0; got {value!r}. Write null to estimate it.")
+    return float(value)
+
+
+def names_of(readings: Iterable[Reading]) -> tuple[str, ...]:
+    """All fields or columns that the readings need, each once."""
+    return tuple(dict.fromkeys(name for reading in readings for name in reading))

@@ -1,0 +1,130 @@
+"""Which logs, or parts of logs, are fitted and which are held out."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from glob import glob
+from pathlib import Path
+
+from dr_lab.errors import ConfigError, DataError, UnknownNameError
+
+_SEGMENT = re.compile(r"(?P<stem>.+)\[(?P<start>[^:\[\]]*):(?P<stop>[^:\[\]]*)\]")
+_VARIABLE = re.compile(r"\$\{?(?P<name>[A-Za-z_]\w*)\}?")
+
+
+@dataclass(frozen=True)
+class Part:
+    """A log or a stretch of one.
+
+    Attributes:
+        name: as the user wrote it.
+        path: file.
+        start: s, first time taken.
+        stop: s, last time taken.
+    """
+
+    name: str
+    path: Path
+    start: float = -float("inf")
+    stop: float = float("inf")
+
+
+def find_files(patterns: Sequence[str]) -> dict[str, Path]:
+    """Expand file names and globs (``*``, ``**``) to files by stem, sorted by path.
+
+    Raises:
+        DataError: a file does not exist, a glob matches nothing, two files share a stem, or a name still holds an
+            environment variable that is not set.
+    """
+    paths = sorted({path for pattern in patterns for path in _expand(str(pattern))})
+    files: dict[str, Path] = {}
+    for path in paths:
+        if path.stem in files:
+            raise DataError(f"{files[path.stem]} and {path} have the same stem, which names the log; rename one.")
+        files[path.stem] = path
+    return files
+
+
+def split(
+    files: Mapping[str, Path], fit: Sequence[str] | None, held_out: Sequence[str] | None
+) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
+    """Assign logs to fitting and to scoring.
+
+    A name is a file's stem, or ``stem[a:b]`` for the seconds a to b of it; an empty a or b means its beginning or end.
+
+    Args:
+        files: by stem.
+        fit: names; None takes every file that is not held out.
+        held_out: names; None holds nothing out.
+
+    Returns:
+        Parts to fit on, parts held out.
+
+    Raises:
+        UnknownNameError: no such stem.
+        ConfigError: nothing is named, or the same data are in both.
+    """
+    scored = tuple(_part(name, files) for name in held_out or ())
+    if fit is None:
+        used = {part.path for part in scored}
+        fitted = tuple(Part(stem, path) for stem, path in files.items() if path not in used)
+    else:
+        fitted = tuple(_part(name, files) for name in fit)
+    if not fitted and not scored:
+        raise ConfigError("Neither fit nor held_out names a log; give at least one of: " + ", ".join(files) + ".")
+    for a in fitted:
+        for b in scored:
+            if a.path == b.path and a.start < b.stop and b.start < a.stop:
+                raise ConfigError(
+                    f"Logs {a.name!r} (fit) and {b.name!r} (held_out) share data; a held-out log is never fitted."
+                )
+    return fitted, scored
+
+
+def _expand(pattern: str) -> list[Path]:
+    unset = _VARIABLE.search(pattern)
+    if unset:
+        name = unset["name"]
+        raise DataError(
+            f"Environment variable {name} is not set, which {pattern!r} needs. Set it to the folder that holds the "
+            f"data: export {name}=FOLDER."
+        )
+    path = Path(pattern).expanduser()
+    if path.is_file():
+        return [path]
+    found = [Path(name) for name in glob(str(path), recursive=True) if Path(name).is_file()]
+    if found:
+        return found
+    if path.is_dir():
+        raise DataError(f"{path} is a folder. Name the files in it in logs, e.g. {path}/*.mcap.")
+    missing = "No file matches" if any(mark in pattern for mark in "*?[") else "There is no file"
+    raise DataError(f"{missing} {pattern!r}; {_contents(path.parent)}. Correct logs.")
+
+
+def _contents(folder: Path) -> str:
+    if not folder.is_dir():
+        above = next(parent for parent in folder.parents if parent.exists())
+        return f"there is no folder {folder}; {_contents(above)}"
+    names = sorted(entry.name + ("/" if entry.is_dir() else "") for entry in folder.iterdir())
+    shown = ", ".join(names[:10]) + (" …" if len(names) > 10 else "")
+    return f"folder {folder} holds {shown or 'nothing'}"
+
+
+def _part(name: str, files: Mapping[str, Path]) -> Part:
+    name = str(name)
+    if name in files:
+        return Part(name, files[name])
+    match = _SEGMENT.fullmatch(name)
+    stem = match["stem"] if match else name
+    if stem not in files:
+        raise UnknownNameError("log", stem, files, "logs")
+    if not match:
+        return Part(name, files[stem])
+    try:
+        start = float(match["start"] or "-inf")
+        stop = float(match["stop"] or "inf")
+    except ValueError as error:
+        raise ConfigError(f"{name!r} is not stem[a:b] with a and b in seconds, e.g. {stem}[0:3.8].") from error
+    if start >= stop:
+        raise ConfigError(f"{name!r}: the segment ends before it begins.")
+    return Part(name, files[stem], start, stop)

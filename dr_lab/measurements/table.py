@@ -1,0 +1,116 @@
+"""CSV and Parquet logs: one row a sample, one column a quantity, one column the time."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+
+from dr_lab.errors import DataError, UnknownNameError
+from dr_lab.measurements.samples import Samples, Stamps, combine
+from dr_lab.measurements.signal_map import ChannelMap
+from dr_lab.measurements.units import unit
+from dr_lab.trajectory import Array, Note
+
+
+class TableSource:
+    """A CSV or Parquet file.
+
+    Times count from the first row that has one.
+
+    Args:
+        path: the file; the suffix tells which format it has.
+        time_column: column with the rows' times.
+        time_unit: unit of that column; a column of timestamps needs none.
+
+    Raises:
+        DataError: empty or unreadable file, or a time column without a time.
+        UnknownNameError: no such column; the message lists them.
+    """
+
+    natural_clock = "column"
+
+    def __init__(self, path: Path, time_column: str, time_unit: str) -> None:
+        self._path = path
+        self._table = _load(path)
+        self._columns: dict[str, Array] = {}
+        self._stamps = Stamps(self._elapsed(time_column, time_unit), zero=0.0)
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """A table is whole or not readable: nothing to report."""
+        return ()
+
+    def samples(self, channel: ChannelMap) -> Samples:
+        """Read one channel.
+
+        Raises:
+            UnknownNameError: no such column.
+            DataError: a column that holds no numbers, or a channel that names a topic.
+        """
+        if channel.topic:
+            raise DataError(
+                f"Channel {channel.name!r} names topic {channel.topic!r}, but {self._path.name} is a table. "
+                "Write column: NAME instead of topic and field."
+            )
+        return Samples(combine(channel, self._column), {"column": self._stamps}, stream="table", missing=0)
+
+    def _elapsed(self, name: str, time_unit: str) -> Array:
+        column = self._raw(name)
+        if pa.types.is_timestamp(column.type):
+            time_unit = column.type.unit
+            column = column.cast(pa.int64())
+        if pa.types.is_integer(column.type) and column.null_count < len(column):
+            # Subtract first, in integers: nanoseconds since 1970 have more digits than a float64.
+            first = column.drop_null()[0]
+            elapsed = (column.fill_null(first).to_numpy() - first.as_py()).astype(np.float64)
+        else:
+            time = _numbers(column, name, self._path)
+            known = time[np.isfinite(time)]
+            if len(known) == 0:
+                raise DataError(f"{self._path}: column {name!r} holds no time.")
+            elapsed = time - known[0]
+        return elapsed * unit(time_unit).factor
+
+    def _column(self, name: str) -> Array:
+        if name not in self._columns:
+            self._columns[name] = _numbers(self._raw(name), name, self._path)
+        return self._columns[name]
+
+    def _raw(self, name: str) -> pa.ChunkedArray:
+        if name not in self._table.column_names:
+            raise UnknownNameError("column", name, self._table.column_names, self._path.name)
+        return self._table.column(name)
+
+
+def _load(path: Path) -> pa.Table:
+    try:
+        if path.suffix == ".parquet":
+            table = pyarrow.parquet.read_table(path)
+        else:
+            convert = pyarrow.csv.ConvertOptions(strings_can_be_null=True)
+            table = pyarrow.csv.read_csv(path, convert_options=convert)
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+        reason = str(error).splitlines()[0]
+        raise DataError(f"Cannot read {path}: {reason}. Expected a header line and one row a sample.") from error
+    if table.num_rows == 0:
+        raise DataError(f"{path} holds no rows. Record it again, or leave it out of logs.")
+    return table.rename_columns(_stripped(table.column_names))
+
+
+def _stripped(names: Iterable[str]) -> list[str]:
+    return [name.strip() for name in names]
+
+
+def _numbers(column: pa.ChunkedArray, name: str, path: Path) -> Array:
+    kind = column.type
+    if pa.types.is_null(kind):
+        return np.full(len(column), np.nan)
+    if pa.types.is_timestamp(kind):
+        column = column.cast(pa.int64())
+    elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)):
+        example = next((value for value in column.to_pylist() if value is not None), None)
+        raise DataError(f"{path.name}: column {name!r} holds {kind} (e.g. {example!r}), not numbers.")
+    return column.cast(pa.float64()).to_numpy(zero_copy_only=False).astype(np.float64)

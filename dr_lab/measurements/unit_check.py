@@ -1,0 +1,143 @@
+"""Angles in degrees that are declared as radians, and the other way round."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from dr_lab.errors import DataError
+from dr_lab.measurements.cleaning import period
+from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.lattice import lattice_step
+from dr_lab.measurements.signal_map import ChannelMap
+from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.trajectory import Array, Note, Signal
+
+_DEGREES = 180.0 / np.pi
+_SUSPICION = "the factor 57.3 = 180/π is suspected"
+# Half-width of the derivative's window, in sample periods.
+_REACH = 5
+# Samples of a long signal that are looked at.
+_MOST = 10_000
+# Below this correlation a derivative says nothing about a velocity channel.
+_CORRELATED = 0.9
+_RAD_PER_S = ("rad", "rad/s")
+# Numbers of steps per turn that encoders and digital angles have.
+_POWERS = 2.0 ** np.arange(8, 25)
+_DECADES = np.outer([1, 2, 4, 5, 8], 10.0 ** np.arange(2, 7)).ravel()
+_COUNTS = np.sort(np.concatenate([_POWERS, _DECADES]))
+
+
+def check_units(
+    signals: Mapping[str, Signal], channels: Sequence[ChannelMap], contract: DataContract
+) -> tuple[Note, ...]:
+    """Look for the factor 57.3 between what is declared and what the numbers say.
+
+    Three signs: the derivative of a joint's position against its velocity channel; an encoder's step that divides a
+    turn in the other unit into a usual number of counts; a joint that turns faster than any does.
+
+    Args:
+        signals: cleaned outputs by channel name, in SI.
+        channels: their maps.
+        contract: thresholds.
+
+    Returns:
+        Notes of weaker contradictions: a velocity of the other sign or another scale.
+
+    Raises:
+        DataError: degrees are suspected; the message names the channel and the remedy.
+    """
+    by_name = {channel.name: channel for channel in channels}
+    notes: list[Note] = []
+    for name, channel in by_name.items():
+        partner = by_name.get(f"{name.removesuffix('.position')}.velocity")
+        if name.endswith(".position") and partner and partner.name in signals and signals[name].value.ndim == 1:
+            notes += _compare(signals[name], signals[partner.name], channel, partner, contract)
+        if channel.unit.name in _RAD_PER_S and signals[name].value.ndim == 1:
+            _check_step(signals[name], channel, contract)
+            _check_speed(signals[name], channel, contract)
+    return tuple(notes)
+
+
+def _compare(
+    position: Signal, velocity: Signal, place: ChannelMap, rate: ChannelMap, contract: DataContract
+) -> list[Note]:
+    """Ratio of d(position)/dt to velocity by least squares."""
+    inside = np.flatnonzero((velocity.time >= position.time[0]) & (velocity.time <= position.time[-1]))
+    inside = inside[:: len(inside) // _MOST + 1]
+    measured = velocity.value[inside]
+    slope = _slope(position, velocity.time[inside])
+    norm = float(np.sqrt((measured @ measured) * (slope @ slope)))
+    if norm == 0.0 or abs(slope @ measured) < _CORRELATED * norm:
+        return []
+    ratio = float(slope @ slope) / float(slope @ measured)
+    for factor, wrong in ((_DEGREES, place), (1.0 / _DEGREES, rate)):
+        if abs(np.log(abs(ratio) / factor)) < contract.unit_ratio:
+            other = rate if wrong is place else place
+            raise DataError(
+                f"The derivative of {place.name} is {abs(ratio):.3g} times {rate.name}: {_SUSPICION}. Either "
+                f"{wrong.name} is in degrees (declared {wrong.unit.given!r}; write {_degrees(wrong)}), or "
+                f"{other.name} is in radians (declared {other.unit.given!r}; write {_radians(other)})."
+            )
+    return _weaker(ratio, rate.name, place.name, contract)
+
+
+def _weaker(ratio: float, rate: str, place: str, contract: DataContract) -> list[Note]:
+    if ratio < 0:
+        message = f"{rate} has the opposite sign of the derivative of {place} (ratio {ratio:.3g}); check sign."
+        return [Note("sign", rate, message)]
+    if abs(np.log(ratio)) > contract.velocity_ratio:
+        message = f"The derivative of {place} is {ratio:.3g} times {rate}; check unit, scale and gear ratio of both."
+        return [Note("unit", rate, message)]
+    return []
+
+
+def _check_step(signal: Signal, channel: ChannelMap, contract: DataContract) -> None:
+    if channel.unit.name != "rad" or contract.unit_quantum == 0.0:
+        return
+    step = lattice_step(signal.value)
+    if step is None:
+        return
+    own = step / channel.unit.factor
+    declared_degrees = abs(channel.unit.factor * _DEGREES - 1.0) < 1e-9
+    if channel.unit.factor != 1.0 and not declared_degrees:
+        return
+    turn, other_turn = (360.0, 2 * np.pi) if declared_degrees else (2 * np.pi, 360.0)
+    if _usual(turn / own, contract) or not _usual(other_turn / own, contract):
+        return
+    other = "rad" if declared_degrees else "deg"
+    raise DataError(
+        f"{channel.name} is declared {channel.unit.given!r}, but its steps of {own:.6g} divide a turn of "
+        f"{other_turn:.5g} {other} into {other_turn / own:.0f} counts: {_SUSPICION}. Write unit: {other}, or set "
+        "contract.unit_quantum: 0 if the unit is right."
+    )
+
+
+def _usual(counts: float, contract: DataContract) -> bool:
+    return bool((np.abs(_COUNTS / counts - 1.0) < contract.unit_quantum).any())
+
+
+def _check_speed(signal: Signal, channel: ChannelMap, contract: DataContract) -> None:
+    speed = np.abs(
+        signal.value if channel.unit.name == "rad/s" else _slope(signal, signal.time[:: len(signal) // _MOST + 1])
+    )
+    typical_peak = float(np.quantile(speed, 0.99))
+    if typical_peak <= contract.speed_limit:
+        return
+    raise DataError(
+        f"{channel.name} (declared {channel.unit.given!r}) turns at {typical_peak:.4g} rad/s, faster than "
+        f"{contract.speed_limit:g} rad/s: {_SUSPICION}. Write {_degrees(channel)} if the numbers are degrees, "
+        "wrap: true if the angle jumps by full turns, or raise contract.speed_limit if the joint is that fast."
+    )
+
+
+def _slope(signal: Signal, at: Array) -> Array:
+    half_width = _REACH * period(signal.time)
+    return local_polynomial(signal, at, half_width, degree=2).slope
+
+
+def _degrees(channel: ChannelMap) -> str:
+    return "unit: deg" if channel.unit.name == "rad" else "unit: deg/s"
+
+
+def _radians(channel: ChannelMap) -> str:
+    return "unit: rad" if channel.unit.name == "rad" else "unit: rad/s"

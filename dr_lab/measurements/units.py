@@ -1,0 +1,61 @@
+"""Units by name, to SI."""
+
+import re
+from dataclasses import dataclass
+from functools import cache
+
+import pint
+
+from dr_lab.errors import DataError
+
+# Derived units that keep their usual name; all others are written in base units, e.g. m/s² or rad/s.
+_NAMED = ("N", "N·m", "V", "Ω", "Pa", "W", "T")
+# Pint reads "Nm" as number/meter, a unit of yarn.
+_NEWTON_METRE = re.compile(r"\b([a-zµ]?N)m\b")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit and its way to SI.
+
+    Attributes:
+        given: as the user wrote it.
+        name: its coherent SI unit.
+        factor: value in SI = factor · value in the given unit.
+        dimension: physical dimension, in pint's words; angles have none.
+    """
+
+    given: str
+    name: str
+    factor: float
+    dimension: str
+
+
+@cache
+def _registry() -> pint.UnitRegistry:
+    return pint.UnitRegistry()
+
+
+@cache
+def unit(text: str) -> Unit:
+    """Look a unit up.
+
+    Args:
+        text: e.g. ``"deg"``, ``"rad/s"``, ``"N·m"``, ``"mV"``; ``"1"`` for a number without one.
+
+    Raises:
+        DataError: there is no such unit, or it has an offset (°C).
+    """
+    registry = _registry()
+    try:
+        parsed = registry.Unit("" if text == "1" else _NEWTON_METRE.sub(r"\1*m", text))
+        base = registry.Quantity(1.0, parsed).to_base_units()
+        zero = registry.Quantity(0.0, parsed).to_base_units()
+    except Exception as error:
+        # Pint raises its own errors, tokenizer errors and TypeErrors, depending on the text.
+        remedy = "Write it as e.g. rad, deg, rad/s, m, N, N·m, V or 1."
+        raise DataError(f"There is no unit {text!r} ({error}). {remedy}") from error
+    if zero.magnitude != 0.0:
+        raise DataError(f"Unit {text!r} has an offset; give the value in an absolute unit, e.g. K.")
+    name = next((n for n in _NAMED if base.is_compatible_with(registry.Unit(n))), f"{base.units:~P}") or "1"
+    return Unit(text, name, float(base.magnitude), str(base.dimensionality))

@@ -1,0 +1,1 @@
+"""The simulated machine: parameters, contexts, models and the batched simulator."""

@@ -1,0 +1,46 @@
+"""A simulation parameter: one scalar of the physics that may be identified or randomised."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.errors import ModelError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One scalar of the physics.
+
+    Attributes:
+        name: unique name, ``"arm.mass"`` or ``"coulomb_friction@arm.torque"``.
+        unit: SI unit of the value.
+        nominal: value of the uncorrected model; for an effect's parameter the value at which the effect is absent.
+        low: smallest admissible value.
+        high: largest admissible value, > low.
+
+    Raises:
+        ModelError: the bounds are not finite and ordered, or nominal lies outside them.
+    """
+
+    name: str
+    unit: str
+    nominal: float
+    low: float
+    high: float
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite([self.low, self.nominal, self.high]).all() and self.low < self.high):
+            raise ModelError(
+                f"Parameter {self.name!r}: bounds [{self.low}, {self.high}] with nominal {self.nominal} "
+                "must be finite and ordered low < high. Correct them in the model's or effect's yaml."
+            )
+        if not self.low <= self.nominal <= self.high:
+            raise ModelError(
+                f"Parameter {self.name!r}: nominal {self.nominal:g} {self.unit} lies outside "
+                f"[{self.low:g}, {self.high:g}]. Widen the bounds in the yaml, or correct the value in the MJCF."
+            )
+
+    @property
+    def span(self) -> float:
+        """Width of the bounds, high − low, in `unit`."""
+        return self.high - self.low

@@ -1,0 +1,169 @@
+"""Many simulations of one model on C threads: contexts, reset, step and replay."""
+
+import os
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from dr_lab.errors import ModelError
+from dr_lab.physics.contact import skip_idle_collisions
+from dr_lab.physics.fields import FieldContexts
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+# Divergence is counted and masked here; MuJoCo's own log would write a file into the user's folder.
+_LOG = mujoco.MjLogConfig.get()
+_LOG.logto_file = _LOG.logto_console = False
+mujoco.MjLogConfig.set(_LOG)
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """What `Simulator.replay` returns; n simulations, s steps.
+
+    Attributes:
+        qpos: positions at t = 0, dt, …, s·dt, shape (n, s + 1, nq).
+        qvel: velocities at the same times, shape (n, s + 1, nv).
+        sensordata: sensors at t = 0 … (s − 1)·dt (MuJoCo evaluates them before each step), shape (n, s, nsensordata).
+        start: integration state (`mjSTATE_INTEGRATION`) from which each simulation began, shape (n, nstate).
+        controls: controls as MuJoCo got them, late by what its own delays leave over, shape (n, s, nu).
+        infeasible: simulations that diverged or whose context does not compile, shape (n,).
+    """
+
+    qpos: Array
+    qvel: Array
+    sensordata: Array
+    start: Array
+    controls: Array
+    infeasible: NDArray[np.bool_]
+
+
+class Simulator:
+    """`nsim` simulations of one model, each with its own context z.
+
+    Contexts enter as per-simulation fields where every parameter is one, else as recompiled models; both start from
+    the nominal model, so nothing accumulates. A context that does not compile, or a simulation that diverges, is
+    marked infeasible and never stops the others.
+
+    Args:
+        model: the model with its effects.
+        nsim: number of simulations.
+        threads: C threads; None takes every core this process may use.
+    """
+
+    def __init__(self, model: Model, nsim: int, threads: int | None = None) -> None:
+        self.model = model
+        self.compiled = skip_idle_collisions(model.nominal())
+        self.batch = Batch(self.compiled, nsim, threads or len(os.sched_getaffinity(0)))
+        self._fields = FieldContexts(model, self.compiled) if FieldContexts.possible(model, self.compiled) else None
+        self._models: list[mujoco.MjModel] = [self.compiled] * nsim
+        self._uncompiled = np.zeros(nsim, bool)
+        self.batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+        self._default = self.batch.state.copy()
+
+    @property
+    def nsim(self) -> int:
+        """Number of simulations."""
+        return self.batch.nsim
+
+    @property
+    def infeasible(self) -> NDArray[np.bool_]:
+        """Simulations that diverged since their last reset or whose context does not compile, shape (nsim,)."""
+        return self._uncompiled | (self.batch.warning[:, :, 1] > 0).any(axis=1)
+
+    def set_contexts(self, z: Array, ids: NDArray[np.intp] | None = None) -> None:
+        """Give simulations their contexts; z shape (len(ids), n), all simulations when `ids` is None."""
+        rows = np.arange(self.nsim) if ids is None else ids
+        if self._fields is not None:
+            self._fields.write(self.batch, z, rows)
+            return
+        unique, which = np.unique(z, axis=0, return_inverse=True)
+        compiled = [self._compile(row) for row in unique]
+        for row, k in zip(rows, which.ravel(), strict=True):
+            self._models[row] = compiled[k] or self.compiled
+            self._uncompiled[row] = compiled[k] is None
+        self.batch.set_models(self._models)
+
+    def reset(self, ids: NDArray[np.intp] | None = None) -> None:
+        """Put simulations into the model's initial state and clear their divergence counters."""
+        rows = np.arange(self.nsim) if ids is None else ids
+        self.batch.state[rows] = self._default[rows]
+        self.batch.warning[rows] = 0
+
+    def step(self, controls: Array, nstep: int = 1) -> None:
+        """Advance every simulation by `nstep` steps under held controls, shape (nsim, nu)."""
+        self.batch.bind("ctrl")[:] = controls
+        self.batch.step(nstep=nstep)
+
+    def replay(self, z: Array, qpos: Array, qvel: Array, controls: Array, past: Array) -> Rollout:
+        """Simulate every (context, window) pair from its start under the windows' controls, in one call.
+
+        Args:
+            z: contexts, shape (c, n).
+            qpos: start positions, shape (c, w, nq), with c · w = nsim.
+            qvel: start velocities, shape (c, w, nv).
+            controls: control of each step, shape (w, s, nu).
+            past: controls of the steps before the start, oldest first, for delayed actuators, shape (w, p, nu).
+
+        Returns:
+            The rollout; simulation i = context · w + window.
+        """
+        contexts, windows = qpos.shape[:2]
+        if contexts * windows != self.nsim:
+            raise ModelError(
+                f"Replay of {contexts}×{windows} needs as many simulations; this simulator has {self.nsim}."
+            )
+        self.set_contexts(np.repeat(z, windows, axis=0))
+        self.reset()
+        self.batch.bind("qpos")[:] = qpos.reshape(self.nsim, -1)
+        self.batch.bind("qvel")[:] = qvel.reshape(self.nsim, -1)
+        if self.compiled.nhistory:
+            self.batch.bind("history")[:] = np.tile(self._histories(past), (contexts, 1))
+        start = self.batch.state.copy()
+        record = ("qpos", "qvel", "sensordata") if self.compiled.nsensordata else ("qpos", "qvel")
+        nstep, applied = controls.shape[1], self._delayed(z, controls, past)
+        out = self.batch.rollout(nstep, applied if controls.shape[2] else None, record=record)
+        first = lambda start, rest: np.concatenate([start.reshape(self.nsim, 1, -1), rest], axis=1)  # noqa: E731
+        sensors = out.get("sensordata", np.empty((self.nsim, nstep, 0)))
+        return Rollout(first(qpos, out["qpos"]), first(qvel, out["qvel"]), sensors, start, applied, self.infeasible)
+
+    def _compile(self, z: Array) -> mujoco.MjModel | None:
+        try:
+            return skip_idle_collisions(self.model.compile(z))
+        except ModelError:
+            return None
+
+    def _delayed(self, z: Array, controls: Array, past: Array) -> Array:
+        """Controls of every simulation, late by what MuJoCo's own delay leaves over, shape (c·w, s, nu).
+
+        The step average of a held command that is m + f steps late is (1−f) u_{k−m} + f u_{k−m−1}.
+        """
+        every = np.tile(controls, (len(z), 1, 1)).reshape(len(z), *controls.shape)
+        known = np.concatenate([past if past.shape[1] else controls[:, :1], controls], axis=1)
+        steps = known.shape[1] - controls.shape[1] + np.arange(controls.shape[1])
+        for context, row in enumerate(z):
+            for name, delay in self.model.command_delays(row).items():
+                column = self.compiled.actuator_ctrladr[self.compiled.actuator(name).id]
+                whole, share = divmod(delay / self.compiled.opt.timestep, 1.0)
+                late, later = (known[:, np.maximum(steps - int(whole) - k, 0), column] for k in (0, 1))
+                every[context, :, :, column] = (1 - share) * late + share * later
+        return every.reshape(self.nsim, *controls.shape[1:])
+
+    def _histories(self, past: Array) -> Array:
+        """History rows of delayed actuators for each window, shape (w, nhistory)."""
+        model, data = self.compiled, mujoco.MjData(self.compiled)
+        rows = np.empty((len(past), model.nhistory))
+        for window, controls in enumerate(past):
+            for actuator in range(model.nactuator):
+                samples = int(model.actuator_history[actuator, 0])
+                if samples:
+                    values = controls[-samples:, model.actuator_ctrladr[actuator]]
+                    values = np.concatenate([np.full(samples - len(values), values[0]), values])
+                    mujoco.mj_initCtrlHistory(
+                        model, data, actuator, np.arange(-samples, 0) * model.opt.timestep, values
+                    )
+            rows[window] = data.history
+        return rows

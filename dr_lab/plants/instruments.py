@@ -1,0 +1,86 @@
+"""What stands between the machine and its log: encoders, clocks, transport and the driver's own latency."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class RobotClock:
+    """The robot's clock beside the host's: robot = host + offset + drift · (host − epoch).
+
+    Attributes:
+        offset: s.
+        drift: s/s.
+        epoch: host time in s at which the offset holds.
+    """
+
+    offset: float
+    drift: float
+    epoch: float
+
+    def read(self, host: Array) -> Array:
+        """The robot's time at each host time, s."""
+        return host + self.offset + self.drift * (host - self.epoch)
+
+
+@dataclass(frozen=True)
+class Instruments:
+    """Sampling, quantisation, clocks and latencies of a bench.
+
+    Attributes:
+        sample_rate: encoder samples per second, Hz.
+        sample_jitter: standard deviation of a sample's instant, s, cut off at three of them; the stamp tells the truth.
+        command_rate: commands per second, Hz.
+        command_jitter: largest deviation of a command's instant, s; the stamp tells the truth.
+        counts: encoder counts per revolution; None reads the angle exactly.
+        clock_offset: smallest and largest offset of the robot's clock, s.
+        clock_drift: smallest and largest size of its drift, s/s; the sign is drawn.
+        transport_latency: least time in s from a sample to its arrival in the log.
+        transport_jitter: mean of the exponential time in s that may be added to it.
+        transport_spacing: least time in s between two arrivals; a sample that is held up holds up those behind it.
+        actuation_latency: time in s from a command's stamp to its voltage at the motor's driver.
+    """
+
+    sample_rate: float
+    sample_jitter: float
+    command_rate: float
+    command_jitter: float
+    counts: int | None
+    clock_offset: tuple[float, float]
+    clock_drift: tuple[float, float]
+    transport_latency: float
+    transport_jitter: float
+    transport_spacing: float
+    actuation_latency: float
+
+    def sample_times(self, duration: float, generator: np.random.Generator) -> Array:
+        """Instants in s after the start at which the encoders are read."""
+        grid = np.arange(1, int(duration * self.sample_rate)) / self.sample_rate
+        wander = generator.standard_normal(len(grid)).clip(-3.0, 3.0)
+        return grid + self.sample_jitter * wander
+
+    def command_times(self, duration: float, generator: np.random.Generator) -> Array:
+        """Instants in s after the start at which commands are issued."""
+        grid = np.arange(1, int(duration * self.command_rate)) / self.command_rate
+        return grid + self.command_jitter * generator.uniform(-1.0, 1.0, len(grid))
+
+    def clock(self, epoch: float, generator: np.random.Generator) -> RobotClock:
+        """A robot's clock."""
+        sign = 1.0 if generator.random() < 0.5 else -1.0
+        return RobotClock(generator.uniform(*self.clock_offset), sign * generator.uniform(*self.clock_drift), epoch)
+
+    def arrival(self, host: Array, generator: np.random.Generator) -> Array:
+        """Host times in s at which samples taken at host times arrive in the log, in order."""
+        late = self.transport_latency + self.transport_jitter * generator.standard_exponential(len(host))
+        queue = self.transport_spacing * np.arange(len(host))
+        return np.asarray(np.maximum.accumulate(host + late - queue) + queue, dtype=np.float64)
+
+    def encode(self, angle: Array) -> Array:
+        """Angles in rad as the encoder reads them: the nearest count."""
+        if self.counts is None:
+            return angle
+        count = 2 * np.pi / self.counts
+        return count * np.rint(angle / count)

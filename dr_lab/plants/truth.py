@@ -1,0 +1,26 @@
+"""What the plant knows and the diagnosis must not: the truth behind a set of logs, as plain data."""
+
+from dataclasses import asdict
+
+from dr_lab.plants.bench import Bench
+
+
+def truth(bench: Bench, seed: int) -> dict[str, object]:
+    """True parameters, hidden effect and clock of the machine that a seed stands for.
+
+    Returns:
+        ``seed``; ``parameters`` by the model's names (kg, N·m·s/rad); ``hidden`` with its label ``name@site`` and its
+        magnitudes; ``clock`` of the robot (offset s, drift s/s, epoch s); ``latency`` of transport and actuation in s.
+    """
+    clock = bench.clock(seed)
+    hidden = {key: value for key, value in vars(bench.hidden).items() if key != "site"}
+    return {
+        "seed": seed,
+        "parameters": bench.nominal.true_values(seed),
+        "hidden": {"effect": bench.hidden.label, "parameters": hidden},
+        "clock": asdict(clock),
+        "latency": {
+            "transport": bench.instruments.transport_latency,
+            "actuation": bench.instruments.actuation_latency,
+        },
+    }

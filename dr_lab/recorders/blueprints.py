@@ -1,0 +1,188 @@
+"""The layout of `review.rrd`: which views there are, on which page, and from where the robot is seen."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+import rerun.blueprint as rrb
+
+from dr_lab.recorders.bars import ladder_canvas, ranking_canvas
+from dr_lab.recorders.branch import TIMELINE, entity_path
+from dr_lab.recorders.eye import eye_controls
+from dr_lab.recorders.ladder import steps
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.overlay import AFTER, BEFORE, MEASURED, SIMULATED, Overlay
+from dr_lab.recorders.scatter import CANVAS
+from dr_lab.recorders.scene import moving_corners, thin
+from dr_lab.trajectory import Array
+
+# Rows of plots that can be read on one sheet.
+_ROWS = 4
+_LINKED = rrb.TimeAxis(link="LinkToGlobal")
+_RANKING = "Ranking (blue: named, orange: equivalent, grey: neither; white line: interval)"
+
+
+def review_blueprint(
+    report: Mapping[str, Any], overlays: Sequence[Overlay], geometry: mujoco.MjModel, look: Look
+) -> rrb.Blueprint:
+    """Pages: overview, signals, residual against velocity, ranking, report; a page has one tab a log.
+
+    Args:
+        report: decides which pages there are.
+        overlays: decide which views there are; without any, only the tables are shown.
+        geometry: what the eye has to see.
+        look: the eye, and how many channels the overview has.
+    """
+    with_joints = [overlay for overlay in overlays if overlay.joints()]
+    pages: list[rrb.Container | rrb.View | None] = [
+        _page("Overview", {overlay.log: _overview(report, overlay, geometry, look) for overlay in overlays}),
+        _page("Signals", {overlay.log: _signals(overlay) for overlay in overlays}),
+        _page("Residual and velocity", {overlay.log: _scatters(overlay) for overlay in with_joints}),
+        _ranking(report) if report.get("ranking") else None,
+        rrb.TextDocumentView(origin="report", name="Report"),
+    ]
+    return rrb.Blueprint(
+        rrb.Tabs(*(page for page in pages if page is not None), name="Review"),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="playing", loop_mode="all"),
+    )
+
+
+def worst_channels(overlay: Overlay, count: int) -> list[str]:
+    """The `count` channels that the first simulated role fits worst, positions before others, in the log's order."""
+
+    def misfit(channel: str) -> tuple[bool, float]:
+        is_position = channel.endswith(".position")
+        role = next((role for role in SIMULATED if channel in overlay.simulated.get(role, {})), None)
+        if role is None:
+            return is_position, 0.0
+        value = overlay.measured[channel].value
+        squared = (value - overlay.simulated[role][channel]) ** 2
+        error = float(np.mean(squared[np.isfinite(squared)])) if np.isfinite(squared).any() else 0.0
+        return is_position, error / max(float(np.var(value)), np.finfo(float).tiny)
+
+    worst = sorted(overlay.measured, key=misfit, reverse=True)[:count]
+    return [channel for channel in overlay.measured if channel in worst]
+
+
+def _page(name: str, logs: Mapping[str, rrb.Container]) -> rrb.Container | None:
+    """One page: the log's name in its title, or one tab a log where there are several."""
+    if not logs:
+        return None
+    if len(logs) == 1:
+        ((log, content),) = logs.items()
+        return rrb.Vertical(content, name=f"{name}: {log}")
+    return rrb.Tabs(*(rrb.Vertical(content, name=log) for log, content in logs.items()), name=name)
+
+
+def _overview(report: Mapping[str, Any], overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> rrb.Container:
+    text = rrb.TextDocumentView(origin="verdict", name="Verdict")
+    below = rrb.Horizontal(text, _ladder(report), column_shares=[5, 4]) if len(steps(report)) > 1 else text
+    robots = _robots(overlay, geometry, look)
+    left = rrb.Vertical(rrb.Horizontal(*robots), below, row_shares=[3, 2]) if robots else rrb.Vertical(below)
+    channels = worst_channels(overlay, look.overview_channels)
+    plots = [
+        view
+        for channel in channels
+        for view in (_signal(overlay, channel, legend=channel == channels[0]), *_residual(overlay, channel))
+    ]
+    return rrb.Horizontal(left, rrb.Vertical(*plots), column_shares=[6, 5])
+
+
+def _robots(overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> list[rrb.Spatial3DView]:
+    """Measured and simulated robot in one view a model; the measured alone where nothing was simulated."""
+    if not overlay.poses:
+        return []
+    roles = [role for role in SIMULATED if role in overlay.poses]
+    scenes = {_robot_title(overlay, role): ["fixed", "real", f"sim_{role}"] for role in roles}
+    eye = eye_controls(_moving(overlay, geometry, look), look)
+    return [
+        rrb.Spatial3DView(
+            origin=entity_path(overlay.log, "world"),
+            contents=[f"$origin/{part}/**" for part in parts],
+            name=title,
+            eye_controls=eye,
+            line_grid=False,
+        )
+        for title, parts in (scenes or {MEASURED: ["fixed", "real"]}).items()
+    ]
+
+
+def _robot_title(overlay: Overlay, role: str) -> str:
+    colour = {BEFORE: "orange", AFTER: "blue"}[role]
+    label = overlay.label(role)
+    return f"measured (white), {label if label != role else f'model {role}'} ({colour})"
+
+
+def _moving(overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> Array:
+    """All that the eye must see: the moving shapes of every robot, or the whole model where none moves."""
+    kept = thin(overlay.time, look.pose_rate)
+    corners = [moving_corners(geometry, position[kept], turn[kept]) for position, turn in overlay.poses.values()]
+    points = np.concatenate(corners)
+    still = geometry.stat.center + geometry.stat.extent / 2 * np.vstack([np.eye(3), -np.eye(3)])
+    return points if len(points) else still
+
+
+def _signals(overlay: Overlay) -> rrb.Container:
+    channels = list(overlay.measured)
+    groups = [channels[start : start + _ROWS] for start in range(0, len(channels), _ROWS)]
+    sheets = [rrb.Vertical(*_rows(overlay, group), name=" · ".join(group)) for group in groups]
+    return sheets[0] if len(sheets) == 1 else rrb.Tabs(*sheets)
+
+
+def _rows(overlay: Overlay, channels: Sequence[str]) -> list[rrb.Container]:
+    """A row a channel: signal, residual, and the residual after, whose axis the one before does not stretch."""
+    rows = []
+    for channel in channels:
+        views = [_signal(overlay, channel, legend=channel == channels[0]), *_residual(overlay, channel)]
+        if all(channel in overlay.simulated.get(role, {}) for role in SIMULATED):
+            title = f"after alone, grey band: noise ±σ [{overlay.measured[channel].unit}]"
+            views.append(_plot(overlay, ["residual", channel], title, ["sim_after", "noise"]))
+        rows.append(rrb.Horizontal(*views))
+    if overlay.commands:
+        rows.append(rrb.Horizontal(_plot(overlay, ["command"], "commands", legend=True)))
+    return rows
+
+
+def _signal(overlay: Overlay, channel: str, legend: bool) -> rrb.TimeSeriesView:
+    title = f"{channel} [{overlay.measured[channel].unit}]"
+    return _plot(overlay, ["signal", channel], title, legend=legend)
+
+
+def _residual(overlay: Overlay, channel: str) -> list[rrb.TimeSeriesView]:
+    if not any(channel in values for values in overlay.simulated.values()):
+        return []
+    title = f"residual of {channel}: measured − simulated [{overlay.measured[channel].unit}]"
+    return [_plot(overlay, ["residual", channel], title)]
+
+
+def _plot(
+    overlay: Overlay, parts: Sequence[str], title: str, entities: Sequence[str] = ("**",), legend: bool = False
+) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin=entity_path(overlay.log, *parts),
+        contents=[f"$origin/{entity}" for entity in entities],
+        name=title,
+        axis_x=_LINKED,
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
+    )
+
+
+def _scatters(overlay: Overlay) -> rrb.Container:
+    views = [
+        CANVAS.view([overlay.log, "scatter", joint], f"{joint}: {overlay.residual_name} against velocity")
+        for joint in overlay.joints()
+    ]
+    return rrb.Grid(*views)
+
+
+def _ladder(report: Mapping[str, Any]) -> rrb.Spatial2DView:
+    return ladder_canvas(steps(report)).view(["diagnosis", "ladder"], "Ladder: held-out error of each model")
+
+
+def _ranking(report: Mapping[str, Any]) -> rrb.Container:
+    chart = ranking_canvas(report["ranking"]).view(["diagnosis", "ranking"], _RANKING)
+    table = rrb.TextDocumentView(origin="diagnosis/ranking_table", name="Candidates")
+    return rrb.Horizontal(chart, table, column_shares=[5, 6], name="Ranking")

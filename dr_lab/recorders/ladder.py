@@ -1,0 +1,52 @@
+"""The models of a report in the order of their making, and what each is called."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Step:
+    """One model of the ladder.
+
+    Attributes:
+        name: what it is, or what it has beyond the model before it, e.g. ``+ coulomb_friction@arm``.
+        effects: labels of all its effects.
+        held_out: its errors on held-out logs, as in `gap.schema.json`.
+        parameters: its parameters, likewise.
+    """
+
+    name: str
+    effects: tuple[str, ...]
+    held_out: Mapping[str, Any]
+    parameters: Mapping[str, Any]
+
+
+def steps(report: Mapping[str, Any]) -> list[Step]:
+    """The models from the one given to the last: as given (where the report has it apart), calibrated, with effects."""
+    rungs = [report["as_given"], *report["ladder"]] if "as_given" in report else report["ladder"]
+    made: list[Step] = []
+    for rung in rungs:
+        effects = tuple(rung["effects"])
+        before = made[-1].effects if made else ()
+        new = [f"+ {effect}" for effect in effects if effect not in before]
+        plain = "calibrated" if made else "model as given"
+        made.append(Step(" ".join(new) or plain, effects, rung["held_out"], rung["parameters"]))
+    return made
+
+
+def before_after(report: Mapping[str, Any]) -> list[Step]:
+    """The two models that a report sets side by side, or the only one.
+
+    After is the last of the ladder. Before is the ladder's first, which is calibrated, so that the difference is the
+    effects' doing; a ladder of one (calibration alone) is set beside the model as given.
+    """
+    made = steps(report)
+    if len(made) == 1:
+        return made
+    return [made[-len(report["ladder"])] if len(report["ladder"]) > 1 else made[0], made[-1]]
+
+
+def candidate_name(row: Mapping[str, Any]) -> str:
+    """Name of a candidate of the ranking, ``effect@site``."""
+    return f"{row['effect']}@{row['site']}"

@@ -1,0 +1,59 @@
+"""How a recording looks: rates, colours and the eye, read from `conf/recorder/`."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from dr_lab.errors import ConfigError, require_numbers
+
+COLOURS = ("measured", "before", "after", "noise", "command", "ground", "fixed", "text", "axis")
+
+
+@dataclass(frozen=True)
+class Look:
+    """Settings of `review.rrd`.
+
+    Attributes:
+        pose_rate: highest rate of body poses, Hz.
+        colours: ``#RRGGBB`` for each of `COLOURS`.
+        ghost_alpha: opacity of simulated robots, 0 … 255.
+        ghost_swell: factor on their size, a little above 1; see `shape.Paint`.
+        line_width: of plotted signals, points on the screen.
+        measured_width: of measured signals, which lie below the simulated ones.
+        scatter_points: most dots a role and joint in a scatter plot.
+        scatter_bins: most equally filled velocity ranges whose mean residual is drawn.
+        overview_channels: channels plotted on the first page.
+        azimuth: direction from the robot to the eye about z, degrees from +x.
+        elevation: of the eye above the horizontal plane, degrees.
+        margin: distance of the eye over that from which all moving parts just fill the view.
+
+    Raises:
+        ConfigError: a colour is missing or not ``#RRGGBB``, or a number is too small.
+    """
+
+    pose_rate: float
+    colours: Mapping[str, str]
+    ghost_alpha: int
+    ghost_swell: float
+    line_width: float
+    measured_width: float
+    scatter_points: int
+    scatter_bins: int
+    overview_channels: int
+    azimuth: float
+    elevation: float
+    margin: float
+
+    def __post_init__(self) -> None:
+        positive = ("pose_rate", "ghost_swell", "line_width", "measured_width", "margin")
+        least = {"ghost_alpha": 0.0, "scatter_points": 1.0, "scatter_bins": 1.0, "overview_channels": 0.0}
+        require_numbers(self, "recorder", positive=positive, least=least)
+        for name in COLOURS:
+            given = self.colours.get(name, "nothing")
+            if not re.fullmatch(r"#[0-9A-Fa-f]{6}", given):
+                raise ConfigError(f"recorder.colours.{name} is {given!r}; expected a colour as '#RRGGBB'.")
+
+    def colour(self, name: str, alpha: int = 255) -> tuple[int, int, int, int]:
+        """Colour `name` as red, green, blue, alpha, each 0 … 255."""
+        red, green, blue = bytes.fromhex(self.colours[name][1:])
+        return red, green, blue, alpha

@@ -1,0 +1,95 @@
+"""`report.md`: what a run found, for a person; also the text shown inside the recording."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from dr_lab.recorders.quantity import number, percent
+from dr_lab.recorders.tables import (
+    channel_table,
+    clock_table,
+    horizon_table,
+    ladder_table,
+    noise_table,
+    parameter_table,
+    per_log_table,
+    ranking_table,
+)
+from dr_lab.recorders.verdict import verdict_markdown
+
+
+def report_markdown(report: Mapping[str, Any]) -> str:
+    """Render a report of compare, fit, diagnose, add or close.
+
+    Args:
+        report: keys as in `gap.schema.json`; sections whose key is absent are left out.
+
+    Returns:
+        Markdown with tables and without mathematics, so that every viewer shows it.
+    """
+    title = " · ".join(dict.fromkeys(report[key] for key in ("model", "measurements", "verb") if report.get(key)))
+    parameters = report["ladder"][-1]["parameters"]
+    sections = [
+        f"# {title}",
+        verdict_markdown(report),
+        _section("Ladder of models", ladder_table(report)),
+        _section("Reasons", _reasons(report)),
+        _section("Error by channel, on held-out logs", channel_table(report)),
+        _section("Candidates", ranking_table(report.get("ranking", []))),
+        _section("Parameters", parameter_table(parameters)),
+        _section("Parameters by log", per_log_table(parameters)),
+        _section("Where the model fails", _where(report.get("where", []))),
+        _section("Error and horizon", horizon_table(report)),
+        _section("Residual and command", _correlations(report.get("input_correlation", []))),
+        _section("Next experiment", _next_experiment(report.get("next_experiment"))),
+        _section("Noise floor", noise_table(report["noise"])),
+        _section("Notes", notes_list(report.get("notes", []))),
+        _section("Clocks", clock_table(report.get("clocks", {}))),
+        _section("How to look at it", _how_to_look(report)),
+    ]
+    return "\n\n".join(section for section in sections if section) + "\n"
+
+
+def _reasons(report: Mapping[str, Any]) -> str:
+    """Why each rung's verdict is what it is; the first rung's alone where there is but one."""
+    rungs = report.get("rungs") or ([report] if report.get("reason") else [])
+    return "\n".join(f"- {(rung.get('verdict') or '').replace('_', ' ')}: {rung['reason']}" for rung in rungs)
+
+
+def _where(regions: Sequence[Mapping[str, Any]]) -> str:
+    lines = [f"- `{row['signal']}`, {row['region']}: {percent(row['share'])} of its squared error" for row in regions]
+    return "\n".join(lines)
+
+
+def _correlations(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Residuals that still follow a command, beyond the 99 % band of chance."""
+    lines = [
+        f"- The residual of `{row['signal']}` follows `{row['command']}` after {number(1e3 * row['peak_lag'], 3)} ms: "
+        f"correlation {number(row['peak'], 2)}, chance stays below {number(row['band'], 2)}"
+        for row in rows
+        if row["significant"]
+    ]
+    return "\n".join(lines)
+
+
+def _next_experiment(proposal: Mapping[str, Any] | None) -> str:
+    if not proposal:
+        return ""
+    pair = " from ".join(f"`{effect}`" for effect in proposal["separates"][:2])
+    return f"Play `{proposal['command_file']}`: it separates {pair} by {number(proposal['sigma'], 2)} σ."
+
+
+def notes_list(notes: Sequence[Mapping[str, Any]]) -> str:
+    """What the data contract found and did, one line a note."""
+
+    def place(note: Mapping[str, Any]) -> str:
+        return " ".join(f"`{note[key]}`" for key in ("log", "signal") if note.get(key))
+
+    return "\n".join(f"- {place(note)}{': ' if place(note) else ''}{note['message']}" for note in notes)
+
+
+def _how_to_look(report: Mapping[str, Any]) -> str:
+    return f"`dr-lab view run={report.get('run', 'latest')}` opens the recording `review.rrd` beside this page."
+
+
+def _section(title: str, body: str) -> str:
+    return f"## {title}\n\n{body}" if body else ""

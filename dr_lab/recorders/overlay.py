@@ -1,0 +1,78 @@
+"""What a recording shows of one held-out log: measured and simulated, side by side."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.errors import DataError
+from dr_lab.trajectory import Array, Signal
+
+MEASURED, BEFORE, AFTER = "measured", "before", "after"
+SIMULATED = (BEFORE, AFTER)
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """One held-out log, or a stretch of it, measured and simulated.
+
+    Roles are ``measured``, ``before`` (the model as given or calibrated) and ``after`` (with the effects); a role
+    that a run has not is left out.
+
+    Attributes:
+        log: name of the log.
+        time: times of the poses in s on the log's clock, shape (n,).
+        poses: by role, world positions of the bodies in m, shape (n, nbody, 3), and orientations wxyz, (n, nbody, 4).
+        measured: channel to signal.
+        simulated: by role, channel to values at the measured times, shaped as the measured values; NaN is a gap.
+        residual_velocity: by joint, velocity in rad/s or m/s, shape (m,), and by role the residual, shape (m,).
+        commands: actuator to signal, each value held until the next.
+        noise: channel to standard deviation of the measurement noise, in the channel's unit.
+        residual_name: what `residual_velocity` holds, with its unit, as the axis says it.
+
+    Raises:
+        DataError: an array has another shape than the above.
+    """
+
+    log: str
+    time: Array
+    poses: Mapping[str, tuple[Array, Array]]
+    measured: Mapping[str, Signal]
+    simulated: Mapping[str, Mapping[str, Array]]
+    residual_velocity: Mapping[str, tuple[Array, Mapping[str, Array]]]
+    commands: Mapping[str, Signal]
+    noise: Mapping[str, float]
+    residual_name: str = "residual"
+
+    def __post_init__(self) -> None:
+        for role, (position, orientation) in self.poses.items():
+            self._expect(f"poses[{role!r}] positions", position, (len(self.time), position.shape[1], 3))
+            self._expect(f"poses[{role!r}] orientations", orientation, (len(self.time), position.shape[1], 4))
+        for role, channels in self.simulated.items():
+            for channel, value in channels.items():
+                self._expect(f"simulated[{role!r}][{channel!r}]", value, self.measured[channel].value.shape)
+        for joint, (velocity, residuals) in self.residual_velocity.items():
+            for role, residual in residuals.items():
+                self._expect(f"residual_velocity[{joint!r}][{role!r}]", residual, velocity.shape)
+
+    def _expect(self, name: str, given: Array, shape: tuple[int, ...]) -> None:
+        if given.shape != shape:
+            raise DataError(f"Overlay of log {self.log!r}: {name} has shape {given.shape}, expected {shape}.")
+
+    def label(self, role: str) -> str:
+        """What a role is called on the screen: a model that is shown alone is neither before nor after anything."""
+        return "simulated" if role != MEASURED and len(self.simulated) == 1 else role
+
+    def joints(self) -> list[str]:
+        """Joints that have a residual to draw against the velocity."""
+        return [joint for joint, (velocity, residuals) in self.residual_velocity.items() if len(velocity) and residuals]
+
+    def span(self) -> tuple[float, float]:
+        """First and last time of the measured signals, s."""
+        times = [signal.time for signal in self.measured.values() if len(signal)] or [self.time]
+        return float(min(time[0] for time in times)), float(max(time[-1] for time in times))
+
+
+def components(value: Array) -> Array:
+    """A signal's samples as columns, shape (n, k), whatever its rank."""
+    return np.reshape(value, (len(value), -1))

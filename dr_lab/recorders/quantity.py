@@ -1,0 +1,58 @@
+"""Numbers as a person reads them: rounded to what they are worth, with their unit."""
+
+import math
+
+ABSENT = "–"
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Round to `digits` significant digits; a missing or non-finite value is a dash.
+
+    >>> number(0.00123456)
+    '0.001235'
+    >>> number(1.5e-7, 2)
+    '1.5e-7'
+    """
+    if value is None or not math.isfinite(value):
+        return ABSENT
+    return _short_exponent(f"{value:.{digits}g}")
+
+
+def uncertain(value: float | None, std: float | None, unit: str) -> str:
+    """Value ± standard deviation: the deviation to two significant digits, the value to the same decimal place.
+
+    Args:
+        value: in `unit`.
+        std: in `unit`; None or 0 where it is unknown, then the value stands alone.
+        unit: unit's symbol, ``""`` for a pure number.
+
+    >>> uncertain(0.0020031, 1.04e-5, "N·m")
+    '0.002003 ± 0.000010 N·m'
+    >>> uncertain(3.04e-6, 2e-8, "kg")
+    '(3.040 ± 0.020)e-6 kg'
+    """
+    suffix = f" {unit}" if unit not in ("", "1") else ""
+    if value is None or std is None or not (math.isfinite(value) and math.isfinite(std)) or std <= 0:
+        return number(value) + suffix
+    exponent = math.floor(math.log10(max(abs(value), std)))
+    power = 0 if -4 <= exponent < 5 else exponent
+    scaled, deviation = value / 10.0**power, std / 10.0**power
+    decimals = max(0, 1 - int(f"{deviation:.1e}".partition("e")[2]))
+    text = f"{scaled:.{decimals}f} ± {deviation:.{decimals}f}"
+    return (text if power == 0 else f"({text})e{power}") + suffix
+
+
+def percent(share: float | None) -> str:
+    """A share of one as whole per cent, one decimal below 10 %.
+
+    >>> percent(0.953), percent(0.0123)
+    ('95 %', '1.2 %')
+    """
+    if share is None or not math.isfinite(share):
+        return ABSENT
+    return f"{100 * share:.0f} %" if abs(share) >= 0.1 else f"{100 * share:.1f} %"
+
+
+def _short_exponent(text: str) -> str:
+    mantissa, mark, exponent = text.partition("e")
+    return f"{mantissa}e{int(exponent)}" if mark else text

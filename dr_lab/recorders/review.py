@@ -1,0 +1,111 @@
+"""`review.rrd`: the recording that a person opens to see where a model fails and what the effect changes."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import rerun as rr
+
+from dr_lab.recorders.bars import log_ladder, log_ranking
+from dr_lab.recorders.blueprints import review_blueprint
+from dr_lab.recorders.branch import Branch
+from dr_lab.recorders.files import atomic
+from dr_lab.recorders.ladder import before_after, steps
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.overlay import MEASURED, Overlay
+from dr_lab.recorders.scatter import log_scatter
+from dr_lab.recorders.scene import log_bodies, log_surroundings, send_poses, thin
+from dr_lab.recorders.shape import Paint
+from dr_lab.recorders.signals import log_commands, log_residuals, log_signals
+from dr_lab.recorders.tables import error_table, ranking_table
+from dr_lab.recorders.verdict import verdict_markdown
+
+# Rerun keeps one layout an application: every recording of a gap shares this one.
+APPLICATION = "dr_lab_gap"
+
+
+def write_review(
+    path: Path,
+    report: Mapping[str, Any],
+    report_md: str,
+    overlays: Sequence[Overlay],
+    geometry: mujoco.MjModel,
+    look: Look,
+) -> None:
+    """Write the recording with its layout, atomically.
+
+    Entities: ``/<log>/world/{real,sim_before,sim_after}/<body>/<geom>``, ``/<log>/{signal,residual}/<channel>/…``,
+    ``/<log>/command/<actuator>``, ``/<log>/scatter/<joint>``, ``/diagnosis/{ranking,ladder}``, ``/verdict``,
+    ``/report``; timeline ``t``, a duration on the log's clock.
+
+    Args:
+        path: the file, by custom ``review.rrd``.
+        report: as in `gap.schema.json`.
+        report_md: the page made from it.
+        overlays: held-out logs; the first is shown on opening, the others have tabs.
+        geometry: the model whose bodies the poses belong to.
+        look: colours, rates and the eye.
+
+    Raises:
+        DrLabError: the folder cannot be written to.
+    """
+    with atomic(path) as temporary:
+        recording = rr.RecordingStream(APPLICATION)
+        try:
+            recording.save(temporary, default_blueprint=review_blueprint(report, overlays, geometry, look))
+            recording.send_recording_name(_name(report))
+            _log_report(Branch(recording), report, report_md, look)
+            for overlay in overlays:
+                _log_overlay(Branch(recording), overlay, geometry, look)
+        finally:
+            # Also closes the file, which would otherwise lack its end.
+            recording.disconnect()
+
+
+def _name(report: Mapping[str, Any]) -> str:
+    return " · ".join(str(report[key]) for key in ("model", "verb", "verdict") if report.get(key))
+
+
+def _log_report(root: Branch, report: Mapping[str, Any], report_md: str, look: Look) -> None:
+    verdict = f"#### {verdict_markdown(report)}\n\n{error_table(report)}\n"
+    _log_text(root / "verdict", verdict)
+    _log_text(root / "report", report_md)
+    diagnosis = root / "diagnosis"
+    ladder = steps(report)
+    if len(ladder) > 1:
+        log_ladder(diagnosis / "ladder", ladder, before_after(report), look)
+    if report.get("ranking"):
+        log_ranking(diagnosis / "ranking", report["ranking"], look)
+        _log_text(diagnosis / "ranking_table", ranking_table(report["ranking"]))
+
+
+def _log_text(place: Branch, text: str) -> None:
+    place.static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
+
+
+def _log_overlay(root: Branch, overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> None:
+    log = root / overlay.log
+    _log_robots(log / "world", overlay, geometry, look)
+    log_signals(log, overlay, look)
+    log_residuals(log, overlay, look)
+    log_commands(log, overlay, look)
+    for joint in overlay.joints():
+        log_scatter(log / "scatter" / joint, overlay, joint, _velocity_unit(geometry, joint), look)
+
+
+def _log_robots(world: Branch, overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> None:
+    world.static(rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    log_surroundings(world / "fixed", geometry, look.colour("ground"), look.colour("fixed"))
+    kept = thin(overlay.time, look.pose_rate)
+    for role, (position, quaternion) in overlay.poses.items():
+        robot = world / ("real" if role == MEASURED else f"sim_{role}")
+        ghost = Paint(look.colour(role, look.ghost_alpha), look.ghost_swell)
+        log_bodies(robot, geometry, Paint(look.colour(role)) if role == MEASURED else ghost)
+        send_poses(robot, geometry, overlay.time[kept], (position[kept], quaternion[kept]))
+
+
+def _velocity_unit(geometry: mujoco.MjModel, joint: str) -> str:
+    index = mujoco.mj_name2id(geometry, mujoco.mjtObj.mjOBJ_JOINT, joint)
+    slides = index >= 0 and geometry.jnt_type[index] == mujoco.mjtJoint.mjJNT_SLIDE
+    return "m/s" if slides else "rad/s"

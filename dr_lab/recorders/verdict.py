@@ -1,0 +1,55 @@
+"""The verdict of a report in two sentences."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from dr_lab.recorders.ladder import candidate_name, steps
+from dr_lab.recorders.quantity import number
+
+
+def verdict_markdown(report: Mapping[str, Any]) -> str:
+    """What was found, how far the held-out error fell, and what remains."""
+    return " ".join(part for part in (f"{_found(report)} {_fall(report)}", _remaining(report)) if part)
+
+
+def _found(report: Mapping[str, Any]) -> str:
+    named = _listed(report["ladder"][-1]["effects"] or _with_status(report, "named"))
+    rivals = _listed(_with_status(report, "equivalent")) or "the best candidates"
+    sentences = {
+        "named": f"**The missing effect is named:** {named}.",
+        "equivalent": f"**Equivalent effects:** these logs cannot tell apart {rivals}.",
+        "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
+        "unexplained": "**Unexplained:** a gap remains that no effect of the catalogue explains.",
+        "none": "**No missing effect:** the logs support no effect beyond the plain model.",
+    }
+    added = report["ladder"][-1]["effects"]
+    done = "**Calibrated on the logs.**" if len(steps(report)) > 1 else "**Measured against the model.**"
+    return sentences.get(report.get("verdict") or "", f"**Added:** {_listed(added)}." if added else done)
+
+
+def _fall(report: Mapping[str, Any]) -> str:
+    """Held-out χ² of each model, and of the named candidate where it was not added yet."""
+    errors = [f"{number(step.held_out['chi2'])} ({step.name})" for step in steps(report)]
+    if not report["ladder"][-1]["effects"]:
+        named = [row for row in report.get("ranking", []) if row["status"] == "named"]
+        errors += [f"{number(row['held_out_chi2'])} (+ {candidate_name(row)})" for row in named]
+    # Longer ladders have their own table; the sentence keeps the ends and the calibrated model, which effects improve.
+    told = errors if len(errors) <= 3 else [*errors[:2], "…", errors[-1]]
+    return f"Held-out χ²: {' → '.join(told)}; 1 is the noise floor."
+
+
+def _remaining(report: Mapping[str, Any]) -> str:
+    remaining = report.get("remaining")
+    if not remaining:
+        return ""
+    if remaining["status"] == "at_floor":
+        return "What remains is noise."
+    return f"What remains (χ² {number(remaining['chi2'])}) is above the noise floor and not explained."
+
+
+def _with_status(report: Mapping[str, Any], status: str) -> list[str]:
+    return [candidate_name(row) for row in report.get("ranking", []) if row["status"] == status]
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)

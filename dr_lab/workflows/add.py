@@ -1,0 +1,78 @@
+"""Verb `add`: put one effect into the model, refit, and show the error before and after."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from dr_lab.diagnosis.ladder import Ladder, Rung, Step
+from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.rank import rank
+from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.diagnosis.verdict import decide
+from dr_lab.effects.effect import Effect, PlacedEffect, place
+from dr_lab.errors import ConfigError
+from dr_lab.physics.model import Model, require_live
+from dr_lab.recorders.look import Look
+from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.ladder_report import report_ladder
+from dr_lab.workflows.progress import candidate_progress
+from dr_lab.workflows.study import Study, prepare
+
+
+def add(
+    model: Model,
+    measurements: MeasurementSet,
+    effects: Mapping[str, Effect],
+    effect: Mapping[str, str | None],
+    windows: WindowSettings,
+    predicted: WindowSettings,
+    solver: SolverSettings,
+    evidence: EvidenceSettings,
+    localise: LocaliseSettings,
+    recorder: Look,
+    threads: int | None,
+    run_dir: Path,
+) -> dict[str, Any]:
+    """Add the given effects at the given site, in order, whatever the evidence; the report says what it is worth.
+
+    `effect` says where they sit: exactly one of ``joint``, ``actuator``, ``body``, ``sensor`` is set, or none where an
+    effect has a single site. The other arguments are those of `dr_lab.workflows.close.close`.
+
+    Returns:
+        The report (schema dr_lab/gap/1); its ladder has one more model per effect.
+
+    Raises:
+        ConfigError: no site or several are given where one is needed.
+        UnknownNameError: the effect cannot sit there.
+    """
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    placed = [_place(study, one, effect) for one in effects.values()]
+    ladder = Ladder((), calibrate(study), ())
+    with candidate_progress() as watch:
+        for one in placed:
+            ladder = _extend(study, ladder, one, watch(1))
+    return report_ladder("add", study, ladder, run_dir, recorder)
+
+
+def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[str], None]) -> Ladder:
+    base = ladder.models[-1]
+    ranking = rank(study.bench, base, [effect], done)
+    rung = Rung(base, ranking, decide(base, ranking, study.bench.evidence))
+    return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, Step(ranking[0].explained, ())))
+
+
+def _place(study: Study, effect: Effect, wanted: Mapping[str, str | None]) -> PlacedEffect:
+    sites, given = effect.sites(study.compiled), {kind: name for kind, name in wanted.items() if name}
+    if len(given) > 1 or (not given and len(sites) != 1):
+        listed = ", ".join(f"effect.{kind}={name}" for kind, name in given.items()) or "nothing"
+        raise ConfigError(
+            f"Effect {effect.name!r} needs one site; given: {listed}. Available: {', '.join(sites) or 'none'}. "
+            f"Say e.g. effect.joint={sites[0] if sites else 'NAME'}."
+        )
+    placed = place(effect, study.compiled, next(iter(given.values()), sites[0]), study.scales)
+    extended = study.model.with_effect(placed)
+    for parameter in placed.parameters:
+        require_live(extended, parameter.name)
+    return placed

@@ -1,0 +1,56 @@
+"""Verb `close`: name the missing effect, add it, and repeat until nothing more is supported."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dr_lab.diagnosis.ladder import climb
+from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.effects.effect import Effect
+from dr_lab.physics.model import Model
+from dr_lab.recorders.look import Look
+from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.ladder_report import report_ladder
+from dr_lab.workflows.progress import candidate_progress
+from dr_lab.workflows.study import prepare
+
+
+def close(
+    model: Model,
+    measurements: MeasurementSet,
+    effects: Mapping[str, Effect],
+    windows: WindowSettings,
+    predicted: WindowSettings,
+    solver: SolverSettings,
+    evidence: EvidenceSettings,
+    localise: LocaliseSettings,
+    recorder: Look,
+    most: int,
+    threads: int | None,
+    run_dir: Path,
+) -> dict[str, Any]:
+    """Climb the ladder of models until the noise floor or until no effect is supported.
+
+    Args:
+        model: the model as given.
+        measurements: the logs.
+        effects: the catalogue, by name.
+        windows: how logs are cut.
+        predicted: how predicted windows are cut.
+        solver: settings of the fits.
+        evidence: when a gain counts.
+        localise: how the place of failure is looked for.
+        recorder: how the recording looks.
+        most: most effects that are added.
+        threads: worker threads; None takes every core.
+        run_dir: the run folder.
+
+    Returns:
+        The report (schema dr_lab/gap/1).
+    """
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    with candidate_progress() as watch:
+        ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=most, watch=watch)
+    return report_ladder("close", study, ladder, run_dir, recorder)

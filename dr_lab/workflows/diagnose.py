@@ -1,0 +1,44 @@
+"""Verb `diagnose`: rank the catalogue on held-out logs and say which effect is missing."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from dr_lab.diagnosis.ladder import climb, step_from
+from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.effects.effect import Effect
+from dr_lab.physics.model import Model
+from dr_lab.recorders.look import Look
+from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.ladder_report import report_ladder
+from dr_lab.workflows.progress import candidate_progress
+from dr_lab.workflows.study import prepare
+
+
+def diagnose(
+    model: Model,
+    measurements: MeasurementSet,
+    effects: Mapping[str, Effect],
+    windows: WindowSettings,
+    predicted: WindowSettings,
+    solver: SolverSettings,
+    evidence: EvidenceSettings,
+    localise: LocaliseSettings,
+    recorder: Look,
+    threads: int | None,
+    run_dir: Path,
+) -> dict[str, Any]:
+    """Fit every effect at every site beside the calibrated model and judge.
+
+    Returns:
+        The report (schema dr_lab/gap/1); its ladder ends with the named effect, where there is one.
+    """
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    with candidate_progress() as watch:
+        ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=watch)
+    rung = ladder.rungs[0]
+    steps = (step_from(rung),) if rung.verdict.effects else ()
+    return report_ladder("diagnose", study, replace(ladder, steps=steps), run_dir, recorder)

@@ -1,0 +1,179 @@
+"""Entries of `report.json` (schema dr_lab/gap/1) made from what the diagnosis found."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from dr_lab.diagnosis.covariance import estimate, per_log
+from dr_lab.diagnosis.discrepancy import HorizonError
+from dr_lab.diagnosis.localise import Region
+from dr_lab.diagnosis.rank import Candidate, Explained
+from dr_lab.diagnosis.score import Score
+from dr_lab.diagnosis.unit_suspicion import suspect_degrees
+from dr_lab.diagnosis.verdict import Verdict
+from dr_lab.physics.context import ContextEstimate
+from dr_lab.trajectory import Array, MeasurementSet
+from dr_lab.workflows.study import Study
+
+SCHEMA = "dr_lab/gap/1"
+
+
+def header(verb: str, study: Study) -> dict[str, Any]:
+    """What every report starts with: names, noise and numerical floors, notes on the data, clocks."""
+    measured = study.measurements
+    return {
+        "schema": SCHEMA,
+        "verb": verb,
+        "model": study.model.name,
+        "measurements": measured.name,
+        "noise": {
+            name: {
+                "std": noise.std,
+                "unit": noise.unit,
+                "source": noise.source,
+                "numerical": study.floor.error.get(name),
+            }
+            for name, noise in measured.noise.items()
+        },
+        "logs": {"fit": [log.name for log in measured.fit], "held_out": [log.name for log in measured.held_out]},
+        "windows": {"length": study.windows.length, "fit": len(study.bench.fit), "held_out": len(study.bench.held_out)},
+        "clocks": _clocks(measured),
+        "notes": [*_unit_note(study), *_step_note(study), *_split_note(measured), *_data_notes(measured)],
+    }
+
+
+def rung(labels: Sequence[str], refitted: Score, predicted: Score, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """One model of the ladder."""
+    return {
+        "effects": list(labels),
+        "held_out": {
+            "chi2": refitted.chi2,
+            "rmse": refitted.rmse,
+            "nrmse": refitted.nrmse,
+            "fit_percent": refitted.fit_percent,
+            "chi2_predicted": predicted.chi2,
+            "rmse_predicted": predicted.rmse,
+            "infeasible_windows": refitted.infeasible,
+        },
+        "parameters": dict(parameters),
+    }
+
+
+def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dict[str, Any]]:
+    """Estimate of a fitted context and its table, with the scatter between logs in percent (CV)."""
+    space, bench = explained.model.space, study.bench
+    found = estimate(space, explained.fit, bench.fit, bench.evidence)
+    logs = per_log(space, explained.fit, bench.fit)
+    table: dict[str, Any] = found.table()
+    for column, name in enumerate(space.names):
+        table[name]["cv_percent"] = _cv_percent(logs[:, column], float(found.mean[column]))
+        table[name]["per_log"] = dict(zip(bench.fit.logs, logs[:, column].tolist(), strict=True))
+        table[name]["bounds"] = [float(space.low[column]), float(space.high[column])]
+    return found, table
+
+
+def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[dict[str, Any]]:
+    """Candidates in the verdict's order; `gain` is the share of the held-out χ² that an effect removes."""
+    rows = []
+    order = {label: place for place, label in enumerate(verdict.effects)}
+    for candidate in sorted(found, key=lambda c: order.get(c.effect.label, len(order))):
+        label = candidate.effect.label
+        rows.append(
+            {
+                "effect": candidate.effect.effect.name,
+                "site": candidate.effect.site,
+                "held_out_chi2": candidate.explained.held_out.chi2,
+                "gain": candidate.gain.share,
+                "gain_ci": [candidate.gain.low, candidate.gain.high],
+                "evidence": candidate.gain.total,
+                "evidence_low": candidate.gain.total_low,
+                "wins": candidate.gain.wins,
+                "status": verdict.status[label],
+                "absorbed_by_parameters": label in verdict.absorbed,
+                "parameters": _own(candidate, study),
+            }
+        )
+    return rows
+
+
+def horizons(error: HorizonError) -> list[dict[str, Any]]:
+    """Error against the time predicted open loop."""
+    return [
+        {"horizon": float(edge), "rmse": {name: float(values[i]) for name, values in error.rmse.items()}}
+        for i, edge in enumerate(error.horizon)
+    ]
+
+
+def where(regions: Sequence[Region]) -> list[dict[str, Any]]:
+    """Regions that hold most of the error."""
+    return [
+        {"signal": r.signal, "region": r.region, "share": r.share, "samples": r.samples, "chi2": r.chi2}
+        for r in regions
+    ]
+
+
+def remaining(chi2: float, floor: float) -> dict[str, Any]:
+    """What the last model leaves."""
+    return {"status": "at_floor" if chi2 <= floor else "unexplained", "chi2": chi2}
+
+
+def _own(candidate: Candidate, study: Study) -> dict[str, Any]:
+    explained = candidate.explained
+    table = estimate(explained.model.space, explained.fit, study.bench.fit, study.bench.evidence).table()
+    return {p.name: table[p.name] for p in candidate.effect.parameters}
+
+
+def _cv_percent(values: Array, mean: float) -> float:
+    return float(100 * np.std(values, ddof=1) / abs(mean)) if len(values) > 1 and mean else float("nan")
+
+
+def _clocks(measured: MeasurementSet) -> dict[str, Any]:
+    return {
+        log.name: {
+            channel: {"clock": fit.clock, "offset": fit.offset, "drift": fit.drift, "jitter": fit.jitter}
+            for channel, fit in log.clocks.items()
+        }
+        for log in (*measured.fit, *measured.held_out)
+        if log.clocks
+    }
+
+
+def _unit_note(study: Study) -> list[dict[str, Any]]:
+    bench = study.bench
+    found = suspect_degrees(study.model, study.measurements, study.windows, bench.solver, bench.threads)
+    if found is None:
+        return []
+    names = ", ".join(found.channels)
+    message = (
+        f"{names} in radians, as declared, leave χ² {found.chi2:.3g}; read as degrees {found.chi2_degrees:.3g}: the "
+        "factor 57.3 = 180/π is suspected. Write unit: deg if the numbers are degrees."
+    )
+    return [{"kind": "unit", "message": message}]
+
+
+def _step_note(study: Study) -> list[dict[str, Any]]:
+    coarse = {name: share for name, share in study.floor.share.items() if share > 1}
+    if not coarse:
+        return []
+    worst = max(coarse, key=lambda name: coarse[name])
+    message = (
+        f"The time step of {study.floor.step:g} s alone moves {worst} by {coarse[worst]:.2g} noise standard deviations "
+        f"within a window, which can pass for missing physics. Set timestep {study.floor.proposed:g} s in the MJCF."
+    )
+    return [{"kind": "time_step", "signal": worst, "message": message}]
+
+
+def _split_note(measured: MeasurementSet) -> list[dict[str, Any]]:
+    if measured.held_out:
+        return []
+    message = "No log is held out: the scores below are on the logs that the parameters were fitted on."
+    return [{"kind": "no_held_out", "message": message}]
+
+
+def _data_notes(measured: MeasurementSet) -> list[dict[str, Any]]:
+    return [
+        {"log": log.name, "kind": note.kind, "signal": note.signal, "message": note.message, "count": note.count}
+        for log in (*measured.fit, *measured.held_out)
+        for note in log.notes
+    ]

@@ -1,0 +1,129 @@
+"""The improved model as plain MJCF, and the rollout that it reproduces."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import yaml
+
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.states import StateFit, fit_states
+from dr_lab.diagnosis.windows import Windows
+from dr_lab.physics.context import ContextEstimate
+from dr_lab.physics.model import Model
+from dr_lab.physics.parameter import Parameter
+from dr_lab.recorders.files import atomic, write_text
+from dr_lab.trajectory import Array
+from dr_lab.workflows.study import Study
+
+
+@dataclass(frozen=True)
+class Played:
+    """A model played over windows that follow one another.
+
+    Attributes:
+        replay: the windows.
+        fit: their fitted starts.
+    """
+
+    replay: Replay
+    fit: StateFit
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Delays of one context that MJCF cannot express; fulfils `physics.model.ModelEffect`.
+
+    Attributes:
+        outputs: s by channel, readings that are late.
+        commands: s by actuator, commands that act late by less than MuJoCo can delay them.
+        label: what stands for it among effects.
+        parameters: none, the delays are fixed.
+    """
+
+    outputs: Mapping[str, float]
+    commands: Mapping[str, float]
+    label: str = "beside_model.xml"
+    parameters: tuple[Parameter, ...] = ()
+
+    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
+        """Nothing: the physics is in the file."""
+
+    def output_delay(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """Delay in s of measured channels, by channel name."""
+        del values
+        return self.outputs
+
+    def command_delay(self, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
+        """Delay in s of commands, by actuator name."""
+        del values, option
+        return self.commands
+
+    def sentences(self) -> list[str]:
+        """What to do beside simulating the file."""
+        late = [f"feed commands of {name} {delay:.6g} s late" for name, delay in self.commands.items() if delay]
+        told = [f"{name} is read {delay:.6g} s late" for name, delay in self.outputs.items() if delay]
+        return [f"model.xml cannot say: {each}." for each in (*late, *told)]
+
+
+def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:
+    """Write the model at context z as MJCF and read it back.
+
+    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back.
+
+    Returns:
+        The model read back, without parameters, and the delays that it needs beside the file, which are among its
+        effects.
+    """
+    spec = model.spec_at(z)
+    spec.compile()
+    beside = Beside(model.output_delays(z), model.command_delays(z))
+    comments = "".join(f"<!-- {sentence} -->\n" for sentence in beside.sentences())
+    write_text(path, comments + spec.to_xml())
+    return Model(
+        model.name, mujoco.MjSpec.from_file(str(path)), (), {}, (beside,) if beside.sentences() else ()
+    ), beside
+
+
+def play(study: Study, model: Model, z: Array, windows: Windows) -> Played:
+    """Fit the starts of consecutive windows and keep the replay."""
+    return Played(*fit_states(model, z, windows, study.bench.solver, study.bench.threads))
+
+
+def write_rollout(path: Path, played: Played) -> None:
+    """Store what MuJoCo alone needs to repeat the rollout.
+
+    Arrays: ``state`` (w, nstate) start states (`mjSTATE_INTEGRATION`), ``ctrl`` (w, s, nu) as MuJoCo got it, ``qpos``
+    (w, s + 1, nq) and ``qvel`` (w, s + 1, nv) recorded, ``begin`` (w,) start times in s and ``log`` (w,) names of logs.
+    """
+    tape, _ = played.replay.simulate(played.fit.z[None], played.fit.delta[None])
+    windows = played.replay.windows
+    arrays = {
+        "state": tape.start[0],
+        "ctrl": tape.controls[0],
+        "qpos": tape.qpos[0],
+        "qvel": tape.qvel[0],
+        "begin": windows.begin,
+        "log": np.array([windows.logs[k] for k in windows.log]),
+    }
+    with atomic(path) as temporary, open(temporary, "wb") as file:
+        np.savez_compressed(file, **arrays)
+
+
+def write_context(path: Path, estimate: ContextEstimate) -> None:
+    """Write mean, covariance and bounds of the fitted context as yaml, ready to randomise around."""
+    space = estimate.space
+    content = {
+        "schema": "dr_lab/context/1",
+        "names": list(space.names),
+        "units": [p.unit for p in space.parameters],
+        "mean": estimate.mean.tolist(),
+        "std": estimate.std.tolist(),
+        "covariance": estimate.covariance.tolist(),
+        "low": space.low.tolist(),
+        "high": space.high.tolist(),
+        "nominal": space.nominal.tolist(),
+    }
+    write_text(path, yaml.safe_dump(content, sort_keys=False, allow_unicode=True))

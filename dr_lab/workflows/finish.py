@@ -1,0 +1,104 @@
+"""The end of every comparing verb: the run folder's files, and what is said on the screen."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, cast
+
+from rich.console import Console
+from rich.markdown import Markdown
+
+from dr_lab.physics.context import ContextEstimate
+from dr_lab.physics.model import Model
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.markdown import ladder_table, notes_list, ranking_table, report_markdown, verdict_markdown
+from dr_lab.recorders.overlay import AFTER
+from dr_lab.recorders.report import to_plain, write_report
+from dr_lab.recorders.review import write_review
+from dr_lab.trajectory import Array
+from dr_lab.workflows.export import write_context, write_model, write_rollout
+from dr_lab.workflows.overlays import overlay, play_log, shown_logs
+from dr_lab.workflows.study import Study
+from dr_lab.workflows.write_simulated import write_simulated
+
+_SHOWN = 6  # candidates on the screen
+_NOTED = 4  # notes on the screen
+
+
+def finish(
+    study: Study,
+    report: Mapping[str, Any],
+    models: Mapping[str, tuple[Model, Array]],
+    run_dir: Path,
+    look: Look,
+    estimate: ContextEstimate | None = None,
+) -> dict[str, Any]:
+    """Write the run folder and print the summary.
+
+    Files: ``report.json``, ``report.md``, ``review.rrd``, ``simulated.mcap``; with an improved model (role ``after``)
+    also ``model.xml``, ``rollout.npz`` and ``context.yaml``.
+
+    Args:
+        study: model and logs.
+        report: the report's entries.
+        models: by role (``before``, ``after``) a model and its context.
+        run_dir: the run folder.
+        look: how the recording looks.
+        estimate: the improved model's fitted context.
+
+    Returns:
+        The report as written.
+    """
+    console = Console()
+    with console.status("Writing the recordings …"):
+        shown, notes = _export(models, run_dir)
+        if estimate is not None:
+            write_context(run_dir / "context.yaml", estimate)
+        logs = shown_logs(study)
+        played = [play_log(study, log, shown) for log in logs]
+        overlays = [overlay(study, log, shown, p, look) for log, p in zip(logs, played, strict=True)]
+        if AFTER in shown:
+            write_rollout(run_dir / "rollout.npz", played[0][AFTER])
+        plain = _plain(report, notes, run_dir)
+        write_report(run_dir, plain)
+        write_review(run_dir / "review.rrd", plain, report_markdown(plain), overlays, study.compiled, look)
+        write_simulated(run_dir / "simulated.mcap", overlays, _attachments(run_dir), _metadata(plain))
+    console.print(Markdown(_summary(plain)))
+    return plain
+
+
+def _plain(report: Mapping[str, Any], notes: Sequence[Mapping[str, Any]], run_dir: Path) -> dict[str, Any]:
+    more = {"notes": [*report.get("notes", []), *notes], "run": str(run_dir)}
+    return cast(dict[str, Any], to_plain({**report, **more}))
+
+
+def _summary(report: Mapping[str, Any]) -> str:
+    ranking = report.get("ranking", [])
+    others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
+    parts = [verdict_markdown(report), ladder_table(report), ranking_table(ranking[:_SHOWN]) + others]
+    where = [f"- {r['signal']}, {r['region']}: {100 * r['share']:.0f} % of its error" for r in report.get("where", [])]
+    parts.append("Where it fails:\n\n" + "\n".join(where[:3]) if where else "")
+    notes = report.get("notes", [])
+    left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
+    parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")
+    return "\n\n".join(part for part in parts if part.strip())
+
+
+def _export(
+    models: Mapping[str, tuple[Model, Array]], run_dir: Path
+) -> tuple[dict[str, tuple[Model, Array]], list[dict[str, Any]]]:
+    """Write the improved model, where there is one, and let the file take its place; notes on what the file lacks."""
+    if AFTER not in models:
+        return dict(models), []
+    exported, beside = write_model(run_dir / "model.xml", *models[AFTER])
+    notes = [{"kind": "export", "message": sentence} for sentence in beside.sentences()]
+    return {**models, AFTER: (exported, exported.space.nominal)}, notes
+
+
+def _attachments(run_dir: Path) -> dict[str, bytes]:
+    found = (run_dir / name for name in ("model.xml", "config.yaml"))
+    return {path.name: path.read_bytes() for path in found if path.is_file()}
+
+
+def _metadata(report: Mapping[str, Any]) -> dict[str, str]:
+    keys = ("schema", "verb", "model", "measurements", "verdict", "run")
+    return {key: str(report[key]) for key in keys if report.get(key)}

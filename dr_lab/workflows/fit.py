@@ -1,0 +1,48 @@
+"""Verb `fit`: calibrate the plain model, no effect added."""
+
+from pathlib import Path
+from typing import Any
+
+from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.physics.model import Model
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.overlay import AFTER, BEFORE
+from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows import entries
+from dr_lab.workflows.calibrated import as_given, calibrate, describe
+from dr_lab.workflows.finish import finish
+from dr_lab.workflows.localised import failure
+from dr_lab.workflows.study import prepare
+
+
+def fit(
+    model: Model,
+    measurements: MeasurementSet,
+    windows: WindowSettings,
+    predicted: WindowSettings,
+    solver: SolverSettings,
+    evidence: EvidenceSettings,
+    localise: LocaliseSettings,
+    recorder: Look,
+    threads: int | None,
+    run_dir: Path,
+) -> dict[str, Any]:
+    """Fit the declared parameters: value ± std, scatter between logs (CV %), covariance, errors before and after.
+
+    Returns:
+        The report (schema dr_lab/gap/1).
+    """
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    found = describe(study, calibrate(study))
+    z = found.explained.fit.z
+    report = {
+        **entries.header("fit", study),
+        "verdict": None,
+        "as_given": as_given(study),
+        "ladder": [found.rung],
+        "remaining": entries.remaining(found.explained.held_out.chi2, evidence.floor),
+        **failure(study, model, z),
+    }
+    models = {BEFORE: (model, model.space.nominal), AFTER: (model, z)}
+    return finish(study, report, models, run_dir, recorder, found.estimate)

@@ -1,0 +1,66 @@
+"""Report of a ladder: models with falling error, the ranking that chose each, and what is left."""
+
+from pathlib import Path
+from typing import Any
+
+from dr_lab.diagnosis.ladder import Ladder, Rung
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.overlay import AFTER, BEFORE
+from dr_lab.workflows import entries
+from dr_lab.workflows.calibrated import as_given, describe
+from dr_lab.workflows.finish import finish
+from dr_lab.workflows.localised import failure
+from dr_lab.workflows.study import Study
+
+
+def report_ladder(verb: str, study: Study, ladder: Ladder, run_dir: Path, look: Look) -> dict[str, Any]:
+    """Write the run of a verb that judges effects.
+
+    Args:
+        verb: its name.
+        study: model and logs.
+        ladder: what was climbed; the first rung's ranking becomes the report's `ranking`.
+        run_dir: the run folder.
+        look: how the recording looks.
+
+    Returns:
+        The report (schema dr_lab/gap/1).
+    """
+    described = [describe(study, explained) for explained in ladder.models]
+    base, last, first = ladder.base, ladder.models[-1], ladder.rungs[0]
+    report = {
+        **entries.header(verb, study),
+        "verdict": _verdict(ladder),
+        "reason": first.verdict.reason,
+        "as_given": as_given(study),
+        "ladder": [
+            {**d.rung, "rivals": [c.effect.label for c in rivals]}
+            for d, rivals in zip(described, [(), *(step.rivals for step in ladder.steps)], strict=True)
+        ],
+        "ranking": entries.ranking(study, first.ranking, first.verdict),
+        "rungs": [_rung(study, rung) for rung in ladder.rungs],
+        "remaining": entries.remaining(last.held_out.chi2, study.bench.evidence.floor),
+        **failure(study, base.model, base.fit.z),
+    }
+    before = (base.model, base.fit.z) if last is not base else (study.model, study.model.space.nominal)
+    shown = {BEFORE: before, AFTER: (last.model, last.fit.z)}
+    return finish(study, report, shown, run_dir, look, described[-1].estimate)
+
+
+def _verdict(ladder: Ladder) -> str:
+    """``equivalent`` or ``named`` for what was added with support, else the verdict of the rung that gave none."""
+    for rung, _ in zip(ladder.rungs, ladder.steps, strict=False):
+        if not rung.verdict.effects:  # an effect that a user added without support
+            return rung.verdict.kind
+    return ladder.verdict
+
+
+def _rung(study: Study, rung: Rung) -> dict[str, Any]:
+    return {
+        "effects": [effect.label for effect in rung.base.model.effects],
+        "verdict": rung.verdict.kind,
+        "chosen": list(rung.verdict.effects),
+        "absorbed_by_parameters": list(rung.verdict.absorbed),
+        "reason": rung.verdict.reason,
+        "ranking": entries.ranking(study, rung.ranking, rung.verdict),
+    }

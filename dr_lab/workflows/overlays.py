@@ -1,0 +1,132 @@
+"""What the recordings show: held-out logs, measured and simulated before and after."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from dr_lab.diagnosis.channels import residual as channel_residual
+from dr_lab.diagnosis.channels import resolve
+from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
+from dr_lab.diagnosis.states import fit_states
+from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.physics.model import Model
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.overlay import MEASURED, Overlay
+from dr_lab.trajectory import Array, Log
+from dr_lab.workflows.export import Played, play
+from dr_lab.workflows.study import Study
+
+_EVERY_WINDOW = 10**9
+
+
+def shown_logs(study: Study) -> tuple[Log, ...]:
+    """Logs that recordings show: the held-out ones, or the fit logs where none is held out, if they hold a window."""
+    logs = study.measurements.held_out or study.measurements.fit
+    return tuple(log for log in logs if log.name in study.predicted.logs)
+
+
+def play_log(study: Study, log: Log, models: Mapping[str, tuple[Model, Array]]) -> dict[str, Played]:
+    """Play a log by role, in predicted windows that follow one another without a gap."""
+    windows = _consecutive(study, log, study.prediction.length)
+    return {role: play(study, model, z, windows) for role, (model, z) in models.items()}
+
+
+def overlay(
+    study: Study, log: Log, models: Mapping[str, tuple[Model, Array]], played: Mapping[str, Played], look: Look
+) -> Overlay:
+    """Everything that the recording shows of one log."""
+    time, poses = _poses(study, log, played, look)
+    forces = {role: _forces(study, log, model, z) for role, (model, z) in models.items()}
+    joints = next(iter(forces.values())).keys() if forces else ()
+    slides = {int(mujoco.mjtJoint.mjJNT_SLIDE)}
+    unit = "N" if {int(study.compiled.joint(j).type[0]) for j in joints} == slides else "N·m"
+    return Overlay(
+        log=log.name,
+        time=time,
+        poses=poses,
+        measured=log.outputs,
+        simulated={role: at_samples(log, p) for role, p in played.items()},
+        residual_velocity={
+            joint: (next(iter(forces.values()))[joint].velocity, {role: f[joint].force for role, f in forces.items()})
+            for joint in joints
+        },
+        commands=log.commands,
+        noise={name: study.measurements.noise[name].std for name in log.outputs},
+        residual_name=f"missing force [{unit}]",
+    )
+
+
+def at_samples(log: Log, played: Played) -> dict[str, Array]:
+    """Simulated channels at the measured times of a log, NaN between windows."""
+    values = {name: np.full_like(signal.value, np.nan) for name, signal in log.outputs.items()}
+    tape, _ = played.replay.simulate(played.fit.z[None], played.fit.delta[None])
+    delays = played.replay.model.output_delays(played.fit.z)
+    for samples in played.replay.windows.samples:
+        name = samples.channel.name
+        simulated = tape.read(samples.channel, samples.time[None] - delays.get(name, 0.0))[0]
+        times = samples.time + played.replay.windows.begin[:, None]
+        shown = samples.scored & ~played.fit.infeasible[:, None]
+        index = np.searchsorted(log.outputs[name].time, times[shown] - 1e-9)
+        values[name][index] = simulated[shown].reshape(-1, *values[name].shape[1:])
+    return values
+
+
+def residuals(log: Log, study: Study, simulated: Mapping[str, Array]) -> dict[str, Array]:
+    """Measured − simulated of each channel at the measured times, in the channel's unit."""
+    found = {}
+    for channel in resolve(study.compiled, tuple(log.outputs)):
+        measured = log.outputs[channel.name].value
+        rows = (measured.reshape(1, len(measured), -1), simulated[channel.name].reshape(1, 1, len(measured), -1))
+        found[channel.name] = channel_residual(channel, rows[1], rows[0])[0, 0]
+    return found
+
+
+def _consecutive(study: Study, log: Log, length: float) -> Windows:
+    settings = replace(study.prediction, length=length, stride=length, max_windows=_EVERY_WINDOW)
+    return cut([log], study.measurements, study.compiled, settings)
+
+
+def _forces(study: Study, log: Log, model: Model, z: Array) -> dict[str, ResidualForce]:
+    short = _consecutive(study, log, study.local.length)
+    replay, fit = fit_states(model, z, short, study.bench.solver, study.bench.threads)
+    return residual_forces(replay, fit)
+
+
+def _poses(
+    study: Study, log: Log, played: Mapping[str, Played], look: Look
+) -> tuple[Array, dict[str, tuple[Array, Array]]]:
+    """Body poses of the measured and of each simulated robot at even times that windows cover."""
+    model = study.compiled
+    lead = study.prediction.run_in + study.prediction.margin
+    begin = next(iter(played.values())).replay.windows.begin
+    count = max(1, int(study.prediction.length * look.pose_rate))
+    offsets = lead + np.arange(count) / look.pose_rate
+    time = (begin[:, None] + offsets).ravel()
+    measured = np.tile(model.qpos0, (len(time), 1))
+    for channel in resolve(model, tuple(log.outputs)):
+        if channel.kind == "position":
+            measured[:, channel.address] = local_polynomial(
+                log.outputs[channel.name], time, study.windows.smoother
+            ).value
+    poses = {MEASURED: _kinematics(model, model, measured)}
+    for role, part in played.items():
+        tape, _ = part.replay.simulate(part.fit.z[None], part.fit.delta[None])
+        steps = np.rint(offsets / part.replay.windows.step).astype(int)
+        qpos = tape.qpos[0][:, steps].reshape(len(time), -1)
+        poses[role] = _kinematics(part.replay.model.compile(part.fit.z), model, qpos)
+    return time, poses
+
+
+def _kinematics(model: mujoco.MjModel, geometry: mujoco.MjModel, qpos: Array) -> tuple[Array, Array]:
+    """World poses of the geometry's bodies, positions (n, nbody, 3) and quaternions (n, nbody, 4)."""
+    data = mujoco.MjData(model)
+    bodies = [model.body(geometry.body(i).name).id for i in range(geometry.nbody)]
+    position, orientation = np.empty((len(qpos), len(bodies), 3)), np.empty((len(qpos), len(bodies), 4))
+    for i, q in enumerate(qpos):
+        data.qpos[:] = q
+        mujoco.mj_kinematics(model, data)
+        position[i], orientation[i] = data.xpos[bodies], data.xquat[bodies]
+    return position, orientation

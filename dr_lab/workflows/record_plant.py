@@ -1,0 +1,45 @@
+"""Logs of a plant: the source that `record` writes by default."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import yaml
+
+from dr_lab.plants.bench import Bench, Recording
+from dr_lab.plants.hidden.effect import JOINTS
+from dr_lab.plants.truth import truth
+from dr_lab.recorders.mcap import FloatArrays, JointStates
+from dr_lab.workflows.record import NamedLog
+
+_WARNING = "# The truth behind these logs. Whoever looks for what is missing must not read it.\n"
+
+
+@dataclass(frozen=True)
+class PlantSource:
+    """Experiments on a simulated machine.
+
+    Attributes:
+        plant: the machine on its bench.
+        joint_topic: topic of the encoder readings, ``sensor_msgs/msg/JointState`` with positions only.
+        command_topic: topic of the voltages, ``std_msgs/msg/Float64MultiArray``.
+        actuator: label of the voltage within its message.
+    """
+
+    plant: Bench
+    joint_topic: str
+    command_topic: str
+    actuator: str
+
+    def logs(self, seed: int) -> Iterator[NamedLog]:
+        """The logs of the machine that the seed stands for."""
+        return map(self._named, self.plant.recordings(seed))
+
+    def companions(self, seed: int) -> Mapping[str, bytes]:
+        """``truth.yaml``: true parameters, hidden effect and clock."""
+        text = yaml.safe_dump(truth(self.plant, seed), sort_keys=False, allow_unicode=True)
+        return {"truth.yaml": (_WARNING + text).encode()}
+
+    def _named(self, recording: Recording) -> NamedLog:
+        joints = JointStates(self.joint_topic, JOINTS, recording.stamp, recording.arrival, recording.position)
+        voltage = FloatArrays(self.command_topic, (self.actuator,), recording.command_time, recording.voltage[:, None])
+        return NamedLog(recording.name, (joints, voltage), {"source": "simulated machine"})

@@ -1,0 +1,96 @@
+"""What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
+
+import os
+from dataclasses import dataclass
+
+import mujoco
+
+from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
+from dr_lab.diagnosis.rank import Bench
+from dr_lab.diagnosis.scales import machine_scales
+from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.effects.effect import Scales
+from dr_lab.errors import ConfigError
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import MeasurementSet
+
+
+@dataclass(frozen=True)
+class Study:
+    """One model beside one set of logs.
+
+    Attributes:
+        model: the model as given.
+        compiled: compiled at its nominal context.
+        measurements: the logs.
+        bench: windows and settings on which models are compared.
+        predicted: held-out windows whose start is known only from earlier samples.
+        windows: how windows are cut.
+        prediction: how predicted windows are cut.
+        local: how the place of failure is looked for.
+        scales: typical magnitudes of the machine.
+        floor: error of the time step.
+    """
+
+    model: Model
+    compiled: mujoco.MjModel
+    measurements: MeasurementSet
+    bench: Bench
+    predicted: Windows
+    windows: WindowSettings
+    prediction: WindowSettings
+    local: LocaliseSettings
+    scales: Scales
+    floor: NumericalFloor
+
+
+def prepare(
+    model: Model,
+    measurements: MeasurementSet,
+    windows: WindowSettings,
+    predicted: WindowSettings,
+    solver: SolverSettings,
+    evidence: EvidenceSettings,
+    localise: LocaliseSettings,
+    threads: int | None,
+) -> Study:
+    """Cut the logs and measure scales and the numerical floor.
+
+    Without held-out logs the fit logs score too, which the report says.
+    """
+    if not measurements.fit:
+        raise ConfigError(
+            f"Measurements {measurements.name!r} name no log to fit on. Name at least one in measurements.fit."
+        )
+    compiled = model.nominal()
+    count = _thread_count(threads)
+    held_out = measurements.held_out or measurements.fit
+    bench = Bench(
+        fit=cut(measurements.fit, measurements, compiled, windows),
+        held_out=cut(held_out, measurements, compiled, windows),
+        solver=solver,
+        evidence=evidence,
+        threads=count,
+    )
+    return Study(
+        model=model,
+        compiled=compiled,
+        measurements=measurements,
+        bench=bench,
+        predicted=cut(held_out, measurements, compiled, predicted),
+        windows=windows,
+        prediction=predicted,
+        local=localise,
+        scales=machine_scales(compiled, measurements.fit, windows.smoother),
+        floor=numerical_floor(model, held_out, measurements, windows, count),
+    )
+
+
+def _thread_count(threads: int | None) -> int:
+    if threads is None:
+        return len(os.sched_getaffinity(0))
+    if threads < 1:
+        raise ConfigError(f"threads is {threads}; expected at least 1, or null for all cores.")
+    return threads

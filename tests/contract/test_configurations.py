@@ -1,0 +1,63 @@
+"""Every yaml of every group composes, and every key fits what it configures."""
+
+import inspect
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from omegaconf import OmegaConf
+
+from dr_lab.cli.check import check
+from dr_lab.cli.compose import compose, options
+from dr_lab.cli.folders import shipped
+from dr_lab.cli.job import RUN_DIR, not_passed, workflow_of
+from dr_lab.cli.verbs import verbs
+
+FOLDERS = (shipped(),)
+NEEDED = {"add": ["effect=coulomb_friction", "effect.joint=arm"]}
+
+
+def experiments() -> Iterator[tuple[str, str]]:
+    """Each experiment with the verb that its comment's command names."""
+    for name, path in options("experiment", FOLDERS).items():
+        words = path.read_text(encoding="utf-8").split("dr-lab ")
+        assert len(words) > 1, f"{path}: the comment shows no command"
+        yield words[1].split()[0], name
+
+
+def check_verb(verb: str, overrides: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DR_LAB_DATA", str(Path(__file__).parent))
+    cfg = compose(verb, [*NEEDED.get(verb, []), *overrides])
+    # Whether example files are there is not what is tested here.
+    OmegaConf.register_new_resolver("examples", lambda path: path, replace=True)
+    workflow = workflow_of(verb)
+    unused = not_passed(cfg, inspect.signature(workflow).parameters)
+    check(cfg, workflow, verb, supplied=(RUN_DIR,), unused=unused)
+
+
+@pytest.mark.parametrize("verb", verbs())
+def test_verb_fits_its_workflow(verb: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb(verb, [], monkeypatch)
+
+
+@pytest.mark.parametrize(("verb", "experiment"), list(experiments()))
+def test_experiment_composes(verb: str, experiment: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb(verb, [f"experiment={experiment}"], monkeypatch)
+
+
+def options_of(group: str) -> list[str]:
+    return list(options(group, FOLDERS))
+
+
+@pytest.mark.parametrize("model", options_of("model"))
+def test_model_composes(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb("compare", [f"model={model}"], monkeypatch)
+
+
+@pytest.mark.parametrize("measurements", options_of("measurements"))
+def test_measurements_compose(measurements: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb("compare", [f"measurements={measurements}"], monkeypatch)
+
+
+def test_whole_catalogue_holds_every_effect() -> None:
+    assert sorted(compose("close").effects) == options_of("effect")

@@ -1,0 +1,213 @@
+"""What every effect of the catalogue promises, at every site of every model."""
+
+from collections.abc import Iterator
+from functools import cache
+
+import mujoco
+import numpy as np
+import pytest
+from effect_machines import CONF, NAMES, catalogue_effect, replayed
+
+from dr_lab.effects.effect import PlacedEffect, Scales, place
+from dr_lab.physics.model import Model, from_spec, load
+from dr_lab.trajectory import Array
+
+SECONDS = 0.15
+SMALL = """<mujoco model="two_joints">
+  <compiler angle="radian"/>
+  <option timestep="0.002" integrator="implicitfast"/>
+  <worldbody><body name="cart">
+    <inertial mass="1" pos="0 0 0" diaginertia="0.01 0.01 0.01"/>
+    <joint name="rail" type="slide" axis="1 0 0" damping="0.5" stiffness="2" springref="0.1"/>
+    <body name="rod">
+      <joint name="hinge" axis="0 1 0" damping="0.01"/>
+      <geom type="capsule" size="0.01" fromto="0 0 0 0 0 -0.4" density="1500"/>
+    </body>
+  </body></worldbody>
+  <actuator>%s</actuator>
+</mujoco>"""
+ACTUATORS = {
+    "two_joints_motor": '<motor name="drive" joint="rail" gear="2"/>',
+    "two_joints_dcmotor": '<dcmotor name="drive" joint="rail" motorconst="0.5 0.5" resistance="1"/>',
+}
+MODELS = (*ACTUATORS, *sorted(path.stem for path in (CONF / "model").glob("*.xml")))
+
+
+@cache
+def machine(name: str) -> Model:
+    if name in ACTUATORS:
+        return from_spec(name, mujoco.MjSpec.from_string(SMALL % ACTUATORS[name]), {})
+    return load(name, CONF / "model" / f"{name}.xml", {})
+
+
+@cache
+def scales(name: str) -> Scales:
+    """A second's motion of the machine, were it to accelerate at 10 rad/s² or m/s²."""
+    compiled = machine(name).nominal()
+    joints = [compiled.joint(i) for i in range(compiled.njnt)]
+    torque = {joint.name: 10.0 * float(compiled.dof_M0[joint.dofadr[0]]) for joint in joints}
+    names = tuple(torque)
+    command = {compiled.actuator(i).name: 1.0 for i in range(compiled.nactuator)}
+    return Scales(dict.fromkeys(names, 1.0), dict.fromkeys(names, 2.0), torque, command)
+
+
+def every() -> Iterator[tuple[str, str, str]]:
+    for model in MODELS:
+        compiled = machine(model).nominal()
+        for effect in NAMES:
+            for site in catalogue_effect(effect).sites(compiled):
+                yield model, effect, site
+
+
+PLACES = pytest.mark.parametrize(("model", "effect", "site"), list(every()))
+
+
+def put(model: str, effect: str, site: str) -> tuple[Model, PlacedEffect]:
+    one = place(catalogue_effect(effect), machine(model).nominal(), site, scales(model))
+    return machine(model).with_effect(one), one
+
+
+def commands(model: Model) -> tuple[Array, Array]:
+    """Controls of a window and of the time before it."""
+    compiled = model.nominal()
+    steps, before = round(SECONDS / compiled.opt.timestep), round(0.06 / compiled.opt.timestep)
+    time = np.arange(-before, steps) * compiled.opt.timestep
+    wave = np.sin(30.0 * time[:, None] + np.arange(compiled.nu))[None]
+    return wave[:, before:], wave[:, :before]
+
+
+def vectors(model: Model, one: PlacedEffect) -> Array:
+    """Absent and every start away from it, shape (1 + starts, n)."""
+    return np.array([model.space.nominal, *(model.space.vector(start) for start in one.starts)])
+
+
+def signals(model: Model, z: Array) -> list[tuple[bytes, tuple[tuple[str, float], ...]]]:
+    """What a measurement sees under each context: the motion, and the delays of its channels."""
+    paths = replayed(model, z, *commands(model))
+    return [(path.tobytes(), tuple(model.output_delays(row).items())) for path, row in zip(paths, z, strict=True)]
+
+
+def test_catalogue_states_what_it_is() -> None:
+    for name in NAMES:
+        effect = catalogue_effect(name)
+        assert effect.name == name
+        assert effect.family in {"friction", "transmission", "actuator", "inertia", "environment", "sensing"}
+        assert effect.law
+        assert effect.fingerprint
+        assert set(effect.confused_with) <= set(NAMES) - {name}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_effect_sits_somewhere(name: str) -> None:
+    assert any(effect == name for _, effect, _ in every())
+
+
+@PLACES
+def test_bounds_are_finite_wide_and_contain_the_starts(model: str, effect: str, site: str) -> None:
+    _, one = put(model, effect, site)
+    bounds = {p.name: p for p in one.parameters}
+    for parameter in one.parameters:
+        assert parameter.span > 0
+        assert parameter.unit
+        assert parameter.name.startswith(f"{effect}@{site}.")
+    for start in one.starts:
+        assert all(bounds[name].low <= value <= bounds[name].high for name, value in start.items())
+
+
+@PLACES
+def test_absent_leaves_the_motion(model: str, effect: str, site: str) -> None:
+    """Bit for bit; a payload's body alone changes the order of sums, by rounding."""
+    extended, _ = put(model, effect, site)
+    plain = machine(model)
+    with_it = replayed(extended, extended.space.nominal[None], *commands(extended))
+    without = replayed(plain, np.empty((1, 0)), *commands(plain))
+    np.testing.assert_allclose(with_it, without, rtol=0, atol=1e-9 if effect == "payload" else 0)
+    assert not any(extended.output_delays(extended.space.nominal).values())
+    compiled = extended.nominal()
+    assert (compiled.nq, compiled.nv, compiled.nu) == (plain.nominal().nq, plain.nominal().nv, plain.nominal().nu)
+
+
+@PLACES
+def test_layout_is_the_same_at_every_value(model: str, effect: str, site: str) -> None:
+    extended, _ = put(model, effect, site)
+    sizes = ("nq", "nv", "nu", "na", "nbody", "nactuator", "nhistory", "ntendon", "neq")
+    compiled = [extended.compile(z) for z in (extended.space.low, extended.space.nominal, extended.space.high)]
+    assert len({tuple(getattr(m, size) for size in sizes) for m in compiled}) == 1
+
+
+@PLACES
+def test_every_parameter_is_seen(model: str, effect: str, site: str) -> None:
+    """From absent, or where a parameter only shapes the effect, from a start away from absent."""
+    extended, one = put(model, effect, site)
+    for index, parameter in enumerate(one.parameters):
+        corners = np.repeat(vectors(extended, one), 2, axis=0)
+        corners[0::2, index], corners[1::2, index] = parameter.low, parameter.high
+        seen = signals(extended, corners)
+        assert any(low != high for low, high in zip(seen[0::2], seen[1::2], strict=True)), parameter.name
+
+
+@PLACES
+def test_absent_has_a_usable_slope_or_starts(model: str, effect: str, site: str) -> None:
+    extended, one = put(model, effect, site)
+    nominal = extended.space.nominal
+    for index, parameter in enumerate(one.parameters):
+        step = 1e-4 * parameter.span
+        near = np.tile(nominal, (3, 1))
+        near[1:, index] += step * np.array([1.0, 2.0])
+        paths = replayed(extended, near, *commands(extended))
+        delays = np.array([sum(extended.output_delays(z).values()) for z in near])
+        first, second = (np.abs(paths[k] - paths[0]).max() + abs(delays[k] - delays[0]) for k in (1, 2))
+        assert np.isfinite([first, second]).all()
+        if first > 1e-9:  # twice the step, about twice the change: no jump at absent
+            assert 1.2 < second / first < 3.5, parameter.name
+        elif first == 0:
+            assert one.starts, parameter.name
+
+
+@PLACES
+def test_compiling_twice_gives_the_same_bytes(model: str, effect: str, site: str) -> None:
+    extended, one = put(model, effect, site)
+    z = vectors(extended, one)[-1]
+    first = _bytes(extended.compile(z))
+    extended.compile(extended.space.high)
+    assert _bytes(extended.compile(z)) == first
+
+
+@PLACES
+def test_exported_file_is_the_same_machine(model: str, effect: str, site: str) -> None:
+    """Text keeps six digits; a second export of the file loses nothing more."""
+    extended, one = put(model, effect, site)
+    z = 0.5 * (extended.space.nominal + extended.space.high)
+    spec = extended.spec_at(z)
+    original = spec.compile()
+    text = spec.to_xml()
+    read = mujoco.MjSpec.from_string(text)
+    again = read.compile()
+    assert _sizes(original) == _sizes(again)
+    paths = [_free_run(m) for m in (original, again)]
+    moved = np.abs(paths[0] - paths[0][0]).max()
+    assert np.abs(paths[0] - paths[1]).max() < 1e-3 * moved + 1e-9
+    assert read.to_xml() == text
+    assert one.effect.lacks or effect not in {"sensor_time_offset", "actuator_delay"}
+
+
+def _free_run(model: mujoco.MjModel) -> Array:
+    """Positions over 0.15 s under oscillating commands, from a start off the initial position."""
+    data, path = mujoco.MjData(model), []
+    mujoco.mj_integratePos(model, data.qpos, 0.2 * np.cos(np.arange(model.nv)), 1.0)
+    data.qvel[:] = 0.5 * np.sin(np.arange(model.nv) + 1.0)
+    for _ in range(round(SECONDS / model.opt.timestep)):
+        path.append(data.qpos.copy())
+        data.ctrl[:] = np.sin(30.0 * data.time + np.arange(model.nu))
+        mujoco.mj_step(model, data)
+    return np.array(path)
+
+
+def _sizes(model: mujoco.MjModel) -> tuple[int, ...]:
+    return (model.nq, model.nv, model.nu, model.na, model.nbody, model.nactuator, model.nhistory)
+
+
+def _bytes(model: mujoco.MjModel) -> bytes:
+    buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return buffer.tobytes()

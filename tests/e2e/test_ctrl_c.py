@@ -1,0 +1,100 @@
+"""Ctrl-C: a prompt end, one line, and nothing half-written, whatever the run was doing."""
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+import yaml
+from hydra.utils import instantiate
+from mcap.reader import make_reader
+
+from dr_lab.cli.compose import compose
+from dr_lab.diagnosis.rank import candidates, rank
+from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.study import prepare
+
+PROGRAM = Path(sys.executable).with_name("dr-lab")
+PROMPT = 5.0  # s; a fifth of it on a quiet machine
+LOGS = ["measurements.fit=[log_1]", "measurements.held_out=[log_5]"]
+SMALL = [*LOGS, "windows.max_windows=2"]
+READERS: dict[str, Callable[[Path], object]] = {
+    ".yaml": lambda path: yaml.safe_load(path.read_text(encoding="utf-8")),
+    ".json": lambda path: json.loads(path.read_text(encoding="utf-8")),
+    ".md": lambda path: path.read_text(encoding="utf-8"),
+    ".xml": lambda path: path.read_text(encoding="utf-8").index("</mujoco>"),
+    ".npz": lambda path: np.load(path)["qpos"],
+    ".rrd": lambda path: len(list(rr.chunk.RrdReader(path).stream())),
+    ".mcap": lambda path: make_reader(path.open("rb")).get_summary(),
+}
+
+
+def interrupted(folder: Path, *arguments: str, when: Callable[[], bool]) -> set[str]:
+    """Start `dr-lab`, press Ctrl-C when told so; gives the names of the files that are left, all of them whole."""
+    command = [PROGRAM, *arguments, f"hydra.run.dir={folder}"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not when():
+        time.sleep(0.001)
+    process.send_signal(signal.SIGINT)
+    pressed = time.monotonic()
+    out, error = process.communicate(timeout=60)
+    assert time.monotonic() - pressed < PROMPT
+    assert process.returncode == 130, error
+    assert error.strip() == "dr-lab: interrupted."
+    assert "Run folder" not in out
+    left = list(folder.iterdir()) if folder.is_dir() else []
+    for path in left:
+        READERS[path.suffix](path)
+    return {path.name for path in left}
+
+
+@pytest.mark.parametrize("part", ["report", "review"])
+def test_while_a_file_is_written(tmp_path: Path, part: str) -> None:
+    folder = tmp_path / "run"
+    left = interrupted(folder, "compare", *SMALL, when=lambda: any(folder.glob(f".{part}.*")))
+    assert "config.yaml" in left
+    assert "simulated.mcap" not in left
+    assert not [name for name in left if name.startswith(".")]
+
+
+def test_while_candidates_are_fitted(tmp_path: Path) -> None:
+    folder, started = tmp_path / "run", []
+
+    def fitting() -> bool:
+        if (folder / "config.yaml").is_file():
+            started.append(time.monotonic())
+        return bool(started) and time.monotonic() - started[0] > 4.0
+
+    assert interrupted(folder, "diagnose", *LOGS, when=fitting) == {"config.yaml"}
+
+
+def test_while_nothing_has_begun(tmp_path: Path) -> None:
+    pressed = time.monotonic() + 0.5
+    assert interrupted(tmp_path / "run", "compare", *SMALL, when=lambda: time.monotonic() > pressed) <= {"config.yaml"}
+
+
+def test_candidates_stop_at_their_next_simulation() -> None:
+    cfg = compose("diagnose", [*LOGS, "windows.max_windows=6"])
+    keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise")
+    study = prepare(**{key: instantiate(cfg[key], _convert_="all") for key in keys}, threads=2)
+    base, effects = calibrate(study), instantiate(cfg.effects, _convert_="all")
+    placed = candidates(study.model, effects, study.scales, study.compiled)
+    stopped: list[float] = []
+
+    def done(label: str) -> None:
+        stopped.append(time.monotonic())
+        raise KeyboardInterrupt(label)
+
+    running = threading.active_count()
+    with pytest.raises(KeyboardInterrupt):
+        rank(study.bench, base, placed, done)
+    assert time.monotonic() - stopped[0] < 2.0
+    assert len(stopped) <= 2 < len(placed)
+    assert threading.active_count() == running

@@ -1,0 +1,189 @@
+"""Every way in which a command can fail: one message that says what to do, an exit code, no traceback, no folder."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cli_machine import CommandLine, module, write
+
+from dr_lab.errors import UnknownNameError
+
+Capture = pytest.CaptureFixture[str]
+
+SAYS = {
+    ("model=swin",): ["no model 'swin'", "Did you mean 'swing'?", "broken, door, swing"],
+    ("effect=[wind,rst]",): ["no effect 'rst'", "Did you mean 'rust'?", "rust, wind"],
+    ("experiment=nigth",): ["no experiment 'nigth'", "Did you mean 'night'?"],
+    ("horzon=2",): ["'horzon'", "Did you mean 'horizon'?", "Available: effect, effects, experiment, horizon"],
+    ("model.nmae=x",): ["'model.nmae'", "Did you mean 'model.name'?"],
+    ("source=x",): ["no key or group 'source'", "effect", "model"],
+    ("+new=1",): ["no key 'new' in dr-lab compare", "horizon"],
+    ("+model.nmae=1",): ["no key 'model.nmae' in parts.Machine", "Did you mean 'model.name'?"],
+    ("~model.name",): ["parts.Machine needs model.name"],
+    ("~horizon",): ["dr-lab compare needs horizon"],
+    ("horizon=???", "seed=???"): ["No value for horizon, seed", "dr-lab compare horizon=… seed=…"],
+    ("horizon=${foo}",): ["horizon: Interpolation key 'foo' not found"],
+    ("horizon=${oc.env:NOT_SET}",): ["horizon: \"Environment variable 'NOT_SET' not found"],
+    ("horizon=long",): ["horizon is 'long' (str)", "expects float"],
+    ("threads=many",): ["threads is 'many' (str)", "expects int | None"],
+    ("names=[a,1]",): ["names is ['a', 1]", "list[str]"],
+    ("names=a",): ["names is 'a' (str)", "list[str]"],
+    ("model.parameters={arm.mas:{low:1}}",): [
+        "'model.parameters.arm.mas'",
+        "Did you mean 'model.parameters.arm.mass'?",
+    ],
+    ("model.parameters.arm.mass.lo=1",): [
+        "'model.parameters.arm.mass.lo'",
+        "Did you mean 'model.parameters.arm.mass'?",
+    ],
+    ("+model.parameters={a:{low:x}}",): ["model.parameters is", "parts.Machine expects dict[str, dict[str, float]]"],
+    ("model._target_=os.system",): ["'os.system' is outside the trusted packages", "DR_LAB_TRUST"],
+    ("model._target_=dr_lab.errors.difflib.Differ",): ["cannot be imported"],
+    ("model._target_=dr_lab.errors.Iterable",): ["outside the trusted packages"],
+    ("model._target_=parts.Machin",): ["no name 'Machin'", "Did you mean 'Machine'?"],
+    ("model._target_=parts.nowhere.Machine",): ["cannot be imported", "ModuleNotFoundError"],
+    ("model=broken",): ["dr-lab compare: broken has no legs"],
+    ("seed=1,2",): ["Ambiguous value", "multirun"],
+    ("x==",): ["Cannot read 'x=='", "expected key=value"],
+    ("model.name=a[b]",): ["""'model.name="a[b]"'"""],
+    ("--modle", "door"): ["no flag '--modle'", "settings have no dashes: key=value"],
+    ("--multirum",): ["Did you mean '--multirun'?"],
+    ("--cfg", "jobs"): ["invalid choice: 'jobs'", "Flags: --cfg"],
+    ("--cfg", "job", "--multirun"): ["Only one of --run, --multirun"],
+    ("--config-dir", "nowhere"): ["--config-dir needs an existing folder; given 'nowhere'"],
+    ("--config-name", "nowhere"): ["'nowhere'"],
+    ("model.mjcf=${conf:model/swnig.xml}",): ["'model/swnig.xml'", "Did you mean 'model/swing.xml'?"],
+    ("model.mjcf=${examples:log.mcap}",): ["example", "'log.mcap'"],
+}
+
+
+@pytest.mark.parametrize("arguments", SAYS, ids=" ".join)
+def test_says_what_is_wrong(dr_lab: CommandLine, capsys: Capture, arguments: tuple[str, ...]) -> None:
+    assert dr_lab("compare", *arguments) == 2
+    error = capsys.readouterr().err
+    for words in SAYS[arguments]:
+        assert words in error
+    assert "Traceback" not in error
+    assert error.startswith("dr-lab")
+    assert dr_lab.calls == []
+    assert [path.name for path in Path.cwd().iterdir()] in ([], ["outputs"])
+    assert [path for path in Path.cwd().rglob("*") if path.name != "outputs"] == []
+
+
+def test_mandatory_group(dr_lab: CommandLine, capsys: Capture) -> None:
+    assert dr_lab("add") == 2
+    assert capsys.readouterr().err == (
+        "dr-lab add: No effect is chosen. Give one: dr-lab add effect=NAME. Available: rust, wind.\n"
+    )
+
+
+FILES = {
+    "model/syntax.yaml": ("_target_: parts.Machine\n\tname: x\n", ["syntax.yaml, line 2", "indent with spaces"]),
+    "model/plain.yaml": ("name: x\n", ["model names no class", "_target_: package.module.Name", "a Machine"]),
+    "model/half.yaml": ("_target_: parts.Machine\nname: x\n", ["needs model.mjcf", "--cfg job -p model"]),
+    "effect/sand.yaml": (
+        "_target_: parts.Effect\nname: s\n",
+        ["sand.yaml: its first line", "'# @package effects.sand'"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_own_files_that_are_wrong(dr_lab: CommandLine, capsys: Capture, tmp_path: Path, name: str) -> None:
+    text, said = FILES[name]
+    write(tmp_path / "mine" / name, text)
+    group, _, option = name.removesuffix(".yaml").partition("/")
+    assert dr_lab("compare", "--config-dir", str(tmp_path / "mine"), f"{group}={option}") == 2
+    error = capsys.readouterr().err
+    for words in said:
+        assert words in error
+
+
+def test_experiment_of_another_verb(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
+    text = "# @package _global_\n# a day\n# dr-lab polish experiment=day\ndefaults: [{override /cloth: soft}]\n"
+    write(tmp_path / "conf/experiment/day.yaml", text)
+    assert dr_lab("compare", "experiment=day") == 2
+    error = capsys.readouterr().err
+    assert "Experiment 'day' is not one of dr-lab compare, which has no group 'cloth'" in error
+    assert "Its own command: dr-lab polish experiment=day" in error
+
+
+def test_unknown_verb(dr_lab: CommandLine, capsys: Capture) -> None:
+    assert dr_lab("comapre") == 2
+    assert "Did you mean 'compare'? Available: add, compare." in capsys.readouterr().err
+
+
+def test_verb_without_workflow(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
+    write(tmp_path / "conf/polish.yaml", "# polish it\ndefaults: [{base: hydra}, _self_]")
+    assert dr_lab("polish") == 2
+    assert "dr_lab.workflows.polish does not exist" in capsys.readouterr().err
+
+
+def test_traceback_on_request(dr_lab: CommandLine, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HYDRA_FULL_ERROR", "1")
+    with pytest.raises(Exception, match="broken has no legs"):
+        dr_lab("compare", "model=broken")
+
+
+def test_traceback_on_request_from_our_own_errors(dr_lab: CommandLine, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HYDRA_FULL_ERROR", "1")
+    with pytest.raises(UnknownNameError, match="no key 'new'"):
+        dr_lab("compare", "+new=1")
+
+
+def fail(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> None:
+    def compare(run_dir: Path, **everything: object) -> None:
+        raise error
+
+    name = "dr_lab.workflows.compare"
+    monkeypatch.setitem(sys.modules, name, module(name, compare=compare))
+
+
+def test_fault_of_ours_keeps_the_run_folder(
+    dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fail(ZeroDivisionError("by zero"), monkeypatch)
+    assert dr_lab("compare") == 1
+    error = capsys.readouterr().err
+    assert error.startswith("dr-lab compare: ZeroDivisionError: by zero\n")
+    assert "HYDRA_FULL_ERROR=1" in error
+    assert len(list(Path("outputs").rglob("config.yaml"))) == 1
+
+
+def test_interrupt(dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    fail(KeyboardInterrupt(), monkeypatch)
+    assert dr_lab("compare") == 130
+    assert capsys.readouterr().err.strip() == "dr-lab: interrupted."
+
+
+def test_output_that_is_a_file(dr_lab: CommandLine, capsys: Capture) -> None:
+    Path("taken").write_text("")
+    assert dr_lab("compare", "outputs=taken") == 2
+    error = capsys.readouterr().err
+    assert "Cannot make the run folder" in error
+    assert "Not a directory. Choose another place: outputs=FOLDER." in error
+
+
+def test_environment_is_left_as_it_was(dr_lab: CommandLine, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("HYDRA_FULL_ERROR", raising=False)
+    import os  # noqa: PLC0415
+
+    before = dict(os.environ)
+    dr_lab("compare")
+    assert dict(os.environ) == before
+
+
+def test_ctrl_c_in_a_terminal_prints_one_line(tmp_path: Path) -> None:
+    code = (
+        "import sys, types, signal, os\n"
+        "module = types.ModuleType('dr_lab.workflows.view')\n"
+        "module.view = lambda run, outputs, web, page_port, data_port: os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.modules['dr_lab.workflows.view'] = module\n"
+        "sys.argv = ['dr-lab', 'view']\n"
+        "from dr_lab.__main__ import main\n"
+        "sys.exit(main())\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 130
+    assert done.stderr.strip() == "dr-lab: interrupted."

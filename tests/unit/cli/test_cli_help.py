@@ -1,0 +1,142 @@
+"""What the help texts list, how fast they come, and tab completion in a real bash."""
+
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from cli_machine import CommandLine, write
+
+from dr_lab import __version__
+from dr_lab.cli.verbs import verbs
+
+Capture = pytest.CaptureFixture[str]
+PROGRAM = Path(sys.executable).with_name("dr-lab")
+
+
+@pytest.mark.parametrize("arguments", [(), ("--help",), ("-h",)])
+def test_overview_lists_every_verb_with_its_line(dr_lab: CommandLine, capsys: Capture, arguments: tuple[str]) -> None:
+    assert dr_lab(*arguments) == 0
+    text = capsys.readouterr().out
+    assert "  add      add one effect\n" in text
+    assert "  compare  compare the two\n" in text
+
+
+def test_version(dr_lab: CommandLine, capsys: Capture) -> None:
+    assert dr_lab("--version") == 0
+    assert capsys.readouterr().out == f"dr_lab {__version__}\n"
+
+
+def test_every_shipped_verb_says_what_it_does() -> None:
+    assert {"add", "close", "compare", "diagnose", "fit", "record", "view"} <= set(verbs())
+    assert all(verbs().values())
+
+
+def test_overview_takes_less_than_half_a_second() -> None:
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        subprocess.run([PROGRAM, "--help"], check=True, capture_output=True)
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.5
+
+
+def test_reader_that_leaves_early_is_no_error() -> None:
+    done = subprocess.run(
+        ["bash", "-c", f"for n in 1 2 3; do {PROGRAM} --help | true; done"], check=True, capture_output=True, text=True
+    )
+    assert done.stderr == ""
+
+
+def test_overview_imports_nothing_heavy() -> None:
+    heavy = {"hydra", "mujoco", "numpy", "omegaconf", "rerun", "rich", "scipy"}
+    code = "import sys; from dr_lab.__main__ import main; main([]); print(*sys.modules, file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert heavy.isdisjoint(done.stderr.split())
+
+
+def test_verb_help_lists_groups_options_and_keys(dr_lab: CommandLine, capsys: Capture) -> None:
+    assert dr_lab("compare", "--help", "model=door") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "  compare the two" in lines
+    assert "  dr-lab compare model=swing" in lines
+    assert "  model=door" in lines
+    assert "      swing   a swing" in lines
+    assert "  effect=all   several at once: effect=[a,b]" in lines
+    assert "      rust  rust in the joint" in lines
+    assert any(line.split() == ["horizon=0.5", "s,", "predicted", "open", "loop"] for line in lines)
+    assert any(line.startswith("  threads=null") for line in lines)
+    assert "Results: outputs/compare/<model>/<date_time>/" in lines
+    assert dr_lab.calls == []
+
+
+def test_verb_help_lists_the_users_options(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
+    write(tmp_path / "mine/model/robot.yaml", "# my robot\nname: robot\n")
+    assert dr_lab("compare", "--config-dir", str(tmp_path / "mine"), "--help") == 0
+    assert "      robot   my robot" in capsys.readouterr().out.splitlines()
+
+
+def test_verb_help_shows_the_keys_of_a_group_without_alternatives(
+    dr_lab: CommandLine, capsys: Capture, tmp_path: Path
+) -> None:
+    write(tmp_path / "conf/fit.yaml", "# fit\ndefaults: [{base: run}, {solver: default}]")
+    write(tmp_path / "conf/solver/default.yaml", "_target_: parts.Machine\ntolerance:\n  cost: 0.1  # share\n")
+    assert dr_lab("fit", "--help", "solver.tolerance.cost=0.2") == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["solver=default"] in lines
+    assert ["solver.tolerance.cost=0.2", "share"] in lines
+
+
+def test_help_of_a_verb_whose_group_needs_a_choice(dr_lab: CommandLine, capsys: Capture) -> None:
+    assert dr_lab("add", "--help") == 0
+    out = capsys.readouterr().out
+    assert "  effect=???   several" in out
+    assert "  effect.joint=null" in out
+
+
+COMPLETIONS = {
+    "comp": ["compare"],
+    "": ["add", "compare"],
+    "compare mod": ["model."],
+    "compare model=": ["model=broken", "model=door", "model=swing"],
+    "compare model=d": ["model=door"],
+    "compare effect=r": ["effect=rust"],
+    "compare model=door hor": ["horizon="],
+}
+
+
+@pytest.mark.parametrize("typed", COMPLETIONS)
+def test_completion(dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.MonkeyPatch, typed: str) -> None:
+    monkeypatch.setenv("COMP_LINE", f"dr-lab {typed}")
+    assert dr_lab("-sc", "query=bash") == 0
+    words = capsys.readouterr().out.split()
+    assert set(COMPLETIONS[typed]) <= set(words)
+    assert all(word.startswith(typed.rsplit(" ", maxsplit=1)[-1]) for word in words)
+
+
+def test_completion_knows_the_users_folder(
+    dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    write(tmp_path / "mine/model/robot.yaml", "name: robot\n")
+    monkeypatch.setenv("COMP_LINE", f"dr-lab compare --config-dir {tmp_path / 'mine'} model=r")
+    assert dr_lab("-sc", "query=bash") == 0
+    assert capsys.readouterr().out.split() == ["model=robot"]
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+@pytest.mark.parametrize("install", ["dr-lab -sc install=bash", "dr-lab compare -sc install=bash"])
+def test_completion_in_bash(install: str) -> None:
+    script = f"""
+        PATH={PROGRAM.parent}:$PATH
+        eval "$({install})"
+        COMP_LINE="dr-lab compare model=furu" COMP_POINT=99 COMP_CWORD=2
+        hydra_bash_completion
+        echo "${{COMPREPLY[@]}}"
+        complete -p dr-lab
+    """
+    done = subprocess.run(["bash", "-c", script], check=True, capture_output=True, text=True)
+    replies, rule = done.stdout.splitlines()
+    assert replies == "model=furuta"
+    assert "-F hydra_bash_completion" in rule

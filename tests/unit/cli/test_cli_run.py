@@ -1,0 +1,142 @@
+"""From a command to the call of a workflow, and what the run folder holds."""
+
+import sys
+from pathlib import Path
+
+import mujoco
+import pytest
+import yaml
+from cli_machine import CommandLine, Machine, module, write
+
+from dr_lab.cli.compose import compose
+
+
+def only(folder: Path) -> Path:
+    """The one entry of a folder."""
+    (entry,) = folder.iterdir()
+    return entry
+
+
+def test_workflow_gets_every_top_level_key(dr_lab: CommandLine) -> None:
+    assert dr_lab("compare", "horizon=2", "names=[x,y]") == 0
+    (call,) = dr_lab.calls
+    assert call["model"] == Machine("swing", call["model"].mjcf, {"arm.mass": {"low": 1.0, "high": 2.0}})
+    assert Path(call["model"].mjcf).is_file()
+    assert sorted(call["effects"]) == ["rust", "wind"]
+    assert (call["horizon"], call["names"], call["seed"], call["threads"]) == (2, ["x", "y"], 0, None)
+    assert type(call["names"]) is list
+
+
+def test_run_dir_is_named_by_verb_model_and_time_and_holds_only_the_config(dr_lab: CommandLine) -> None:
+    dr_lab("compare", "model=door")
+    run_dir = dr_lab.calls[0]["run_dir"]
+    assert run_dir.parent == Path("outputs/compare/door").absolute()
+    assert [path.name for path in run_dir.iterdir()] == ["config.yaml"]
+
+
+def test_config_records_versions_and_the_command(dr_lab: CommandLine) -> None:
+    dr_lab("compare", "seed=5")
+    text = (dr_lab.calls[0]["run_dir"] / "config.yaml").read_text()
+    config = yaml.safe_load(text)
+    assert text.startswith("# dr-lab compare seed=5\n")
+    assert config["seed"] == 5
+    assert config["model"]["mjcf"] == "${conf:model/swing.xml}"
+    versions = config["made_with"]["versions"]
+    assert versions["mujoco"] == mujoco.__version__
+    assert sorted(versions) == ["dr_lab", "mujoco", "numpy", "python", "rerun", "scipy"]
+
+
+def test_run_repeats_exactly_from_its_folder(dr_lab: CommandLine) -> None:
+    dr_lab("compare", "experiment=night", "horizon=3", "effect=wind")
+    first = dr_lab.calls[0]
+    assert dr_lab("compare", "--config-dir", str(first["run_dir"]), "--config-name", "config") == 0
+    second = dr_lab.calls[1]
+    assert second.pop("run_dir") != first.pop("run_dir")
+    assert second == first
+    assert second["seed"] == 7
+
+
+def test_two_runs_never_share_a_folder(dr_lab: CommandLine) -> None:
+    for _ in range(3):
+        dr_lab("compare", "hydra.run.dir=outputs/mine")
+    assert [call["run_dir"].name for call in dr_lab.calls] == ["mine", "mine_2", "mine_3"]
+
+
+def test_effect_selects_the_yaml_and_effect_joint_its_site(dr_lab: CommandLine) -> None:
+    assert dr_lab("add", "effect=rust", "effect.joint=arm") == 0
+    assert list(dr_lab.calls[0]["effects"]) == ["rust"]
+    assert dr_lab.calls[0]["effect"] == {"joint": "arm"}
+
+
+def test_several_effects_at_once(dr_lab: CommandLine) -> None:
+    dr_lab("add", "effect=[wind,rust]")
+    assert sorted(dr_lab.calls[0]["effects"]) == ["rust", "wind"]
+
+
+def test_new_effect_file_joins_the_whole_catalogue(dr_lab: CommandLine, tmp_path: Path) -> None:
+    write(tmp_path / "mine/effect/sand.yaml", "# @package effects.sand\n_target_: parts.Effect\nname: sand\n")
+    dr_lab("compare", "--config-dir", str(tmp_path / "mine"))
+    assert sorted(dr_lab.calls[0]["effects"]) == ["rust", "sand", "wind"]
+
+
+def test_users_files_hide_ours_of_the_same_name(dr_lab: CommandLine, tmp_path: Path) -> None:
+    mine = tmp_path / "mine"
+    write(mine / "model/swing.yaml", "_target_: parts.Machine\nname: my_swing\nmjcf: ${conf:model/swing.xml}\n")
+    write(mine / "model/swing.xml", "<mujoco/>")
+    dr_lab("compare", f"--config-dir={mine}")
+    assert dr_lab.calls[0]["model"] == Machine("my_swing", str(mine / "model/swing.xml"))
+
+
+def test_multirun_runs_every_combination(dr_lab: CommandLine) -> None:
+    assert dr_lab("compare", "-m", "seed=1,2", "model=swing,door") == 0
+    assert [(c["seed"], c["model"].name) for c in dr_lab.calls] == [
+        (1, "swing"),
+        (1, "door"),
+        (2, "swing"),
+        (2, "door"),
+    ]
+    assert dr_lab.calls[3]["run_dir"].relative_to(Path.cwd()).parts[:3] == ("outputs", "multirun", "compare")
+    assert dr_lab.calls[3]["run_dir"].name == "3"
+
+
+def test_multirun_goes_on_after_a_failed_job(dr_lab: CommandLine, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dr_lab("compare", "-m", "model=broken,door") == 2
+    assert [call["model"].name for call in dr_lab.calls] == ["door"]
+    assert "job 0 (model=broken) failed: broken has no legs" in capsys.readouterr().err
+
+
+def test_key_that_feeds_another_need_not_be_a_parameter(dr_lab: CommandLine) -> None:
+    assert dr_lab("compare", "+least=4", "horizon=${least}") == 0
+    assert dr_lab.calls[0]["horizon"] == 4
+
+
+def test_names_with_a_dot_can_be_overridden(dr_lab: CommandLine) -> None:
+    assert dr_lab("compare", "model.parameters.arm.mass.low=1.5", "seed=3") == 0
+    assert dr_lab.calls[0]["model"].parameters == {"arm.mass": {"low": 1.5, "high": 2.0}}
+    assert dr_lab.calls[0]["seed"] == 3
+
+
+def test_names_with_a_dot_in_notebooks(dr_lab: CommandLine) -> None:
+    assert compose("compare", ["model.parameters.arm.mass.low=1.5"]).model.parameters["arm.mass"].low == 1.5
+    assert dr_lab.calls == []
+
+
+def test_cfg_prints_and_runs_nothing(dr_lab: CommandLine, capsys: pytest.CaptureFixture[str]) -> None:
+    assert dr_lab("compare", "--cfg", "job", "seed=9") == 0
+    assert yaml.safe_load(capsys.readouterr().out)["seed"] == 9
+    assert dr_lab.calls == []
+    assert list(Path.cwd().iterdir()) == []
+
+
+def test_verb_without_run_dir_makes_no_folder(
+    dr_lab: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = []
+    write(
+        tmp_path / "conf/view.yaml", "# look\ndefaults: [{base: hydra}, _self_]\nrun: latest\nhydra: {run: {dir: .}}\n"
+    )
+    viewer = module("dr_lab.workflows.view", view=lambda run, outputs: calls.append((run, outputs)))
+    monkeypatch.setitem(sys.modules, "dr_lab.workflows.view", viewer)
+    assert dr_lab("view", "outputs=there") == 0
+    assert calls == [("latest", "there")]
+    assert list(Path.cwd().iterdir()) == []

@@ -1,0 +1,88 @@
+import numpy as np
+
+from dr_lab.diagnosis.evidence import paired_gain, supported
+from dr_lab.diagnosis.score import Score
+from dr_lab.diagnosis.settings import EvidenceSettings
+
+SETTINGS = EvidenceSettings(
+    confidence=0.99,
+    block=3,
+    resamples=2000,
+    seed=0,
+    threshold=25.0,
+    least_gap=0.1,
+    penalty=2.0,
+    floor=1.1,
+    absorbed=1e-3,
+)
+
+
+def score(sums: np.ndarray, count: float = 100.0) -> Score:
+    counts = np.full(len(sums), count)
+    log = np.repeat([0, 1], len(sums) // 2)
+    return Score(float(sums.sum() / counts.sum()), {}, {}, {}, sums, counts, log, 0)
+
+
+def chi2(windows: int, seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).chisquare(100, windows)
+
+
+def test_a_constant_share_is_known_exactly() -> None:
+    better = chi2(30, 0)
+    gain = paired_gain(score(4 * better), score(better), SETTINGS)
+    assert np.allclose([gain.share, gain.low, gain.high], 0.75)
+    assert gain.wins == 1
+    assert supported(gain, 1, SETTINGS)
+
+
+def test_evidence_near_the_noise_floor_is_the_difference_of_chi2() -> None:
+    better = np.full(30, 100.0)
+    gain = paired_gain(score(better + 2), score(better), SETTINGS)
+    assert np.isclose(gain.total, 60, rtol=0.01)
+
+
+def test_evidence_far_above_the_floor_does_not_depend_on_the_noise() -> None:
+    better = 1e6 * chi2(30, 1)
+    one, other = (paired_gain(score(2 * k * better), score(k * better), SETTINGS).total for k in (1, 1000))
+    assert np.isclose(one, other, rtol=1e-4)
+
+
+def test_a_wild_window_that_both_share_hides_nothing() -> None:
+    better = 10 * chi2(30, 6)
+    worse = 3 * better
+    better[4] = worse[4] = 1e9
+    assert supported(paired_gain(score(worse), score(better), SETTINGS), 1, SETTINGS)
+
+
+def test_an_effect_that_closes_a_trifle_of_the_gap_does_not_count() -> None:
+    better = 100 * chi2(30, 7)
+    assert not supported(paired_gain(score(1.05 * better), score(better), SETTINGS), 1, SETTINGS)
+
+
+def test_equal_models_are_not_told_apart() -> None:
+    found = [paired_gain(score(chi2(40, 2 * k)), score(chi2(40, 2 * k + 1)), SETTINGS) for k in range(50)]
+    assert sum(supported(gain, 1, SETTINGS) for gain in found) <= 1
+
+
+def test_an_unmodelled_remainder_weakens_the_evidence() -> None:
+    better = chi2(30, 3)
+    near_floor = paired_gain(score(better + 2), score(better), SETTINGS)
+    far_above = paired_gain(score(40 * better + 2), score(40 * better), SETTINGS)
+    assert supported(near_floor, 1, SETTINGS)
+    assert not supported(far_above, 1, SETTINGS)
+
+
+def test_every_parameter_must_earn_its_penalty() -> None:
+    better = chi2(30, 4)
+    gain = paired_gain(score(better + 1), score(better), SETTINGS)
+    assert supported(gain, 1, SETTINGS)
+    assert not supported(gain, 5, SETTINGS)
+
+
+def test_one_lucky_window_is_not_support() -> None:
+    better = chi2(30, 5)
+    worse = better.copy()
+    worse[7] += 500
+    gain = paired_gain(score(worse), score(better), SETTINGS)
+    assert gain.share > 0
+    assert not supported(gain, 1, SETTINGS)

@@ -1,0 +1,134 @@
+import numpy as np
+import pytest
+from diagnosis_machines import (
+    NOISE,
+    PENDULUM,
+    PENDULUM_PARAMETERS,
+    evidence_settings,
+    log_of,
+    model_of,
+    pendulum,
+    solver_settings,
+    swinging,
+    windows_of,
+    windows_settings,
+)
+
+from dr_lab.diagnosis.covariance import estimate
+from dr_lab.diagnosis.fit import Fit, Fitter
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array, Log
+
+TRUTH = np.array([0.6, 0.08])
+
+
+def fitted(model: Model, logs: list[Log], start: Array | None = None) -> Fit:
+    replay = Replay(model, windows_of(model, logs), 1)
+    return Fitter(replay, solver_settings()).run(model.space.nominal if start is None else start)
+
+
+def logs_of(model: Model, truth: Array, count: int, first: int = 0, seconds: float = 3.0) -> list[Log]:
+    compiled = model.compile(truth)
+    return [swinging(f"log_{k}", compiled, first + k, seconds=seconds) for k in range(count)]
+
+
+def std_of(model: Model, fit: Fit) -> Array:
+    return np.sqrt(np.diag(np.linalg.inv(fit.equations.information()))) * model.space.span
+
+
+def test_hidden_values_are_recovered_within_their_uncertainty() -> None:
+    model = pendulum()
+    fit = fitted(model, logs_of(model, TRUTH, 3))
+    np.testing.assert_allclose(fit.z, TRUTH, rtol=3e-3)
+    std = std_of(model, fit)
+    assert (std / TRUTH < 2e-3).all()
+    assert (np.abs(fit.z - TRUTH) < 4 * std).all()
+    count = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 3)), 1), solver_settings()).replay.fitted.sum()
+    assert fit.cost == pytest.approx(count, rel=0.06)
+
+
+def test_uncertainties_are_those_of_repeated_experiments() -> None:
+    model = pendulum()
+    errors = []
+    for seed in range(20):
+        fit = fitted(model, logs_of(model, TRUTH, 2, first=10 * seed, seconds=1.5))
+        errors.append((fit.z - TRUTH) / std_of(model, fit))
+    assert np.abs(np.mean(errors, axis=0)).max() < 0.75  # 3.4 standard errors
+    assert 0.75 < np.std(errors) < 1.3  # 40 figures: ±11 % at one standard deviation
+
+
+def test_glitches_do_not_move_the_estimate() -> None:
+    model, rng = pendulum(), np.random.default_rng(0)
+    clean = logs_of(model, TRUTH, 2)
+    spoilt = []
+    for log in clean:
+        signal = log.outputs["hinge.position"]
+        hit = rng.uniform(size=len(signal)) < 0.01
+        value = signal.value + np.where(hit, rng.choice([-1.0, 1.0], len(signal)), 0.0)  # 1000 σ
+        spoilt.append(log_of(log.name, {"hinge.position": (signal.time, value)}, log.commands["drive"]))
+    one, other = fitted(model, clean), fitted(model, spoilt)
+    assert (np.abs(one.z - other.z) < 0.7 * std_of(model, one)).all()
+
+
+def test_values_stay_within_their_bounds() -> None:
+    narrow = {**PENDULUM_PARAMETERS, "rod.mass": {**PENDULUM_PARAMETERS["rod.mass"], "high": 0.55}}
+    model = model_of(PENDULUM, narrow)
+    fit = fitted(model, logs_of(pendulum(), TRUTH, 2))
+    assert fit.z[0] == 0.55
+    assert model.space.low[1] < fit.z[1] < model.space.high[1]
+
+
+def test_a_value_at_its_bound_is_found_there() -> None:
+    model = pendulum()
+    fit = fitted(model, logs_of(model, np.array([0.6, 0.0]), 2))
+    assert 0.0 <= fit.z[1] < 4 * std_of(model, fit)[1]
+    assert fit.z[0] == pytest.approx(0.6, rel=3e-3)
+
+
+SERVO = """<mujoco model="servo">
+  <compiler angle="radian"/><option timestep="0.002" integrator="RK4"/>
+  <worldbody><body><inertial mass="0.5" pos="0 0 -0.3" diaginertia="0.005 0.005 0.001"/>
+    <joint name="hinge" axis="0 1 0" damping="0.05" stiffness="5"/></body></worldbody>
+  <actuator><motor name="drive" joint="hinge"/></actuator>
+</mujoco>"""
+
+
+@pytest.mark.parametrize("start", [1.0, 30.0])
+def test_windows_reach_the_truth_from_where_one_long_rollout_does_not(start: float) -> None:
+    spring = {"target": "joint.hinge.stiffness", "unit": "N·m/rad", "low": 0.5, "high": 50.0}
+    model = model_of(SERVO, {"stiffness": spring})
+    logs = logs_of(model, np.array([6.0]), 2)
+    assert fitted(model, logs, np.array([start])).z[0] == pytest.approx(6.0, rel=1e-3)
+    whole = windows_of(model, logs, windows_settings(length=2.8, stride=2.8))
+    stuck = Fitter(Replay(model, whole, 1), solver_settings()).run(np.array([start]))
+    assert stuck.z[0] != pytest.approx(6.0, rel=0.1)
+
+
+def test_known_slopes_change_the_work_but_not_the_answer() -> None:
+    model = pendulum()
+    fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 2)), 1), solver_settings(tolerance=1e-9))
+    plain = fitter.run(model.space.nominal)
+    again = fitter.run(plain.z, plain.delta, plain.slopes)
+    assert again.cost <= plain.cost * (1 + 1e-9)
+    np.testing.assert_allclose(again.z, plain.z, rtol=1e-4)
+    misled = fitter.run(model.space.nominal, None, plain.slopes)
+    assert misled.cost == pytest.approx(plain.cost, rel=1e-6)
+
+
+def test_the_equations_are_those_at_the_solution() -> None:
+    model = pendulum()
+    fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 2)), 1), solver_settings())
+    fit = fitter.run(model.space.nominal)
+    step, _ = fit.equations.step(0.0, np.ones(2, bool))
+    assert (np.abs(step) * model.space.span < 0.05 * std_of(model, fit)).all()
+
+
+def test_the_formal_covariance_is_part_of_the_estimate() -> None:
+    model = pendulum()
+    windows = windows_of(model, logs_of(model, TRUTH, 4))
+    fit = Fitter(Replay(model, windows, 1), solver_settings()).run(model.space.nominal)
+    found = estimate(model.space, fit, windows, evidence_settings())
+    assert (found.std >= 0.999 * std_of(model, fit)).all()
+    assert (found.std < 3 * std_of(model, fit)).all()
+    assert windows.samples[0].std == NOISE

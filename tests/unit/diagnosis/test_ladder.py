@@ -1,0 +1,93 @@
+import mujoco
+import numpy as np
+from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
+from effect_machines import catalogue_effect
+
+from dr_lab.diagnosis.ladder import Ladder, Step, climb, reconsider
+from dr_lab.diagnosis.rank import Bench, Candidate, Explained, explain
+from dr_lab.diagnosis.scales import machine_scales
+from dr_lab.effects.effect import Effect
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Log
+
+
+def rubbing(torque: float, offset: float) -> list[Log]:
+    """Logs of a pendulum with dry friction and a constant torque that its model lacks."""
+
+    def push(data: mujoco.MjData) -> None:
+        data.qfrc_applied[0] = offset - torque * np.tanh(data.qvel[0] / 1e-3)
+
+    return [swinging(f"log_{k}", pendulum().nominal(), k, force=push, seconds=2.0) for k in range(3)]
+
+
+def bench_of(logs: list[Log], model: Model) -> Bench:
+    return Bench(windows_of(model, logs[:2]), windows_of(model, logs[2:]), solver_settings(), evidence_settings(), 1)
+
+
+def climbed(logs: list[Log], *names: str, most: int = 3) -> Ladder:
+    model = pendulum()
+    bench, compiled = bench_of(logs, model), model.nominal()
+    base = explain(bench, model, model.space.nominal)
+    effects: dict[str, Effect] = {name: catalogue_effect(name) for name in names}
+    scales = machine_scales(compiled, logs[:2], 0.03)
+    return climb(bench, base, effects, scales, compiled, most=most, watch=lambda _: lambda _: None)
+
+
+def labels(ladder: Ladder) -> list[list[str]]:
+    return [[e.label for e in m.model.effects] for m in ladder.models]
+
+
+def test_two_missing_effects_are_two_rungs_and_the_third_stops() -> None:
+    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", "actuator_delay")
+    assert labels(ladder)[0] == []
+    assert set(labels(ladder)[-1]) == {"coulomb_friction@hinge", "constant_offset@hinge"}
+    assert len(ladder.steps) == 2
+    assert ladder.rungs[-1].verdict.effects == ()
+    chi2 = [m.held_out.chi2 for m in ladder.models]
+    assert chi2[0] > chi2[1] > chi2[2]
+    assert chi2[2] < 1.2
+    values = ladder.models[-1].model.space.mapping(ladder.models[-1].fit.z)
+    np.testing.assert_allclose(values["constant_offset@hinge.torque"], 0.1, rtol=0.03)
+    np.testing.assert_allclose(values["coulomb_friction@hinge.torque"], 0.05, rtol=0.06)
+
+
+def test_no_more_effects_are_added_than_allowed() -> None:
+    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", most=1)
+    assert len(ladder.steps) == 1
+    assert len(ladder.rungs) == 2
+
+
+def test_a_rival_that_is_added_later_is_no_rival_any_more() -> None:
+    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset")
+    first, second = ladder.steps
+    added = second.explained.model.effects[-1].label
+    rival = next(c for c in ladder.rungs[0].ranking if c.effect.label == added)
+    logs = rubbing(0.05, 0.1)
+    bench = bench_of(logs, pendulum())
+    steps = reconsider(bench, ladder.base, (Step(first.explained, (rival,)), second))
+    assert steps[0].rivals == ()
+    assert steps[-1] is second
+
+
+def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
+    names = ("coulomb_friction", "constant_offset", "quadratic_drag", "actuator_delay")
+    logs = rubbing(0.05, 0.1)
+    bench, ladder = bench_of(logs, pendulum()), climbed(logs, *names, most=1)
+    found = {c.effect.effect.name: c for c in ladder.rungs[0].ranking}
+    kept, wrong, right = (found[name] for name in ("constant_offset", "quadratic_drag", "coulomb_friction"))
+    # the drag came first, with friction as its rival; then the offset, with the delay as its rival
+    second = explain_on(bench, wrong.explained, kept)
+    steps = (Step(wrong.explained, (right,)), Step(second, (found["actuator_delay"],)))
+    steps = (*steps, Step(explain_on(bench, second, found["actuator_delay"]), ()))
+    better = reconsider(bench, ladder.base, steps)
+    stacked = [[e.label for e in step.explained.model.effects] for step in better]
+    assert stacked[0] == [right.effect.label]
+    assert stacked[1] == [right.effect.label, kept.effect.label]
+    assert [len(labels) for labels in stacked] == [1, 2, 3]
+    assert better[-1].explained.held_out.chi2 < steps[-1].explained.held_out.chi2
+    assert better[0].rivals == better[1].rivals == ()
+
+
+def explain_on(bench: Bench, below: Explained, candidate: Candidate) -> Explained:
+    model = below.model.with_effect(candidate.effect)
+    return explain(bench, model, np.append(below.fit.z, [p.nominal for p in candidate.effect.parameters]))

@@ -1,0 +1,71 @@
+import numpy as np
+
+from dr_lab.diagnosis.identifiability import identifiability
+from dr_lab.diagnosis.normal_equations import NormalEquations
+
+W, M, S, P = 4, 30, 2, 3
+
+
+def problem(seed: int = 0) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return {
+        "residual": rng.normal(size=(W, M)),
+        "state_jacobian": rng.normal(size=(W, M, S)),
+        "parameter_jacobian": rng.normal(size=(W, M, P)),
+        "weight": rng.uniform(0.2, 1.0, (W, M)),
+        "delta": rng.normal(size=(W, S)),
+        "state_precision": np.array([2.0, 0.5]),
+        "prior": np.array([0.1, 0.2, 0.3]),
+        "prior_gradient": rng.normal(size=P),
+    }
+
+
+def dense(p: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Hessian and gradient over all unknowns at once, states first."""
+    n = W * S + P
+    hessian, gradient = np.zeros((n, n)), np.zeros(n)
+    for w in range(W):
+        jacobian = np.zeros((M, n))
+        jacobian[:, w * S : (w + 1) * S] = p["state_jacobian"][w]
+        jacobian[:, W * S :] = p["parameter_jacobian"][w]
+        hessian += jacobian.T * p["weight"][w] @ jacobian
+        gradient += jacobian.T @ (p["weight"][w] * p["residual"][w])
+    precision = np.concatenate([np.tile(p["state_precision"], W), p["prior"]])
+    gradient[: W * S] += (p["state_precision"] * p["delta"]).ravel()
+    gradient[W * S :] += p["prior_gradient"]
+    return hessian + np.diag(precision), gradient
+
+
+def test_the_eliminated_step_is_the_dense_one() -> None:
+    p = problem()
+    hessian, gradient = dense(p)
+    expected = -np.linalg.solve(hessian, gradient)
+    move, states = NormalEquations.build(**p).step(0.0, np.ones(P, bool))
+    np.testing.assert_allclose(move, expected[W * S :])
+    np.testing.assert_allclose(states.ravel(), expected[: W * S])
+
+
+def test_a_held_parameter_does_not_move_and_the_others_adapt() -> None:
+    p = problem()
+    hessian, gradient = dense(p)
+    kept = np.delete(np.arange(W * S + P), W * S + 1)
+    expected = -np.linalg.solve(hessian[np.ix_(kept, kept)], gradient[kept])
+    move, _ = NormalEquations.build(**p).step(0.0, np.array([True, False, True]))
+    assert move[1] == 0
+    np.testing.assert_allclose(move[[0, 2]], expected[W * S :])
+
+
+def test_information_is_the_inverse_of_the_dense_covariance() -> None:
+    p = problem()
+    covariance = np.linalg.inv(dense(p)[0])[W * S :, W * S :]
+    np.testing.assert_allclose(NormalEquations.build(**p).information(), np.linalg.inv(covariance))
+
+
+def test_an_effect_that_a_parameter_can_replace_is_absorbed() -> None:
+    p = problem()
+    p["parameter_jacobian"][..., 2] = 3.0 * p["parameter_jacobian"][..., 0]
+    p["prior"] = np.full(P, 1e-9)
+    known = identifiability(NormalEquations.build(**p), 1)
+    assert known.alone > 100
+    assert known.share < 1e-6
+    assert identifiability(NormalEquations.build(**problem()), 1).share > 0.5

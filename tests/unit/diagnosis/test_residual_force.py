@@ -1,0 +1,88 @@
+import mujoco
+import numpy as np
+import pytest
+from diagnosis_machines import (
+    NOISE,
+    log_of,
+    model_of,
+    pendulum,
+    predicted_settings,
+    simulated,
+    solver_settings,
+    steps_command,
+    swinging,
+    windows_of,
+    windows_settings,
+)
+
+from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
+from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.diagnosis.states import fit_states
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Log
+
+TWO_LINKS = """<mujoco model="two">
+  <compiler angle="radian"/><option timestep="0.002" integrator="RK4"/>
+  <worldbody><body name="upper">
+    <inertial mass="0.5" pos="0 0 -0.2" diaginertia="0.005 0.005 0.001"/>
+    <joint name="hinge" axis="0 1 0" damping="0.02"/>
+    <body name="lower" pos="0 0 -0.4">
+      <inertial mass="0.3" pos="0 0 -0.15" diaginertia="0.003 0.003 0.001"/>
+    <joint name="elbow" axis="0 1 0" damping="0.02"/>
+    </body></body></worldbody>
+  <actuator><motor name="drive" joint="hinge"/></actuator>
+</mujoco>"""
+SHORT = (predicted_settings(length=0.06, stride=0.06, max_windows=1000), windows_settings(length=0.15, stride=0.15))
+
+
+def forces(model: Model, log: Log, settings: WindowSettings) -> dict[str, ResidualForce]:
+    return residual_forces(
+        *fit_states(model, model.space.nominal, windows_of(model, [log], settings), solver_settings(), 1)
+    )
+
+
+@pytest.mark.parametrize("settings", SHORT, ids=["predicted", "refitted"])
+@pytest.mark.parametrize("torque", [0.0, 0.2])
+def test_a_constant_torque_is_recovered(settings: WindowSettings, torque: float) -> None:
+    def push(data: mujoco.MjData) -> None:
+        data.qfrc_applied[0] = torque
+
+    model = pendulum()
+    found = forces(model, swinging("a", model.nominal(), 0, force=push), settings)["hinge"].force
+    error = np.std(found) / np.sqrt(len(found))
+    assert abs(np.mean(found) - torque) < 4 * error + 0.01 * torque
+    assert np.std(found) < 0.012
+
+
+def test_friction_shows_as_a_force_against_the_velocity() -> None:
+    def rub(data: mujoco.MjData) -> None:
+        data.qfrc_applied[0] = -0.1 * np.sign(data.qvel[0])
+
+    model = pendulum()
+    found = forces(model, swinging("a", model.nominal(), 0, force=rub, seconds=6.0), SHORT[0])["hinge"]
+    fast = np.abs(found.velocity) > 2.0  # no reversal within the window
+    np.testing.assert_allclose(found.force[fast], -0.1 * np.sign(found.velocity[fast]), atol=0.025)
+
+
+def test_a_torque_is_told_apart_from_its_reaction_on_other_joints() -> None:
+    def push(data: mujoco.MjData) -> None:
+        data.qfrc_applied[:] = 0.0, 0.05
+
+    model, command = model_of(TWO_LINKS), steps_command("drive", 1.0, 3.0, seed=0)
+    motion = simulated(model.nominal(), command, 3.0, qpos=[0.5, -0.3], force=push)
+    noise = NOISE * np.random.default_rng(0).normal(size=motion["qpos"].shape)
+    names = ("hinge.position", "elbow.position")
+    outputs = {name: (motion["time"], (motion["qpos"] + noise)[:, k]) for k, name in enumerate(names)}
+    found = forces(model, log_of("a", outputs, command), SHORT[0])
+    for joint, torque in (("hinge", 0.0), ("elbow", 0.05)):
+        force = found[joint].force
+        assert np.mean(force) == pytest.approx(torque, abs=4 * np.std(force) / np.sqrt(len(force)) + 0.001)
+
+
+def test_windows_that_diverge_have_no_force() -> None:
+    model = pendulum()
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)])
+    replay, fit = fit_states(model, model.space.nominal, windows, solver_settings(), 1)
+    lost = np.arange(len(windows)) == 2
+    fit = type(fit)(fit.z, fit.delta, fit.residuals, fit.cost, lost, fit.slopes)
+    np.testing.assert_array_equal(np.isnan(residual_forces(replay, fit)["hinge"].force), lost)

@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+from diagnosis_machines import clock, log_of, model_of, pendulum
+
+from dr_lab.diagnosis.scales import machine_scales
+from dr_lab.trajectory import Array, Log, Signal
+
+TIME = clock(5000)
+SIZE, RATE = 0.7, 2 * np.pi  # rad, rad/s: ten whole periods
+INERTIA, MOMENT = 0.005 + 0.5 * 0.3**2, 0.5 * 9.81 * 0.3  # kg·m², N·m of the machines' pendulum
+CARTPOLE = """<mujoco model="cartpole"><compiler angle="radian"/><worldbody><body name="cart">
+  <joint name="rail" type="slide" axis="1 0 0"/><geom size="0.1" mass="2"/>
+  <body name="pole"><joint name="hinge" axis="0 1 0"/><geom size="0.1" mass="1" pos="0 0 -1"/></body>
+</body></worldbody></mujoco>"""
+
+
+def swing() -> Array:
+    return SIZE * np.sin(RATE * TIME)
+
+
+def log(command: Array | None = None, **outputs: Array) -> Log:
+    channels = {name.replace("_", "."): (TIME, value) for name, value in outputs.items()}
+    return log_of("a", channels, None if command is None else Signal("drive", "N·m", TIME, command))
+
+
+def test_a_swinging_pendulum_has_the_scales_of_its_closed_forms() -> None:
+    found = machine_scales(pendulum().nominal(), [log(3 * np.cos(TIME), hinge_position=swing())], 0.03)
+    assert found.position["hinge"] == pytest.approx(2 * SIZE, rel=0.01)
+    assert found.speed["hinge"] == pytest.approx(SIZE * RATE * np.sin(0.95 * np.pi / 2), rel=0.01)
+    inertial = INERTIA * RATE**2 * swing()
+    weight = MOMENT * np.sin(swing())
+    assert found.torque["hinge"] == pytest.approx(np.sqrt(np.mean(inertial**2 + weight**2)), rel=0.02)
+    assert found.command == {"drive": pytest.approx(3.0)}
+
+
+def test_all_logs_count_and_a_missing_command_is_none() -> None:
+    found = machine_scales(
+        pendulum().nominal(), [log(hinge_position=swing()), log(hinge_position=3 + 2 * swing())], 0.03
+    )
+    assert found.position["hinge"] == pytest.approx(3 + 3 * SIZE, rel=0.01)
+    assert found.command == {"drive": 0.0}
+
+
+def test_a_joint_whose_velocity_alone_is_measured_has_a_speed_and_a_force() -> None:
+    model = model_of(CARTPOLE).nominal()
+    found = machine_scales(model, [log(rail_velocity=swing(), hinge_position=0 * TIME)], 0.03)
+    assert found.speed["rail"] == pytest.approx(SIZE * np.sin(0.95 * np.pi / 2), rel=0.01)
+    assert found.torque["rail"] == pytest.approx(3.0 * SIZE * RATE / np.sqrt(2), rel=0.02)
+    assert found.position["rail"] == 0.0
+
+
+def test_a_joint_without_a_channel_still_carries_its_weight() -> None:
+    model = model_of(CARTPOLE).nominal()
+    found = machine_scales(model, [log(rail_position=swing())], 0.03)
+    assert found.speed["hinge"] == 0.0
+    assert found.torque["hinge"] > 0.0

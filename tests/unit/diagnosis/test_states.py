@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+from diagnosis_machines import model_of, pendulum, predicted_settings, solver_settings, swinging, windows_of
+from scipy.optimize import least_squares
+
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.diagnosis.states import StateFit, fit_states
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+EXACT = solver_settings(tolerance=1e-12, iterations=50, huber=1e9)
+WRONG = np.array([0.6, 0.1])
+
+
+def brute(replay: Replay, z: Array, window: int) -> Array:
+    """The best start of one window, in prior standard deviations."""
+    std = replay.windows.prior.std
+
+    def cost(x: Array) -> Array:
+        delta = np.zeros((1, len(replay.windows), 2))
+        delta[0, window] = x * std
+        found = replay.residuals(z[None], delta)[0][0, window]
+        return np.concatenate([found[replay.fitted[window]], x])
+
+    return least_squares(cost, np.zeros(2), xtol=1e-14, ftol=1e-14, gtol=1e-14, x_scale="jac").x * std
+
+
+@pytest.mark.parametrize("settings", [None, predicted_settings()])
+def test_states_are_those_of_a_general_solver(settings: WindowSettings | None) -> None:
+    model = pendulum()
+    windows = windows_of(model, [swinging("a", model.nominal(), 0, seconds=1.2)], settings)
+    replay, fit = fit_states(model, WRONG, windows, EXACT, 1)
+    for window in range(len(windows)):
+        difference = fit.delta[window] - brute(replay, WRONG, window)
+        np.testing.assert_allclose(difference / windows.prior.std, 0.0, atol=2e-4)
+
+
+def test_starts_from_a_bad_neighbour_end_where_cold_starts_do() -> None:
+    model = pendulum()
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)])
+    _, cold = fit_states(model, WRONG, windows, EXACT, 1)
+    rng = np.random.default_rng(0)
+    far = cold.delta + 40 * rng.normal(size=cold.delta.shape) * windows.prior.std
+    near = StateFit(cold.z, far, cold.residuals, np.inf, cold.infeasible, rng.normal(size=cold.slopes.shape))
+    _, warm = fit_states(model, WRONG, windows, EXACT, 1, near)
+    np.testing.assert_allclose((warm.delta - cold.delta) / windows.prior.std, 0.0, atol=1e-3)
+    assert warm.cost == pytest.approx(cold.cost, rel=1e-6)
+
+
+def test_the_default_settings_come_close_to_the_best_states() -> None:
+    model = pendulum()
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)])
+    _, exact = fit_states(model, model.space.nominal, windows, EXACT, 1)
+    _, quick = fit_states(model, model.space.nominal, windows, solver_settings(), 1)
+    assert quick.cost < 1.001 * exact.cost
+
+
+def unstable() -> Model:
+    """Damping explodes the explicit integrator above 2·inertia/timestep."""
+    xml = """<mujoco model="u"><option timestep="0.002" integrator="Euler" gravity="0 0 0"><flag eulerdamp="disable"/>
+      </option><worldbody><body><inertial mass="1" pos="0 0 0" diaginertia="1e-3 1e-3 1e-3"/>
+      <joint name="hinge" axis="0 1 0" damping="0.5"/></body></worldbody>
+      <actuator><motor name="drive" joint="hinge"/></actuator></mujoco>"""
+    return model_of(xml, {"damping": {"target": "joint.hinge.damping", "unit": "", "low": 0.0, "high": 100.0}})
+
+
+def test_windows_that_diverge_are_marked_and_leave_the_others_alone() -> None:
+    model = unstable()
+    windows = windows_of(model, [swinging("a", pendulum().nominal(), 0)])
+    replay, fit = fit_states(model, np.array([80.0]), windows, solver_settings(), 1)
+    assert fit.infeasible.all()
+    _, fine = fit_states(model, np.array([0.5]), windows, solver_settings(), 1)
+    assert not fine.infeasible.any()
+    assert np.isfinite(fit.residuals[replay.scored]).all()

@@ -1,0 +1,130 @@
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from diagnosis_machines import evidence_settings
+from effect_machines import block, placed
+
+from dr_lab.diagnosis.evidence import paired_gain
+from dr_lab.diagnosis.identifiability import Identifiability
+from dr_lab.diagnosis.rank import Candidate, Explained
+from dr_lab.diagnosis.score import Score
+from dr_lab.diagnosis.verdict import Verdict, decide
+
+SETTINGS = evidence_settings()
+WINDOWS, COUNT = 30, 300.0
+NOISE = np.random.default_rng(0).chisquare(COUNT, WINDOWS)
+CLEAR, HIDDEN = Identifiability(alone=1e4, beside=1e3), Identifiability(alone=1.0, beside=0.5)
+ABSORBED = Identifiability(alone=1e6, beside=1.0)
+
+
+def score(level: float, seed: int = 0) -> Score:
+    """A χ² per sample of about `level` in every window, the same noise below all models."""
+    extra = (level - 1) * COUNT * np.random.default_rng(seed).uniform(0.5, 1.5, WINDOWS)
+    sums = NOISE + extra
+    return Score(
+        float(sums.sum() / COUNT / WINDOWS), {}, {}, {}, sums, np.full(WINDOWS, COUNT), np.arange(WINDOWS) // 10, 0
+    )
+
+
+def model(level: float | Score) -> Explained:
+    nothing = cast(Any, None)
+    return Explained(nothing, nothing, nothing, level if isinstance(level, Score) else score(level))
+
+
+def candidate(base: Explained, name: str, level: float | Score, known: Identifiability) -> Candidate:
+    explained = model(level)
+    gain = paired_gain(base.held_out, explained.held_out, SETTINGS)
+    site = "drive" if name in ("actuator_delay", "saturation", "torque_scale") else "rail"
+    return Candidate(placed(block(), name, site), explained, gain, known)
+
+
+def judged(level: float | Score, *levels: tuple[str, float | Score], **known: Identifiability) -> Verdict:
+    """Verdict on effects that bring the χ² to a level each; `known` by effect."""
+    base = model(level)
+    ranking = [candidate(base, name, each, known.get(name, CLEAR)) for name, each in levels]
+    return decide(base, sorted(ranking, key=lambda c: -c.gain.total), SETTINGS)
+
+
+def test_the_one_effect_that_closes_the_gap_is_named() -> None:
+    verdict = judged(20.0, ("actuator_delay", 12.0), ("coulomb_friction", 1.0), ("viscous_friction", 19.0))
+    assert verdict.kind == "named"
+    assert verdict.effects == ("coulomb_friction@rail",)
+    assert verdict.status == {
+        "coulomb_friction@rail": "named",
+        "actuator_delay@drive": "rejected",
+        "viscous_friction@rail": "rejected",
+    }
+    assert "20" in verdict.reason
+
+
+def test_nothing_is_named_at_the_noise_floor() -> None:
+    verdict = judged(1.0, ("coulomb_friction", 1.0), ("viscous_friction", 1.0))
+    assert (verdict.kind, verdict.effects) == ("none", ())
+    assert set(verdict.status.values()) == {"rejected"}
+
+
+def test_a_gap_that_nothing_closes_is_unexplained() -> None:
+    verdict = judged(20.0, ("coulomb_friction", 20.0), ("viscous_friction", 20.1))
+    assert verdict.kind == "unexplained"
+    assert "above the noise floor" in verdict.reason
+
+
+def test_an_effect_that_closes_a_trifle_of_a_wide_gap_is_not_named() -> None:
+    assert judged(20.0, ("coulomb_friction", 19.0)).kind == "unexplained"
+
+
+def test_effects_that_explain_equally_well_are_equivalent() -> None:
+    verdict = judged(20.0, ("actuator_delay", 1.001), ("coulomb_friction", 1.0), ("constant_offset", 5.0))
+    assert verdict.kind == "equivalent"
+    assert set(verdict.effects) == {"actuator_delay@drive", "coulomb_friction@rail"}
+    assert verdict.effects[0] == "coulomb_friction@rail"  # friction is nearer to the joint than the actuator
+    assert verdict.status["constant_offset@rail"] == "rejected"
+    assert verdict.status["actuator_delay@drive"] == "equivalent"
+
+
+def test_a_richer_effect_that_explains_no_more_is_no_rival() -> None:
+    verdict = judged(20.0, ("stribeck_friction", 1.0), ("coulomb_friction", 1.0005))
+    assert verdict.effects == ("coulomb_friction@rail",)
+    assert verdict.status["stribeck_friction@rail"] == "rejected"
+
+
+def test_a_richer_effect_that_explains_more_is_named() -> None:
+    verdict = judged(20.0, ("stribeck_friction", 1.0), ("coulomb_friction", 1.3))
+    assert verdict.effects == ("stribeck_friction@rail",)
+
+
+def test_what_the_data_do_not_excite_is_told() -> None:
+    verdict = judged(1.0, ("coulomb_friction", 1.0), coulomb_friction=HIDDEN)
+    assert verdict.status == {"coulomb_friction@rail": "not_excited"}
+    assert verdict.absorbed == ()
+
+
+def test_what_free_parameters_can_replace_is_told() -> None:
+    verdict = judged(1.0, ("armature", 1.0), ("coulomb_friction", 1.0), armature=ABSORBED)
+    assert verdict.kind == "none"
+    assert verdict.absorbed == ("armature@rail",)
+    assert verdict.status == {"armature@rail": "equivalent", "coulomb_friction@rail": "rejected"}
+
+
+def diverging(level: float, windows: int) -> Score:
+    whole = score(level)
+    lost = np.arange(WINDOWS) < windows
+    sums, counts = np.where(lost, 0.0, whole.window_sum), np.where(lost, 0.0, COUNT)
+    chi2 = float(sums.sum() / counts.sum()) if counts.any() else np.inf
+    return Score(chi2, {}, {}, {}, sums, counts, whole.log, windows)
+
+
+@pytest.mark.parametrize("lost", [1, WINDOWS])
+def test_windows_that_diverge_are_no_gain(lost: int) -> None:
+    verdict = judged(20.0, ("coulomb_friction", diverging(1.0, lost)))
+    assert (verdict.kind, verdict.effects) == ("unexplained", ())
+
+
+def test_a_model_that_diverges_everywhere_is_not_at_the_noise_floor() -> None:
+    assert judged(diverging(1.0, WINDOWS), ("coulomb_friction", 1.0)).kind == "unexplained"
+
+
+def test_windows_that_only_the_base_loses_count_for_neither() -> None:
+    verdict = judged(diverging(20.0, 5), ("coulomb_friction", 1.0))
+    assert verdict.effects == ("coulomb_friction@rail",)

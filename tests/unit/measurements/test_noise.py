@@ -1,0 +1,114 @@
+"""Estimated noise against noise that was put in."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from dr_lab.errors import DataError
+from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.lattice import lattice_step
+from dr_lab.measurements.noise import estimate_noise
+from dr_lab.trajectory import Array, Signal
+
+COUNT = 2 * np.pi / 2048  # rad, an encoder's step
+ROUNDING = COUNT / np.sqrt(12)
+
+
+def pendulum(amplitude: float, rate: float = 500.0, jitter: float = 0.0, damping: float = 0.2) -> tuple[Array, Array]:
+    """Time and angle of a damped pendulum of 1.2 Hz over 6 s; jitter in sample periods."""
+    rng = np.random.default_rng(7)
+    time = np.linspace(0.0, 6.0, int(6 * rate), endpoint=False)
+    time = np.sort(time + rng.uniform(0, jitter, len(time)) / rate)
+
+    def law(_: float, y: Array) -> list[float]:
+        return [y[1], -60 * np.sin(y[0]) - damping * y[1]]
+
+    solved = solve_ivp(law, (0.0, time[-1] + 1e-9), [amplitude, 0.0], t_eval=time, rtol=1e-10, atol=1e-12)
+    return time, solved.y[0]
+
+
+def estimate(time: Array, *values: Array, contract: DataContract) -> float:
+    noise = estimate_noise([Signal("q", "rad", time, value) for value in values], 0.05, contract)
+    assert (noise.unit, noise.source) == ("rad", "estimated")
+    return noise.std
+
+
+@pytest.mark.parametrize("std", [1e-2, 2e-3, 1e-4])
+@pytest.mark.parametrize("jitter", [0.0, 0.3])
+@pytest.mark.parametrize("amplitude", [0.3, 2.5])
+def test_white_noise_within_ten_percent(contract: DataContract, amplitude: float, jitter: float, std: float) -> None:
+    time, angle = pendulum(amplitude, jitter=jitter)
+    noisy = angle + std * np.random.default_rng(0).normal(size=len(time))
+    assert estimate(time, noisy, contract=contract) == pytest.approx(std, rel=0.1)
+
+
+@pytest.mark.parametrize("rate", [100.0, 500.0, 1000.0])
+@pytest.mark.parametrize("amplitude", [0.05, 0.3, 1.0, 2.5])
+def test_encoder_of_2048_counts_within_ten_percent(contract: DataContract, amplitude: float, rate: float) -> None:
+    time, angle = pendulum(amplitude, rate)
+    assert estimate(time, COUNT * np.round(angle / COUNT), contract=contract) == pytest.approx(ROUNDING, rel=0.1)
+
+
+def test_noise_on_top_of_an_encoder_is_seen(contract: DataContract) -> None:
+    time, angle = pendulum(2.5)
+    std = 3e-3
+    noisy = COUNT * np.round((angle + std * np.random.default_rng(0).normal(size=len(time))) / COUNT)
+    assert estimate(time, noisy, contract=contract) == pytest.approx(np.hypot(std, ROUNDING), rel=0.1)
+
+
+def test_glitches_do_not_raise_it(contract: DataContract) -> None:
+    rng = np.random.default_rng(0)
+    time, angle = pendulum(1.0)
+    noisy = angle + 2e-3 * rng.normal(size=len(time))
+    noisy[rng.choice(len(time), 30, replace=False)] += 0.5
+    assert estimate(time, noisy, contract=contract) == pytest.approx(2e-3, rel=0.1)
+
+
+def test_logs_are_pooled_and_gaps_not_bridged(contract: DataContract) -> None:
+    rng = np.random.default_rng(0)
+    time, angle = pendulum(1.0)
+    late = np.where(time > 3.0, time + 40.0, time)
+    values = [angle + std * rng.normal(size=len(time)) for std in (1e-3, 1e-3, 1e-3)]
+    assert estimate(late, *values, contract=contract) == pytest.approx(1e-3, rel=0.05)
+
+
+def test_a_sensor_slower_than_its_topic_is_judged_by_its_new_values(contract: DataContract) -> None:
+    time, angle = pendulum(1.0, rate=100.0)
+    slow = angle + 1e-3 * np.random.default_rng(0).normal(size=len(time))
+    fast_time = (time[:, None] + np.arange(5) * 0.002).ravel()
+    assert estimate(fast_time, np.repeat(slow, 5), contract=contract) == pytest.approx(1e-3, rel=0.15)
+
+
+def test_vector_channels_count_all_components(contract: DataContract) -> None:
+    time, angle = pendulum(1.0)
+    vector = np.stack([angle, 2 * angle, angle**2], axis=1) + 1e-3 * np.random.default_rng(0).normal(
+        size=(len(time), 3)
+    )
+    assert estimate(time, vector, contract=contract) == pytest.approx(1e-3, rel=0.1)
+
+
+def test_a_channel_that_never_changes_asks_for_noise_std(contract: DataContract) -> None:
+    with pytest.raises(DataError, match=r"'q' never changes.*give noise_std"):
+        estimate(np.arange(100.0), np.ones(100), contract=contract)
+
+
+@pytest.mark.parametrize("digits", [None, 7])
+def test_lattice_step_of_a_moving_encoder(digits: int | None) -> None:
+    _, angle = pendulum(1.0)
+    quantised = COUNT * np.round(angle / COUNT) + 0.123
+    written = quantised if digits is None else np.round(quantised, digits)
+    assert lattice_step(written) == pytest.approx(COUNT, rel=1e-5)
+
+
+def test_lattice_step_of_decimals_and_of_sparse_visits() -> None:
+    rng = np.random.default_rng(0)
+    assert lattice_step(np.round(rng.normal(size=2000), 3)) == pytest.approx(1e-3)
+    assert lattice_step(5e-8 * rng.integers(0, 5_000_000, 20_000).astype(np.float64)) == pytest.approx(5e-8)
+    assert lattice_step(np.array([0.0, 5.0, 0.0, 5.0])) == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_continuous_and_constant_values_have_no_step(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    assert lattice_step(rng.normal(size=rng.integers(20, 3000))) is None
+    assert lattice_step(np.full(10, 3.0)) is None

@@ -1,0 +1,83 @@
+"""CSV files to logs: units and combinations, defects, rates, cuts, and columns that hold nothing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from csv_logs import ANGLE, TIME, Q, U, csv
+
+from dr_lab.errors import DataError
+from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.log import TimeAxis, read_log
+
+
+def test_sign_scale_offset_and_combinations_make_joint_angles(tmp_path: Path, contract: DataContract) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, one=ANGLE + np.pi, both=ANGLE + np.pi + 0.5 * ANGLE)
+    outputs = {
+        "one.position": {"column": "one", "unit": "rad", "offset": -np.pi},
+        "two.position": {"column": {"both": 1, "one": -1}, "unit": "rad", "sign": -1, "scale": 2},
+    }
+    log = read_log(path, outputs, {}, contract)
+    np.testing.assert_allclose(log.outputs["one.position"].value, ANGLE, atol=1e-7)
+    np.testing.assert_allclose(log.outputs["two.position"].value, -ANGLE, atol=1e-7)
+
+
+def test_every_defect_is_repaired_and_noted(tmp_path: Path, contract: DataContract) -> None:
+    rng = np.random.default_rng(0)
+    time, wrapped = TIME.copy(), np.mod(3 * TIME + np.pi, 2 * np.pi) - np.pi + 1e-3 * rng.normal(size=len(TIME))
+    wrapped[700] += 0.1
+    wrapped[[100, 101]] = np.nan
+    time[301] = time[300]
+    time[500:540] -= 0.1
+    time[1200:] += 0.3
+    path = csv(tmp_path / "a.csv", time=time, q=wrapped)
+    log = read_log(path, {"q.position": {"column": "q", "unit": "rad", "wrap": True}}, {}, contract)
+    counts = {note.kind: note.count for note in log.notes}
+    assert counts == {"nan": 2, "duplicates": 1, "back_steps": 40, "wrapped": 2, "glitches": 1, "gap": 2}
+    signal = log.outputs["q.position"]
+    assert len(signal) == 2000 - 2 - 1 - 40 - 1
+    truth = 3 * np.where(signal.time > 2.4 - 1e-9, signal.time - 0.3, signal.time)
+    np.testing.assert_allclose(signal.value, truth, atol=6e-3)
+
+
+def test_channels_of_different_rates_keep_their_samples(tmp_path: Path, contract: DataContract) -> None:
+    slow = np.where(np.arange(2000) % 10 == 0, ANGLE, np.nan)
+    log = read_log(
+        csv(tmp_path / "a.csv", time=TIME, q=ANGLE, r=slow),
+        {**Q, "r.position": {"column": "r", "unit": "rad"}},
+        {},
+        contract,
+    )
+    assert (len(log.outputs["q.position"]), len(log.outputs["r.position"])) == (2000, 200)
+
+
+def test_vector_channels_and_time_cut(tmp_path: Path, contract: DataContract) -> None:
+    path = csv(tmp_path / "a.csv", t=1e3 * TIME, x=ANGLE, y=-ANGLE, u=TIME)
+    outputs = {"sensor.gyro": {"column": ["x", "y"], "unit": "deg/s"}}
+    axis = TimeAxis("t", "ms", start=1.0, stop=2.0)
+    log = read_log(path, outputs, U, contract, time=axis)
+    gyro = log.outputs["sensor.gyro"]
+    assert (gyro.unit, gyro.value.shape) == ("rad/s", (501, 2))
+    assert (gyro.time[0], gyro.time[-1]) == (1.0, 2.0)
+    np.testing.assert_allclose(gyro.value[:, 0], np.deg2rad(ANGLE[500:1001]), atol=1e-8)
+
+
+def test_degrees_declared_as_radians_are_refused(tmp_path: Path, contract: DataContract) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, q=np.rad2deg(ANGLE))
+    with pytest.raises(DataError, match=r"factor 57\.3 = 180/π is suspected"):
+        read_log(path, Q, {}, contract)
+
+
+def test_a_constant_command_holds(tmp_path: Path, contract: DataContract) -> None:
+    u = np.where(np.arange(2000) == 0, 3.0, np.nan)
+    log = read_log(csv(tmp_path / "a.csv", time=TIME, q=ANGLE, u=u), Q, U, contract)
+    np.testing.assert_array_equal(log.commands["m"].value, [3.0])
+
+
+def test_all_nan_and_one_sample(tmp_path: Path, contract: DataContract) -> None:
+    with pytest.raises(DataError, match=r"'q.position': all 2000 samples are NaN"):
+        read_log(csv(tmp_path / "a.csv", time=TIME, q=np.nan), Q, {}, contract)
+    with pytest.raises(DataError, match=r"'q.position' \(column q\) has 1 usable samples; at least 20 are needed"):
+        read_log(csv(tmp_path / "b.csv", time=[0.0], q=[1.0]), Q, {}, contract)
+    with pytest.raises(DataError, match=r"has no sample in the chosen time"):
+        read_log(csv(tmp_path / "c.csv", time=TIME, q=ANGLE), Q, {}, contract, time=TimeAxis(start=9.0))

@@ -1,0 +1,58 @@
+"""Local polynomials: exact on polynomials, right noise gains, causal when asked to be."""
+
+import numpy as np
+import pytest
+
+from dr_lab.errors import DataError
+from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.trajectory import Signal
+
+
+def uneven(count: int, seed: int = 0) -> np.ndarray:
+    return np.cumsum(np.random.default_rng(seed).uniform(0.5e-3, 3.5e-3, count))
+
+
+def test_a_cubic_on_uneven_samples_is_reproduced_with_its_derivatives_up_to_the_ends() -> None:
+    time = uneven(400)
+    cubic = np.polynomial.Polynomial([0.3, -2.0, 5.0, 7.0])
+    at = np.linspace(time[0], time[-1], 33)
+    fit = local_polynomial(Signal("q", "rad", time, cubic(time)), at, 0.03)
+    np.testing.assert_allclose(fit.value, cubic(at), atol=1e-12)
+    np.testing.assert_allclose(fit.slope, cubic.deriv()(at), atol=1e-9)
+    np.testing.assert_allclose(fit.curvature, cubic.deriv(2)(at), atol=1e-6)
+
+
+def test_noise_gains_predict_the_scatter() -> None:
+    rng = np.random.default_rng(1)
+    time = uneven(60)
+    fits = [local_polynomial(Signal("q", "rad", time, rng.normal(0, 0.1, 60)), time[20], 0.03) for _ in range(2000)]
+    assert np.std([f.value for f in fits]) == pytest.approx(0.1 * float(fits[0].value_gain), rel=0.06)
+    assert np.std([f.slope for f in fits]) == pytest.approx(0.1 * float(fits[0].slope_gain), rel=0.06)
+
+
+def test_samples_after_until_have_no_influence() -> None:
+    time = np.linspace(0, 1, 101)
+    past = np.sin(time)
+    spoilt = np.where(time > 0.5, 1e6, past)
+    fit = local_polynomial(Signal("q", "rad", time, spoilt), 0.5, 0.1, until=0.5)
+    assert float(fit.value) == pytest.approx(np.sin(0.5), abs=1e-6)
+    assert float(fit.slope) == pytest.approx(np.cos(0.5), abs=1e-3)
+
+
+def test_vector_signals_are_fitted_by_column_and_scalars_keep_their_shape() -> None:
+    time = np.linspace(0, 1, 50)
+    value = np.stack([time, -2 * time, time**2], axis=1)
+    fit = local_polynomial(Signal("sensor.gyro", "rad/s", time, value), [0.2, 0.7], 0.1)
+    np.testing.assert_allclose(fit.slope, [[1, -2, 0.4], [1, -2, 1.4]], atol=1e-9)
+    assert local_polynomial(Signal("q", "rad", time, time), 0.5, 0.1).value.shape == ()
+
+
+def test_a_window_without_samples_takes_the_nearest() -> None:
+    time = np.concatenate([np.linspace(0, 1, 20), np.linspace(5, 6, 20)])
+    fit = local_polynomial(Signal("q", "rad", time, 3 * time), 3.0, 0.01, degree=1)
+    assert float(fit.value) == pytest.approx(9.0)
+
+
+def test_too_few_samples_say_how_many_are_needed() -> None:
+    with pytest.raises(DataError, match=r"3 samples up to inf s; .* degree 3 needs 4"):
+        local_polynomial(Signal("q", "rad", np.arange(3.0), np.zeros(3)), 1.0, 0.1)

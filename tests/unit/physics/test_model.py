@@ -1,0 +1,84 @@
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.model import Model, from_spec, load
+
+XML = """
+<mujoco model="toy">
+  <option timestep="0.01"/>
+  <worldbody>
+    <body name="arm">
+      <inertial mass="2" pos="0 0 -1" diaginertia="3 2 1"/>
+      <joint name="hinge" axis="0 1 0" damping="0.5"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+DAMPING = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 2.0}}
+MASS = {"arm.mass": {"target": "body.arm.mass", "unit": "kg", "low": 1.0, "high": 4.0}}
+
+
+def model() -> Model:
+    return from_spec("toy", mujoco.MjSpec.from_string(XML), {**MASS, **DAMPING})
+
+
+def test_nominal_is_read_from_the_file() -> None:
+    np.testing.assert_allclose(model().space.nominal, [2.0, 0.5])
+
+
+def test_edits_do_not_accumulate() -> None:
+    one, z = model(), np.array([3.0, 1.0])
+    first = one.compile(z)
+    second = one.compile(z)
+    assert first.body("arm").mass[0] == second.body("arm").mass[0] == 3.0
+    np.testing.assert_array_equal(first.body("arm").inertia, second.body("arm").inertia)
+    assert one.nominal().body("arm").mass[0] == 2.0
+
+
+def test_a_parameter_that_changes_nothing_is_an_error() -> None:
+    spec = mujoco.MjSpec.from_string(XML)
+    spec.body("arm").add_geom(name="picture", size=[0.1, 0, 0], mass=0.0)
+    with pytest.raises(ModelError, match="changes nothing"):  # an explicit mass makes the density idle
+        from_spec(
+            "toy", spec, {"idle": {"target": "geom.picture.density", "unit": "kg/m³", "low": 1.0, "high": 2000.0}}
+        )
+
+
+def test_mujocos_message_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "bad.xml"
+    path.write_text(XML.replace('mass="2"', 'mass="-2"'))
+    with pytest.raises(ModelError, match="does not compile"):
+        load("bad", path, {})
+    path.write_text("<mujoco><worldbody><body><wrong/></body></worldbody></mujoco>")
+    with pytest.raises(ModelError, match="wrong"):
+        load("bad", path, {})
+
+
+def test_a_missing_file_says_so(tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match="there is no MJCF file"):
+        load("none", tmp_path / "none.xml", {})
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ({"unit": "kg", "low": 1.0, "high": 2.0}, "no 'target'"),
+        ({"target": "body.arm.mass", "unit": "kg", "low": 3.0, "high": 4.0}, "lies outside"),
+        ({"target": "body.arm.mass", "unit": "kg", "low": 4.0, "high": 1.0}, "ordered"),
+        ({"target": "body.arm.mass", "unit": "kg", "low": "light", "high": 1.0}, "not a number"),
+    ],
+)
+def test_wrong_declarations_name_the_parameter(entry: dict[str, object], message: str) -> None:
+    with pytest.raises(ModelError, match=message) as caught:
+        from_spec("toy", mujoco.MjSpec.from_string(XML), {"arm.mass": entry})
+    assert "arm.mass" in str(caught.value)
+
+
+def test_unknown_elements_are_listed() -> None:
+    entry = {"target": "joint.hing.damping", "unit": "1", "low": 0.0, "high": 1.0}
+    with pytest.raises(UnknownNameError, match="hinge"):
+        from_spec("toy", mujoco.MjSpec.from_string(XML), {"d": entry})

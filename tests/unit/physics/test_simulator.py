@@ -1,0 +1,116 @@
+import mujoco
+import numpy as np
+import pytest
+
+from dr_lab.physics.model import Model, from_spec
+from dr_lab.physics.simulator import Simulator
+
+XML = """
+<mujoco model="toy">
+  <option timestep="0.002" integrator="implicitfast"/>
+  <worldbody>
+    <body name="arm">
+      <inertial mass="0.5" pos="0 0 -0.3" diaginertia="0.01 0.01 0.001"/>
+      <joint name="hinge" axis="0 1 0" damping="0.05"/>
+      <geom name="tip" size="0.02" pos="0 0 -0.5" contype="0" conaffinity="0" mass="0"/>
+    </body>
+    <body name="slider" pos="0 1 0">
+      <joint name="rail" type="slide" axis="1 0 0"/><geom name="block" size="0.05" density="500"/>
+    </body>
+  </worldbody>
+  <actuator>
+    <motor name="motor" joint="hinge" delay="0.01" nsample="8" interp="linear"/>
+    <motor name="push" joint="rail"/>
+  </actuator>
+  <sensor><jointvel name="speed" joint="rail"/></sensor>
+</mujoco>
+"""
+FIELDS = {
+    "arm.mass": {"target": "body.arm.mass", "unit": "kg", "low": 0.1, "high": 2.0},
+    "arm.com": {"target": "body.arm.ipos[2]", "unit": "m", "low": -0.6, "high": -0.1},
+    "hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 1.0},
+    "gravity": {"target": "option.gravity[2]", "unit": "m/s²", "low": -12.0, "high": -8.0},
+}
+SIZE = {"radius": {"target": "geom.block.size[0]", "unit": "m", "low": -0.1, "high": 0.1}}
+
+
+def toy(parameters: dict[str, dict[str, object]]) -> Model:
+    return from_spec("toy", mujoco.MjSpec.from_string(XML), parameters)
+
+
+def start(model: Model, contexts: int, windows: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(1)
+    nv = model.nominal().nv
+    qpos = np.broadcast_to(rng.normal(size=(windows, nv)), (contexts, windows, nv))
+    return qpos.copy(), np.zeros((contexts, windows, nv))
+
+
+def test_replay_equals_plain_mujoco_steps() -> None:
+    model = toy(FIELDS)
+    rng = np.random.default_rng(0)
+    z = model.space.from_unit(rng.uniform(0.2, 0.8, (2, 4)))
+    qpos, qvel = start(model, 2, 3)
+    controls, past = rng.normal(size=(3, 40, 2)), rng.normal(size=(3, 10, 2))
+    rollout = Simulator(model, 6, threads=2).replay(z, qpos, qvel, controls, past)
+    for context in range(2):
+        for window in range(3):
+            compiled = model.compile(z[context])
+            data = mujoco.MjData(compiled)
+            data.qpos[:] = qpos[context, window]
+            mujoco.mj_initCtrlHistory(compiled, data, 0, np.arange(-8, 0) * 0.002, past[window, -8:, 0])
+            for k in range(40):
+                data.ctrl[:] = controls[window, k]
+                mujoco.mj_step(compiled, data)
+                i = context * 3 + window
+                np.testing.assert_allclose(rollout.qpos[i, k + 1], data.qpos, atol=1e-12)
+                np.testing.assert_allclose(rollout.sensordata[i, k], rollout.qvel[i, k, 1:], atol=1e-12)
+    assert not rollout.infeasible.any()
+
+
+def test_a_delayed_actuator_acts_late_by_its_delay() -> None:
+    model = toy(FIELDS)
+    controls = np.zeros((1, 20, 2))
+    controls[0, :, 0] = 1.0
+    rollout = Simulator(model, 1).replay(
+        model.space.nominal[None], np.zeros((1, 1, 2)), np.zeros((1, 1, 2)), controls, np.zeros((1, 10, 2))
+    )
+    moving = np.flatnonzero(rollout.qvel[0, :, 0])
+    assert moving[0] == 6  # 10 ms = 5 steps of 2 ms later than the first step's end
+
+
+def test_infeasible_contexts_are_marked_and_stop_nobody() -> None:
+    model = toy(FIELDS | SIZE)
+    z = np.tile(model.space.nominal, (2, 1))
+    z[0, -1] = -0.05  # a negative radius does not compile
+    qpos, qvel = start(model, 2, 1)
+    rollout = Simulator(model, 2).replay(z, qpos, qvel, np.zeros((1, 5, 2)), np.zeros((1, 10, 2)))
+    np.testing.assert_array_equal(rollout.infeasible, [True, False])
+
+
+def test_divergence_is_marked_and_cleared_by_reset() -> None:
+    simulator = Simulator(toy(FIELDS), 2)
+    simulator.batch.bind("qvel")[0, 0] = 1e12
+    simulator.step(np.zeros((2, 2)))
+    np.testing.assert_array_equal(simulator.infeasible, [True, False])
+    simulator.reset(np.array([0]))
+    assert not simulator.infeasible.any()
+
+
+@pytest.mark.parametrize("name", list(FIELDS))
+def test_fields_and_recompiled_models_agree(name: str) -> None:
+    by_field, by_model = toy({name: FIELDS[name]}), toy({name: FIELDS[name]} | SIZE)
+    low, high = by_field.space.low[0], by_field.space.high[0]
+    values = np.array([[0.7 * low + 0.3 * high], [high]])
+    qpos, qvel = start(by_field, 2, 2)
+    controls, past = np.ones((2, 30, 2)), np.zeros((2, 10, 2))
+    one = Simulator(by_field, 4).replay(values, qpos, qvel, controls, past)
+    both = np.hstack([values, np.full((2, 1), 0.05)])
+    other = Simulator(by_model, 4).replay(both, qpos, qvel, controls, past)
+    np.testing.assert_allclose(one.qpos, other.qpos, atol=1e-12)
+
+
+def test_contexts_start_from_nominal_every_time() -> None:
+    simulator = Simulator(toy(FIELDS), 1)
+    for _ in range(3):
+        simulator.set_contexts(np.array([[1.0, -0.3, 0.05, -9.81]]))
+    np.testing.assert_allclose(simulator.batch.get_model(0).body("arm").inertia, [0.02, 0.02, 0.002])

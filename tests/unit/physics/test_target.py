@@ -1,0 +1,109 @@
+import mujoco
+import numpy as np
+import pytest
+
+from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.target import Target
+
+XML = """
+<mujoco model="toy">
+  <worldbody>
+    <body name="arm">
+      <inertial mass="2" pos="0 0 -1" diaginertia="3 2 1"/>
+      <joint name="hinge" axis="0 1 0" damping="0.5 0.1 0"/>
+      <geom name="rod" size="0.1" contype="0" conaffinity="0"/>
+    </body>
+    <body name="bare"><joint name="slide" type="slide"/><geom name="ball" size="0.2"/></body>
+  </worldbody>
+  <actuator><motor name="motor" joint="hinge" gear="7"/></actuator>
+</mujoco>
+"""
+
+
+def spec() -> mujoco.MjSpec:
+    return mujoco.MjSpec.from_string(XML)
+
+
+@pytest.mark.parametrize(
+    ("text", "nominal"),
+    [
+        ("body.arm.mass", 2.0),
+        ("body.arm.inertia_scale", 1.0),
+        ("body.arm.ipos[2]", -1.0),
+        ("joint.hinge.damping", 0.5),
+        ("geom.ball.size[0]", 0.2),
+        ("actuator.motor.gear[0]", 7.0),
+        ("option.gravity[2]", -9.81),
+    ],
+)
+def test_reads_back_what_the_file_says_and_what_it_wrote(text: str, nominal: float) -> None:
+    target, one = Target.parse(text), spec()
+    assert target.read(one) == pytest.approx(nominal)
+    if "scale" not in text:
+        target.write(one, 3.25)
+        assert target.read(one) == pytest.approx(3.25)
+
+
+def test_mass_takes_the_inertia_along() -> None:
+    one = spec()
+    Target.parse("body.arm.mass").write(one, 4.0)
+    model = one.compile()
+    assert model.body("arm").mass[0] == pytest.approx(4.0)
+    np.testing.assert_allclose(model.body("arm").inertia, [6, 4, 2])
+
+
+def test_linear_damping_leaves_the_polynomial_alone() -> None:
+    one = spec()
+    Target.parse("joint.hinge.damping").write(one, 0.9)
+    np.testing.assert_allclose(one.joint("hinge").damping, [0.9, 0.1, 0.0])
+
+
+@pytest.mark.parametrize("text", ["body.arm.mass", "joint.hinge.damping", "actuator.motor.gear[0]", "body.arm.ipos[2]"])
+def test_compiled_fields_hold_what_recompiling_gives(text: str) -> None:
+    target, one = Target.parse(text), spec()
+    nominal = target.read(one)
+    before = one.compile()
+    target.write(one, 1.5 * nominal)
+    after = one.compile()
+    for edit in target.fields(before):
+        old, new = getattr(before, edit.field)[edit.index], getattr(after, edit.field)[edit.index]
+        np.testing.assert_allclose(new, old * 1.5 if edit.relative else 1.5 * nominal)
+
+
+def test_sizes_must_be_recompiled() -> None:
+    assert Target.parse("geom.ball.size[0]").fields(spec().compile()) == ()
+
+
+@pytest.mark.parametrize("text", ["mass", "body.arm.mass[x]", "body.arm.ipos[3]"])
+def test_malformed_targets_are_refused(text: str) -> None:
+    with pytest.raises(ModelError):
+        Target.parse(text)
+
+
+def test_names_are_suggested() -> None:
+    with pytest.raises(UnknownNameError, match="Did you mean 'arm'"):
+        Target.parse("body.arn.mass").read(spec())
+    with pytest.raises(UnknownNameError, match="damping"):
+        Target.parse("joint.hinge.dampin")
+
+
+def test_mass_needs_an_explicit_inertial() -> None:
+    with pytest.raises(ModelError, match="inertial"):
+        Target.parse("body.bare.mass").read(spec())
+
+
+@pytest.mark.parametrize(("angle", "factor"), [("degree", np.pi / 180), ("radian", 1.0)])
+def test_a_spring_reference_is_in_radians_whatever_the_file_is_in(angle: str, factor: float) -> None:
+    one = mujoco.MjSpec.from_string(
+        f'''<mujoco><compiler angle="{angle}"/><worldbody><body name="b">
+          <inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>
+          <joint name="hinge" axis="0 1 0" stiffness="1" springref="0.5"/>
+          <joint name="slide" type="slide" stiffness="1" springref="0.5"/>
+        </body></worldbody></mujoco>'''
+    )
+    hinge, slide = (Target.parse(f"joint.{name}.springref") for name in ("hinge", "slide"))
+    assert hinge.read(one) == pytest.approx(0.5 * factor)
+    assert slide.read(one) == pytest.approx(0.5)
+    hinge.write(one, 0.25)
+    slide.write(one, 0.75)
+    np.testing.assert_allclose(one.compile().qpos_spring, [0.25, 0.75])

@@ -1,0 +1,100 @@
+"""Logs of the plant on disk: read back, small, reproducible, and with the truth out of reach."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hydra.utils import instantiate
+from mcap.reader import make_reader
+
+from dr_lab.__main__ import main
+from dr_lab.cli.compose import compose
+from dr_lab.trajectory import MeasurementSet
+
+ROOT = Path(__file__).parents[3]
+EXAMPLES = ROOT / "examples" / "furuta"
+SHORT = ["plant.duration=1.0", "plant.peaks=[6.0,5.0]", "seed=3"]
+
+
+def messages(path: Path) -> list[tuple[str, int, int, bytes]]:
+    with path.open("rb") as file:
+        return [(c.topic, m.log_time, m.publish_time, m.data) for _, c, m in make_reader(file).iter_messages()]
+
+
+def read_back(folder: Path, names: list[str]) -> MeasurementSet:
+    settings = compose("compare", ["measurements=furuta"]).measurements
+    settings.logs, settings.fit, settings.held_out = [f"{folder}/*.mcap"], names, []
+    return instantiate(settings, _convert_="all")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("logs")
+    outputs = tmp_path_factory.mktemp("outputs")
+    assert main(["record", "plant/hidden=spring_arm", *SHORT, f"output={folder}", f"outputs={outputs}"]) == 0
+    return folder
+
+
+def test_logs_are_ros2_recordings(recorded: Path) -> None:
+    assert sorted(p.name for p in recorded.iterdir()) == ["log_1.mcap", "log_2.mcap", "truth.yaml"]
+    with (recorded / "log_1.mcap").open("rb") as file:
+        reader = make_reader(file)
+        assert reader.get_header().profile == "ros2"
+        topics = {c.topic: s.name for s, c, _ in reader.iter_messages() if s}
+    assert topics == {"/joint_states": "sensor_msgs/msg/JointState", "/motor_voltage": "std_msgs/msg/Float64MultiArray"}
+
+
+def test_reader_recovers_readings_and_the_times_at_which_things_happened(recorded: Path) -> None:
+    overrides = ["plant/hidden=spring_arm", "plant/instruments=exact", *SHORT]
+    exact = list(instantiate(compose("record", overrides).plant, _convert_="all").recordings(3))
+    for log, recording in zip(read_back(recorded, ["log_1", "log_2"]).fit, exact, strict=True):
+        command = log.commands["motor"]
+        zero = float(np.mean(recording.command_time - (command.time - 5e-4)))
+        np.testing.assert_array_equal(command.value, recording.voltage)
+        np.testing.assert_allclose(command.time + zero, recording.command_time + 5e-4, rtol=0, atol=1e-6)
+        for joint, name in enumerate(("arm.position", "pole.position")):
+            signal = log.outputs[name]
+            np.testing.assert_allclose(signal.value, recording.position[:, joint], rtol=0, atol=np.pi / 2048 + 1e-9)
+            # The exact instruments' robot clock is the host's.
+            np.testing.assert_allclose(signal.time + zero, recording.stamp, rtol=0, atol=1e-5)
+
+
+def test_the_truth_is_written_down(recorded: Path) -> None:
+    truth = yaml.safe_load((recorded / "truth.yaml").read_text(encoding="utf-8"))
+    assert truth["seed"] == 3
+    assert truth["hidden"] == {"effect": "spring@arm", "parameters": {"stiffness": 3e-3, "rest": 0.0}}
+    assert truth["parameters"]["arm.mass"] == pytest.approx(0.095, rel=0.15)
+    assert set(truth["parameters"]) == {"arm.mass", "pole.mass", "arm.damping", "pole.damping"}
+
+
+def test_only_the_recorder_knows_the_truth() -> None:
+    recorder = ROOT / "dr_lab" / "workflows" / "record_plant.py"
+    for path in (ROOT / "dr_lab").rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        if path != recorder and "plants" not in path.parts:
+            assert "truth.yaml" not in text, path
+            assert "dr_lab.plants" not in text, path
+    for path in (ROOT / "conf").rglob("*.yaml"):
+        assert "truth.yaml" not in path.read_text(encoding="utf-8"), path
+
+
+def test_the_logs_do_not_tell_what_is_hidden(recorded: Path) -> None:
+    with (recorded / "log_1.mcap").open("rb") as file:
+        reader = make_reader(file)
+        assert [record.metadata for record in reader.iter_metadata()] == [{"source": "simulated machine"}]
+        assert list(reader.iter_attachments()) == []
+
+
+def test_examples_are_small() -> None:
+    assert sum(p.stat().st_size for p in EXAMPLES.iterdir()) < 3_000_000
+    assert len(list(EXAMPLES.glob("*.mcap"))) == 6
+
+
+@pytest.mark.slow
+def test_examples_are_what_the_experiment_records(tmp_path: Path) -> None:
+    settings = ["record", "experiment=furuta_demo", f"output={tmp_path / 'logs'}", f"outputs={tmp_path / 'outputs'}"]
+    assert main(settings) == 0
+    for path in sorted(EXAMPLES.glob("*.mcap")):
+        assert messages(path) == messages(tmp_path / "logs" / path.name)
+    assert (EXAMPLES / "truth.yaml").read_text() == (tmp_path / "logs" / "truth.yaml").read_text()

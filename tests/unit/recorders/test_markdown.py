@@ -1,0 +1,109 @@
+import re
+from typing import Any
+
+import pytest
+from markdown_it import MarkdownIt
+
+from dr_lab.recorders.markdown import report_markdown
+
+
+def _cells(text: str, first: str) -> list[str]:
+    """The cells of the table row whose first cell is `first`."""
+    row = next(line for line in text.splitlines() if line.startswith(f"| {first} |"))
+    return [cell.strip() for cell in row.strip("|").split(" | ")]
+
+
+def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None:
+    text = report_markdown(close_report)
+    assert "**The missing effect is named:** `coulomb_friction@arm`. Held-out χ²: 355 (model as given) → 213.4" in text
+    assert "213.4 (calibrated) → 1.003 (+ coulomb_friction@arm); 1 is the noise floor." in text
+    assert "What remains is noise." in text
+    assert _cells(text, "model as given") == ["model as given", "355", "0.0712", "0.0501"]
+    assert _cells(text, "calibrated") == ["calibrated", "213.4", "0.0512", "0.0301"]
+    assert _cells(text, "`arm.position`")[1:] == ["rad", "0.0015", "0.0412", "0.00151", "0.0512", "0.00158", "99 %"]
+    assert _cells(text, "`pole.mass` [kg]")[1:] == ["0.0262", "0.0261"]
+    assert "- none: The model is at the noise floor." in text
+    assert "The residual of `arm.position` follows `motor` after 4 ms: correlation 0.31" in text
+    assert "`pole.position` follows" not in text
+    assert _cells(text, "swing_05")[1:] == ["`motor`", "log", "0.0123 s", "21 ppm", "0.4 ms"]
+    assert _cells(text, "+ coulomb_friction@arm")[1:] == ["1.003", "0.00158", "0.00152"]
+    assert _cells(text, "1")[1:5] == ["`coulomb_friction@arm`", "named", "1.004", "95 % (93 % … 97 %)"]
+    assert _cells(text, "`coulomb_friction@arm.torque`")[1] == "0.002003 ± 0.000010 N·m"
+    assert "- `arm.position`, |qvel| < 0.3 rad/s: 71 % of its squared error" in text
+    assert "it separates `coulomb_friction@arm` from `stribeck_friction@arm` by 9.1 σ" in text
+    assert "- `swing_05` `arm.position`: 12 samples missing." in text
+    assert "dr-lab view run=latest" in text
+
+
+@pytest.mark.parametrize(
+    ("verdict", "words"),
+    [
+        ("equivalent", "cannot tell apart `coulomb_friction@arm`, `stribeck_friction@arm`"),
+        ("not_excited", "Not excited"),
+        ("unexplained", "no effect of the catalogue explains"),
+        ("none", "No missing effect"),
+        (None, "**Added:** `coulomb_friction@arm`."),
+    ],
+)
+def test_each_verdict_has_its_sentence(close_report: dict[str, Any], verdict: str | None, words: str) -> None:
+    close_report["verdict"] = verdict
+    for row in close_report["ranking"][:2]:
+        row["status"] = "equivalent"
+    assert words in report_markdown(close_report)
+
+
+def test_diagnose_without_an_added_rung_shows_the_candidate(close_report: dict[str, Any]) -> None:
+    close_report["ladder"] = close_report["ladder"][:1]
+    assert "213.4 (calibrated) → 1.004 (+ coulomb_friction@arm)" in report_markdown(close_report)
+
+
+def test_unexplained_rest_is_told_apart_from_the_verdict(close_report: dict[str, Any]) -> None:
+    close_report["remaining"] = {"status": "unexplained", "chi2": 3.21}
+    text = report_markdown(close_report)
+    assert "The missing effect is named" in text
+    assert "What remains (χ² 3.21) is above the noise floor" in text
+
+
+def test_calibration_alone_is_set_beside_the_model_as_given(close_report: dict[str, Any]) -> None:
+    fit = close_report | {"verb": "fit", "verdict": None, "ladder": close_report["ladder"][:1], "ranking": []}
+    text = report_markdown(fit)
+    assert "**Calibrated on the logs.** Held-out χ²: 355 (model as given) → 213.4 (calibrated)" in text
+    assert _cells(text, "`arm.position`")[3:7] == ["0.0611", "0.0412", "0.0712", "0.0512"]
+
+
+def test_long_ladders_are_told_by_their_ends(close_report: dict[str, Any]) -> None:
+    effects = ["coulomb_friction@arm", "payload@pole"]
+    close_report["ladder"].append(close_report["ladder"][1] | {"effects": effects})
+    text = report_markdown(close_report)
+    assert "355 (model as given) → 213.4 (calibrated) → … → 1.003 (+ payload@pole); 1 is" in text
+    assert "named:** `coulomb_friction@arm`, `payload@pole`." in text
+
+
+def test_diverged_windows_are_counted(close_report: dict[str, Any]) -> None:
+    close_report["ladder"][0]["held_out"]["infeasible_windows"] = 3
+    text = report_markdown(close_report)
+    assert _cells(text, "calibrated")[-1] == "3"
+    assert _cells(text, "+ coulomb_friction@arm")[-1] == "0"
+
+
+def test_compare_report_has_no_empty_section(compare_report: dict[str, Any]) -> None:
+    text = report_markdown(compare_report)
+    assert "Candidates" not in text
+    assert "## Notes" not in text
+    assert _cells(text, "0.3 s") == ["0.3 s", "0.003", "0.006"]
+    assert not re.search(r"^## [^\n]+\n\n(##|$)", text, flags=re.M)
+
+
+def test_many_channels_keep_the_ladder_narrow(close_report: dict[str, Any]) -> None:
+    close_report["noise"] |= {f"j{i}.position": {"std": 0.1, "unit": "rad", "source": "given"} for i in range(4)}
+    text = report_markdown(close_report)
+    assert _cells(text, "model as given") == ["model as given", "355"]
+    assert _cells(text, "`j3.position`")[3] == "–"
+
+
+def test_tables_parse_with_bars_in_names(close_report: dict[str, Any]) -> None:
+    close_report["ladder"][1]["parameters"]["a|b"] = {"value": 1.0, "std": None, "unit": ""}
+    close_report["ladder"][1]["parameters"]["pole.mass"]["cv_percent"] = 3.4
+    html = MarkdownIt("commonmark").enable("table").render(report_markdown(close_report))
+    assert '<td style="text-align:left"><code>a|b</code></td>' in html
+    assert "3.4 %" in html

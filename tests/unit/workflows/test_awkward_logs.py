@@ -1,0 +1,110 @@
+"""Logs that are short, slow, blind or silent still give a report."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnosis_machines import (
+    NOISE,
+    evidence_settings,
+    localise_settings,
+    log_of,
+    measured,
+    model_of,
+    pendulum,
+    predicted_settings,
+    simulated,
+    solver_settings,
+    swinging,
+    windows_settings,
+)
+from hydra.utils import instantiate
+
+from dr_lab.cli.compose import compose
+from dr_lab.errors import ModelError
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Log, MeasurementSet
+from dr_lab.workflows.fit import fit
+
+TRUTH = np.array([0.6, 0.08])
+BLIND = """<mujoco model="blind"><compiler angle="radian"/><option timestep="0.002" integrator="RK4"/>
+  <worldbody><body name="rod">
+    <inertial mass="0.5" pos="0 0 -0.3" diaginertia="0.005 0.005 0.001"/>
+    <joint name="hinge" axis="0 1 0" damping="0.05"/><site name="imu"/>
+  </body></worldbody>
+  <sensor><gyro name="gyro" site="imu"/><framequat name="pose" objtype="site" objname="imu"/></sensor></mujoco>"""
+DAMPING = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 0.5}}
+
+
+def fitted(model: Model, data: MeasurementSet, folder: Path) -> dict[str, Any]:
+    return fit(
+        model,
+        data,
+        windows_settings(max_windows=4),
+        predicted_settings(max_windows=4),
+        solver_settings(),
+        evidence_settings(),
+        localise_settings(),
+        instantiate(compose("fit", []).recorder),
+        1,
+        folder,
+    )
+
+
+def logs(seconds: float = 3.0) -> list[Log]:
+    return [swinging(f"log_{k}", pendulum().compile(TRUTH), k, seconds=seconds) for k in range(2)]
+
+
+def slow(log: Log) -> Log:
+    """33 samples a second, fewer in a window than lags of the correlation."""
+    signal = log.outputs["hinge.position"]
+    return log_of(log.name, {signal.name: (signal.time[::15], signal.value[::15])}, log.commands["drive"])
+
+
+def with_a_short_one(data: MeasurementSet) -> MeasurementSet:
+    short = swinging("short", pendulum().compile(TRUTH), 9, seconds=0.3)
+    return replace(data, fit=(*data.fit, short), held_out=(short, *data.held_out))
+
+
+CASES: dict[str, Callable[[], MeasurementSet]] = {
+    "slow": lambda: measured([slow(logs()[0])], [slow(logs()[1])]),
+    "short": lambda: with_a_short_one(measured(logs()[:1], logs()[1:])),
+    "none held out": lambda: measured(logs()),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> None:
+    report = fitted(pendulum(), CASES[case](), tmp_path)
+    assert 0.3 < report["ladder"][0]["held_out"]["chi2"] < 2.0
+    values = report["ladder"][0]["parameters"]
+    assert values["rod.mass"]["value"] == pytest.approx(TRUTH[0], rel=0.05)
+    assert set(values["rod.mass"]["per_log"]) <= {"log_0", "log_1"}
+    assert (tmp_path / "report.json").is_file()
+    assert (tmp_path / "review.rrd").is_file()
+
+
+def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:
+    model = model_of(BLIND, DAMPING)
+    found = []
+    for k in range(2):
+        motion = simulated(model.compile(np.array([0.08])), None, 2.0, qpos=[0.6 + 0.2 * k])
+        read = motion["sensordata"] + NOISE * np.random.default_rng(k).normal(size=(1000, 7))
+        channels = {"sensor.gyro": (motion["time"], read[:, :3]), "sensor.pose": (motion["time"], read[:, 3:])}
+        found.append(log_of(f"log_{k}", channels))
+    report = fitted(model, measured(found[:1], found[1:]), tmp_path)
+    assert report["ladder"][0]["held_out"]["chi2"] == pytest.approx(1.0, abs=0.1)
+    assert report["ladder"][0]["parameters"]["hinge.damping"]["value"] == pytest.approx(0.08, rel=0.03)
+    assert report["where"] == []
+
+
+def test_a_model_that_diverges_says_so_before_any_fit(tmp_path: Path) -> None:
+    explicit = """<mujoco model="stiff"><option timestep="0.01" integrator="Euler"><flag eulerdamp="disable"/></option>
+      <worldbody><body><inertial mass="0.5" pos="0 0 -0.3" diaginertia="0.005 0.005 0.001"/>
+      <joint name="hinge" axis="0 1 0" damping="40"/></body></worldbody>
+      <actuator><motor name="drive" joint="hinge"/></actuator></mujoco>"""
+    with pytest.raises(ModelError, match="diverges in every window"):
+        fitted(model_of(explicit), measured(logs()), tmp_path)
