@@ -32,6 +32,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"dr-lab: {error}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
+        # An object whose construction was cut short complains from its destructor, where nobody can act on it.
+        sys.unraisablehook = lambda _: None
         print("\ndr-lab: interrupted.", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
