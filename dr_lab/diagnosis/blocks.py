@@ -6,14 +6,19 @@ from numpy.typing import NDArray
 Indices = NDArray[np.intp]
 
 
-def blocks(log: Indices, size: int | None = None) -> list[Indices]:
-    """Indices of consecutive windows of one log, about `size` at a time; None takes whole logs.
+def logs(log: Indices) -> list[Indices]:
+    """Indices of the windows of each log; `log` is the index of each window's log, shape (w,)."""
+    return [np.flatnonzero(log == k) for k in np.unique(log)]
+
+
+def blocks(log: Indices, size: int, least: int) -> list[Indices]:
+    """Indices of consecutive windows of one log, about `size` at a time.
 
     Args:
         log: index of each window's log, shape (w,).
         size: windows in a block.
+        least: number of blocks for which blocks are made smaller; a resample of one block shows no scatter.
     """
-    groups = [np.flatnonzero(log == k) for k in np.unique(log)]
-    if size is None:
-        return groups
+    groups = logs(log)
+    size = max(1, min(size, len(log) // least))
     return [part for group in groups for part in np.array_split(group, max(1, round(len(group) / size)))]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.diagnosis.blocks import blocks
+from dr_lab.diagnosis.blocks import blocks, logs
 from dr_lab.diagnosis.fit import Fit
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows import Windows
@@ -27,7 +27,7 @@ def estimate(space: ContextSpace, fit: Fit, windows: Windows, settings: Evidence
 
 def per_log(space: ContextSpace, fit: Fit, windows: Windows) -> Array:
     """Context that each log alone would prefer, by one Gauss–Newton step from the common fit, shape (logs, n)."""
-    information, gradient = _sums(fit, blocks(windows.log))
+    information, gradient = _sums(fit, logs(windows.log))
     steps = [np.linalg.solve(i + np.diag(fit.equations.prior), g) for i, g in zip(information, gradient, strict=True)]
     return space.clip(fit.z - np.array(steps) * space.span)
 
@@ -40,8 +40,10 @@ def _sums(fit: Fit, groups: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
 
 def _scatter(fit: Fit, windows: Windows, settings: EvidenceSettings) -> Array:
     """Covariance of the contexts (unit cube) that resampled data prefer, shape (n, n); zero for a single block."""
-    several = len(np.unique(windows.log)) > 1
-    information, gradient = _sums(fit, blocks(windows.log) if several else blocks(windows.log, settings.block))
+    groups = logs(windows.log)
+    if len(groups) == 1:
+        groups = blocks(windows.log, settings.block, settings.least_blocks)
+    information, gradient = _sums(fit, groups)
     count = len(gradient)
     if count == 1:
         return np.zeros_like(information[0])

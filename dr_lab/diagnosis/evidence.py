@@ -76,6 +76,6 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
 
 def _resampled(sums: Array, log: NDArray[np.intp], settings: EvidenceSettings) -> Array:
     """Sums over resampled blocks of windows, shape (rows, w) → (rows, resamples)."""
-    parts = np.array([sums[:, b].sum(1) for b in blocks(log, settings.block)])
+    parts = np.array([sums[:, b].sum(1) for b in blocks(log, settings.block, settings.least_blocks)])
     picks = np.random.default_rng(settings.seed).integers(0, len(parts), (settings.resamples, len(parts)))
     return parts[picks].sum(1).T

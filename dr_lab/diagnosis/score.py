@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.point import Point
 from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.states import StateFit
 from dr_lab.diagnosis.windows import Samples
 from dr_lab.trajectory import Array
 
@@ -17,13 +17,14 @@ class Score:
     """Errors of one model over w windows whose parameters were not fitted on them.
 
     Attributes:
-        chi2: mean squared residual in noise standard deviations; 1 is the noise floor, infinite where every simulation
-            diverges.
+        chi2: Σ residual² over the degrees of freedom, residuals in noise standard deviations; 1 is the noise floor,
+            infinite where every simulation diverges.
         rmse: root mean square error by channel, in the channel's unit.
         nrmse: rmse over the standard deviation of the measured samples, by channel.
         fit_percent: 100 (1 − ‖y − ŷ‖/‖y − ȳ‖), by channel.
         window_sum: Σ residual² of each window, shape (w,).
-        window_count: number of scored residuals of each window, shape (w,).
+        window_count: degrees of freedom of each window, its scored residuals less what its fitted state takes of them,
+            shape (w,).
         log: index of each window's log, shape (w,).
         infeasible: number of windows left out because their simulation diverges.
     """
@@ -38,11 +39,11 @@ class Score:
     infeasible: int
 
 
-def score_of(replay: Replay, fit: Point) -> Score:
+def score_of(replay: Replay, fit: StateFit) -> Score:
     """Score of a fit on the scored samples of its own windows."""
     used = replay.scored & ~fit.infeasible[:, None]
     squared = np.where(used, fit.residuals**2, 0.0)
-    count = used.sum(1)
+    count = used.sum(1) - _taken_by_states(replay, fit, used)
     rmse, nrmse, percent = _channel_errors(replay, squared, ~fit.infeasible)
     return Score(
         chi2=float(squared.sum() / count.sum()) if count.any() else np.inf,
@@ -50,10 +51,21 @@ def score_of(replay: Replay, fit: Point) -> Score:
         nrmse=nrmse,
         fit_percent=percent,
         window_sum=squared.sum(1),
-        window_count=count.astype(float),
+        window_count=count,
         log=replay.windows.log,
         infeasible=int(fit.infeasible.sum()),
     )
+
+
+def _taken_by_states(replay: Replay, fit: StateFit, used: NDArray[np.bool_]) -> Array:
+    """Degrees of freedom that a window's fitted state takes of its scored residuals, shape (w,).
+
+    tr(Jₛ H⁻¹ Jₛᵀ) with H = J_fᵀJ_f + P, J_f the slopes of the fitted and Jₛ those of the residuals that are fitted and
+    scored, P the precision of the state's prior.
+    """
+    fitted, both = (np.where(mask[..., None], fit.slopes, 0.0) for mask in (replay.fitted, replay.fitted & used))
+    hessian = fitted.transpose(0, 2, 1) @ fitted + np.diag(replay.windows.prior.std**-2.0)
+    return np.einsum("wii->w", np.linalg.solve(hessian, both.transpose(0, 2, 1) @ both))
 
 
 def _channel_errors(

@@ -97,6 +97,7 @@ class EvidenceSettings:
     Attributes:
         confidence: of the intervals of paired gains.
         block: consecutive windows of a log that are resampled together.
+        least_blocks: number of blocks for which fewer windows are resampled together.
         resamples: number of bootstrap resamples.
         seed: of the resampling.
         threshold: least evidence on the held-out windows, as Δχ², that separates two models.
@@ -111,6 +112,7 @@ class EvidenceSettings:
 
     confidence: float
     block: int
+    least_blocks: int
     resamples: int
     seed: int
     threshold: float
@@ -120,7 +122,8 @@ class EvidenceSettings:
     absorbed: float
 
     def __post_init__(self) -> None:
-        least = {"block": 1.0, "resamples": 1.0, "seed": 0.0, "threshold": 0.0, "least_gap": 0.0, "penalty": 0.0}
-        require_numbers(self, "evidence", positive=("floor",), least={**least, "absorbed": 0.0})
+        least = dict.fromkeys(("block", "least_blocks", "resamples"), 1.0)
+        least |= dict.fromkeys(("seed", "threshold", "least_gap", "penalty", "absorbed"), 0.0)
+        require_numbers(self, "evidence", positive=("floor",), least=least)
         if not 0 < self.confidence < 1:
             raise ConfigError(f"evidence.confidence is {self.confidence:g}; expected a share between 0 and 1, as 0.99.")

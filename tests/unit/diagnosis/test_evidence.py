@@ -7,6 +7,7 @@ from dr_lab.diagnosis.settings import EvidenceSettings
 SETTINGS = EvidenceSettings(
     confidence=0.99,
     block=3,
+    least_blocks=8,
     resamples=2000,
     seed=0,
     threshold=25.0,
@@ -62,6 +63,14 @@ def test_an_effect_that_closes_a_trifle_of_the_gap_does_not_count() -> None:
 def test_equal_models_are_not_told_apart() -> None:
     found = [paired_gain(score(chi2(40, 2 * k)), score(chi2(40, 2 * k + 1)), SETTINGS) for k in range(50)]
     assert sum(supported(gain, 1, SETTINGS) for gain in found) <= 1
+
+
+def test_four_windows_of_one_log_show_their_scatter() -> None:
+    sums = np.array([[400.0, 90.0, 110.0, 100.0], [100.0, 100.0, 100.0, 100.0]])
+    worse, better = (
+        Score(row.mean() / 100, {}, {}, {}, row, np.full(4, 100.0), np.zeros(4, np.intp), 0) for row in sums
+    )
+    assert not supported(paired_gain(worse, better, SETTINGS), 1, SETTINGS)
 
 
 def test_an_unmodelled_remainder_weakens_the_evidence() -> None:

@@ -1,12 +1,26 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from diagnosis_machines import NOISE, clock, log_of, model_of, pendulum, swinging, windows_of
+from diagnosis_machines import (
+    NOISE,
+    clock,
+    log_of,
+    model_of,
+    pendulum,
+    predicted_settings,
+    solver_settings,
+    swinging,
+    windows_of,
+    windows_settings,
+)
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.point import Mask, Point
+from dr_lab.diagnosis.point import Mask
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.score import score_of
-from dr_lab.trajectory import Array
+from dr_lab.diagnosis.states import StateFit, fit_states
+from dr_lab.trajectory import Array, Log
 
 FREE = """<mujoco model="free">
   <worldbody><body name="b"><joint name="ball" type="ball"/><geom size="0.1"/></body></worldbody>
@@ -19,9 +33,10 @@ def pendulum_replay() -> Replay:
     return Replay(model, windows_of(model, [swinging("a", model.nominal(), 0)]), 1)
 
 
-def point(replay: Replay, residuals: Array, infeasible: Mask | None = None) -> Point:
+def point(replay: Replay, residuals: Array, infeasible: Mask | None = None) -> StateFit:
     mask: Mask = np.zeros(len(residuals), np.bool_) if infeasible is None else infeasible
-    return Point(np.zeros(2), np.zeros((len(residuals), replay.nstate)), residuals, 0.0, mask)
+    slopes = np.zeros((*residuals.shape, replay.nstate))
+    return StateFit(np.zeros(2), np.zeros((len(residuals), replay.nstate)), residuals, 0.0, mask, slopes)
 
 
 def test_errors_are_mean_squares_in_the_signals_unit() -> None:
@@ -52,6 +67,29 @@ def test_nothing_that_simulates_is_not_the_noise_floor() -> None:
     replay = pendulum_replay()
     every = np.ones(len(replay.windows), bool)
     assert score_of(replay, point(replay, np.zeros(replay.scored.shape), every)).chi2 == np.inf
+
+
+def sparse(seed: int) -> Log:
+    """Ten samples a window."""
+    log = swinging(f"log {seed}", pendulum().nominal(), seed, seconds=12.0)
+    (signal,) = log.outputs.values()
+    thinned = replace(signal, time=signal.time[::15], value=signal.value[::15])
+    return replace(log, outputs={signal.name: thinned})
+
+
+def test_the_noise_floor_is_one_however_few_samples_a_window_has() -> None:
+    model = pendulum()
+    windows = windows_of(model, [sparse(k) for k in range(6)], windows_settings(max_windows=60, smoother=0.1))
+    score = score_of(*fit_states(model, model.space.nominal, windows, solver_settings(), 1))
+    assert score.window_count == pytest.approx(8.0, abs=0.3)  # two states a window
+    assert score.chi2 == pytest.approx(1.0, abs=3 * np.sqrt(2 / score.window_count.sum()))
+
+
+def test_a_start_from_earlier_samples_takes_none_of_the_scored_ones() -> None:
+    model = pendulum()
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)], predicted_settings())
+    replay, states = fit_states(model, model.space.nominal, windows, solver_settings(), 1)
+    np.testing.assert_array_equal(score_of(replay, states).window_count, replay.scored.sum(1))
 
 
 def test_orientations_spread_as_angles() -> None:
