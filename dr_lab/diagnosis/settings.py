@@ -122,7 +122,7 @@ class EvidenceSettings:
     absorbed: float
 
     def __post_init__(self) -> None:
-        least = dict.fromkeys(("block", "least_blocks", "resamples"), 1.0)
+        least: dict[str, float] = dict.fromkeys(("block", "least_blocks", "resamples"), 1.0)
         least |= dict.fromkeys(("seed", "threshold", "least_gap", "penalty", "absorbed"), 0.0)
         require_numbers(self, "evidence", positive=("floor",), least=least)
         if not 0 < self.confidence < 1:
