@@ -97,7 +97,7 @@ class Bench:
     Attributes:
         nominal: documented constants.
         hidden: the hidden effect.
-        excitation: shape of the voltage.
+        excitation: shape of the voltage, with its limit in V.
         peaks: largest |voltage| of each log in V; their number is the number of logs, log_1, log_2 ….
         duration: length of a log in s.
         pause: time from the start of one log to the start of the next, s.
@@ -141,7 +141,7 @@ class Bench:
         start = self.epoch + index * self.pause
         issued = start + self.instruments.command_times(self.duration, stream(seed, name, "command"))
         sampled = start + self.instruments.sample_times(self.duration, stream(seed, name, "sample"))
-        voltage = self.excitation.voltage(issued - start, peak, stream(seed, name, "excitation"))
+        voltage = self.excitation.command(issued - start, peak, stream(seed, name, "excitation"))
         # Times since 1970 are rounded to the clock's resolution; what happens, happens at the rounded times.
         applied = Command(issued - start + self.instruments.actuation_latency, voltage)
         return Recording(

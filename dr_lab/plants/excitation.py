@@ -1,4 +1,4 @@
-"""The voltage that is asked of the machine in one experiment."""
+"""What is asked of an actuator in one experiment."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class SinesAndSteps:
         highest: highest frequency in Hz.
         step_share: largest step relative to the largest sine.
         hold: shortest and longest time in s that a step is held.
-        limit: V, which the command never exceeds.
+        limit: size that the command never exceeds, in its unit; None sets no limit.
     """
 
     sines: int
@@ -29,14 +29,14 @@ class SinesAndSteps:
     highest: float
     step_share: float
     hold: tuple[float, float]
-    limit: float
+    limit: float | None
 
-    def voltage(self, time: Array, peak: float, generator: np.random.Generator) -> Array:
-        """The command in V at each time.
+    def command(self, time: Array, peak: float, generator: np.random.Generator) -> Array:
+        """The command at each time, in the peak's unit.
 
         Args:
             time: s, increasing, shape (n,).
-            peak: largest |u| in V before clipping.
+            peak: largest |u| before clipping.
             generator: source of frequencies, phases and steps.
         """
         bands = (np.arange(self.sines) + generator.uniform(size=self.sines)) / self.sines
@@ -45,7 +45,8 @@ class SinesAndSteps:
         phase = generator.uniform(0.0, 2 * np.pi, self.sines)
         waves = amplitude @ np.sin(2 * np.pi * np.outer(frequency, time) + phase[:, None])
         wish = waves + self._steps(time, generator)
-        return np.clip(peak * wish / np.abs(wish).max(), -self.limit, self.limit)
+        limit = np.inf if self.limit is None else self.limit
+        return np.clip(peak * wish / np.abs(wish).max(), -limit, limit)
 
     def _steps(self, time: Array, generator: np.random.Generator) -> Array:
         most = int(np.ceil((time[-1] - time[0]) / (2 * self.hold[0]))) + 1
