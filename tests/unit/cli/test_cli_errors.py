@@ -37,6 +37,10 @@ SAYS = {
         "'model.parameters.arm.mass.lo'",
         "Did you mean 'model.parameters.arm.mass'?",
     ],
+    ("model=door", "model.parameters.arm.mass=1"): [
+        "model.parameters holds no key",
+        "'+model.parameters={arm.mass:VALUE}'",
+    ],
     ("+model.parameters={a:{low:x}}",): ["model.parameters is", "parts.Machine expects dict[str, dict[str, float]]"],
     ("model._target_=os.system",): ["'os.system' is outside the trusted packages", "DR_LAB_TRUST"],
     ("model._target_=dr_lab.errors.difflib.Differ",): ["cannot be imported"],
