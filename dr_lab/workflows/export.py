@@ -68,22 +68,26 @@ class Beside:
         return [f"model.xml cannot say: {each}." for each in (*late, *told)]
 
 
+def mjcf(model: Model, z: Array) -> str:
+    """The model at context z as MJCF text; meshes and pictures stay where they are, and the text says where that is."""
+    spec = model.spec_at(z)
+    _keep_assets(spec)
+    spec.compile()
+    return spec.to_xml()
+
+
 def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:
     """Write the model at context z as MJCF and read it back.
 
-    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back. Meshes and
-    pictures stay where they are, and the file says where that is.
+    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back.
 
     Returns:
         The model read back, without parameters, and the delays that it needs beside the file, which are among its
         effects.
     """
-    spec = model.spec_at(z)
-    _keep_assets(spec)
-    spec.compile()
     beside = Beside(model.output_delays(z), model.command_delays(z))
     comments = "".join(f"<!-- {sentence} -->\n" for sentence in beside.sentences())
-    write_text(path, comments + spec.to_xml())
+    write_text(path, comments + mjcf(model, z))
     return Model(
         model.name, mujoco.MjSpec.from_file(str(path)), (), {}, (beside,) if beside.sentences() else ()
     ), beside
