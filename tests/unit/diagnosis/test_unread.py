@@ -44,7 +44,7 @@ def test_the_motion_reads_as_was_reported(transform: Transform) -> None:
         return ((q + position[0])[:, None] + time * ((v + velocity[0])[:, None] + 0.5 * time * a[:, None]))[..., None]
 
     step = 1e-4
-    before, now, after = (transform(motion)(np.full((1, 1, 1), t))[0, :, 0, 0] for t in (-step, 0.0, step))
+    before, now, after = (transform(read=motion)(np.full((1, 1, 1), t))[0, :, 0, 0] for t in (-step, 0.0, step))
     np.testing.assert_allclose(now, REPORTED[0], atol=1e-5)
     np.testing.assert_allclose((after - before) / (2 * step), REPORTED[1], atol=1e-2)
 
