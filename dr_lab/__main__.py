@@ -1,8 +1,11 @@
 """The console script `dr-lab`: verbs, composed by Hydra, run as plain functions."""
 
 import os
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 
 from dr_lab import __version__
 from dr_lab.cli.completion import FLAGS, complete
@@ -12,6 +15,11 @@ from dr_lab.errors import DrLabError, UnknownNameError
 
 FAILED = 2
 INTERRUPTED = 130
+TERMINATED = 143
+
+
+class Terminated(BaseException):
+    """SIGTERM, on its way up the stack; like Ctrl-C it is no error that anybody may handle."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -21,25 +29,41 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: arguments after the program's name; None takes them from the process.
 
     Returns:
-        The exit code: 0, 2 (the user can mend the cause), 1 (a fault of dr_lab) or 130 (interrupted).
+        The exit code: 0, 2 (the user can mend the cause), 1 (a fault of dr_lab), 130 (Ctrl-C) or 143 (SIGTERM).
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        return _dispatch(arguments)
+        with _sigterm_unwinds():
+            return _dispatch(arguments)
     except DrLabError as error:
         if os.environ.get("HYDRA_FULL_ERROR") == "1":
             raise
         print(f"dr-lab: {error}", file=sys.stderr)
         return FAILED
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, Terminated) as stop:
         # An object whose construction was cut short complains from its destructor, where nobody can act on it.
         sys.unraisablehook = lambda _: None
-        print("\ndr-lab: interrupted.", file=sys.stderr)
-        return INTERRUPTED
+        code, told = (TERMINATED, "terminated") if isinstance(stop, Terminated) else (INTERRUPTED, "interrupted")
+        print(f"\ndr-lab: {told}.", file=sys.stderr)
+        return code
     except BrokenPipeError:
         # Whoever read the output, such as head, has gone; nothing may be written any more, at exit neither.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
+
+
+@contextmanager
+def _sigterm_unwinds() -> Iterator[None]:
+    """Let SIGTERM, which batch systems and service managers send, end a run as Ctrl-C does: files are put in order."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise Terminated
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _dispatch(arguments: list[str]) -> int:

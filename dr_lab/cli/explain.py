@@ -149,6 +149,9 @@ def _unknown_key(refused: RefusedKey, error: Exception, verb: str, folders: Sequ
     else:
         cfg = compose_with_hydra(verb, [], folders)
         known = {str(name) for name in cfg if name != "hydra"} | set(choices(cfg))
+    if not known:
+        below = refused.key.removeprefix(f"{refused.prefix}.")
+        return ConfigError(f"{refused.prefix} holds no key yet. Add one: '+{refused.prefix}={{{below}:VALUE}}'.")
     if refused.key in known:
         return ConfigError(str(error))
     return UnknownNameError("key or group", refused.key, known, f"dr-lab {verb}")

@@ -62,19 +62,17 @@ def _group(group: str, chosen: str | None, folders: Sequence[Path]) -> Iterator[
 
 
 def _keys(cfg: DictConfig, root: Path, folders: Sequence[Path]) -> Iterator[str]:
-    """The keys of the root configuration and of groups without alternatives, each with its value and comment."""
+    """The keys worth showing, each with its value and comment.
+
+    These are the root configuration's, those of groups without alternatives, and those that chosen options put beside.
+    """
     comments = dict(_commented(root))
     for path in options("base", folders).values():
         comments |= dict(_commented(path))
     for group, chosen in choices(cfg).items():
         files = options(group, folders)
-        if (
-            chosen is not None
-            and list(files) == [chosen]
-            and "@package" not in files[chosen].read_text(encoding="utf-8")
-        ):
-            prefix = group.replace("/", ".")
-            comments |= {f"{prefix}.{key}": comment for key, comment in _commented(files[chosen])}
+        if chosen in files:
+            comments |= _comments_of(files[chosen], group, alone=len(files) == 1)
     shown = {}
     for key, comment in comments.items():
         value = OmegaConf.select(cfg, key, default=ABSENT)
@@ -83,6 +81,16 @@ def _keys(cfg: DictConfig, root: Path, folders: Sequence[Path]) -> Iterator[str]
     width = min(max(map(len, shown), default=0), 48) + 2
     for text, comment in shown.items():
         yield f"  {text:<{width - 2}}  {comment}".rstrip()
+
+
+def _comments_of(path: Path, group: str, *, alone: bool) -> dict[str, str]:
+    """The keys of a group's chosen option that are worth showing, with their comments."""
+    header = path.read_text(encoding="utf-8").partition("\n")[0]
+    if header.split() == ["#", "@package", "_global_"]:
+        return {key: comment for key, comment in _commented(path) if comment}
+    if alone and "@package" not in header:
+        return {f"{group.replace('/', '.')}.{key}": comment for key, comment in _commented(path)}
+    return {}
 
 
 def _commented(path: Path) -> Iterator[tuple[str, str]]:
@@ -95,7 +103,7 @@ def _commented(path: Path) -> Iterator[tuple[str, str]]:
             return
         for key, value in node.value:
             name = f"{prefix}{key.value}"
-            if name in NOT_SETTINGS:
+            if key.value in NOT_SETTINGS:
                 continue
             if isinstance(value, yaml.MappingNode) and not value.flow_style:
                 yield from walk(value, f"{name}.")

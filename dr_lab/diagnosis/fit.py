@@ -80,12 +80,12 @@ class Fitter:
             if gain >= 0:
                 done = gain <= settings.tolerance * best.cost
                 stale = gain <= settings.refresh * best.cost
-                best, damping = trial, damping / settings.damping_down
+                best, damping, known = trial, damping / settings.damping_down, None
                 if done or taken == most:
                     break
-                slopes = self._slopes(best, slopes.state if stale else None)
+                slopes = self._slopes(best, state=slopes.state if stale else None)
             elif stale:
-                slopes, stale = self._slopes(best), False
+                slopes, stale = self._slopes(best, parameter=slopes.parameter if known is None else None), False
             else:
                 damping *= settings.damping_up
                 if damping > settings.damping_max:
@@ -102,11 +102,14 @@ class Fitter:
         rest = self._differences(point, states=False, columns=self._columns[given:])
         return Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
 
-    def _slopes(self, point: Point, state: Array | None = None) -> Slopes:
-        """Slopes at a point; those of the states may be kept from a nearby one, where they have hardly changed."""
-        columns = self._differences(point, states=state is None, columns=self._columns)
+    def _slopes(self, point: Point, state: Array | None = None, parameter: Array | None = None) -> Slopes:
+        """Slopes at a point; given may be those of the states from nearby, or of the parameters from the same point."""
+        wanted = self._columns if parameter is None else self._columns[:0]
+        columns = self._differences(point, states=state is None, columns=wanted)
         count = self.replay.nstate if state is None else 0
-        return Slopes(columns[..., :count] if state is None else state, columns[..., count:])
+        return Slopes(
+            columns[..., :count] if state is None else state, columns[..., count:] if parameter is None else parameter
+        )
 
     def _differences(self, point: Point, *, states: bool, columns: NDArray[np.intp]) -> Array:
         return differences(self.replay, self.settings, point, states=states, columns=columns)

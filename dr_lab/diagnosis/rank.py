@@ -99,10 +99,10 @@ def candidates(
 def rank(
     bench: Bench, base: Explained, placed: Sequence[PlacedEffect], done: Callable[[str], None]
 ) -> tuple[Candidate, ...]:
-    """Fit and score every candidate beside the base, most evidence on the held-out windows first.
+    """Fit and score every candidate beside the base, most held-out evidence first, then the fewest parameters.
 
-    Candidates run side by side, one thread each, so that no core is asked for twice; `done` is told each label. A
-    failure or Ctrl-C ends all of them at their next simulation.
+    Candidates run side by side, one thread each, so that no core is asked for twice; those with the most parameters,
+    which take longest, begin. `done` is told each label. A failure or Ctrl-C ends all of them at their next simulation.
     """
     stop = Event()
 
@@ -112,14 +112,16 @@ def rank(
         return candidate
 
     with ThreadPoolExecutor(bench.threads) as pool:
-        jobs = [pool.submit(work, effect) for effect in placed]
+        jobs = [pool.submit(work, effect) for effect in sorted(placed, key=lambda p: -len(p.parameters))]
         try:
-            found = [job.result() for job in as_completed(jobs)]
+            for job in as_completed(jobs):
+                job.result()
         except BaseException:
             stop.set()
             pool.shutdown(cancel_futures=True)
             raise
-    return tuple(sorted(found, key=lambda c: -c.gain.total))
+    found = [job.result() for job in jobs]
+    return tuple(sorted(found, key=lambda c: (-c.gain.total, len(c.effect.parameters))))
 
 
 def _try(bench: Bench, base: Explained, effect: PlacedEffect, stop: Event) -> Candidate:

@@ -1,4 +1,4 @@
-"""Ctrl-C: a prompt end, one line, and nothing half-written, whatever the run was doing."""
+"""Ctrl-C and SIGTERM: a prompt end, one line, and nothing half-written, whatever the run was doing."""
 
 import json
 import signal
@@ -22,6 +22,8 @@ from dr_lab.workflows.calibrated import calibrate
 from dr_lab.workflows.study import prepare
 
 PROGRAM = Path(sys.executable).with_name("dr-lab")
+CTRL_C = (signal.SIGINT, 130, "interrupted")
+SIGTERM = (signal.SIGTERM, 143, "terminated")
 PROMPT = 5.0  # s; a fifth of it on a quiet machine
 LOGS = ["measurements.fit=[log_1]", "measurements.held_out=[log_5]"]
 SMALL = [*LOGS, "windows.max_windows=2"]
@@ -36,18 +38,21 @@ READERS: dict[str, Callable[[Path], object]] = {
 }
 
 
-def interrupted(folder: Path, *arguments: str, when: Callable[[], bool]) -> set[str]:
+def interrupted(
+    folder: Path, *arguments: str, when: Callable[[], bool], sent: tuple[signal.Signals, int, str] = CTRL_C
+) -> set[str]:
     """Start `dr-lab`, press Ctrl-C when told so; gives the names of the files that are left, all of them whole."""
+    number, code, told = sent
     command = [PROGRAM, *arguments, f"hydra.run.dir={folder}"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     while process.poll() is None and not when():
         time.sleep(0.001)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     pressed = time.monotonic()
     out, error = process.communicate(timeout=60)
     assert time.monotonic() - pressed < PROMPT
-    assert process.returncode == 130, error
-    assert error.strip() == "dr-lab: interrupted."
+    assert process.returncode == code, error
+    assert error.strip() == f"dr-lab: {told}."
     assert "Run folder" not in out
     left = list(folder.iterdir()) if folder.is_dir() else []
     for path in left:
@@ -73,6 +78,12 @@ def test_while_candidates_are_fitted(tmp_path: Path) -> None:
         return bool(started) and time.monotonic() - started[0] > 4.0
 
     assert interrupted(folder, "diagnose", *LOGS, when=fitting) == {"config.yaml"}
+
+
+def test_sigterm_in_the_middle_of_the_work(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    begun = (folder / "config.yaml").is_file  # minutes before anything else is written
+    assert interrupted(folder, "diagnose", *LOGS, when=begun, sent=SIGTERM) == {"config.yaml"}
 
 
 def test_while_nothing_has_begun(tmp_path: Path) -> None:

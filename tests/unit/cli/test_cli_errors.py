@@ -1,13 +1,17 @@
 """Every way in which a command can fail: one message that says what to do, an exit code, no traceback, no folder."""
 
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 from cli_machine import CommandLine, module, write
 
 from dr_lab.errors import UnknownNameError
+from dr_lab.recorders.files import atomic
 
 Capture = pytest.CaptureFixture[str]
 
@@ -36,6 +40,10 @@ SAYS = {
     ("model.parameters.arm.mass.lo=1",): [
         "'model.parameters.arm.mass.lo'",
         "Did you mean 'model.parameters.arm.mass'?",
+    ],
+    ("model=door", "model.parameters.arm.mass=1"): [
+        "model.parameters holds no key",
+        "'+model.parameters={arm.mass:VALUE}'",
     ],
     ("+model.parameters={a:{low:x}}",): ["model.parameters is", "parts.Machine expects dict[str, dict[str, float]]"],
     ("model._target_=os.system",): ["'os.system' is outside the trusted packages", "DR_LAB_TRUST"],
@@ -157,6 +165,24 @@ def test_interrupt(dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.Mon
     assert capsys.readouterr().err.strip() == "dr-lab: interrupted."
 
 
+def test_termination_leaves_no_half_written_file(
+    dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def compare(run_dir: Path, **everything: object) -> None:
+        with atomic(run_dir / "report.json") as temporary:
+            temporary.write_text("half")
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(60)
+
+    before = signal.getsignal(signal.SIGTERM)
+    name = "dr_lab.workflows.compare"
+    monkeypatch.setitem(sys.modules, name, module(name, compare=compare))
+    assert dr_lab("compare") == 143
+    assert capsys.readouterr().err.strip() == "dr-lab: terminated."
+    assert [path.name for path in Path("outputs").rglob("*") if path.is_file()] == ["config.yaml"]
+    assert signal.getsignal(signal.SIGTERM) == before
+
+
 def test_output_that_is_a_file(dr_lab: CommandLine, capsys: Capture) -> None:
     Path("taken").write_text("")
     assert dr_lab("compare", "outputs=taken") == 2
@@ -167,8 +193,6 @@ def test_output_that_is_a_file(dr_lab: CommandLine, capsys: Capture) -> None:
 
 def test_environment_is_left_as_it_was(dr_lab: CommandLine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("HYDRA_FULL_ERROR", raising=False)
-    import os  # noqa: PLC0415
-
     before = dict(os.environ)
     dr_lab("compare")
     assert dict(os.environ) == before

@@ -89,6 +89,19 @@ def test_verb_help_shows_the_keys_of_a_group_without_alternatives(
     assert ["solver.tolerance.cost=0.2", "share"] in lines
 
 
+def test_help_shows_the_keys_that_an_option_puts_at_the_top(
+    dr_lab: CommandLine, capsys: Capture, tmp_path: Path
+) -> None:
+    write(tmp_path / "conf/fit.yaml", "# fit\ndefaults: [{base: run}, {source: here}]")
+    write(tmp_path / "conf/source/here.yaml", "# @package _global_\nlength: 2  # m\nunsaid: 3\n")
+    write(tmp_path / "conf/source/there.yaml", "# @package _global_\nwidth: 2  # m\n")
+    assert dr_lab("fit", "--help") == 0
+    out = capsys.readouterr().out
+    assert ["length=2", "m"] in [line.split() for line in out.splitlines()]
+    assert "unsaid" not in out
+    assert "width=" not in out
+
+
 def test_help_of_a_verb_whose_group_needs_a_choice(dr_lab: CommandLine, capsys: Capture) -> None:
     assert dr_lab("add", "--help") == 0
     out = capsys.readouterr().out

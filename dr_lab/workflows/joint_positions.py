@@ -1,0 +1,65 @@
+"""What the joints of a model do under held commands, at the times at which they are read."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from dr_lab.diagnosis.channels import Tape, resolve
+from dr_lab.diagnosis.commands import averages
+from dr_lab.errors import ModelError
+from dr_lab.physics.model import Model
+from dr_lab.physics.simulator import Simulator
+from dr_lab.trajectory import Array, Signal
+
+
+def joint_positions(
+    model: Model, z: Array, start: Array, commands: Mapping[str, Signal], joints: Sequence[str], time: Array
+) -> Array:
+    """Simulate a model from rest, by the same rules by which logs are replayed.
+
+    Commands act as their average over each step, and hold their first value before it; a reading that an effect
+    delays shows the pose of earlier, before the start the start's.
+
+    Args:
+        model: the model with its effects.
+        z: its context, shape (n,).
+        start: positions at time 0, shape (nq,).
+        commands: held commands by actuator name, times in s after the start.
+        joints: names of k hinge or slide joints.
+        time: increasing times of the readings in s after the start, shape (m,).
+
+    Returns:
+        rad or m, shape (m, k).
+
+    Raises:
+        ModelError: the context does not compile, or its simulation diverges.
+    """
+    late = model.output_delays(z)
+    channels = resolve(model.nominal(), [f"{joint}.position" for joint in joints])
+    read = {channel.name: np.maximum(time - late.get(channel.name, 0.0), 0.0) for channel in channels}
+    tape = _simulate(model, z, start, commands, max(float(times[-1]) for times in read.values()))
+    return np.stack([tape.read(channel, read[channel.name][None, None])[0, 0, :, 0] for channel in channels], axis=1)
+
+
+def _simulate(model: Model, z: Array, start: Array, commands: Mapping[str, Signal], duration: float) -> Tape:
+    """One rollout that covers a duration in s."""
+    compiled = model.compile(z)
+    step, npast = compiled.opt.timestep, max(1, int(compiled.actuator_history[:, 0].max(initial=0)))
+    edges = step * np.arange(-npast, int(np.ceil(duration / step)) + 2)
+    columns = {name: int(compiled.actuator_ctrladr[compiled.actuator(name).id]) for name in commands}
+    controls = averages(commands, columns, compiled.nu, edges[None])
+    past, rest = controls[:, :npast], np.zeros((1, 1, compiled.nv))
+    rollout = Simulator(model, 1, threads=1).replay(z[None], start[None, None], rest, controls[:, npast:], past)
+    if rollout.infeasible.any():
+        raise ModelError(
+            f"The simulation of model {model.name!r} diverges. Lower the commands, the context's values or the time "
+            "step of its MJCF."
+        )
+    return Tape(
+        qpos=rollout.qpos[None],
+        qvel=rollout.qvel[None],
+        sensordata=rollout.sensordata[None],
+        start=rollout.start[None],
+        controls=rollout.controls[None],
+        step=step,
+    )

@@ -1,0 +1,33 @@
+"""Effects put into a model by the names of their parameters."""
+
+import pytest
+from effect_machines import block, catalogue_effect
+
+from dr_lab.effects.named import with_named_effects
+from dr_lab.errors import UnknownNameError
+
+EFFECTS = {name: catalogue_effect(name) for name in ("viscous_friction", "spring", "sensor_time_offset")}
+
+
+def test_effects_come_in_the_order_of_their_names_and_once() -> None:
+    names = ["spring@rail.reference", "viscous_friction@rail.coefficient", "spring@rail.stiffness"]
+    model = with_named_effects(block(), EFFECTS, names)
+    assert [effect.label for effect in model.effects] == ["spring@rail", "viscous_friction@rail"]
+    assert with_named_effects(model, EFFECTS, names) == model
+
+
+def test_the_value_acts() -> None:
+    model = with_named_effects(block(), EFFECTS, ["viscous_friction@rail.coefficient"])
+    assert model.compile(model.space.vector({"viscous_friction@rail.coefficient": 0.7})).dof_damping[0] == 0.7
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("friction@rail.coefficient", "no effect 'friction' in the catalogue"),
+        ("spring@ral.stiffness", "Available: rail"),
+    ],
+)
+def test_mistakes_are_named(name: str, text: str) -> None:
+    with pytest.raises(UnknownNameError, match=text):
+        with_named_effects(block(), EFFECTS, [name])
