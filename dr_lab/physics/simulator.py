@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 from dr_lab.errors import ModelError
 from dr_lab.physics.contact import skip_idle_collisions
 from dr_lab.physics.fields import FieldContexts
+from dr_lab.physics.islands import skip_single_island
 from dr_lab.physics.model import Model
+from dr_lab.physics.timers import stop_timers
 from dr_lab.trajectory import Array
 
 # Divergence is counted and masked here; MuJoCo's own log would write a file into the user's folder.
 _LOG = mujoco.MjLogConfig.get()
 _LOG.logto_file = _LOG.logto_console = False
 mujoco.MjLogConfig.set(_LOG)
+stop_timers()
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class Simulator:
 
     def __init__(self, model: Model, nsim: int, threads: int | None = None) -> None:
         self.model = model
-        self.compiled = skip_idle_collisions(model.nominal())
+        self.compiled = _lean(model.nominal())
         self.batch = Batch(self.compiled, nsim, threads or len(os.sched_getaffinity(0)))
         self._fields = FieldContexts(model, self.compiled) if FieldContexts.possible(model, self.compiled) else None
         self._models: list[mujoco.MjModel] = [self.compiled] * nsim
@@ -132,7 +135,7 @@ class Simulator:
 
     def _compile(self, z: Array) -> mujoco.MjModel | None:
         try:
-            return skip_idle_collisions(self.model.compile(z))
+            return _lean(self.model.compile(z))
         except ModelError:
             return None
 
@@ -164,3 +167,8 @@ class Simulator:
                     )
             rows[window] = data.history
         return rows
+
+
+def _lean(model: mujoco.MjModel) -> mujoco.MjModel:
+    """The model without passes that can find nothing."""
+    return skip_single_island(skip_idle_collisions(model))

@@ -86,12 +86,14 @@ class Beside:
 def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:
     """Write the model at context z as MJCF and read it back.
 
-    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back.
+    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back. Meshes and
+    pictures stay where they are, and the file says where that is.
 
     Returns:
         The model read back, without parameters, and what it needs beside the file, which is among its effects.
     """
     spec = model.spec_at(z)
+    _keep_assets(spec)
     spec.compile()
     beside = Beside(model.effects, model.space.mapping(z), model.spec.option)
     comments = "".join(f"<!-- {sentence} -->\n" for sentence in beside.sentences())
@@ -99,6 +101,15 @@ def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:
     return Model(
         model.name, mujoco.MjSpec.from_file(str(path)), (), {}, (beside,) if beside.sentences() else ()
     ), beside
+
+
+def _keep_assets(spec: mujoco.MjSpec) -> None:
+    """Let the files that a spec names be found from any folder."""
+    base = Path(spec.modelfiledir).absolute()
+    if any(asset.file for asset in (*spec.meshes, *spec.hfields, *spec.skins)):
+        spec.compiler.meshdir = str(base / spec.compiler.meshdir)
+    if any(texture.file or any(texture.cubefiles) for texture in spec.textures):
+        spec.compiler.texturedir = str(base / spec.compiler.texturedir)
 
 
 def play(study: Study, model: Model, z: Array, windows: Windows) -> Played:
