@@ -66,14 +66,15 @@ class Fitter:
             z: start, shape (n,).
             delta: first state corrections, shape (w, 2 nv); None starts at the prior's mean.
             known: slopes at the start for the states and the first parameters, which need no simulation then.
-            iterations: most steps; None takes the settings'.
+            iterations: most steps; None takes the settings', 0 only linearises.
         """
         if delta is None:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
         best, settings = self._point(z, delta), self.settings
         slopes, stale = self._first_slopes(best, known), known is not None
         best, weight, linear = self._linear(best, slopes)
-        first, damping, most, taken = linear, settings.damping, iterations or settings.iterations, 0
+        most = settings.iterations if iterations is None else iterations
+        first, damping, taken = linear, settings.damping, 0
         for taken in range(1, most + 1):
             trial = self._trial(best, linear, damping, weight)
             gain = best.cost - trial.cost

@@ -89,6 +89,15 @@ class NormalEquations:
             move[free] = -np.linalg.solve(reduced, gradient[free])
         return move, -(offset + gain @ move)
 
+    def decrease(self, free: Mask) -> float:
+        """By how much a full step of the free parameters and of all states lowers Σ wr² + priors, to second order."""
+        information, gradient, _, _ = self._reduce(0.0)
+        states = np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0]
+        gain = float((self.state_gradient * states).sum())
+        if free.any():
+            gain += float(gradient[free] @ np.linalg.solve(information[np.ix_(free, free)], gradient[free]))
+        return gain
+
     def information(self) -> Array:
         """Information about the parameters once the states are eliminated, prior included, shape (p, p)."""
         return self._reduce(0.0)[0]

@@ -1,24 +1,28 @@
-"""Rank the catalogue: every effect at every site, fitted and scored on held-out windows."""
+"""Rank the catalogue: every effect at every site, looked at, fitted where worth it, scored on held-out windows."""
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from threading import Event
+from typing import TypeVar
 
 import mujoco
-import numpy as np
 
 from dr_lab.diagnosis.evidence import Gain, paired_gain
 from dr_lab.diagnosis.fit import Fit, Fitter
-from dr_lab.diagnosis.identifiability import Identifiability, identifiability
+from dr_lab.diagnosis.identifiability import Identifiability
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.score import Score, score_of
+from dr_lab.diagnosis.screen import Look, look
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
 from dr_lab.diagnosis.states import StateFit, fit_states
 from dr_lab.diagnosis.windows import Windows
 from dr_lab.effects.effect import Effect, PlacedEffect, Scales, place
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
+
+_In = TypeVar("_In")
+_Out = TypeVar("_Out")
 
 
 @dataclass(frozen=True)
@@ -47,12 +51,19 @@ class Candidate:
         explained: the model with the effect.
         gain: paired gain over the model without it.
         identifiability: what the data can say of it.
+        predicted: share of the cost on the fit windows that a linear step could remove.
     """
 
     effect: PlacedEffect
     explained: Explained
     gain: Gain
     identifiability: Identifiability
+    predicted: float
+
+    @property
+    def fitted(self) -> bool:
+        """Whether the effect was fitted; else it stayed absent, as its prediction was too small."""
+        return self.explained.fit.iterations > 0
 
 
 @dataclass(frozen=True)
@@ -99,20 +110,39 @@ def candidates(
 def rank(
     bench: Bench, base: Explained, placed: Sequence[PlacedEffect], done: Callable[[str], None]
 ) -> tuple[Candidate, ...]:
-    """Fit and score every candidate beside the base, most held-out evidence first, then the fewest parameters.
+    """Look at every candidate beside the base, fit those worth it, score; the most held-out evidence comes first.
 
-    Candidates run side by side, one thread each, so that no core is asked for twice; those with the most parameters,
-    which take longest, begin. `done` is told each label. A failure or Ctrl-C ends all of them at their next simulation.
+    A linear step at absent and at each further start predicts what a candidate could gain. The most promising ones are
+    fitted; where they gain less than predicted, so are those whose prediction stands up to that. Equal evidence is
+    ordered by fewest parameters. Candidates run side by side, one thread each, so that no core is asked for twice;
+    `done` is told each label. A failure or Ctrl-C ends all of them at their next simulation.
     """
-    stop = Event()
+    stop, settings = Event(), bench.evidence
+    looks = _side_by_side(bench.threads, stop, placed, lambda e: _look(bench, base, e, stop))
+    order = sorted(range(len(placed)), key=lambda k: -looks[k].gain)
+    found: dict[int, Candidate] = {}
 
-    def work(effect: PlacedEffect) -> Candidate:
-        candidate = _try(bench, base, effect, stop)
-        done(effect.label)
+    def finish(k: int) -> Candidate:
+        candidate = _try(bench, base, placed[k], looks[k], stop)
+        done(placed[k].label)
         return candidate
 
-    with ThreadPoolExecutor(bench.threads) as pool:
-        jobs = [pool.submit(work, effect) for effect in sorted(placed, key=lambda p: -len(p.parameters))]
+    reachable = max((look.gain for look in looks), default=0.0)
+    for _ in range(2):
+        near = [k for k in order if looks[k].gain >= settings.least_promise * reachable]
+        wave = [k for k in dict.fromkeys((*order[: settings.least_fits], *near)) if k not in found]
+        wave.sort(key=lambda k: -len(placed[k].parameters))  # those that take longest begin
+        found |= dict(zip(wave, _side_by_side(bench.threads, stop, wave, finish), strict=True))
+        reachable = max((base.fit.cost - c.explained.fit.cost for c in found.values()), default=0.0)
+    for k in set(order) - found.keys():
+        found[k] = _unfitted(base, placed[k], looks[k], bench.evidence)
+        done(placed[k].label)
+    return tuple(sorted((found[k] for k in order), key=lambda c: (-c.gain.total, len(c.effect.parameters))))
+
+
+def _side_by_side(threads: int, stop: Event, items: Sequence[_In], work: Callable[[_In], _Out]) -> list[_Out]:
+    with ThreadPoolExecutor(threads) as pool:
+        jobs = [pool.submit(work, item) for item in items]
         try:
             for job in as_completed(jobs):
                 job.result()
@@ -120,28 +150,36 @@ def rank(
             stop.set()
             pool.shutdown(cancel_futures=True)
             raise
-    found = [job.result() for job in jobs]
-    return tuple(sorted(found, key=lambda c: (-c.gain.total, len(c.effect.parameters))))
+    return [job.result() for job in jobs]
 
 
-def _try(bench: Bench, base: Explained, effect: PlacedEffect, stop: Event) -> Candidate:
+def _fitter(bench: Bench, base: Explained, effect: PlacedEffect, stop: Event) -> Fitter:
+    return Fitter(Replay(base.model.with_effect(effect), bench.fit, 1, stop), bench.solver)
+
+
+def _look(bench: Bench, base: Explained, effect: PlacedEffect, stop: Event) -> Look:
+    return look(_fitter(bench, base, effect, stop), effect, base.fit)
+
+
+def _try(bench: Bench, base: Explained, effect: PlacedEffect, first: Look, stop: Event) -> Candidate:
     """Fit one candidate from absent and from its further starts, all from the base's solution.
 
-    At absent the model is the base, so the base's slopes are the candidate's; away from it a short run shows whether
-    the start is worth going on from.
+    A short run shows whether a start away from absent is worth going on from.
     """
-    model = base.model.with_effect(effect)
-    fitter = Fitter(Replay(model, bench.fit, 1, stop), bench.solver)
-    absent = np.append(base.fit.z, [p.nominal for p in effect.parameters])
-    fits = [fitter.run(absent, base.fit.delta, base.fit.slopes)]
-    known = [identifiability(fits[0].first, len(effect.parameters))]
-    for start in effect.starts:
-        z = model.space.vector(dict(zip(model.space.names, absent, strict=True)) | dict(start))
-        rough = fitter.run(z, base.fit.delta, base.fit.slopes, bench.solver.start_iterations)
-        known.append(identifiability(rough.first, len(effect.parameters)))
+    fitter = _fitter(bench, base, effect, stop)
+    fits = [fitter.run(first.absent.z, base.fit.delta, base.fit.slopes)]
+    for start in first.starts:
+        rough = fitter.run(start, base.fit.delta, base.fit.slopes, bench.solver.start_iterations)
         if rough.order < min(f.order for f in fits):
             fits.append(fitter.run(rough.z, rough.delta))
-    fit = min(fits, key=lambda f: f.order)
+    fit, model = min(fits, key=lambda f: f.order), fitter.replay.model
     explained = Explained(model, fit, *_held_out(bench, model, fit, 1, base.states, stop))
     gain = paired_gain(base.held_out, explained.held_out, bench.evidence)
-    return Candidate(effect, explained, gain, max(known, key=lambda i: i.alone))
+    return Candidate(effect, explained, gain, first.identifiability, first.gain / base.fit.cost)
+
+
+def _unfitted(base: Explained, effect: PlacedEffect, first: Look, settings: EvidenceSettings) -> Candidate:
+    """A candidate that stays absent, where it is the base."""
+    explained = Explained(base.model.with_effect(effect), first.absent, base.states, base.held_out)
+    gain = paired_gain(base.held_out, base.held_out, settings)
+    return Candidate(effect, explained, gain, first.identifiability, first.gain / base.fit.cost)

@@ -1,7 +1,8 @@
 """Residuals of all windows for many contexts and initial states, as one batch of simulations."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from concurrent.futures import CancelledError
+from functools import partial
 from threading import Event
 
 import mujoco
@@ -9,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.channels import Channel, Tape, available, residual
+from dr_lab.diagnosis.unread import reach, unread
 from dr_lab.diagnosis.windows import Samples, Windows
 from dr_lab.errors import DataError
 from dr_lab.physics.model import Model
+from dr_lab.physics.signal import Reading
 from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
 
@@ -80,15 +83,17 @@ class Replay:
             Residuals, shape (c, w, m), zero for samples that do not exist, and which windows are infeasible, (c, w).
         """
         tape, infeasible = self.simulate(z, delta)
-        shifts = self._shifts(z)
         blocks = []
         for samples in self.windows.samples:
-            delay = np.array([s.get(samples.channel.name, 0.0) for s in shifts])[:, None, None]
-            simulated = tape.read(samples.channel, samples.time[None] - delay)
+            simulated = self.reading(z, tape, samples.channel)(samples.time[None])
             difference = residual(samples.channel, simulated, samples.value) / samples.std
             exists = (samples.fitted | samples.scored)[..., None]
             blocks.append(np.where(exists, difference, 0.0).reshape(*difference.shape[:2], -1))
         return np.concatenate(blocks, axis=2), infeasible
+
+    def reading(self, z: Array, tape: Tape, channel: Channel) -> Reading:
+        """What the sensor of a channel reports of a tape under contexts z (c, n)."""
+        return self.model.reading(z, channel.name, partial(tape.read, channel), self.windows.begin[:, None])
 
     def by_channel(self, residuals: Array) -> Iterator[tuple[Samples, Array]]:
         """Each channel's samples with its columns of the residuals, (w, all) → (w, m, size)."""
@@ -107,7 +112,7 @@ class Replay:
         if self._stop is not None and self._stop.is_set():
             raise CancelledError
         contexts, count = delta.shape[:2]
-        qpos, qvel = self._starts(delta, self._shifts(z))
+        qpos, qvel = self._starts(z, delta)
         simulator = self._simulator(contexts * count)
         rollout = simulator.replay(z, qpos, qvel, self._controls, self._past)
         shape = (contexts, count)
@@ -121,21 +126,17 @@ class Replay:
         )
         return tape, rollout.infeasible.reshape(shape)
 
-    def _shifts(self, z: Array) -> list[dict[str, float]]:
-        """Delay in s of each delayed channel, by context."""
-        return [self.model.output_delays(row) for row in z]
-
-    def _starts(self, delta: Array, shifts: Sequence[Mapping[str, float]]) -> tuple[Array, Array]:
-        """Initial states: the prior's mean, as much later as the channel reads late, plus the corrections."""
+    def _starts(self, z: Array, delta: Array) -> tuple[Array, Array]:
+        """Initial states: those whose reading is the prior's mean, plus the corrections."""
         nv = self._compiled.nv
-        prior = self.windows.prior
+        prior, begin = self.windows.prior, self.windows.begin[:, None]
         qpos = np.broadcast_to(prior.qpos, (*delta.shape[:2], self._compiled.nq)).copy()
         qvel = prior.qvel + delta[..., nv:]
-        for context, delays in enumerate(shifts):
-            for channel in (s.channel for s in self.windows.samples if s.channel.kind == "position"):
-                delay, dof = delays.get(channel.name, 0.0), channel.dof
-                qpos[context, :, channel.address] += delay * (prior.qvel[:, dof] + 0.5 * delay * prior.qacc[:, dof])
-                qvel[context, :, dof] += delay * prior.qacc[:, dof]
+        for channel in (s.channel for s in self.windows.samples if s.channel.kind == "position"):
+            read = np.stack([prior.qpos[:, channel.address], prior.qvel[:, channel.dof], prior.qacc[:, channel.dof]])
+            moved = unread(read, partial(self.model.reading, z, channel.name, begin=begin))
+            qpos[..., channel.address] += moved[0]
+            qvel[..., channel.dof] += moved[1]
         if self._compiled.nq == nv:
             qpos += delta[..., :nv]
         else:
@@ -146,8 +147,10 @@ class Replay:
     def _require_margin(self) -> None:
         """Samples that are read early or late must still lie within the simulation."""
         space = self.model.space
-        delays = [abs(d) for shift in self._shifts(np.stack([space.low, space.high])) for d in shift.values()]
-        if (longest := max(delays, default=0.0)) > self.windows.margin + _ROUNDING:
+        bounds, begin = np.stack([space.low, space.high]), self.windows.begin[:, None]
+        names = [samples.channel.name for samples in self.windows.samples]
+        longest = max(reach(partial(self.model.reading, bounds, name, begin=begin)) for name in names)
+        if longest > self.windows.margin + _ROUNDING:
             raise DataError(
                 f"Outputs of model {self.model.name!r} may be {longest:g} s late, but windows.margin is "
                 f"{self.windows.margin:g} s. Set windows.margin to at least {longest:g}, or lower the effect's bound."

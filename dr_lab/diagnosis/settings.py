@@ -92,9 +92,12 @@ class SolverSettings:
 
 @dataclass(frozen=True)
 class EvidenceSettings:
-    """When a gain on held-out windows counts.
+    """Which candidates are worth a fit, and when their gain on held-out windows counts.
 
     Attributes:
+        least_fits: number of candidates that are fitted in any case, the most promising ones.
+        least_promise: share of the largest gain on the fit windows, first as predicted, then as reached: candidates
+            that promise less stay unfitted.
         confidence: of the intervals of paired gains.
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
@@ -110,6 +113,8 @@ class EvidenceSettings:
         ConfigError: a number is too small, or the confidence is no share.
     """
 
+    least_fits: int
+    least_promise: float
     confidence: float
     block: int
     least_blocks: int
@@ -122,8 +127,8 @@ class EvidenceSettings:
     absorbed: float
 
     def __post_init__(self) -> None:
-        least: dict[str, float] = dict.fromkeys(("block", "least_blocks", "resamples"), 1.0)
-        least |= dict.fromkeys(("seed", "threshold", "least_gap", "penalty", "absorbed"), 0.0)
+        least: dict[str, float] = dict.fromkeys(("least_fits", "block", "least_blocks", "resamples"), 1.0)
+        least |= dict.fromkeys(("least_promise", "seed", "threshold", "least_gap", "penalty", "absorbed"), 0.0)
         require_numbers(self, "evidence", positive=("floor",), least=least)
         if not 0 < self.confidence < 1:
             raise ConfigError(f"evidence.confidence is {self.confidence:g}; expected a share between 0 and 1, as 0.99.")

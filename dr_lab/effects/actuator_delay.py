@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import mujoco
+import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
 from dr_lab.effects.effect import Scales
 from dr_lab.errors import ModelError
 from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,7 @@ class ActuatorDelay(ActuatorEffect):
     average of the late command. RK4 also reads in the middle and at the end, as if the step's command had been given
     at its start and not held through it: half a step early, for which the compiled delay makes up.
     MuJoCo cannot read the command of the running step. A shorter delay (below one step, with RK4 below one and a half)
-    is left to `command_delay`, which makes the response continuous down to absent. A history of the same length is
+    is left to `command`, which makes the response continuous down to absent. A history of the same length is
     compiled in at every value.
 
     Parameters (nominal = absent): delay [s], within [0, longest].
@@ -63,9 +65,25 @@ class ActuatorDelay(ActuatorEffect):
         actuator.interp = 1  # linear
         actuator.delay = values["delay"] + early if values["delay"] >= _shortest(spec.option) else 0.0
 
-    def command_delay(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
+    def command(
+        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
+    ) -> Array:
+        """Commands late by a delay that is too short for MuJoCo; m + f steps late is (1 − f) u_{k−m} + f u_{k−m−1}."""
+        short = values["delay"] < _shortest(option)
+        if actuator != site or not short.any():
+            return series
+        whole, share = np.divmod(np.where(short, values["delay"], 0.0) / option.timestep, 1.0)
+        every = np.broadcast_to(series, np.broadcast_shapes(series.shape, whole.shape))
+        late, later = (
+            np.take_along_axis(every, np.maximum(np.arange(series.shape[2]) - whole.astype(int) - k, 0), axis=2)
+            for k in (0, 1)
+        )
+        return (1 - share) * late + share * later
+
+    def lacking(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """A delay that is too short for MuJoCo."""
-        return {site: values["delay"]} if values["delay"] < _shortest(option) else {}
+        delay = values["delay"]
+        return f"commands of {site} act {delay:.6g} s late" if 0 < delay < _shortest(option) else ""
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Several delays: a long one has another best damping, hence local minima."""

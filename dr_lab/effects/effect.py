@@ -3,12 +3,16 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import mujoco
 
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.parameter import Parameter
+from dr_lab.physics.signal import Reading
+from dr_lab.trajectory import Array
+
+_Value = TypeVar("_Value", float, Array)
 
 # from the joint outwards; of effects that data cannot separate, the first is tried first
 FAMILIES = ("friction", "transmission", "actuator", "inertia", "environment", "sensing")
@@ -65,15 +69,39 @@ class Effect(ABC):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Write the effect into a fresh spec; `values` by short parameter name."""
 
-    def output_delay(self, site: str, values: Mapping[str, float]) -> Mapping[str, float]:
-        """Delay in s of measured channels, by channel name; none for effects of the physics."""
-        del site, values
-        return {}
+    def reading(self, site: str, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
+        """What a sensor reports of a channel; `read` itself for channels that the effect does not touch.
 
-    def command_delay(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
-        """Delay in s that the edit leaves to whoever feeds the commands, by actuator name."""
-        del site, values, option
-        return {}
+        Args:
+            site: the element the effect sits at.
+            values: by short parameter name, shape (c, 1, 1).
+            channel: ``"<joint>.position"``, ``"<joint>.velocity"`` or ``"sensor.<name>"``.
+            read: what the sensor would report without the effect.
+            begin: s on the log's clock at which the windows start, shape (w, 1).
+        """
+        del site, values, channel, begin
+        return read
+
+    def command(
+        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
+    ) -> Array:
+        """What becomes of an actuator's commands beside the edit; `series` itself where the effect leaves them.
+
+        Args:
+            site: the element the effect sits at.
+            values: by short parameter name, shape (c, 1, 1).
+            actuator: the actuator's name.
+            series: step averages of the commands, the past included, shape (c or 1, w, s).
+            option: the model's options, which hold the step.
+        """
+        del site, values, actuator, option
+        return series
+
+    def lacking(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> str:
+        """What an exported MJCF file lacks of the effect at these values, empty if nothing."""
+        del option
+        settings = ", ".join(f"{name} {value:.6g}" for name, value in values.items())
+        return f"{self.lacks} ({self.name}@{site}: {settings})" if self.lacks else ""
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Values away from absent from which a fit also starts (where the slope at absent is zero or misleading)."""
@@ -106,15 +134,19 @@ class PlacedEffect:
         """Write the effect into a fresh spec; `values` by full name."""
         self.effect.edit(spec, self.site, self._short(values))
 
-    def output_delay(self, values: Mapping[str, float]) -> Mapping[str, float]:
-        """Delay in s of measured channels, by channel name."""
-        return self.effect.output_delay(self.site, self._short(values))
+    def reading(self, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
+        """What a sensor reports of a channel; `values` by full name."""
+        return self.effect.reading(self.site, self._short(values), channel, read, begin)
 
-    def command_delay(self, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
-        """Delay in s that the edit leaves to whoever feeds the commands, by actuator name."""
-        return self.effect.command_delay(self.site, self._short(values), option)
+    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
+        """What becomes of an actuator's commands; `values` by full name."""
+        return self.effect.command(self.site, self._short(values), actuator, series, option)
 
-    def _short(self, values: Mapping[str, float]) -> dict[str, float]:
+    def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
+        """What an exported MJCF file lacks of the effect; `values` by full name."""
+        return self.effect.lacking(self.site, self._short(values), option)
+
+    def _short(self, values: Mapping[str, _Value]) -> dict[str, _Value]:
         prefix = f"{self.label}."
         return {p.name.removeprefix(prefix): values[p.name] for p in self.parameters}
 

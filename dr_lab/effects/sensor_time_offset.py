@@ -7,12 +7,14 @@ from typing import ClassVar
 import mujoco
 
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect
+from dr_lab.effects.sensor_effect import SensorEffect, measures
 from dr_lab.physics.parameter import Parameter
+from dr_lab.physics.signal import Reading
+from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class SensorTimeOffset(JointEffect):
+class SensorTimeOffset(SensorEffect):
     """A filter, a bus or another clock between a motion and its stamp.
 
     reading(t) = q(t − offset), for a joint's position and velocity or for one sensor; the physics is untouched.
@@ -35,20 +37,12 @@ class SensorTimeOffset(JointEffect):
     confused_with: ClassVar[tuple[str, ...]] = ("actuator_delay",)
     lacks: ClassVar[str] = "the offset, which belongs to the measurement and not to the model"
 
-    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the hinge and slide joints, and ``sensor.<name>`` for every named sensor."""
-        sensors = (model.sensor(i).name for i in range(model.nsensor))
-        return (*super().sites(model), *(f"sensor.{name}" for name in sensors if name))
-
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The offset."""
         del model, site, scales
         return (Parameter("offset", "s", 0.0, -self.longest, self.longest),)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the physics is untouched."""
-
-    def output_delay(self, site: str, values: Mapping[str, float]) -> Mapping[str, float]:
-        """The offset, on every channel of the site."""
-        channels = (site,) if site.startswith("sensor.") else (f"{site}.position", f"{site}.velocity")
-        return dict.fromkeys(channels, values["offset"])
+    def reading(self, site: str, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
+        """Every channel of the site as it was earlier."""
+        del begin
+        return (lambda time: read(time - values["offset"])) if measures(channel, site) else read

@@ -1,6 +1,6 @@
 """A machine's model: MJCF, declared parameters and effects, compiled freshly for any context."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
@@ -12,6 +12,7 @@ from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.naming import name_elements
 from dr_lab.physics.parameter import Parameter
+from dr_lab.physics.signal import Reading
 from dr_lab.physics.target import Target
 from dr_lab.trajectory import Array
 
@@ -19,7 +20,7 @@ _KEYS = ("target", "unit", "low", "high")
 
 
 class ModelEffect(Protocol):
-    """What a model asks of a placed effect: its parameters, its edit of a fresh spec and its signal delays."""
+    """What a model asks of a placed effect: its parameters, its edit of a fresh spec and its signal transforms."""
 
     @property
     def label(self) -> str:
@@ -35,12 +36,30 @@ class ModelEffect(Protocol):
         """Write the effect into a fresh spec; `values` by parameter name."""
         ...
 
-    def output_delay(self, values: Mapping[str, float]) -> Mapping[str, float]:
-        """Delay in s of measured channels against the physics, by channel name (absent names: 0)."""
+    def reading(self, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
+        """What a sensor reports of a channel; `read` itself where the effect does not touch it.
+
+        Args:
+            values: values by parameter name, shape (c, 1, 1).
+            channel: the channel's name.
+            read: what the sensor would report without the effect.
+            begin: s on the log's clock at which the windows start, shape (w, 1).
+        """
         ...
 
-    def command_delay(self, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
-        """Delay in s that commands need beside the edit, by actuator name (absent: 0)."""
+    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
+        """What becomes of an actuator's commands beside the edit; `series` itself where the effect does not touch them.
+
+        Args:
+            values: values by parameter name, shape (c, 1, 1).
+            actuator: the actuator's name.
+            series: step averages of the commands, the past included, shape (c or 1, w, s).
+            option: the model's options, which hold the step.
+        """
+        ...
+
+    def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
+        """What an exported MJCF file lacks of the effect at these values, empty if nothing."""
         ...
 
 
@@ -105,24 +124,22 @@ class Model:
         """Compiled model at the nominal context."""
         return self.compile(self.space.nominal)
 
-    def output_delays(self, z: Array) -> dict[str, float]:
-        """Delay in s of each delayed channel at context z; delays of several effects add."""
-        values = self.space.mapping(z)
-        return _total(effect.output_delay(values) for effect in self.effects)
+    def reading(self, z: Array, channel: str, read: Reading, begin: Array) -> Reading:
+        """What a sensor reports of a channel under contexts z (c, n), by the effects in order; see `ModelEffect`."""
+        values = self._columns(z)
+        for effect in self.effects:
+            read = effect.reading(values, channel, read, begin)
+        return read
 
-    def command_delays(self, z: Array) -> dict[str, float]:
-        """Delay in s of commands that MuJoCo cannot delay by so little, by actuator name."""
-        values = self.space.mapping(z)
-        return _total(effect.command_delay(values, self.spec.option) for effect in self.effects)
+    def command(self, z: Array, actuator: str, series: Array) -> Array:
+        """What becomes of an actuator's commands under contexts z (c, n); see `ModelEffect`."""
+        values = self._columns(z)
+        for effect in self.effects:
+            series = effect.command(values, actuator, series, self.spec.option)
+        return series
 
-
-def _total(delays: Iterable[Mapping[str, float]]) -> dict[str, float]:
-    """Sum of delays by channel."""
-    total: dict[str, float] = {}
-    for each in delays:
-        for channel, delay in each.items():
-            total[channel] = total.get(channel, 0.0) + delay
-    return total
+    def _columns(self, z: Array) -> dict[str, Array]:
+        return {name: z[:, i, None, None] for i, name in enumerate(self.space.names)}
 
 
 def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, object]]) -> Model:
@@ -172,7 +189,7 @@ def from_spec(name: str, spec: mujoco.MjSpec, parameters: Mapping[str, Mapping[s
 
 
 def require_live(model: Model, parameter: str) -> None:
-    """Check that a parameter changes the compiled model or an output delay between its bounds.
+    """Check that a parameter changes the compiled model between its bounds.
 
     A bound that does not compile is an infeasible context, which is a change.
 
@@ -181,13 +198,12 @@ def require_live(model: Model, parameter: str) -> None:
     """
     space = model.space
     index = space.index(parameter)
-    compiled, delays = [], []
+    compiled = []
     for bound in (space.low[index], space.high[index]):
         z = space.nominal
         z[index] = bound
         compiled.append(_fingerprint(model, z))
-        delays.append((model.output_delays(z), model.command_delays(z)))
-    if compiled[0] == compiled[1] and delays[0] == delays[1]:
+    if compiled[0] == compiled[1]:
         low, high = space.low[index], space.high[index]
         raise ModelError(
             f"Parameter {parameter!r} of model {model.name!r} changes nothing between {low:g} and {high:g}. "

@@ -32,7 +32,7 @@ class Rollout:
         qvel: velocities at the same times, shape (n, s + 1, nv).
         sensordata: sensors at t = 0 … (s − 1)·dt (MuJoCo evaluates them before each step), shape (n, s, nsensordata).
         start: integration state (`mjSTATE_INTEGRATION`) from which each simulation began, shape (n, nstate).
-        controls: controls as MuJoCo got them, late by what its own delays leave over, shape (n, s, nu).
+        controls: controls as MuJoCo got them, behind the effects' command transforms, shape (n, s, nu).
         infeasible: simulations that diverged or whose context does not compile, shape (n,).
     """
 
@@ -127,7 +127,7 @@ class Simulator:
             self.batch.bind("history")[:] = np.tile(self._histories(past), (contexts, 1))
         start = self.batch.state.copy()
         record = ("qpos", "qvel", "sensordata") if self.compiled.nsensordata else ("qpos", "qvel")
-        nstep, applied = controls.shape[1], self._delayed(z, controls, past)
+        nstep, applied = controls.shape[1], self._applied(z, controls, past)
         out = self.batch.rollout(nstep, applied if controls.shape[2] else None, record=record)
         first = lambda start, rest: np.concatenate([start.reshape(self.nsim, 1, -1), rest], axis=1)  # noqa: E731
         sensors = out.get("sensordata", np.empty((self.nsim, nstep, 0)))
@@ -139,20 +139,17 @@ class Simulator:
         except ModelError:
             return None
 
-    def _delayed(self, z: Array, controls: Array, past: Array) -> Array:
-        """Controls of every simulation, late by what MuJoCo's own delay leaves over, shape (c·w, s, nu).
-
-        The step average of a held command that is m + f steps late is (1−f) u_{k−m} + f u_{k−m−1}.
-        """
+    def _applied(self, z: Array, controls: Array, past: Array) -> Array:
+        """Controls of every simulation, as the effects' command transforms leave them, shape (c·w, s, nu)."""
         every = np.tile(controls, (len(z), 1, 1)).reshape(len(z), *controls.shape)
         known = np.concatenate([past if past.shape[1] else controls[:, :1], controls], axis=1)
-        steps = known.shape[1] - controls.shape[1] + np.arange(controls.shape[1])
-        for context, row in enumerate(z):
-            for name, delay in self.model.command_delays(row).items():
-                column = self.compiled.actuator_ctrladr[self.compiled.actuator(name).id]
-                whole, share = divmod(delay / self.compiled.opt.timestep, 1.0)
-                late, later = (known[:, np.maximum(steps - int(whole) - k, 0), column] for k in (0, 1))
-                every[context, :, :, column] = (1 - share) * late + share * later
+        for actuator in range(self.compiled.nactuator if self.model.effects else 0):
+            if self.compiled.actuator_ctrlnum[actuator] == 1:
+                column = self.compiled.actuator_ctrladr[actuator]
+                series = known[None, :, :, column]
+                changed = self.model.command(z, self.compiled.actuator(actuator).name, series)
+                if changed is not series:
+                    every[:, :, :, column] = changed[:, :, -controls.shape[1] :]
         return every.reshape(self.nsim, *controls.shape[1:])
 
     def _histories(self, past: Array) -> Array:

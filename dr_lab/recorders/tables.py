@@ -73,13 +73,19 @@ def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
             str(place),
             f"`{candidate_name(row)}`",
             row["status"].replace("_", " "),
-            number(row["held_out_chi2"]),
-            f"{percent(row['gain'])} ({percent(row['gain_ci'][0])} … {percent(row['gain_ci'][1])})",
-            "; ".join(_own_parameters(row)) or ABSENT,
+            *_outcome(row),
         ]
         for place, row in enumerate(ranking, start=1)
     ]
     return table(["", "effect", "status", "χ²", "gain (interval)", "its parameters"], rows)
+
+
+def _outcome(row: Mapping[str, Any]) -> tuple[str, str, str]:
+    """χ², gain and parameters of a candidate; of one that was not fitted, what it promised."""
+    if not row.get("fitted", True):
+        return ABSENT, f"≈ {percent(max(row['predicted_gain'], 0.0))} promised, not fitted", ABSENT
+    gain = f"{percent(row['gain'])} ({percent(row['gain_ci'][0])} … {percent(row['gain_ci'][1])})"
+    return number(row["held_out_chi2"]), gain, "; ".join(_own_parameters(row)) or ABSENT
 
 
 def parameter_table(parameters: Mapping[str, Mapping[str, Any]]) -> str:

@@ -12,7 +12,7 @@ from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSe
 from dr_lab.diagnosis.verdict import decide
 from dr_lab.effects.effect import Effect, PlacedEffect, place
 from dr_lab.errors import ConfigError
-from dr_lab.physics.model import Model, require_live
+from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.calibrated import calibrate
@@ -71,8 +71,4 @@ def _place(study: Study, effect: Effect, wanted: Mapping[str, str | None]) -> Pl
             f"Effect {effect.name!r} needs one site; given: {listed}. Available: {', '.join(sites) or 'none'}. "
             f"Say e.g. effect.joint={sites[0] if sites else 'NAME'}."
         )
-    placed = place(effect, study.compiled, next(iter(given.values()), sites[0]), study.scales)
-    extended = study.model.with_effect(placed)
-    for parameter in placed.parameters:
-        require_live(extended, parameter.name)
-    return placed
+    return place(effect, study.compiled, next(iter(given.values()), sites[0]), study.scales)

@@ -89,6 +89,8 @@ def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[
                 "evidence": candidate.gain.total,
                 "evidence_low": candidate.gain.total_low,
                 "wins": candidate.gain.wins,
+                "fitted": candidate.fitted,
+                "predicted_gain": candidate.predicted,
                 "status": verdict.status[label],
                 "absorbed_by_parameters": label in verdict.absorbed,
                 "parameters": _own(candidate, study),

@@ -12,8 +12,9 @@ from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.states import StateFit, fit_states
 from dr_lab.diagnosis.windows import Windows
 from dr_lab.physics.context import ContextEstimate
-from dr_lab.physics.model import Model
+from dr_lab.physics.model import Model, ModelEffect
 from dr_lab.physics.parameter import Parameter
+from dr_lab.physics.signal import Reading
 from dr_lab.recorders.files import atomic, write_text
 from dr_lab.trajectory import Array
 from dr_lab.workflows.study import Study
@@ -34,38 +35,52 @@ class Played:
 
 @dataclass(frozen=True)
 class Beside:
-    """Delays of one context that MJCF cannot express; fulfils `physics.model.ModelEffect`.
+    """What one context needs that MJCF cannot express; fulfils `physics.model.ModelEffect`.
 
     Attributes:
-        outputs: s by channel, readings that are late.
-        commands: s by actuator, commands that act late by less than MuJoCo can delay them.
+        effects: the model's effects.
+        values: the context, by parameter name.
+        option: the model's options.
         label: what stands for it among effects.
-        parameters: none, the delays are fixed.
+        parameters: none, the values are fixed.
     """
 
-    outputs: Mapping[str, float]
-    commands: Mapping[str, float]
+    effects: tuple[ModelEffect, ...]
+    values: Mapping[str, float]
+    option: mujoco.MjOption
     label: str = "beside_model.xml"
     parameters: tuple[Parameter, ...] = ()
 
     def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
         """Nothing: the physics is in the file."""
 
-    def output_delay(self, values: Mapping[str, float]) -> Mapping[str, float]:
-        """Delay in s of measured channels, by channel name."""
+    def reading(self, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
+        """What the effects' sensors report of a channel."""
         del values
-        return self.outputs
+        for effect in self.effects:
+            read = effect.reading(self._columns, channel, read, begin)
+        return read
 
-    def command_delay(self, values: Mapping[str, float], option: mujoco.MjOption) -> Mapping[str, float]:
-        """Delay in s of commands, by actuator name."""
+    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
+        """What the effects make of an actuator's commands."""
+        del values
+        for effect in self.effects:
+            series = effect.command(self._columns, actuator, series, option)
+        return series
+
+    def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
+        """What the file lacks, in one line."""
         del values, option
-        return self.commands
+        return "; ".join(self.sentences())
 
     def sentences(self) -> list[str]:
-        """What to do beside simulating the file."""
-        late = [f"feed commands of {name} {delay:.6g} s late" for name, delay in self.commands.items() if delay]
-        told = [f"{name} is read {delay:.6g} s late" for name, delay in self.outputs.items() if delay]
-        return [f"model.xml cannot say: {each}." for each in (*late, *told)]
+        """What the file lacks, effect by effect."""
+        missing = (effect.lacking(self.values, self.option) for effect in self.effects)
+        return [f"model.xml cannot say: {each}." for each in missing if each]
+
+    @property
+    def _columns(self) -> dict[str, Array]:
+        return {name: np.full((1, 1, 1), value) for name, value in self.values.items()}
 
 
 def mjcf(model: Model, z: Array) -> str:
@@ -82,10 +97,9 @@ def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:
     MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back.
 
     Returns:
-        The model read back, without parameters, and the delays that it needs beside the file, which are among its
-        effects.
+        The model read back, without parameters, and what it needs beside the file, which is among its effects.
     """
-    beside = Beside(model.output_delays(z), model.command_delays(z))
+    beside = Beside(model.effects, model.space.mapping(z), model.spec.option)
     comments = "".join(f"<!-- {sentence} -->\n" for sentence in beside.sentences())
     write_text(path, comments + mjcf(model, z))
     return Model(

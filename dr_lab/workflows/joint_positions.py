@@ -1,11 +1,13 @@
 """What the joints of a model do under held commands, at the times at which they are read."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
-from dr_lab.diagnosis.channels import Tape, resolve
+from dr_lab.diagnosis.channels import Channel, Tape, resolve
 from dr_lab.diagnosis.commands import averages
+from dr_lab.diagnosis.unread import reach
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import Simulator
@@ -34,11 +36,19 @@ def joint_positions(
     Raises:
         ModelError: the context does not compile, or its simulation diverges.
     """
-    late = model.output_delays(z)
     channels = resolve(model.nominal(), [f"{joint}.position" for joint in joints])
-    read = {channel.name: np.maximum(time - late.get(channel.name, 0.0), 0.0) for channel in channels}
-    tape = _simulate(model, z, start, commands, max(float(times[-1]) for times in read.values()))
-    return np.stack([tape.read(channel, read[channel.name][None, None])[0, 0, :, 0] for channel in channels], axis=1)
+    sensors = [partial(model.reading, z[None], channel.name, begin=np.zeros((1, 1))) for channel in channels]
+    tape = _simulate(model, z, start, commands, float(time[-1]) + max(reach(sensor) for sensor in sensors))
+    reported = [
+        sensor(read=partial(_from_start, tape, channel))(time[None, None])[0, 0, :, 0]
+        for channel, sensor in zip(channels, sensors, strict=True)
+    ]
+    return np.stack(reported, axis=1)
+
+
+def _from_start(tape: Tape, channel: Channel, time: Array) -> Array:
+    """A channel of a motion that rests before its start."""
+    return tape.read(channel, np.maximum(time, 0.0))
 
 
 def _simulate(model: Model, z: Array, start: Array, commands: Mapping[str, Signal], duration: float) -> Tape:

@@ -63,10 +63,9 @@ def at_samples(log: Log, played: Played) -> dict[str, Array]:
     """Simulated channels at the measured times of a log, NaN between windows."""
     values = {name: np.full_like(signal.value, np.nan) for name, signal in log.outputs.items()}
     tape, _ = played.replay.simulate(played.fit.z[None], played.fit.delta[None])
-    delays = played.replay.model.output_delays(played.fit.z)
     for samples in played.replay.windows.samples:
         name = samples.channel.name
-        simulated = tape.read(samples.channel, samples.time[None] - delays.get(name, 0.0))[0]
+        simulated = played.replay.reading(played.fit.z[None], tape, samples.channel)(samples.time[None])[0]
         times = samples.time + played.replay.windows.begin[:, None]
         shown = samples.scored & ~played.fit.infeasible[:, None]
         index = np.searchsorted(log.outputs[name].time, times[shown] - 1e-9)

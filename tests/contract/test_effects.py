@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from effect_machines import CONF, NAMES, catalogue_effect, replayed
 
+from dr_lab.diagnosis.channels import available
 from dr_lab.effects.effect import PlacedEffect, Scales, place
 from dr_lab.physics.model import Model, from_spec, load
 from dr_lab.trajectory import Array
@@ -81,10 +82,22 @@ def vectors(model: Model, one: PlacedEffect) -> Array:
     return np.array([model.space.nominal, *(model.space.vector(start) for start in one.starts)])
 
 
-def signals(model: Model, z: Array) -> list[tuple[bytes, tuple[tuple[str, float], ...]]]:
-    """What a measurement sees under each context: the motion, and the delays of its channels."""
+def probe(time: Array) -> Array:
+    """A motion of which every sensor transform shows."""
+    return (0.3 + np.sin(9.0 * time) + 0.2 * time)[..., None]
+
+
+def reported(model: Model, z: Array) -> Array:
+    """What the sensors of all channels report of the probe under each context, shape (c, channels · times)."""
+    time, begin = np.linspace(0.05, SECONDS, 20)[None, None], np.array([[0.7]])
+    rows = [model.reading(z, name, probe, begin)(time) for name in available(model.nominal())]
+    return np.concatenate([np.broadcast_to(row[..., 0], (len(z), 1, 20)) for row in rows], axis=2)[:, 0]
+
+
+def signals(model: Model, z: Array) -> list[bytes]:
+    """What a measurement sees under each context: the motion, and what sensors make of it."""
     paths = replayed(model, z, *commands(model))
-    return [(path.tobytes(), tuple(model.output_delays(row).items())) for path, row in zip(paths, z, strict=True)]
+    return [path.tobytes() + seen.tobytes() for path, seen in zip(paths, reported(model, z), strict=True)]
 
 
 def test_catalogue_states_what_it_is() -> None:
@@ -122,7 +135,8 @@ def test_absent_leaves_the_motion(model: str, effect: str, site: str) -> None:
     with_it = replayed(extended, extended.space.nominal[None], *commands(extended))
     without = replayed(plain, np.empty((1, 0)), *commands(plain))
     np.testing.assert_allclose(with_it, without, rtol=0, atol=1e-9 if effect == "payload" else 0)
-    assert not any(extended.output_delays(extended.space.nominal).values())
+    bare = reported(plain, np.empty((1, 0)))
+    np.testing.assert_allclose(reported(extended, extended.space.nominal[None]), bare, rtol=0, atol=1e-12)
     compiled = extended.nominal()
     assert (compiled.nq, compiled.nv, compiled.nu) == (plain.nominal().nq, plain.nominal().nv, plain.nominal().nu)
 
@@ -155,8 +169,8 @@ def test_absent_has_a_usable_slope_or_starts(model: str, effect: str, site: str)
         near = np.tile(nominal, (3, 1))
         near[1:, index] += step * np.array([1.0, 2.0])
         paths = replayed(extended, near, *commands(extended))
-        delays = np.array([sum(extended.output_delays(z).values()) for z in near])
-        first, second = (np.abs(paths[k] - paths[0]).max() + abs(delays[k] - delays[0]) for k in (1, 2))
+        seen = reported(extended, near)
+        first, second = (np.abs(paths[k] - paths[0]).max() + np.abs(seen[k] - seen[0]).max() for k in (1, 2))
         assert np.isfinite([first, second]).all()
         if first > 1e-9:  # twice the step, about twice the change: no jump at absent
             assert 1.2 < second / first < 3.5, parameter.name

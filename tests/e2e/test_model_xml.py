@@ -103,8 +103,8 @@ def test_the_file_loses_nothing_of_the_model(demo: tuple[Study, dict[str, Effect
 @pytest.mark.parametrize(
     ("name", "sentence"),
     [
-        ("delay_below_a_step", "feed commands of motor 0.0013 s late"),
-        ("late_reading", "pole.position is read 0.0041 s late"),
+        ("delay_below_a_step", "commands of motor act 0.0013 s late"),
+        ("late_reading", "sensor_time_offset@pole: offset 0.0041"),
         ("delay_12_ms", ""),
         ("coulomb", ""),
     ],

@@ -5,6 +5,8 @@ from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 
 SETTINGS = EvidenceSettings(
+    least_fits=1,
+    least_promise=0.0,
     confidence=0.99,
     block=3,
     least_blocks=8,

@@ -55,6 +55,16 @@ def test_a_held_parameter_does_not_move_and_the_others_adapt() -> None:
     np.testing.assert_allclose(move[[0, 2]], expected[W * S :])
 
 
+def test_the_predicted_decrease_is_that_of_the_dense_quadratic() -> None:
+    p = problem()
+    hessian, gradient = dense(p)
+    equations = NormalEquations.build(**p)
+    for free in (np.ones(P, bool), np.array([True, False, True]), np.zeros(P, bool)):
+        kept = np.concatenate([np.ones(W * S, bool), free])
+        expected = gradient[kept] @ np.linalg.solve(hessian[np.ix_(kept, kept)], gradient[kept])
+        np.testing.assert_allclose(equations.decrease(free), expected)
+
+
 def test_information_is_the_inverse_of_the_dense_covariance() -> None:
     p = problem()
     covariance = np.linalg.inv(dense(p)[0])[W * S :, W * S :]

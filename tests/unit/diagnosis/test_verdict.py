@@ -36,7 +36,7 @@ def candidate(base: Explained, name: str, level: float | Score, known: Identifia
     explained = model(level)
     gain = paired_gain(base.held_out, explained.held_out, SETTINGS)
     site = "drive" if name in ("actuator_delay", "saturation", "torque_scale") else "rail"
-    return Candidate(placed(block(), name, site), explained, gain, known)
+    return Candidate(placed(block(), name, site), explained, gain, known, predicted=1.0)
 
 
 def judged(level: float | Score, *levels: tuple[str, float | Score], **known: Identifiability) -> Verdict:

@@ -3,11 +3,20 @@ import numpy as np
 from effect_machines import block, motion, placed, with_effect
 
 from dr_lab.physics.model import from_spec
+from dr_lab.trajectory import Array
+
+
+def wave(time: Array) -> Array:
+    return np.sin(7.0 * time)[..., None]
 
 
 def test_offset_delays_every_channel_of_a_joint_and_leaves_the_physics() -> None:
     model = block().with_effect(placed(block(), "sensor_time_offset", "rail"))
-    assert model.output_delays(np.array([0.004])) == {"rail.position": 0.004, "rail.velocity": 0.004}
+    time = np.linspace(0.1, 0.2, 5)[None, None]
+    for channel in ("rail.position", "rail.velocity"):
+        late = model.reading(np.array([[0.004], [-0.01]]), channel, wave, np.zeros((1, 1)))(time)
+        np.testing.assert_allclose(late[..., 0], [wave(time - 0.004)[0, ..., 0], wave(time + 0.01)[0, ..., 0]])
+    assert model.reading(np.zeros((1, 1)), "other.position", wave, np.zeros((1, 1))) is wave
     shifted = with_effect(block(), "sensor_time_offset", "rail", offset=-0.01)
     np.testing.assert_array_equal(
         motion(shifted, 0.1, qvel=1.0, ctrl=3.0), motion(block().nominal(), 0.1, 0.0, 1.0, 3.0)
@@ -22,7 +31,9 @@ def test_sensors_are_sites_of_their_own() -> None:
     )
     one = placed(from_spec("block", spec, {}), "sensor_time_offset", "sensor.speed")
     assert one.effect.sites(spec.copy().compile()) == ("rail", "sensor.speed")
-    assert one.output_delay({"sensor_time_offset@sensor.speed.offset": 0.01}) == {"sensor.speed": 0.01}
+    values = {"sensor_time_offset@sensor.speed.offset": np.full((1, 1, 1), 0.01)}
+    assert one.reading(values, "sensor.speed", wave, np.zeros((1, 1)))(np.ones((1, 1, 1))) == wave(np.array(0.99))
+    assert one.reading(values, "rail.position", wave, np.zeros((1, 1))) is wave
 
 
 def test_bounds_are_symmetric() -> None:

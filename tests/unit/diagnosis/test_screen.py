@@ -1,0 +1,75 @@
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+import pytest
+from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
+from effect_machines import catalogue_effect, scales_of
+
+from dr_lab.diagnosis.fit import Fitter
+from dr_lab.diagnosis.rank import Bench, Explained, candidates, explain, rank
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.screen import Look, look
+from dr_lab.effects.effect import place
+
+NAMES = ("quadratic_drag", "viscous_friction", "constant_offset", "spring", "torque_scale", "actuator_delay")
+OFFSET = 0.03  # N·m
+
+
+def push(data: mujoco.MjData) -> None:
+    data.qfrc_applied[0] = OFFSET
+
+
+def drive(data: mujoco.MjData) -> None:
+    """The opposite of dry friction."""
+    data.qfrc_applied[0] = OFFSET * np.tanh(data.qvel[0] / 0.05)
+
+
+def bench_of(force: Callable[[mujoco.MjData], None] = push, **evidence: float) -> tuple[Bench, Explained]:
+    """A pendulum that a hidden force acts on, and the fit of the model without it."""
+    model = pendulum()
+    fit, held_out = (
+        windows_of(model, [swinging(n, model.nominal(), seed, force=force)]) for n, seed in (("a", 0), ("b", 1))
+    )
+    bench = Bench(fit, held_out, solver_settings(), evidence_settings(**evidence), threads=1)
+    return bench, explain(bench, model, model.space.nominal)
+
+
+def looked(bench: Bench, base: Explained, name: str, site: str) -> Look:
+    model = pendulum()
+    effect = place(catalogue_effect(name), model.nominal(), site, scales_of(model, torque=0.5))
+    return look(Fitter(Replay(model.with_effect(effect), bench.fit, 1), bench.solver), effect, base.fit)
+
+
+def test_a_linear_effect_gains_what_was_predicted() -> None:
+    bench, base = bench_of()
+    first, model = looked(bench, base, "constant_offset", "hinge"), pendulum()
+    effect = place(catalogue_effect("constant_offset"), model.nominal(), "hinge", scales_of(model, torque=0.5))
+    fitter = Fitter(Replay(model.with_effect(effect), bench.fit, 1), bench.solver)
+    fit = fitter.run(first.absent.z, first.absent.delta)
+    assert first.gain == pytest.approx(base.fit.cost - fit.cost, rel=0.02)
+    assert fit.z[-1] == pytest.approx(OFFSET, rel=0.02)
+
+
+def test_an_effect_that_would_have_to_be_negative_promises_nothing() -> None:
+    bench, base = bench_of(drive)
+    assert base.held_out.chi2 > 2
+    assert looked(bench, base, "coulomb_friction", "hinge").gain < 0.05 * base.fit.cost
+
+
+@pytest.mark.parametrize("least_fits", [1, 3])
+def test_only_what_promises_enough_is_fitted(least_fits: int) -> None:
+    bench, base = bench_of(least_fits=least_fits, least_promise=0.5)
+    model, told = pendulum(), list[str]()
+    catalogue = {name: catalogue_effect(name) for name in NAMES}
+    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal())
+    ranking = rank(bench, base, placed, told.append)
+    fitted = [c for c in ranking if c.fitted]
+    assert ranking[0].effect.effect.name == "constant_offset"
+    assert least_fits <= len(fitted) < len(placed)
+    assert sorted(told) == sorted(p.label for p in placed)
+    for rest in (c for c in ranking if not c.fitted):
+        assert rest.gain.total == 0
+        assert rest.predicted < 0.5 * ranking[0].predicted
+        assert rest.explained.held_out.chi2 == base.held_out.chi2
+    assert np.isfinite([c.predicted for c in ranking]).all()
