@@ -7,6 +7,7 @@ from typing import Any
 from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
@@ -56,6 +57,7 @@ def close(
     """
     if most < 0:
         raise ConfigError(f"most is {most}; expected the number of effects to add at most, 0 or more.")
+    require_names(effects)
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
     with candidate_progress() as watch:
         ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=most, watch=watch)
