@@ -30,7 +30,8 @@ from rich.console import Console
 from rich.table import Table
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.rank import Candidate, candidates, rank
+from dr_lab.diagnosis.rank import Candidate, rank
+from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import Effect, PlacedEffect
 from dr_lab.trajectory import Array
 from dr_lab.workflows.calibrated import calibrate
@@ -91,7 +92,7 @@ def study_of(threads: int | None) -> tuple[Study, Mapping[str, Effect]]:
 
 def chosen(study: Study, effects: Mapping[str, Effect], count: int) -> list[PlacedEffect]:
     """Every effect at its first site, then at its second, …, at most `count`."""
-    rows = [candidates(study.model, {n: e}, study.scales, study.compiled) for n, e in sorted(effects.items())]
+    rows = [candidates(study.model, {n: e}, study.scales, study.compiled).placed for n, e in sorted(effects.items())]
     return [placed for placed in chain.from_iterable(zip_longest(*rows)) if placed is not None][:count]
 
 

@@ -97,6 +97,13 @@ def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]
 
 
 def _check_type(value: object, hint: object, key: str, name: str) -> None:
+    if isinstance(value, Mapping) and "_target_" in value:
+        _check_class(str(value["_target_"]), hint, key, name)
+        return
+    if isinstance(value, Mapping) and _objects(hint) is not None:
+        for child, content in value.items():
+            _check_type(content, _objects(hint), f"{key}.{child}", name)
+        return
     if _has_target(value):
         return
     if not _is_plain(hint):
@@ -118,13 +125,34 @@ def _fits(value: object, hint: object) -> bool:
     return True
 
 
+def _objects(hint: object) -> object:
+    """The class of a mapping's values, or None where a type hint is no mapping to objects of a class."""
+    if typing.get_origin(hint) not in (dict, Mapping):
+        return None
+    _, values = typing.get_args(hint)
+    return values if inspect.isclass(values) and values is not object and not _is_plain(values) else None
+
+
+def _check_class(target: str, hint: object, key: str, name: str) -> None:
+    """Check that what a `_target_` builds is what is expected, where both are classes that say so."""
+    built = locate(target, key)
+    if not inspect.isclass(built) or not inspect.isclass(hint) or typing.get_origin(hint) is not None:
+        return
+    if not getattr(hint, "_is_protocol", False) and not issubclass(built, hint):
+        raise ConfigError(f"{key}: _target_ {target!r} is no {hint.__name__}, which {name} expects there.")
+
+
 def _check_object(value: object, hint: object, key: str, name: str) -> None:
     """Check a value that should have been built from a `_target_`, but names none."""
     if inspect.isclass(hint) and hint is not inspect.Parameter.empty and isinstance(value, YAML):
         raise ConfigError(
-            f"{key} names no class: its yaml lacks the line _target_: package.module.Name, from which {name} expects a "
-            f"{hint.__name__}."
+            f"{key} names no class: its yaml lacks the line _target_: package.module.Name, from which {name} expects "
+            f"{_a(hint.__name__)}."
         )
+
+
+def _a(noun: str) -> str:
+    return f"{'an' if noun[0] in 'AEIO' else 'a'} {noun}"
 
 
 def _takes_text(hint: object) -> bool:

@@ -135,25 +135,42 @@ def combines(files: dict[str, Path]) -> bool:
     Raises:
         ConfigError: some do and some do not.
     """
+    for fault in misplaced(files).values():
+        raise ConfigError(fault)
+    return bool(_beside(files))
+
+
+def misplaced(files: dict[str, Path]) -> dict[str, str]:
+    """What is wrong with options that do not stand beside their neighbours, though these stand side by side."""
+    beside = _beside(files)
+    package = next(iter(beside.values()), "")
+    return {
+        name: f"{path}: its first line must be '# @package {package}.{name}', as its neighbours have."
+        for name, path in files.items()
+        if beside and name not in beside
+    }
+
+
+def _beside(files: dict[str, Path]) -> dict[str, str]:
+    """The options that declare a package of their own, and the ``<something>`` before their name in it."""
     headers = {name: path.read_text(encoding="utf-8").partition("\n")[0].split() for name, path in files.items()}
-    beside = {
+    return {
         name: words[-1].removesuffix(f".{name}")
         for name, words in headers.items()
         if words[:2] == ["#", "@package"] and words[-1].endswith(f".{name}")
     }
-    alone = [name for name in files if name not in beside]
-    if alone and beside:
-        package = f"{next(iter(beside.values()))}.{alone[0]}"
-        raise ConfigError(f"{files[alone[0]]}: its first line must be '# @package {package}', as its neighbours have.")
-    return bool(beside)
 
 
 def _offer_whole_groups(folders: Sequence[Path]) -> None:
-    """Give every group of side-by-side options the option `all`, so that a new file joins the catalogue by itself."""
+    """Give every group of side-by-side options the option `all`, so that a new file joins the catalogue by itself.
+
+    A group with a misplaced file has none, which stops only those who ask for it.
+    """
     groups = {path.name for folder in folders for path in folder.iterdir() if path.is_dir()}
     for group in sorted(groups):
         files = options(group, folders)
-        if combines(files):
+        ConfigStore.instance().repo.get(group, {}).pop(f"{WHOLE_GROUP}.yaml", None)  # of an earlier composition
+        if not misplaced(files) and combines(files):
             ConfigStore.instance().store(
                 WHOLE_GROUP, {"defaults": list(files)}, group=group, package="_global_", provider="dr_lab"
             )

@@ -14,7 +14,7 @@ from hydra.errors import (
 )
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
-from dr_lab.cli.compose import choices, compose_with_hydra, options
+from dr_lab.cli.compose import WHOLE_GROUP, choices, compose_with_hydra, misplaced, options
 from dr_lab.cli.overrides import RefusedKey, refused_key
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
@@ -136,6 +136,9 @@ def _unreadable(override: str) -> str:
 def _missing_option(error: MissingConfigException, folders: Sequence[Path]) -> str:
     """An option that its group does not have; Hydra lists the others only where a single one was chosen."""
     group, _, option = (error.missing_cfg_file or "").rpartition("/")
+    faults = misplaced(options(group, folders)) if option == WHOLE_GROUP else {}
+    if faults:
+        return next(iter(faults.values()))
     available = error.options or [*options(group, folders)]
     if not group or not available:
         return str(error).splitlines()[0]

@@ -5,7 +5,7 @@ import importlib
 import inspect
 import itertools
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.check import check
-from dr_lab.cli.compose import register_resolvers
+from dr_lab.cli.compose import misplaced, options, register_resolvers
 from dr_lab.cli.provenance import CONFIG_FILE, write_config
 from dr_lab.errors import ConfigError
 
@@ -95,6 +95,7 @@ def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]
     workflow = workflow_of(job.verb)
     parameters = inspect.signature(workflow).parameters
     unused = not_passed(cfg, parameters)
+    _require_placed(cfg, job.folders)
     check(cfg, workflow, job.verb, supplied=(RUN_DIR,), unused=unused)
     # One key at a time: what only feeds another key is built there, and only there.
     wanted = {str(key): value for key, value in cfg.items() if key not in unused}
@@ -117,6 +118,15 @@ def not_passed(cfg: DictConfig, parameters: Collection[str]) -> set[str]:
     text = OmegaConf.to_yaml(cfg, resolve=False)
     fed = {str(key) for key in cfg if re.search(rf"\$\{{{re.escape(str(key))}[.}}]", text)}
     return {*COMMAND_LINE_KEYS, *fed} - set(parameters)
+
+
+def _require_placed(cfg: DictConfig, folders: Sequence[Path]) -> None:
+    """Refuse an option that lies at its group's key, though its neighbours stand side by side below another."""
+    for group in cfg:
+        node = cfg._get_node(group)  # values may be missing or lead nowhere, which is said later
+        if isinstance(node, DictConfig) and "_target_" in node:
+            for fault in misplaced(options(str(group), folders)).values():
+                raise ConfigError(fault)
 
 
 def claim(output_dir: Path) -> Path:

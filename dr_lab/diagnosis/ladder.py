@@ -1,13 +1,14 @@
 """The ladder of models: add the effect the data name, refit all, repeat until nothing more is supported."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import mujoco
 
 from dr_lab.diagnosis.evidence import paired_gain, supported
-from dr_lab.diagnosis.rank import Bench, Candidate, Explained, candidates, explain, rank
+from dr_lab.diagnosis.rank import Bench, Candidate, Explained, explain, rank
 from dr_lab.diagnosis.verdict import Verdict, decide
+from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import Effect, Scales
 
 Watch = Callable[[int], Callable[[str], None]]
@@ -49,11 +50,13 @@ class Ladder:
         rungs: the rankings, in the order in which they were made.
         base: the calibrated model.
         steps: the added effects, in order.
+        refused: why effects of the catalogue were not tried at a site, by ``effect@site``.
     """
 
     rungs: tuple[Rung, ...]
     base: Explained
     steps: tuple[Step, ...]
+    refused: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def models(self) -> tuple[Explained, ...]:
@@ -95,13 +98,13 @@ def climb(
     ladder = Ladder((), base, ())
     while True:
         last = ladder.models[-1]
-        placed = candidates(last.model, effects, scales, compiled)
-        ranking = rank(bench, last, placed, watch(len(placed)))
-        verdict = decide(last, ranking, bench.evidence)
-        ladder = replace(ladder, rungs=(*ladder.rungs, Rung(last, ranking, verdict)))
-        if not verdict.effects or len(ladder.steps) >= most:
+        found = candidates(last.model, effects, scales, compiled)
+        ranking = rank(bench, last, found.placed, watch(len(found.placed)))
+        rung = Rung(last, ranking, decide(last, ranking, bench.evidence))
+        ladder = replace(ladder, rungs=(*ladder.rungs, rung), refused={**found.refused, **ladder.refused})
+        if not rung.verdict.effects or len(ladder.steps) >= most:
             return ladder
-        steps = (*ladder.steps, step_from(ladder.rungs[-1]))
+        steps = (*ladder.steps, step_from(rung))
         ladder = replace(ladder, steps=reconsider(bench, base, steps))
 
 

@@ -1,12 +1,10 @@
 """Rank the catalogue: every effect at every site, looked at, fitted where worth it, scored on held-out windows."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from threading import Event
 from typing import TypeVar
-
-import mujoco
 
 from dr_lab.diagnosis.evidence import Gain, paired_gain
 from dr_lab.diagnosis.fit import Fit, Fitter
@@ -17,7 +15,7 @@ from dr_lab.diagnosis.screen import Look, look
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
 from dr_lab.diagnosis.states import StateFit, fit_states
 from dr_lab.diagnosis.windows import Windows
-from dr_lab.effects.effect import Effect, PlacedEffect, Scales, place
+from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
@@ -96,15 +94,6 @@ def _held_out(
 ) -> tuple[StateFit, Score]:
     replay, states = fit_states(model, fit.z, bench.held_out, bench.solver, threads, near, stop)
     return states, score_of(replay, states)
-
-
-def candidates(
-    model: Model, effects: Mapping[str, Effect], scales: Scales, compiled: mujoco.MjModel
-) -> tuple[PlacedEffect, ...]:
-    """Every effect of the catalogue at every site of the model that it does not hold yet."""
-    taken = {effect.label for effect in model.effects}
-    placed = [place(effect, compiled, site, scales) for effect in effects.values() for site in effect.sites(compiled)]
-    return tuple(p for p in placed if p.label not in taken)
 
 
 def rank(

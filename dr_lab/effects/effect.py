@@ -67,7 +67,11 @@ class Effect(ABC):
 
     @abstractmethod
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Write the effect into a fresh spec; `values` by short parameter name."""
+        """Write the effect into a fresh spec; `values` by short parameter name.
+
+        Raises:
+            ModelError: it cannot act at this site of this model, at no value, absent included.
+        """
 
     def reading(self, site: str, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
         """What a sensor reports of a channel; `read` itself for channels that the effect does not touch.

@@ -64,10 +64,9 @@ class Spring(JointEffect):
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Combine the spring with the joint's own."""
-        stiffness = values["stiffness"]
+        joint, stiffness = joint_of(spec, site), values["stiffness"]
         if stiffness == 0:
             return
-        joint = joint_of(spec, site)
         hinge = joint.type == mujoco.mjtJoint.mjJNT_HINGE
         unit = np.pi / 180 if hinge and spec.compiler.degree else 1.0  # of springref in the spec, in rad or m
         own = Polynomial([0.0, *joint.stiffness])(Polynomial([-joint.springref * unit, 1.0]))

@@ -123,12 +123,16 @@ class Simulator:
         self.reset()
         self.batch.bind("qpos")[:] = qpos.reshape(self.nsim, -1)
         self.batch.bind("qvel")[:] = qvel.reshape(self.nsim, -1)
+        before, (nstep, ncontrol) = past.shape[1], controls.shape[1:]
+        known = self._commanded(z, np.concatenate([past, controls], axis=1))
+        every = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, before + nstep, ncontrol)
+        applied = np.ascontiguousarray(every[:, before:])
         if self.compiled.nhistory:
-            self.batch.bind("history")[:] = np.tile(self._histories(past), (contexts, 1))
+            rows = [self._histories(each) for each in known[:, :, :before]]
+            self.batch.bind("history")[:] = np.tile(np.concatenate(rows), (contexts // len(known), 1))
         start = self.batch.state.copy()
         record = ("qpos", "qvel", "sensordata") if self.compiled.nsensordata else ("qpos", "qvel")
-        nstep, applied = controls.shape[1], self._applied(z, controls, past)
-        out = self.batch.rollout(nstep, applied if controls.shape[2] else None, record=record)
+        out = self.batch.rollout(nstep, applied if ncontrol else None, record=record)
         first = lambda start, rest: np.concatenate([start.reshape(self.nsim, 1, -1), rest], axis=1)  # noqa: E731
         sensors = out.get("sensordata", np.empty((self.nsim, nstep, 0)))
         return Rollout(first(qpos, out["qpos"]), first(qvel, out["qvel"]), sensors, start, applied, self.infeasible)
@@ -139,18 +143,18 @@ class Simulator:
         except ModelError:
             return None
 
-    def _applied(self, z: Array, controls: Array, past: Array) -> Array:
-        """Controls of every simulation, as the effects' command transforms leave them, shape (c·w, s, nu)."""
-        every = np.tile(controls, (len(z), 1, 1)).reshape(len(z), *controls.shape)
-        known = np.concatenate([past if past.shape[1] else controls[:, :1], controls], axis=1)
+    def _commanded(self, z: Array, controls: Array) -> Array:
+        """Controls as the effects' command transforms leave them, (w, s, nu) → (c, w, s, nu), or (1, w, s, nu)."""
+        every = controls[None]
         for actuator in range(self.compiled.nactuator if self.model.effects else 0):
             if self.compiled.actuator_ctrlnum[actuator] == 1:
                 column = self.compiled.actuator_ctrladr[actuator]
-                series = known[None, :, :, column]
+                series = every[..., column]
                 changed = self.model.command(z, self.compiled.actuator(actuator).name, series)
                 if changed is not series:
-                    every[:, :, :, column] = changed[:, :, -controls.shape[1] :]
-        return every.reshape(self.nsim, *controls.shape[1:])
+                    every = np.repeat(every, len(z) // len(every), axis=0)
+                    every[..., column] = changed
+        return every
 
     def _histories(self, past: Array) -> Array:
         """History rows of delayed actuators for each window, shape (w, nhistory)."""

@@ -12,10 +12,11 @@ import numpy as np
 from dr_lab.errors import DataError
 from dr_lab.recorders.files import write_text
 from dr_lab.recorders.markdown import report_markdown
+from dr_lab.recorders.metrics import metrics_csv
 
 
 def write_report(folder: Path, report: Mapping[str, Any]) -> None:
-    """Write `report.json` and `report.md` into `folder`, each atomically.
+    """Write `report.json`, `report.md` and `metrics.csv` into `folder`, each atomically.
 
     Args:
         folder: the run folder.
@@ -28,7 +29,9 @@ def write_report(folder: Path, report: Mapping[str, Any]) -> None:
     """
     text = json.dumps(to_plain(report), allow_nan=False, ensure_ascii=False, indent=2)
     write_text(folder / "report.json", text + "\n")
-    write_text(folder / "report.md", report_markdown(json.loads(text)))
+    plain = json.loads(text)
+    write_text(folder / "report.md", report_markdown(plain))
+    write_text(folder / "metrics.csv", metrics_csv(plain))
 
 
 def to_plain(value: object, place: str = "report") -> object:

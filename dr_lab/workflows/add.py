@@ -46,6 +46,7 @@ def add(
     Raises:
         ConfigError: no site or several are given where one is needed.
         UnknownNameError: the effect cannot sit there.
+        ModelError: it cannot act there; the message says why.
     """
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
     placed = [_place(study, one, effect) for one in effects.values()]
@@ -71,4 +72,6 @@ def _place(study: Study, effect: Effect, wanted: Mapping[str, str | None]) -> Pl
             f"Effect {effect.name!r} needs one site; given: {listed}. Available: {', '.join(sites) or 'none'}. "
             f"Say e.g. effect.joint={sites[0] if sites else 'NAME'}."
         )
-    return place(effect, study.compiled, next(iter(given.values()), sites[0]), study.scales)
+    placed = place(effect, study.compiled, next(iter(given.values()), sites[0]), study.scales)
+    study.model.with_effect(placed).nominal()  # says why the effect cannot act there, before anything is fitted
+    return placed

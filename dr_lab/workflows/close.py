@@ -7,7 +7,9 @@ from typing import Any
 from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
+from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
@@ -43,13 +45,19 @@ def close(
         evidence: when a gain counts.
         localise: how the place of failure is looked for.
         recorder: how the recording looks.
-        most: most effects that are added.
+        most: most effects that are added; 0 only ranks them.
         threads: worker threads; None takes every core.
         run_dir: the run folder.
 
     Returns:
         The report (schema dr_lab/gap/1).
+
+    Raises:
+        ConfigError: `most` is negative.
     """
+    if most < 0:
+        raise ConfigError(f"most is {most}; expected the number of effects to add at most, 0 or more.")
+    require_names(effects)
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
     with candidate_progress() as watch:
         ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=most, watch=watch)

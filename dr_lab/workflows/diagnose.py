@@ -8,6 +8,7 @@ from typing import Any
 from dr_lab.diagnosis.ladder import climb, step_from
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
@@ -36,6 +37,7 @@ def diagnose(
     Returns:
         The report (schema dr_lab/gap/1); its ladder ends with the named effect, where there is one.
     """
+    require_names(effects)
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
     with candidate_progress() as watch:
         ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=watch)

@@ -99,6 +99,18 @@ def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[
     return rows
 
 
+def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Notes on effects that were not tried, one for each reason.
+
+    Args:
+        reasons: why, by ``effect@site``.
+    """
+    return [
+        {"kind": "not_tried", "message": f"Not tried: {', '.join(k for k in reasons if reasons[k] == why)}. {why}"}
+        for why in dict.fromkeys(reasons.values())
+    ]
+
+
 def horizons(error: HorizonError) -> list[dict[str, Any]]:
     """Error against the time predicted open loop."""
     return [

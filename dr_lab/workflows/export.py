@@ -83,21 +83,25 @@ class Beside:
         return {name: np.full((1, 1, 1), value) for name, value in self.values.items()}
 
 
+def mjcf(model: Model, z: Array) -> str:
+    """The model at context z as MJCF text; meshes and pictures stay where they are, and the text says where that is."""
+    spec = model.spec_at(z)
+    _keep_assets(spec)
+    spec.compile()
+    return spec.to_xml()
+
+
 def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:
     """Write the model at context z as MJCF and read it back.
 
-    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back. Meshes and
-    pictures stay where they are, and the file says where that is.
+    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back.
 
     Returns:
         The model read back, without parameters, and what it needs beside the file, which is among its effects.
     """
-    spec = model.spec_at(z)
-    _keep_assets(spec)
-    spec.compile()
     beside = Beside(model.effects, model.space.mapping(z), model.spec.option)
     comments = "".join(f"<!-- {sentence} -->\n" for sentence in beside.sentences())
-    write_text(path, comments + spec.to_xml())
+    write_text(path, comments + mjcf(model, z))
     return Model(
         model.name, mujoco.MjSpec.from_file(str(path)), (), {}, (beside,) if beside.sentences() else ()
     ), beside

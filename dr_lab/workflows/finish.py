@@ -11,11 +11,11 @@ from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.markdown import ladder_table, notes_list, ranking_table, report_markdown, verdict_markdown
-from dr_lab.recorders.overlay import AFTER
+from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.recorders.report import to_plain, write_report
 from dr_lab.recorders.review import write_review
 from dr_lab.trajectory import Array
-from dr_lab.workflows.export import write_context, write_model, write_rollout
+from dr_lab.workflows.export import mjcf, write_context, write_model, write_rollout
 from dr_lab.workflows.overlays import overlay, play_log, shown_logs
 from dr_lab.workflows.study import Study
 from dr_lab.workflows.write_simulated import write_simulated
@@ -34,8 +34,8 @@ def finish(
 ) -> dict[str, Any]:
     """Write the run folder and print the summary.
 
-    Files: ``report.json``, ``report.md``, ``review.rrd``, ``simulated.mcap``; with an improved model (role ``after``)
-    also ``model.xml``, ``rollout.npz`` and ``context.yaml``.
+    Files: ``report.json``, ``report.md``, ``metrics.csv``, ``review.rrd``, ``simulated.mcap``; with an improved model
+    (role ``after``) also ``model.xml``, ``rollout.npz`` and ``context.yaml``.
 
     Args:
         study: model and logs.
@@ -61,7 +61,7 @@ def finish(
         plain = _plain(report, notes, run_dir)
         write_report(run_dir, plain)
         write_review(run_dir / "review.rrd", plain, report_markdown(plain), overlays, study.compiled, look)
-        write_simulated(run_dir / "simulated.mcap", overlays, _attachments(run_dir), _metadata(plain))
+        write_simulated(run_dir / "simulated.mcap", overlays, _attachments(run_dir, shown), _metadata(plain))
     console.print(Markdown(_summary(plain)))
     return plain
 
@@ -94,9 +94,10 @@ def _export(
     return {**models, AFTER: (exported, exported.space.nominal)}, notes
 
 
-def _attachments(run_dir: Path) -> dict[str, bytes]:
+def _attachments(run_dir: Path, shown: Mapping[str, tuple[Model, Array]]) -> dict[str, bytes]:
+    """The run's configuration, and the model: the improved one where there is one, else the one that was compared."""
     found = (run_dir / name for name in ("model.xml", "config.yaml"))
-    return {path.name: path.read_bytes() for path in found if path.is_file()}
+    return {"model.xml": mjcf(*shown[BEFORE]).encode()} | {p.name: p.read_bytes() for p in found if p.is_file()}
 
 
 def _metadata(report: Mapping[str, Any]) -> dict[str, str]:

@@ -28,8 +28,10 @@ def report_ladder(verb: str, study: Study, ladder: Ladder, run_dir: Path, look: 
     """
     described = [describe(study, explained) for explained in ladder.models]
     base, last, first = ladder.base, ladder.models[-1], ladder.rungs[0]
+    header = entries.header(verb, study)
     report = {
-        **entries.header(verb, study),
+        **header,
+        "notes": [*header["notes"], *entries.refused(ladder.refused)],
         "verdict": _verdict(ladder),
         "reason": first.verdict.reason,
         "as_given": as_given(study),

@@ -239,3 +239,8 @@ def test_traceback_where_it_is_asked_for(tmp_path: Path, monkeypatch: pytest.Mon
     with pytest.raises(Exception, match="is not an MCAP file") as caught:
         main(["compare", *named(tmp_path / "log.mcap")])
     assert isinstance(caught.value, DataError) or isinstance(caught.value.__cause__, DataError)
+
+
+def test_number_of_effects_below_none(refused: Refused) -> None:
+    error = refused("close", *SMALL, "most=-1")
+    assert "most is -1; expected the number of effects to add at most, 0 or more." in error

@@ -1,5 +1,6 @@
 """Ctrl-C and SIGTERM: a prompt end, one line, and nothing half-written, whatever the run was doing."""
 
+import csv
 import json
 import signal
 import subprocess
@@ -17,7 +18,8 @@ from hydra.utils import instantiate
 from mcap.reader import make_reader
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.rank import candidates, rank
+from dr_lab.diagnosis.rank import rank
+from dr_lab.effects.catalogue import candidates
 from dr_lab.workflows.calibrated import calibrate
 from dr_lab.workflows.study import prepare
 
@@ -30,6 +32,7 @@ SMALL = [*LOGS, "windows.max_windows=2"]
 READERS: dict[str, Callable[[Path], object]] = {
     ".yaml": lambda path: yaml.safe_load(path.read_text(encoding="utf-8")),
     ".json": lambda path: json.loads(path.read_text(encoding="utf-8")),
+    ".csv": lambda path: list(csv.DictReader(path.read_text(encoding="utf-8").splitlines())),
     ".md": lambda path: path.read_text(encoding="utf-8"),
     ".xml": lambda path: path.read_text(encoding="utf-8").index("</mujoco>"),
     ".npz": lambda path: np.load(path)["qpos"],
@@ -96,7 +99,7 @@ def test_candidates_stop_at_their_next_simulation() -> None:
     keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise")
     study = prepare(**{key: instantiate(cfg[key], _convert_="all") for key in keys}, threads=2)
     base, effects = calibrate(study), instantiate(cfg.effects, _convert_="all")
-    placed = candidates(study.model, effects, study.scales, study.compiled)
+    placed = candidates(study.model, effects, study.scales, study.compiled).placed
     stopped: list[float] = []
 
     def done(label: str) -> None:

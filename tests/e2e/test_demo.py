@@ -22,7 +22,7 @@ from dr_lab.recorders.viewer import screenshot, show
 
 TRUTH = Path(__file__).parents[2] / "examples" / "furuta" / "truth.yaml"
 FILES = {
-    *("config.yaml", "report.json", "report.md", "review.rrd"),
+    *("config.yaml", "report.json", "report.md", "metrics.csv", "review.rrd"),
     *("simulated.mcap", "model.xml", "rollout.npz", "context.yaml"),
 }
 CHANNELS = {"arm.position", "pole.position"}

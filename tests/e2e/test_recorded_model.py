@@ -5,24 +5,42 @@ import subprocess
 import sys
 from pathlib import Path
 
+import mujoco
+import pytest
+from mcap.reader import make_reader
+
 PROGRAM = Path(sys.executable).with_name("dr-lab")
 TRUTH = ["model=furuta", "peaks={motor:6}", "context={arm.mass:0.1}"]
-SAME = ["model=furuta", "model.parameters.arm.mass.low=0.09", "windows.max_windows=4"]
+READ = ["--config-dir=logs", "model=furuta", "measurements=recorded", "windows.max_windows=4", "hydra.run.dir=run"]
 
 
-def dr_lab(folder: Path, *arguments: str) -> str:
+def dr_lab(folder: Path, *arguments: str) -> None:
     done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
-def test_calibration_finds_the_recorded_mass(tmp_path: Path) -> None:
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with logs."""
     dr_lab(tmp_path, "record", "source=model", *TRUTH, "output=logs", "duration=3", "shares=[1,0.8,0.9]")
-    out = dr_lab(tmp_path, "fit", "--config-dir=logs", "measurements=recorded", *SAME, "hydra.run.dir=run")
-    report = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
+    return tmp_path
+
+
+def test_calibration_finds_the_recorded_mass(folder: Path) -> None:
+    dr_lab(folder, "fit", *READ)
+    report = json.loads((folder / "run" / "report.json").read_text(encoding="utf-8"))
     calibrated = report["ladder"][-1]
     mass = calibrated["parameters"]["arm.mass"]
     assert report["as_given"]["held_out"]["chi2"] > 2.0
     assert calibrated["held_out"]["chi2"] < 1.2
     assert abs(mass["value"] - 0.1) < 4 * mass["std"] < 0.002
-    assert "Run folder: run" in out
+
+
+def test_comparison_leaves_a_folder_that_explains_itself(folder: Path) -> None:
+    dr_lab(folder, "compare", *READ)
+    files = {"config.yaml", "report.json", "report.md", "metrics.csv", "review.rrd", "simulated.mcap"}
+    assert {path.name for path in (folder / "run").iterdir()} == files
+    with (folder / "run" / "simulated.mcap").open("rb") as file:
+        attached = {part.name: part.data for part in make_reader(file).iter_attachments()}
+    assert attached["config.yaml"] == (folder / "run" / "config.yaml").read_bytes()
+    assert mujoco.MjModel.from_xml_string(attached["model.xml"].decode()).joint("pole").id == 1

@@ -94,6 +94,11 @@ FILES = {
         "_target_: parts.Effect\nname: s\n",
         ["sand.yaml: its first line", "'# @package effects.sand'"],
     ),
+    "effect/none.yaml": ("# @package effects.none\n", ["effects.none names no class", "an Effect"]),
+    "effect/door.yaml": (
+        "# @package effects.door\n_target_: parts.Machine\nname: door\nmjcf: none\n",
+        ["effects.door: _target_ 'parts.Machine' is no Effect, which dr-lab compare expects there."],
+    ),
 }
 
 
@@ -106,6 +111,19 @@ def test_own_files_that_are_wrong(dr_lab: CommandLine, capsys: Capture, tmp_path
     error = capsys.readouterr().err
     for words in said:
         assert words in error
+
+
+@pytest.mark.parametrize("chosen", ["all", "[rust,sand]"])
+def test_misplaced_file_stops_only_those_who_ask_for_it(
+    dr_lab: CommandLine, capsys: Capture, tmp_path: Path, chosen: str
+) -> None:
+    write(tmp_path / "mine/effect/sand.yaml", "# sand\n_target_: parts.Effect\nname: sand\n")
+    mine = ("--config-dir", str(tmp_path / "mine"))
+    assert dr_lab("add", *mine, "effect=rust") == 0
+    assert dr_lab("compare", *mine, "effect=[rust,wind]") == 0
+    assert dr_lab("compare", *mine, f"effect={chosen}") == 2
+    assert "sand.yaml: its first line must be '# @package effects.sand'" in capsys.readouterr().err
+    assert len(dr_lab.calls) == 2
 
 
 def test_experiment_of_another_verb(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:

@@ -7,9 +7,10 @@ from diagnosis_machines import evidence_settings, pendulum, solver_settings, swi
 from effect_machines import catalogue_effect, scales_of
 
 from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.rank import Bench, Explained, candidates, explain, rank
+from dr_lab.diagnosis.rank import Bench, Explained, explain, rank
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.screen import Look, look
+from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
 
 NAMES = ("quadratic_drag", "viscous_friction", "constant_offset", "spring", "torque_scale", "actuator_delay")
@@ -62,7 +63,7 @@ def test_only_what_promises_enough_is_fitted(least_fits: int) -> None:
     bench, base = bench_of(least_fits=least_fits, least_promise=0.5)
     model, told = pendulum(), list[str]()
     catalogue = {name: catalogue_effect(name) for name in NAMES}
-    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal())
+    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
     ranking = rank(bench, base, placed, told.append)
     fitted = [c for c in ranking if c.fitted]
     assert ranking[0].effect.effect.name == "constant_offset"

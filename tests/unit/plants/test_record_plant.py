@@ -17,11 +17,6 @@ EXAMPLES = ROOT / "examples" / "furuta"
 SHORT = ["plant.duration=1.0", "plant.peaks=[6.0,5.0]", "seed=3"]
 
 
-def messages(path: Path) -> list[tuple[str, int, int, bytes]]:
-    with path.open("rb") as file:
-        return [(c.topic, m.log_time, m.publish_time, m.data) for _, c, m in make_reader(file).iter_messages()]
-
-
 def read_back(folder: Path, names: list[str]) -> MeasurementSet:
     settings = compose("compare", ["measurements=furuta"]).measurements
     settings.logs, settings.fit, settings.held_out = [f"{folder}/*.mcap"], names, []
@@ -95,6 +90,13 @@ def test_examples_are_small() -> None:
 def test_examples_are_what_the_experiment_records(tmp_path: Path) -> None:
     settings = ["record", "experiment=furuta_demo", f"output={tmp_path / 'logs'}", f"outputs={tmp_path / 'outputs'}"]
     assert main(settings) == 0
-    for path in sorted(EXAMPLES.glob("*.mcap")):
-        assert messages(path) == messages(tmp_path / "logs" / path.name)
+    names = sorted(path.stem for path in EXAMPLES.glob("*.mcap"))
+    for kept, made in zip(*(read_back(folder, names).fit for folder in (EXAMPLES, tmp_path / "logs")), strict=True):
+        # Processors differ in the last bit of a sine, which may turn a reading by one count.
+        np.testing.assert_allclose(kept.commands["motor"].value, made.commands["motor"].value, rtol=0, atol=1e-12)
+        for name, signal in kept.outputs.items():
+            np.testing.assert_allclose(signal.time, made.outputs[name].time, rtol=0, atol=1e-6)
+            turned = np.abs(signal.value - made.outputs[name].value)
+            assert turned.max() < 1.01 * 2 * np.pi / 2048
+            assert (turned > 0).mean() < 0.01
     assert (EXAMPLES / "truth.yaml").read_text() == (tmp_path / "logs" / "truth.yaml").read_text()

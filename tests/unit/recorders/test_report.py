@@ -1,3 +1,4 @@
+import csv
 import dataclasses
 import json
 from pathlib import Path
@@ -42,6 +43,22 @@ def test_numpy_types_and_missing_numbers_become_json(tmp_path: Path, close_repor
     assert read["noise"]["arm.position"] == dataclasses.asdict(Noise(0.0015, "rad", "given"))
     assert read["command_file"] == "a.csv"
     validate(read)
+
+
+def test_metrics_have_a_row_for_each_model_and_channel(tmp_path: Path, close_report: dict[str, Any]) -> None:
+    write_report(tmp_path, close_report)
+    with (tmp_path / "metrics.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    models = ["model as given", "calibrated", "+ coulomb_friction@arm"]
+    assert [(row["model"], row["channel"]) for row in rows] == [
+        (model, channel) for model in models for channel in ("arm.position", "pole.position")
+    ]
+    last = rows[-1]
+    assert (last["effects"], last["unit"]) == ("coulomb_friction@arm", "rad")
+    assert float(last["chi2"]) == 1.003
+    assert float(last["rmse_predicted"]) == 0.00152
+    assert float(last["fit_percent"]) == 99.1
+    assert last["nrmse"] == ""  # not in this report
 
 
 def test_unstorable_value_names_its_place() -> None:

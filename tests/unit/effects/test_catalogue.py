@@ -1,0 +1,60 @@
+"""The catalogue on machines on which some effects cannot act."""
+
+import mujoco
+import pytest
+from effect_machines import NAMES, block, catalogue_effect, scales_of
+
+from dr_lab.effects.catalogue import Candidates, candidates, require_names
+from dr_lab.effects.effect import place
+from dr_lab.errors import ConfigError
+from dr_lab.physics.model import Model, from_spec
+
+EFFECTS = {name: catalogue_effect(name) for name in NAMES}
+DELAYED = '<motor name="drive" joint="rail" delay="0.01" nsample="6"/>'
+
+
+def found(model: Model) -> Candidates:
+    return candidates(model, EFFECTS, scales_of(model), model.nominal())
+
+
+def labels(model: Model) -> set[str]:
+    return {one.label for one in found(model).placed}
+
+
+def test_a_plain_machine_takes_all() -> None:
+    assert not found(block()).refused
+    assert {"actuator_delay@drive", "spring@rail", "payload@block"} <= labels(block())
+
+
+def test_an_effect_that_a_model_holds_is_not_offered_again() -> None:
+    model = block()
+    held = place(EFFECTS["spring"], model.nominal(), "rail", scales_of(model))
+    assert labels(model) - labels(model.with_effect(held)) == {"spring@rail"}
+
+
+def test_an_actuator_with_a_delay_takes_no_other() -> None:
+    delayed = found(block(actuator=DELAYED))
+    assert set(delayed.refused) == {"actuator_delay@drive"}
+    assert "Take its delay out of the MJCF" in delayed.refused["actuator_delay@drive"]
+    assert {one.label for one in delayed.placed} == labels(block()) - {"actuator_delay@drive"}
+
+
+def test_a_springdamper_keeps_passive_forces_out() -> None:
+    damped = found(block(joint='springdamper="0.5 1"'))
+    assert {"spring@rail", "viscous_friction@rail", "coulomb_friction@rail"} <= set(damped.refused)
+    assert all("springdamper" in reason for reason in damped.refused.values())
+    assert {"actuator_delay@drive", "payload@block", "sensor_time_offset@rail"} <= {p.label for p in damped.placed}
+
+
+def test_inertia_from_geometry_keeps_a_payload_out() -> None:
+    xml = """<mujoco><compiler inertiafromgeom="true"/><worldbody><body name="ball">
+      <joint name="hinge" axis="0 1 0"/><geom size="0.1" pos="0 0 -1"/></body></worldbody></mujoco>"""
+    assert set(found(from_spec("ball", mujoco.MjSpec.from_string(xml), {})).refused) == {"payload@ball"}
+
+
+def test_effects_go_by_their_own_names() -> None:
+    require_names(EFFECTS)
+    with pytest.raises(
+        ConfigError, match=r"effect/mine\.yaml builds the effect 'spring'\. Call it effect/spring\.yaml"
+    ):
+        require_names(EFFECTS | {"mine": EFFECTS["spring"]})
