@@ -23,6 +23,16 @@ def test_the_machine_feels_what_is_left() -> None:
     np.testing.assert_allclose(rollout.qvel[:, -1, 0], [-0.15, -0.1, -0.025])  # (3 − d) N / 2 kg · 0.1 s
 
 
+def test_a_delayed_actuator_remembers_what_was_left() -> None:
+    """3 N lose 2 N, also those of before the start that act late."""
+    model = block().with_effect(placed(block(), "dead_zone", "drive"))
+    model = model.with_effect(placed(block(), "actuator_delay", "drive"))
+    start = np.zeros((1, 1, 1))
+    held, before = np.full((1, 50, 1), 3.0), np.full((1, 30, 1), 3.0)
+    rollout = Simulator(model, 1, threads=1).replay(np.array([[2.0, 0.02]]), start, start, held, before)
+    np.testing.assert_allclose(rollout.qvel[0, -1, 0], 0.05)  # 1 N / 2 kg · 0.1 s
+
+
 def test_bounds_follow_the_commands() -> None:
     (parameter,) = placed(block(), "dead_zone", "drive").parameters
     assert (parameter.low, parameter.high) == (0.0, 2.5)

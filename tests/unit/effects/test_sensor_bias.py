@@ -36,7 +36,7 @@ def test_physics_is_untouched() -> None:
     np.testing.assert_array_equal(motion(biased, 0.1, qpos=0.4), motion(hanging().nominal(), 0.1, qpos=0.4))
 
 
-@pytest.mark.parametrize("name", ["sensor_bias", "sensor_scale", "sensor_drift", "quantisation"])
+@pytest.mark.parametrize("name", ["sensor_bias", "sensor_scale", "sensor_drift"])
 def test_only_sensors_of_one_value_are_sites(name: str) -> None:
     assert catalogue_effect(name).sites(with_sensors()) == ("rail", "sensor.scalar")
 
