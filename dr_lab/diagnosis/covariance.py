@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from dr_lab.diagnosis.blocks import blocks, logs
 from dr_lab.diagnosis.fit import Fit
+from dr_lab.diagnosis.normal_equations import inverse_root
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows import Windows
 from dr_lab.physics.context import ContextEstimate, ContextSpace
@@ -20,16 +21,15 @@ def estimate(space: ContextSpace, fit: Fit, windows: Windows, settings: Evidence
     (one Gauss–Newton step per resample from the logs' own gradients), so that it covers logs that disagree and
     residuals that are coloured. A single log is resampled in blocks of consecutive windows instead.
     """
-    formal = np.asarray(np.linalg.inv(fit.equations.information()), np.float64)
-    span = np.diag(space.span)
+    information, _ = fit.equations.window_information()
+    formal, span = inverse_root(information.sum(0), fit.equations.prior), np.diag(space.span)
     return ContextEstimate(space, fit.z, span @ _larger(formal, _scatter(fit, windows, settings)) @ span)
 
 
 def per_log(space: ContextSpace, fit: Fit, windows: Windows) -> Array:
     """Context that each log alone would prefer, by one Gauss–Newton step from the common fit, shape (logs, n)."""
     information, gradient = _sums(fit, logs(windows.log))
-    steps = [np.linalg.solve(i + np.diag(fit.equations.prior), g) for i, g in zip(information, gradient, strict=True)]
-    return space.clip(fit.z - np.array(steps) * space.span)
+    return space.clip(fit.z - _steps(fit, information, gradient) * space.span)
 
 
 def _sums(fit: Fit, groups: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
@@ -48,18 +48,22 @@ def _scatter(fit: Fit, windows: Windows, settings: EvidenceSettings) -> Array:
     if count == 1:
         return np.zeros_like(information[0])
     picks = np.random.default_rng(settings.seed).integers(0, count, (settings.resamples, count))
-    total = information[picks].sum(1) + np.diag(fit.equations.prior)
-    found = -np.linalg.solve(total, gradient[picks].sum(1)[..., None])[..., 0]
+    found = _steps(fit, information[picks].sum(1), gradient[picks].sum(1))
     # Resampling n blocks shows only (n − 1)/n of their scatter.
-    return np.cov(found.T, ddof=1).reshape(total.shape[1:]) * count / (count - 1)
+    return np.cov(found.T, ddof=1).reshape(information.shape[1:]) * count / (count - 1)
 
 
-def _larger(a: Array, b: Array) -> Array:
-    """Smallest covariance of a simple form that is at least `a` and at least `b` in every direction.
+def _steps(fit: Fit, information: Array, gradient: Array) -> Array:
+    """(I + P)⁻¹ g of each resample, shape (k, n)."""
+    root = inverse_root(information, fit.equations.prior)
+    return (root @ (root.transpose(0, 2, 1) @ gradient[..., None]))[..., 0]
+
+
+def _larger(root: Array, b: Array) -> Array:
+    """Smallest covariance of a simple form that is at least a = R Rᵀ and at least `b` in every direction.
 
     In the coordinates in which a is the identity, each eigenvalue of b is raised to at least 1.
     """
-    root = np.linalg.cholesky(a)
     inverse = np.linalg.inv(root)
     values, vectors = np.linalg.eigh(inverse @ b @ inverse.T)
     return root @ (vectors * np.maximum(values, 1.0)) @ vectors.T @ root.T

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.diagnosis.normal_equations import NormalEquations
+from dr_lab.diagnosis.normal_equations import NormalEquations, inverse_root
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,6 @@ def identifiability(equations: NormalEquations, effect_parameters: int) -> Ident
     total = equations.window_information()[0].sum(0)
     n = len(total) - effect_parameters
     alone = total[n:, n:]
-    rest = total[:n, :n] + np.diag(equations.prior[:n])
-    beside = alone - total[n:, :n] @ np.linalg.solve(rest, total[:n, n:])
+    replaced = inverse_root(total[:n, :n], equations.prior[:n]).T @ total[:n, n:]
+    beside = alone - replaced.T @ replaced
     return Identifiability(float(np.linalg.eigvalsh(alone)[-1]), max(float(np.linalg.eigvalsh(beside)[-1]), 0.0))

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
+_ROUNDING = 1e-13  # of eigenvalues, relative to the largest
 
 
 @dataclass(frozen=True)
@@ -91,12 +92,11 @@ class NormalEquations:
 
     def decrease(self, free: Mask) -> float:
         """By how much a full step of the free parameters and of all states lowers Σ wr² + priors, to second order."""
-        information, gradient, _, _ = self._reduce(0.0)
         states = np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0]
-        gain = float((self.state_gradient * states).sum())
-        if free.any():
-            gain += float(gradient[free] @ np.linalg.solve(information[np.ix_(free, free)], gradient[free]))
-        return gain
+        information, gradient = (rows.sum(0) for rows in self.window_information())
+        root = inverse_root(information[np.ix_(free, free)], self.prior[free])
+        whitened = root.T @ (gradient + self.prior_gradient)[free]
+        return float((self.state_gradient * states).sum() + whitened @ whitened)
 
     def information(self) -> Array:
         """Information about the parameters once the states are eliminated, prior included, shape (p, p)."""
@@ -118,3 +118,20 @@ class NormalEquations:
         information = (self.parameter - transposed @ gain).sum(0) + np.diag(self.prior)
         gradient = (self.parameter_gradient - (transposed @ offset)[..., 0]).sum(0) + self.prior_gradient
         return information, gradient, gain, offset[..., 0]
+
+
+def inverse_root(information: Array, prior: Array) -> Array:
+    """R with R Rᵀ = (I + diag(prior))⁻¹, shape (…, p, p).
+
+    Very fine measurements make I so large beside the prior that parameters which can replace one another leave their
+    sum singular to rounding; a direction of which I knows less than rounding is left to the prior.
+
+    Args:
+        information: I, without the prior, shape (…, p, p).
+        prior: precisions above 0, shape (p,).
+    """
+    scale = prior**-0.5
+    values, vectors = np.linalg.eigh(information * scale * scale[:, None])
+    floor = _ROUNDING * values.max(axis=-1, keepdims=True, initial=0.0)
+    known = np.where(values > floor, values, 0.0)
+    return scale[:, None] * vectors / np.sqrt(known + 1)[..., None, :]

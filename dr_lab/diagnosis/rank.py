@@ -118,8 +118,8 @@ def rank(
 
     reachable = max((look.gain for look in looks), default=0.0)
     for _ in range(2):
-        near = [k for k in order if looks[k].gain >= settings.least_promise * reachable]
-        wave = [k for k in dict.fromkeys((*order[: settings.least_fits], *near)) if k not in found]
+        near = [k for k in order[: settings.most_fits] if looks[k].gain >= settings.least_promise * reachable]
+        wave = [k for k in near or order[:1] if k not in found]
         wave.sort(key=lambda k: -len(placed[k].parameters))  # those that take longest begin
         found |= dict(zip(wave, _side_by_side(bench.threads, stop, wave, finish), strict=True))
         reachable = max((base.fit.cost - c.explained.fit.cost for c in found.values()), default=0.0)

@@ -95,7 +95,7 @@ class EvidenceSettings:
     """Which candidates are worth a fit, and when their gain on held-out windows counts.
 
     Attributes:
-        least_fits: number of candidates that are fitted in any case, the most promising ones.
+        most_fits: number of candidates that are fitted at most, the most promising ones.
         least_promise: share of the largest gain on the fit windows, first as predicted, then as reached: candidates
             that promise less stay unfitted.
         confidence: of the intervals of paired gains.
@@ -113,7 +113,7 @@ class EvidenceSettings:
         ConfigError: a number is too small, or the confidence is no share.
     """
 
-    least_fits: int
+    most_fits: int
     least_promise: float
     confidence: float
     block: int
@@ -127,7 +127,7 @@ class EvidenceSettings:
     absorbed: float
 
     def __post_init__(self) -> None:
-        least: dict[str, float] = dict.fromkeys(("least_fits", "block", "least_blocks", "resamples"), 1.0)
+        least: dict[str, float] = dict.fromkeys(("most_fits", "block", "least_blocks", "resamples"), 1.0)
         least |= dict.fromkeys(("least_promise", "seed", "threshold", "least_gap", "penalty", "absorbed"), 0.0)
         require_numbers(self, "evidence", positive=("floor",), least=least)
         if not 0 < self.confidence < 1:

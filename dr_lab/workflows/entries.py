@@ -133,6 +133,9 @@ def remaining(chi2: float, floor: float) -> dict[str, Any]:
 
 
 def _own(candidate: Candidate, study: Study) -> dict[str, Any]:
+    """The effect's fitted parameters; none where it was not fitted."""
+    if not candidate.fitted:
+        return {}
     explained = candidate.explained
     table = estimate(explained.model.space, explained.fit, study.bench.fit, study.bench.evidence).table()
     return {p.name: table[p.name] for p in candidate.effect.parameters}

@@ -5,7 +5,7 @@ from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 
 SETTINGS = EvidenceSettings(
-    least_fits=1,
+    most_fits=100,
     least_promise=0.0,
     confidence=0.99,
     block=3,

@@ -1,7 +1,7 @@
 import numpy as np
 
 from dr_lab.diagnosis.identifiability import identifiability
-from dr_lab.diagnosis.normal_equations import NormalEquations
+from dr_lab.diagnosis.normal_equations import NormalEquations, inverse_root
 
 W, M, S, P = 4, 30, 2, 3
 
@@ -63,6 +63,23 @@ def test_the_predicted_decrease_is_that_of_the_dense_quadratic() -> None:
         kept = np.concatenate([np.ones(W * S, bool), free])
         expected = gradient[kept] @ np.linalg.solve(hessian[np.ix_(kept, kept)], gradient[kept])
         np.testing.assert_allclose(equations.decrease(free), expected)
+
+
+def test_parameters_that_replace_one_another_are_left_to_the_prior() -> None:
+    """Of x + y the data know everything, of x − y nothing."""
+    information, prior = 1e20 * np.ones((2, 2)), np.array([4.0, 1.0])
+    root = inverse_root(information, prior)
+    covariance = root @ root.T
+    # with x = −y the prior's precision is that of both
+    np.testing.assert_allclose(covariance, np.array([[1.0, -1.0], [-1.0, 1.0]]) / prior.sum(), rtol=1e-6)
+
+
+def test_the_root_is_that_of_the_inverse() -> None:
+    rng = np.random.default_rng(3)
+    jacobian, prior = rng.normal(size=(5, 8, 3)), np.array([0.1, 2.0, 7.0])
+    information = jacobian.transpose(0, 2, 1) @ jacobian
+    root = inverse_root(information, prior)
+    np.testing.assert_allclose(root @ root.transpose(0, 2, 1), np.linalg.inv(information + np.diag(prior)))
 
 
 def test_information_is_the_inverse_of_the_dense_covariance() -> None:
