@@ -14,10 +14,9 @@ def verdict_markdown(report: Mapping[str, Any]) -> str:
 
 def _found(report: Mapping[str, Any]) -> str:
     named = _listed(report["ladder"][-1]["effects"] or _with_status(report, "named"))
-    rivals = _listed(_with_status(report, "equivalent")) or "the best candidates"
     sentences = {
         "named": f"**The missing effect is named:** {named}.",
-        "equivalent": f"**Equivalent effects:** these logs cannot tell apart {rivals}.",
+        "equivalent": _equivalent(report),
         "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
         "unexplained": "**Unexplained:** a gap remains that no effect of the catalogue explains.",
         "none": "**No missing effect:** the logs support no effect beyond the plain model.",
@@ -25,6 +24,16 @@ def _found(report: Mapping[str, Any]) -> str:
     added = report["ladder"][-1]["effects"]
     done = "**Calibrated on the logs.**" if len(steps(report)) > 1 else "**Measured against the model.**"
     return sentences.get(report.get("verdict") or "", f"**Added:** {_listed(added)}." if added else done)
+
+
+def _equivalent(report: Mapping[str, Any]) -> str:
+    """Which effects stand alone, and which ones the logs cannot tell apart."""
+    added = [(rung["effects"][-1], rung.get("rivals", [])) for rung in report["ladder"] if rung["effects"]]
+    alone = _listed([effect for effect, rivals in added if not rivals])
+    groups = [_listed([effect, *rivals]) for effect, rivals in added if rivals]
+    told = "; ".join(groups) or _listed(_with_status(report, "equivalent")) or "the best candidates"
+    named = f"**The missing effect is named:** {alone}. " if alone else ""
+    return f"{named}**Equivalent effects:** these logs cannot tell apart {told}."
 
 
 def _fall(report: Mapping[str, Any]) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 
 from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.next_experiment import ExperimentSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
@@ -14,6 +15,7 @@ from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.deciding import deciding_experiment
 from dr_lab.workflows.ladder_report import report_ladder
 from dr_lab.workflows.progress import candidate_progress
 from dr_lab.workflows.study import prepare
@@ -28,6 +30,7 @@ def close(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    next_experiment: ExperimentSettings,
     recorder: Look,
     most: int,
     threads: int | None,
@@ -44,6 +47,7 @@ def close(
         solver: settings of the fits.
         evidence: when a gain counts.
         localise: how the place of failure is looked for.
+        next_experiment: which experiments are tried where logs cannot separate two effects.
         recorder: how the recording looks.
         most: most effects that are added; 0 only ranks them.
         threads: worker threads; None takes every core.
@@ -61,4 +65,5 @@ def close(
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
     with candidate_progress() as watch:
         ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=most, watch=watch)
-    return report_ladder("close", study, ladder, run_dir, recorder)
+    proposal = deciding_experiment(study, ladder, next_experiment, run_dir)
+    return report_ladder("close", study, ladder, run_dir, recorder, proposal)

@@ -7,6 +7,7 @@ from typing import Any
 
 from dr_lab.diagnosis.ladder import climb, step_from
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.next_experiment import ExperimentSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
@@ -14,6 +15,7 @@ from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.deciding import deciding_experiment
 from dr_lab.workflows.ladder_report import report_ladder
 from dr_lab.workflows.progress import candidate_progress
 from dr_lab.workflows.study import prepare
@@ -28,6 +30,7 @@ def diagnose(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    next_experiment: ExperimentSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -43,4 +46,6 @@ def diagnose(
         ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=watch)
     rung = ladder.rungs[0]
     steps = (step_from(rung),) if rung.verdict.effects else ()
-    return report_ladder("diagnose", study, replace(ladder, steps=steps), run_dir, recorder)
+    ladder = replace(ladder, steps=steps)
+    proposal = deciding_experiment(study, ladder, next_experiment, run_dir)
+    return report_ladder("diagnose", study, ladder, run_dir, recorder, proposal)

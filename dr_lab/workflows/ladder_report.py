@@ -1,5 +1,6 @@
 """Report of a ladder: models with falling error, the ranking that chose each, and what is left."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,14 @@ from dr_lab.workflows.localised import failure
 from dr_lab.workflows.study import Study
 
 
-def report_ladder(verb: str, study: Study, ladder: Ladder, run_dir: Path, look: Look) -> dict[str, Any]:
+def report_ladder(
+    verb: str,
+    study: Study,
+    ladder: Ladder,
+    run_dir: Path,
+    look: Look,
+    next_experiment: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
     """Write the run of a verb that judges effects.
 
     Args:
@@ -22,6 +30,7 @@ def report_ladder(verb: str, study: Study, ladder: Ladder, run_dir: Path, look: 
         ladder: what was climbed; the first rung's ranking becomes the report's `ranking`.
         run_dir: the run folder.
         look: how the recording looks.
+        next_experiment: the report's entry on the experiment that would separate rivals.
 
     Returns:
         The report (schema dr_lab/gap/1).
@@ -41,6 +50,7 @@ def report_ladder(verb: str, study: Study, ladder: Ladder, run_dir: Path, look: 
         ],
         "ranking": entries.ranking(study, first.ranking, first.verdict),
         "rungs": [_rung(study, rung) for rung in ladder.rungs],
+        "next_experiment": next_experiment,
         "remaining": entries.remaining(last.held_out.chi2, study.bench.evidence.floor),
         **failure(study, base.model, base.fit.z),
     }

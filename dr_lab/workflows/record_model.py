@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import yaml
 
+from dr_lab.diagnosis.experiment import readings
 from dr_lab.effects.effect import Effect
 from dr_lab.effects.named import with_named_effects
 from dr_lab.errors import ConfigError, ModelError, UnknownNameError
@@ -16,7 +17,6 @@ from dr_lab.plants.instruments import Instruments, RobotClock
 from dr_lab.recorders.mcap import FloatArrays, JointStates
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array, Signal
-from dr_lab.workflows.joint_positions import joint_positions
 from dr_lab.workflows.record import NamedLog
 from dr_lab.workflows.recorded_map import RecordedMap
 
@@ -136,7 +136,8 @@ class ModelSource:
         }
         acting = {a: Signal(a, "", issued + tools.actuation_latency, value) for a, value in values.items()}
         names = _recorded(compiled)
-        position = joint_positions(machine, z, self._start(), acting, names, sampled)
+        shown = readings(machine, z, self._start(), acting, [f"{joint}.position" for joint in names], sampled)
+        position = np.concatenate(list(shown.values()), axis=1)
         turns = np.array([2 * np.pi / self.travel if _slides(compiled, joint) else 1.0 for joint in names])
         states = JointStates(
             topic=self.joint_topic,

@@ -27,17 +27,19 @@ SMALL = """<mujoco model="two_joints">
   </body></worldbody>
   <actuator>%s</actuator>
 </mujoco>"""
-ACTUATORS = {
-    "two_joints_motor": '<motor name="drive" joint="rail" gear="2"/>',
-    "two_joints_dcmotor": '<dcmotor name="drive" joint="rail" motorconst="0.5 0.5" resistance="1"/>',
+MOTOR = SMALL % '<motor name="drive" joint="rail" gear="2"/>'
+SMALL_ONES = {
+    "two_joints_motor": MOTOR,
+    "two_joints_dcmotor": SMALL % '<dcmotor name="drive" joint="rail" motorconst="0.5 0.5" resistance="1"/>',
+    "two_joints_in_air": MOTOR.replace("<option ", '<option density="1.2" '),
 }
-MODELS = (*ACTUATORS, *sorted(path.stem for path in (CONF / "model").glob("*.xml")))
+MODELS = (*SMALL_ONES, *sorted(path.stem for path in (CONF / "model").glob("*.xml")))
 
 
 @cache
 def machine(name: str) -> Model:
-    if name in ACTUATORS:
-        return from_spec(name, mujoco.MjSpec.from_string(SMALL % ACTUATORS[name]), {})
+    if name in SMALL_ONES:
+        return from_spec(name, mujoco.MjSpec.from_string(SMALL_ONES[name]), {})
     return load(name, CONF / "model" / f"{name}.xml", {})
 
 

@@ -47,9 +47,17 @@ def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None
 )
 def test_each_verdict_has_its_sentence(close_report: dict[str, Any], verdict: str | None, words: str) -> None:
     close_report["verdict"] = verdict
-    for row in close_report["ranking"][:2]:
-        row["status"] = "equivalent"
+    close_report["ladder"][1]["rivals"] = ["stribeck_friction@arm"]
     assert words in report_markdown(close_report)
+
+
+def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_report: dict[str, Any]) -> None:
+    first = close_report["ladder"][1]
+    second = first | {"effects": ["coulomb_friction@arm", "payload@pole"], "rivals": ["armature@pole"]}
+    close_report |= {"verdict": "equivalent", "ladder": [*close_report["ladder"], second]}
+    text = report_markdown(close_report)
+    assert "The missing effect is named:** `coulomb_friction@arm`." in text
+    assert "cannot tell apart `payload@pole`, `armature@pole`" in text
 
 
 def test_diagnose_without_an_added_rung_shows_the_candidate(close_report: dict[str, Any]) -> None:

@@ -12,10 +12,10 @@ from hydra.utils import instantiate
 from mcap.reader import make_reader
 
 from dr_lab.cli.compose import compose
+from dr_lab.diagnosis.experiment import readings
 from dr_lab.errors import ConfigError, DrLabError, ModelError, UnknownNameError
 from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array, MeasurementSet, Signal
-from dr_lab.workflows.joint_positions import joint_positions
 from dr_lab.workflows.record import record
 from dr_lab.workflows.record_model import ModelSource
 
@@ -85,7 +85,7 @@ def test_log_replays_in_its_own_model(tmp_path: Path, name: str, override: str) 
     start = np.array([1.2]) if name == "multiarm" else model.nominal().qpos0
     for channel, signal in log.outputs.items():
         joint, time = channel.removesuffix(".position"), signal.time + zero
-        again = joint_positions(model, model.space.nominal, start, commands, [joint], time)
+        again = readings(model, model.space.nominal, start, commands, [f"{joint}.position"], time)[f"{joint}.position"]
         np.testing.assert_allclose(signal.value, again[:, 0], rtol=0, atol=1e-9)
 
 

@@ -1,4 +1,4 @@
-"""What the joints of a model do under held commands, at the times at which they are read."""
+"""An experiment played on a model: what its sensors report of a rollout from rest under held commands."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -14,36 +14,36 @@ from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array, Signal
 
 
-def joint_positions(
-    model: Model, z: Array, start: Array, commands: Mapping[str, Signal], joints: Sequence[str], time: Array
-) -> Array:
-    """Simulate a model from rest, by the same rules by which logs are replayed.
+def readings(
+    model: Model, z: Array, start: Array, commands: Mapping[str, Signal], channels: Sequence[str], time: Array
+) -> dict[str, Array]:
+    """What sensors report of an experiment that begins at rest, by the same rules by which logs are replayed.
 
     Commands act as their average over each step, and hold their first value before it; a reading that an effect
-    delays shows the pose of earlier, before the start the start's.
+    delays shows the motion of earlier, before the start the start's.
 
     Args:
         model: the model with its effects.
         z: its context, shape (n,).
         start: positions at time 0, shape (nq,).
         commands: held commands by actuator name, times in s after the start.
-        joints: names of k hinge or slide joints.
+        channels: names of k channels.
         time: increasing times of the readings in s after the start, shape (m,).
 
     Returns:
-        rad or m, shape (m, k).
+        By channel name, in its unit, shape (m, raw size).
 
     Raises:
         ModelError: the context does not compile, or its simulation diverges.
+        UnknownNameError: the model has no such channel.
     """
-    channels = resolve(model.nominal(), [f"{joint}.position" for joint in joints])
-    sensors = [partial(model.reading, z[None], channel.name, begin=np.zeros((1, 1))) for channel in channels]
-    tape = _simulate(model, z, start, commands, float(time[-1]) + max(reach(sensor) for sensor in sensors))
-    reported = [
-        sensor(read=partial(_from_start, tape, channel))(time[None, None])[0, 0, :, 0]
-        for channel, sensor in zip(channels, sensors, strict=True)
-    ]
-    return np.stack(reported, axis=1)
+    shown = resolve(model.nominal(), channels)
+    sensors = {c: partial(model.reading, z[None], c.name, begin=np.zeros((1, 1))) for c in shown}
+    tape = _simulate(model, z, start, commands, float(time[-1]) + max(reach(sensor) for sensor in sensors.values()))
+    return {
+        channel.name: sensor(read=partial(_from_start, tape, channel))(time[None, None])[0, 0]
+        for channel, sensor in sensors.items()
+    }
 
 
 def _from_start(tape: Tape, channel: Channel, time: Array) -> Array:

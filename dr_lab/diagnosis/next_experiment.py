@@ -1,0 +1,143 @@
+"""The experiment that would tell two effects apart which the logs cannot separate."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from dr_lab.diagnosis.experiment import readings
+from dr_lab.diagnosis.fit import Fitter
+from dr_lab.diagnosis.rank import Explained
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
+from dr_lab.diagnosis.windows import cut
+from dr_lab.errors import ConfigError, ModelError, require_numbers
+from dr_lab.seeding import stream
+from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
+
+
+class Excitation(Protocol):
+    """A shape of commands over time."""
+
+    def command(self, time: Array, peak: float, generator: np.random.Generator) -> Array:
+        """The command at each time, at most `peak` in size."""
+        ...
+
+
+@dataclass(frozen=True)
+class ExperimentSettings:
+    """Which experiments are tried, and how they are measured.
+
+    Attributes:
+        excitations: shapes of the commands, by name.
+        shares: sizes of the commands, shares of what the actuator allows.
+        draws: times that each shape is drawn anew.
+        duration: s.
+        command_rate: commands a second, Hz.
+        sample_rate: samples a second of every channel, Hz.
+        seed: of the draws.
+
+    Raises:
+        ConfigError: a number is too small, a share is not between 0 and 1, or there is no excitation.
+    """
+
+    excitations: Mapping[str, Excitation]
+    shares: Sequence[float]
+    draws: int
+    duration: float
+    command_rate: float
+    sample_rate: float
+    seed: int
+
+    def __post_init__(self) -> None:
+        require_numbers(
+            self, "next_experiment", positive=("duration", "command_rate", "sample_rate"), least={"draws": 1.0}
+        )
+        if not self.excitations or not self.shares or not all(0 < share <= 1 for share in self.shares):
+            raise ConfigError("next_experiment needs an excitation and shares between 0 and 1.")
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What an experiment on the machine can do and show.
+
+    Attributes:
+        start: positions at which it begins, at rest, shape (nq,).
+        limits: lowest and highest command by actuator.
+        noise: noise of the measured channels.
+        windows: how its log is cut.
+        solver: settings of the fits.
+        threads: C threads.
+    """
+
+    start: Array
+    limits: Mapping[str, tuple[float, float]]
+    noise: Mapping[str, Noise]
+    windows: WindowSettings
+    solver: SolverSettings
+    threads: int
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """The experiment that separates two models most.
+
+    Attributes:
+        separates: labels of the two effects.
+        sigma: √Δχ² by which the wrong model, refitted to this experiment, would miss it, whichever is the wrong one.
+        excitation: name of the shape.
+        commands: the commands by actuator, times in s from the start.
+    """
+
+    separates: tuple[str, str]
+    sigma: float
+    excitation: str
+    commands: Mapping[str, Signal]
+
+
+def propose(chosen: Explained, rival: Explained, machine: Machine, settings: ExperimentSettings) -> Proposal | None:
+    """Play every experiment on both fitted models and keep the one that separates them most; None if none can run.
+
+    One model plays the truth, without noise; the other is refitted to what it shows, the starts of all windows
+    included, and what it still misses counts: min over both roles of √Σ (residual/σ)².
+    """
+    names = chosen.model.effects[-1].label, rival.model.effects[-1].label
+    best: Proposal | None = None
+    for excitation, commands in _experiments(machine, settings):
+        sigma = min(_missed(*roles, commands, machine, settings) for roles in ((chosen, rival), (rival, chosen)))
+        if np.isfinite(sigma) and (best is None or sigma > best.sigma):
+            best = Proposal(names, sigma, excitation, commands)
+    return best
+
+
+def _experiments(machine: Machine, settings: ExperimentSettings) -> Iterator[tuple[str, dict[str, Signal]]]:
+    """Commands within the actuators' limits."""
+    time = np.arange(0.0, settings.duration, 1 / settings.command_rate)
+    for name, shape in settings.excitations.items():
+        for share in settings.shares:
+            for draw in range(settings.draws):
+                commands = {}
+                for actuator, (low, high) in machine.limits.items():
+                    generator = stream(settings.seed, name, str(draw), actuator)
+                    wish = (low + high) / 2 + shape.command(time, share * (high - low) / 2, generator)
+                    value = np.clip(wish, low, high)  # against rounding
+                    commands[actuator] = Signal(actuator, "", time, value)
+                yield name, commands
+
+
+def _missed(
+    truth: Explained, other: Explained, commands: Mapping[str, Signal], machine: Machine, settings: ExperimentSettings
+) -> float:
+    """What the other model misses of an experiment on the truth after a refit, in σ; −∞ where it cannot run."""
+    time = np.arange(0.0, settings.duration, 1 / settings.sample_rate)
+    try:
+        shown = readings(truth.model, truth.fit.z, machine.start, commands, list(machine.noise), time)
+    except ModelError:
+        return -np.inf
+    outputs = {n: Signal(n, machine.noise[n].unit, time, v[:, 0] if v.shape[1] == 1 else v) for n, v in shown.items()}
+    log, gaps = Log("next_experiment", outputs, commands), dict.fromkeys(outputs, np.inf)
+    measured = MeasurementSet("next_experiment", (log,), (), machine.noise, gaps)
+    windows = cut([log], measured, other.model.nominal(), machine.windows)
+    fit = Fitter(Replay(other.model, windows, machine.threads), machine.solver).run(other.fit.z)
+    return -np.inf if fit.infeasible.any() else float(np.sqrt(max(fit.cost, 0.0)))

@@ -1,0 +1,63 @@
+"""The medium that a machine moves in."""
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.effect import Effect, Scales
+from dr_lab.effects.felt import fluid_forces, inverse_forces
+from dr_lab.physics.parameter import Parameter
+
+
+@dataclass(frozen=True)
+class AirDrag(Effect):
+    """Air, or another medium, that slows all links, each by its size and speed.
+
+    MuJoCo's fluid forces with the medium's density rho. Bodies count as the boxes that have their inertia, with
+    half-lengths r, in the box's axes i (j and k the other two): f_i = −2 rho r_j r_k |v_i| v_i,
+    g_i = −½ rho r_i (r_j⁴ + r_k⁴) |w_i| w_i; geoms with ``fluidshape="ellipsoid"`` as ellipsoids.
+
+    Parameters (nominal = absent): density rho ≥ 0 [kg/m³], absent = the model's own.
+    Limits: models in which some body that moves has a size; the box stands for the link's shape and its drag
+    coefficient of 1 for the true one, so rho is the density of air only as far as they are right (an inertia that
+    was put in as a round number makes a wrong box).
+    Source: MuJoCo 4.0, computation chapter ("Fluid forces"), option/density.
+
+    Attributes:
+        most: how far the density may lie above the model's own [kg/m³].
+        sensitive: share of the forces of inertia and gravity from which on the medium counts as felt.
+        poses: number of states in which a force is looked for.
+    """
+
+    most: float
+    sensitive: float
+    poses: int
+
+    name: ClassVar[str] = "air_drag"
+    family: ClassVar[str] = "environment"
+    law: ClassVar[str] = "f = -2 rho r_j r_k |v| v, per link"
+    fingerprint: ClassVar[str] = "force residual against the motion that grows with the square of the links' speeds"
+    confused_with: ClassVar[tuple[str, ...]] = ("quadratic_drag", "viscous_friction")
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """``world``, if a denser medium changes a force."""
+        denser = copy(model)
+        denser.opt.density += self.most
+        change = fluid_forces(denser, self.poses) - fluid_forces(model, self.poses)
+        least = self.sensitive * np.abs(inverse_forces(model, self.poses)).max(initial=0.0)
+        return ("world",) if np.abs(change).max(initial=0.0) > least else ()
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The density."""
+        del site, scales
+        own = float(model.opt.density)
+        return (Parameter("density", "kg/m³", own, 0.0, own + self.most),)
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Set the density of the medium."""
+        del site
+        spec.option.density = values["density"]

@@ -1,0 +1,87 @@
+"""A medium that moves past the machine."""
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.effect import Effect, Scales
+from dr_lab.effects.felt import fluid_forces
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+_AXES = ("x", "y", "z")
+_LEVEL = _AXES[:2]
+
+
+@dataclass(frozen=True)
+class Wind(Effect):
+    """A steady, level wind: every link moves through the medium with its velocity less the wind's.
+
+    v → v − (x, y, 0) in MuJoCo's fluid forces, in the axes of the world.
+
+    Parameters (nominal = absent): x, y [m/s], absent = the model's own wind; each only where it changes a generalised
+    force of the model to first order.
+    Limits: models whose medium has a density or a viscosity; without either there is nothing that blows.
+    Source: MuJoCo 4.0, option/wind and computation chapter ("Fluid forces").
+
+    Attributes:
+        strongest: how far either speed may lie from the model's own [m/s].
+        sensitive: share of the force of an equally strong wind in the worst direction from which on one counts as felt.
+        poses: number of states in which that is looked for.
+    """
+
+    strongest: float
+    sensitive: float
+    poses: int
+
+    name: ClassVar[str] = "wind"
+    family: ClassVar[str] = "environment"
+    law: ClassVar[str] = "v -> v - (x, y, 0) in the medium's drag"
+    fingerprint: ClassVar[str] = (
+        "force residual at rest too, larger against one direction of motion; turns with the links"
+    )
+    confused_with: ClassVar[tuple[str, ...]] = ("constant_offset", "base_tilt", "air_drag")
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """``world``, where a wind is felt."""
+        return ("world",) if self._felt(model) else ()
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The speeds that are felt."""
+        del site, scales
+        felt = self._felt(model)
+        return tuple(
+            Parameter(axis, "m/s", float(own), float(own) - self.strongest, float(own) + self.strongest)
+            for axis, own in zip(_AXES, model.opt.wind, strict=True)
+            if axis in felt
+        )
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Set the wind."""
+        del site
+        spec.option.wind = [values.get(axis, own) for axis, own in zip(_AXES, spec.option.wind, strict=True)]
+
+    def _felt(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Level axes along which a wind changes a generalised force in some state."""
+        if not (model.opt.density > 0 or model.opt.viscosity > 0):
+            return ()
+        change = {
+            axis: _blown(model, self.strongest * direction, self.poses)
+            for axis, direction in zip(_AXES, np.eye(3), strict=True)
+        }
+        least = self.sensitive * max(change.values())
+        return tuple(axis for axis in _LEVEL if change[axis] > least)
+
+
+def _blown(model: mujoco.MjModel, wind: Array, poses: int) -> float:
+    """Largest difference of a generalised force between a wind and its opposite."""
+    forces = []
+    for sign in (1.0, -1.0):
+        windy = copy(model)
+        windy.opt.wind[:] += sign * wind
+        forces.append(fluid_forces(windy, poses))
+    return float(np.abs(forces[0] - forces[1]).max(initial=0.0))
