@@ -88,7 +88,7 @@ class Tape:
         """Values of a channel at times after the start, shape (c or 1, w, m) → (c, w, m, size of the raw value).
 
         Positions are cubic Hermite interpolants through positions and velocities, so a millisecond step adds no
-        visible error; velocities and sensors are linear between steps.
+        visible error; velocities and sensors are linear between steps. Beyond its ends the motion rests.
         """
         if channel.kind == "position":
             return self._hermite(channel, time)[..., None]
@@ -112,7 +112,7 @@ class Tape:
     def _cell(self, time: Array, points: int) -> tuple[Index, Array]:
         position = time / self.step
         k = np.clip(np.floor(position), 0, points - 2).astype(np.intp)
-        return k, position - k
+        return k, np.clip(position - k, 0.0, 1.0)
 
 
 def residual(channel: Channel, simulated: Array, measured: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from concurrent.futures import CancelledError
+from dataclasses import replace
 from functools import partial
 from threading import Event
 
@@ -145,11 +146,16 @@ class Replay:
         return qpos, qvel
 
     def _require_margin(self) -> None:
-        """Samples that are read early or late must still lie within the simulation."""
-        space = self.model.space
-        bounds, begin = np.stack([space.low, space.high]), self.windows.begin[:, None]
-        names = [samples.channel.name for samples in self.windows.samples]
-        longest = max(reach(partial(self.model.reading, bounds, name, begin=begin)) for name in names)
+        """Samples that one effect reads early or late must still lie within the simulation.
+
+        Where two effects together reach farther, at their bounds, the motion rests beyond its ends.
+        """
+        begin, longest = self.windows.begin[:, None], 0.0
+        for effect in self.model.effects:
+            alone = replace(self.model, effects=(effect,))
+            bounds = np.stack([alone.space.low, alone.space.high])
+            for name in (samples.channel.name for samples in self.windows.samples):
+                longest = max(longest, reach(partial(alone.reading, bounds, name, begin=begin)))
         if longest > self.windows.margin + _ROUNDING:
             raise DataError(
                 f"Outputs of model {self.model.name!r} may be {longest:g} s late, but windows.margin is "

@@ -166,3 +166,15 @@ def test_a_delayed_command_is_replayed_late_from_the_first_sample_on() -> None:
     # RK4 reads a delayed command in the middle of a step too, so that edges are blurred over one step
     assert np.abs(residuals(replay, z, motion)).max() * NOISE < 1e-4
     assert np.abs(residuals(replay, late.space.nominal, motion)).max() * NOISE > 1e-3
+
+
+def test_an_offset_behind_a_low_pass_may_reach_beyond_the_margin() -> None:
+    """Each alone fits into it; together they do at all but extreme values."""
+    model = pendulum()
+    for name in ("sensor_time_offset", "sensor_low_pass"):
+        model = model.with_effect(placed(model, name, "hinge"))
+    windows = windows_of(model, [swinging("a", pendulum().nominal(), 0)])
+    replay = Replay(model, windows, 1)
+    residuals, infeasible = replay.residuals(model.space.high[None], np.zeros((1, len(windows), replay.nstate)))
+    assert np.isfinite(residuals).all()
+    assert not infeasible.any()
