@@ -14,7 +14,7 @@ from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
 
 CONF = Path(__file__).parents[1] / "conf"
-NAMES = tuple(sorted(path.stem for path in (CONF / "effect").glob("*.yaml")))
+NAMES = tuple(sorted(p.stem for p in (CONF / "effect").glob("*.yaml") if ": ???" not in p.read_text(encoding="utf-8")))
 
 
 @cache

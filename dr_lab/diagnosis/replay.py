@@ -14,6 +14,7 @@ from dr_lab.diagnosis.channels import Channel, Tape, available, residual
 from dr_lab.diagnosis.unread import reach, unread
 from dr_lab.diagnosis.windows import Samples, Windows
 from dr_lab.errors import DataError
+from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
 from dr_lab.physics.signal import Reading
 from dr_lab.physics.simulator import Simulator
@@ -45,6 +46,8 @@ class Replay:
         self._compiled = compiled
         self._controls = _widen(windows.controls, compiled.nu)
         self._past = _widen(windows.past, compiled.nu)
+        before = windows.before
+        self._history = History(windows.begin, before.qpos, before.qvel, self._past)
         self._require_margin()
         self._require_past()
         self.fitted = self._mask("fitted")
@@ -115,7 +118,7 @@ class Replay:
         contexts, count = delta.shape[:2]
         qpos, qvel = self._starts(z, delta)
         simulator = self._simulator(contexts * count)
-        rollout = simulator.replay(z, qpos, qvel, self._controls, self._past)
+        rollout = simulator.replay(z, qpos, qvel, self._controls, self._past, self._history)
         shape = (contexts, count)
         tape = Tape(
             rollout.qpos.reshape(*shape, *rollout.qpos.shape[1:]),

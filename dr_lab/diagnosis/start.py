@@ -32,6 +32,53 @@ class StartPrior:
     std: Array
 
 
+@dataclass(frozen=True)
+class Before:
+    """Measured motion in the middle of the p steps before w starts; joints without a channel rest at the model's pose.
+
+    Attributes:
+        qpos: shape (w, p, nq).
+        qvel: shape (w, p, nv).
+    """
+
+    qpos: Array
+    qvel: Array
+
+
+def motion_before(
+    logs: Sequence[Log], begins: Sequence[Array], model: mujoco.MjModel, steps: int, smoother: float
+) -> Before:
+    """Local polynomials through the measured positions before every start; before a log its first sample holds.
+
+    Args:
+        logs: the logs.
+        begins: s on each log's clock at which its windows start.
+        model: compiled nominal model.
+        steps: p.
+        smoother: half-width of the polynomials in s.
+    """
+    count = sum(len(b) for b in begins)
+    qpos, qvel = np.tile(model.qpos0, (count, steps, 1)), np.zeros((count, steps, model.nv))
+    ago = (np.arange(-steps, 0) + 0.5) * model.opt.timestep
+    for name in logs[0].outputs:
+        channel = available(model)[name]
+        if channel.kind == "position" and steps:
+            fits = [
+                _path(log.outputs[name], begin[:, None] + ago, smoother)
+                for log, begin in zip(logs, begins, strict=True)
+            ]
+            qpos[..., channel.address] = np.concatenate([value for value, _ in fits])
+            qvel[..., channel.dof] = np.concatenate([slope for _, slope in fits])
+    return Before(qpos, qvel)
+
+
+def _path(signal: Signal, times: Array, smoother: float) -> tuple[Array, Array]:
+    """Position and velocity at times of shape (w, p); at rest before the log."""
+    fit = local_polynomial(signal, np.maximum(times, signal.time[0]).ravel(), smoother, degree=_DEGREE)
+    slope = np.where(times < signal.time[0], 0.0, fit.slope.reshape(times.shape))
+    return fit.value.reshape(times.shape), slope
+
+
 def estimate_starts(
     logs: Sequence[Log],
     begins: Sequence[Array],

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.channels import Channel, resolve
 from dr_lab.diagnosis.commands import actuator_columns, averages
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.start import StartPrior, estimate_starts, starts_known
+from dr_lab.diagnosis.start import Before, StartPrior, estimate_starts, motion_before, starts_known
 from dr_lab.errors import DataError
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise
 
@@ -49,6 +49,7 @@ class Windows:
         samples: the channels' samples.
         controls: control of each step in the nominal model's ctrl layout, shape (w, s, nu).
         past: controls of the steps before the start, shape (w, p, nu).
+        before: measured motion in these steps.
         commands: column in `ctrl` of each command.
         prior: first estimate of the start and how far it may be wrong.
         step: s, time step of the simulation.
@@ -61,6 +62,7 @@ class Windows:
     samples: tuple[Samples, ...]
     controls: Array
     past: Array
+    before: Before
     commands: Mapping[str, int]
     prior: StartPrior
     step: float
@@ -105,6 +107,7 @@ def cut(logs: Sequence[Log], measured: MeasurementSet, model: mujoco.MjModel, se
         samples=samples,
         controls=steps[:, npast:],
         past=steps[:, :npast],
+        before=motion_before(logs, begins, model, npast, settings.smoother),
         commands=columns,
         prior=estimate_starts(logs, begins, model, measured.noise, settings),
         step=step,

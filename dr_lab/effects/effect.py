@@ -8,6 +8,7 @@ from typing import ClassVar, TypeVar
 import mujoco
 
 from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.physics.signal import Reading
 from dr_lab.trajectory import Array
@@ -15,7 +16,7 @@ from dr_lab.trajectory import Array
 _Value = TypeVar("_Value", float, Array)
 
 # from the joint outwards; of effects that data cannot separate, the first is tried first
-FAMILIES = ("friction", "transmission", "actuator", "inertia", "environment", "sensing")
+FAMILIES = ("friction", "transmission", "actuator", "inertia", "environment", "sensing", "open")
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,17 @@ class Effect(ABC):
         del site, values, actuator, option
         return series
 
+    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What acts from step to step beside the edit, where MJCF has no element for it.
+
+        Args:
+            site: the element the effect sits at.
+            values: by short parameter name, one for each simulation, shape (n,).
+            compiled: the compiled model with the effect.
+        """
+        del site, values, compiled
+        return ()
+
     def lacking(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """What an exported MJCF file lacks of the effect at these values, empty if nothing."""
         del option
@@ -145,6 +157,10 @@ class PlacedEffect:
     def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
         """What becomes of an actuator's commands; `values` by full name."""
         return self.effect.command(self.site, self._short(values), actuator, series, option)
+
+    def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What acts from step to step; `values` by full name."""
+        return self.effect.force_laws(self.site, self._short(values), compiled)
 
     def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """What an exported MJCF file lacks of the effect; `values` by full name."""

@@ -3,12 +3,14 @@
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.model import joints
 
 _SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+_AT_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
 
 
 class JointEffect(Effect):
@@ -22,6 +24,12 @@ class JointEffect(Effect):
 def slides(model: mujoco.MjModel, joint: str) -> bool:
     """Whether the joint is a slide, whose position is in m and whose generalised force is in N."""
     return int(model.joint(joint).type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+def driven(model: mujoco.MjModel, joint: str) -> bool:
+    """Whether an actuator acts on the joint itself."""
+    at_joints = np.isin(model.actuator_trntype, _AT_A_JOINT)
+    return bool((at_joints & (model.actuator_trnid[:, 0] == model.joint(joint).id)).any())
 
 
 def joint_of(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsJoint)

@@ -10,6 +10,7 @@ import numpy as np
 
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.law import Law
 from dr_lab.physics.naming import name_elements
 from dr_lab.physics.parameter import Parameter
 from dr_lab.physics.signal import Reading
@@ -56,6 +57,10 @@ class ModelEffect(Protocol):
             series: step averages of the commands, the past included, shape (c or 1, w, s).
             option: the model's options, which hold the step.
         """
+        ...
+
+    def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What acts from step to step beside the edit; `values` by name, one for each simulation, shape (n,)."""
         ...
 
     def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
@@ -137,6 +142,11 @@ class Model:
         for effect in self.effects:
             series = effect.command(values, actuator, series, self.spec.option)
         return series
+
+    def laws(self, z: Array, compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What acts from step to step in n simulations with contexts z (n, parameters)."""
+        values = {name: z[:, i] for i, name in enumerate(self.space.names)}
+        return tuple(law for effect in self.effects for law in effect.force_laws(values, compiled))
 
     def _columns(self, z: Array) -> dict[str, Array]:
         return {name: z[:, i, None, None] for i, name in enumerate(self.space.names)}

@@ -9,10 +9,13 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from dr_lab.errors import ModelError
+from dr_lab.physics.compiled_contexts import CompiledContexts
 from dr_lab.physics.contact import skip_idle_collisions
 from dr_lab.physics.fields import FieldContexts
 from dr_lab.physics.islands import skip_single_island
+from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
+from dr_lab.physics.stepper import Stepper
 from dr_lab.physics.timers import stop_timers
 from dr_lab.trajectory import Array
 
@@ -32,7 +35,7 @@ class Rollout:
         qvel: velocities at the same times, shape (n, s + 1, nv).
         sensordata: sensors at t = 0 … (s − 1)·dt (MuJoCo evaluates them before each step), shape (n, s, nsensordata).
         start: integration state (`mjSTATE_INTEGRATION`) from which each simulation began, shape (n, nstate).
-        controls: controls as MuJoCo got them, behind the effects' command transforms, shape (n, s, nu).
+        controls: controls as MuJoCo got them, behind the effects' command transforms and laws, shape (n, s, nu).
         infeasible: simulations that diverged or whose context does not compile, shape (n,).
     """
 
@@ -48,8 +51,8 @@ class Simulator:
     """`nsim` simulations of one model, each with its own context z.
 
     Contexts enter as per-simulation fields where every parameter is one, else as recompiled models; both start from
-    the nominal model, so nothing accumulates. A context that does not compile, or a simulation that diverges, is
-    marked infeasible and never stops the others.
+    the nominal model, so nothing accumulates. Where effects act through laws, steps are taken one by one. A context
+    that does not compile, or a simulation that diverges, is marked infeasible and never stops the others.
 
     Args:
         model: the model with its effects.
@@ -64,6 +67,10 @@ class Simulator:
         self._fields = FieldContexts(model, self.compiled) if FieldContexts.possible(model, self.compiled) else None
         self._models: list[mujoco.MjModel] = [self.compiled] * nsim
         self._uncompiled = np.zeros(nsim, bool)
+        nominal = np.tile(model.space.nominal, (nsim, 1))
+        self._lawful = bool(model.laws(nominal, self.compiled))
+        self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled)
+        self._stepper: Stepper | None = None
         self.batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._default = self.batch.state.copy()
 
@@ -88,20 +95,33 @@ class Simulator:
         for row, k in zip(rows, which.ravel(), strict=True):
             self._models[row] = compiled[k] or self.compiled
             self._uncompiled[row] = compiled[k] is None
-        self.batch.set_models(self._models)
+        if not self._lawful:
+            self.batch.set_models(self._models)
+            return
+        self._written.write(self._models)
+        self._contexts[rows] = z
+        self._stepper = Stepper(self.batch, self.compiled, self.model.laws(self._contexts, self.compiled))
 
     def reset(self, ids: NDArray[np.intp] | None = None) -> None:
         """Put simulations into the model's initial state and clear their divergence counters."""
         rows = np.arange(self.nsim) if ids is None else ids
         self.batch.state[rows] = self._default[rows]
         self.batch.warning[rows] = 0
+        if self._stepper is not None:
+            self._stepper.rest(rows)
 
     def step(self, controls: Array, nstep: int = 1) -> None:
         """Advance every simulation by `nstep` steps under held controls, shape (nsim, nu)."""
+        if self._stepper is not None:
+            for _ in range(nstep):
+                self._stepper.step(controls)
+            return
         self.batch.bind("ctrl")[:] = controls
         self.batch.step(nstep=nstep)
 
-    def replay(self, z: Array, qpos: Array, qvel: Array, controls: Array, past: Array) -> Rollout:
+    def replay(
+        self, z: Array, qpos: Array, qvel: Array, controls: Array, past: Array, history: History | None = None
+    ) -> Rollout:
         """Simulate every (context, window) pair from its start under the windows' controls, in one call.
 
         Args:
@@ -110,6 +130,7 @@ class Simulator:
             qvel: start velocities, shape (c, w, nv).
             controls: control of each step, shape (w, s, nu).
             past: controls of the steps before the start, oldest first, for delayed actuators, shape (w, p, nu).
+            history: what was measured before the start, for laws that remember; None for nothing at time 0.
 
         Returns:
             The rollout; simulation i = context · w + window.
@@ -132,7 +153,10 @@ class Simulator:
             self.batch.bind("history")[:] = np.tile(np.concatenate(rows), (contexts // len(known), 1))
         start = self.batch.state.copy()
         record = ("qpos", "qvel", "sensordata") if self.compiled.nsensordata else ("qpos", "qvel")
-        out = self.batch.rollout(nstep, applied if ncontrol else None, record=record)
+        if self._stepper is None:
+            out = self.batch.rollout(nstep, applied if ncontrol else None, record=record)
+        else:
+            out = self._stepper.rollout(applied, record, history)
         first = lambda start, rest: np.concatenate([start.reshape(self.nsim, 1, -1), rest], axis=1)  # noqa: E731
         sensors = out.get("sensordata", np.empty((self.nsim, nstep, 0)))
         return Rollout(first(qpos, out["qpos"]), first(qvel, out["qvel"]), sensors, start, applied, self.infeasible)

@@ -12,6 +12,7 @@ from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.states import StateFit, fit_states
 from dr_lab.diagnosis.windows import Windows
 from dr_lab.physics.context import ContextEstimate
+from dr_lab.physics.law import Law
 from dr_lab.physics.model import Model, ModelEffect
 from dr_lab.physics.parameter import Parameter
 from dr_lab.physics.signal import Reading
@@ -67,6 +68,12 @@ class Beside:
         for effect in self.effects:
             series = effect.command(self._columns, actuator, series, option)
         return series
+
+    def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What acts from step to step, the same in all simulations."""
+        del values
+        fixed = {name: np.array([value]) for name, value in self.values.items()}
+        return tuple(law for effect in self.effects for law in effect.force_laws(fixed, compiled))
 
     def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """What the file lacks, in one line."""

@@ -106,7 +106,7 @@ def test_catalogue_states_what_it_is() -> None:
     for name in NAMES:
         effect = catalogue_effect(name)
         assert effect.name == name
-        assert effect.family in {"friction", "transmission", "actuator", "inertia", "environment", "sensing"}
+        assert effect.family in {"friction", "transmission", "actuator", "inertia", "environment", "sensing", "open"}
         assert effect.law
         assert effect.fingerprint
         assert set(effect.confused_with) <= set(NAMES) - {name}

@@ -1,0 +1,62 @@
+"""A floor that is not level."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.contact_pairs import meeting
+from dr_lab.effects.effect import Effect, Scales
+from dr_lab.errors import ModelError
+from dr_lab.physics.parameter import Parameter
+
+_AXES = ("about_x", "about_y")
+
+
+@dataclass(frozen=True)
+class FloorSlope(Effect):
+    """A plane that is turned about the world's x and y through its own origin, while gravity stays.
+
+    n' = exp([r]×) n with r = (r_x, r_y, 0), n the plane's normal.
+
+    Parameters (nominal = absent): about_x, about_y [rad].
+    Limits: planes fixed to the world that something can touch; where the robot's frame tilts along, it is a base tilt.
+    Source: Rodrigues' rotation formula; MuJoCo geom/plane.
+
+    Attributes:
+        largest: bound of either angle [rad].
+    """
+
+    largest: float
+
+    name: ClassVar[str] = "floor_slope"
+    family: ClassVar[str] = "environment"
+    law: ClassVar[str] = "n -> R(about_x, about_y) n"
+    fingerprint: ClassVar[str] = "contacts push sideways by the same share everywhere; what rests on the floor creeps"
+    confused_with: ClassVar[tuple[str, ...]] = ("base_tilt", "contact_friction")
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the planes of the world that something can touch."""
+        touched = {geom for body in range(1, model.nbody) for pair in meeting(model, body) for geom in pair}
+        planes = np.flatnonzero((model.geom_type == int(mujoco.mjtGeom.mjGEOM_PLANE)) & (model.geom_bodyid == 0))
+        return tuple(model.geom(int(p)).name for p in planes if int(p) in touched and model.geom(int(p)).name)
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The two angles."""
+        del model, site, scales
+        return tuple(Parameter(axis, "rad", 0.0, -self.largest, self.largest) for axis in _AXES)
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Turn the plane."""
+        vector = np.array([values["about_x"], values["about_y"], 0.0])
+        angle = float(np.linalg.norm(vector))
+        if angle == 0:
+            return
+        plane, turn, turned = spec.geom(site), np.zeros(4), np.zeros(4)
+        if plane.alt.type != mujoco.mjtOrientation.mjORIENTATION_QUAT:
+            raise ModelError(f"Plane {site!r} is oriented by angles; floor_slope turns planes that have a quat.")
+        mujoco.mju_axisAngle2Quat(turn, vector / angle, angle)
+        mujoco.mju_mulQuat(turned, turn, np.array(plane.quat))
+        plane.quat = turned

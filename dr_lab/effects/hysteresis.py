@@ -1,0 +1,99 @@
+"""A transmission that gives way before it slips."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.effects.effect import Scales
+from dr_lab.effects.joint_effect import JointEffect, slides
+from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Hysteresis(JointEffect):
+    """Elasto-plastic resistance of cables, harmonic drives and preloaded bearings: a spring that yields.
+
+    tau = −tau_y b/x_y; the displacement b follows the joint within ±x_y: b' = v, but 0 where that would leave ±x_y.
+    For x_y → 0 it is dry friction; for small motions a spring. The force of a step is that of its middle.
+    Before a window's start b follows the measured motion of ``windows.past`` seconds, from b = 0.
+    MuJoCo's ``springyield`` has no such past: a window would begin at a place where the spring has not yielded yet.
+
+    Parameters (nominal = absent): torque tau_y ≥ 0 [N·m, slide: N]; displacement x_y > 0 [rad, slide: m], which acts
+    only where tau_y > 0 (fits start away from absent).
+    Limits: hinge and slide joints; a stiffness tau_y/x_y that the step cannot follow diverges.
+    Source: Dahl, A solid friction model, Aerospace Corporation TOR-0158 (1968), as its limit of an ideal plastic
+    yield; Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994), section 2 (presliding displacement).
+
+    Attributes:
+        factor: largest tau_y, in units of the joint's torque in the logs.
+        least: its smallest upper bound, for joints that hardly move [N·m or N].
+        displacements: smallest, nominal and largest x_y, in units of the joint's range in the logs.
+        least_range: smallest range that is believed [rad or m].
+        start_torque: tau_y of the fits that start away from absent, share of its upper bound.
+        start_displacements: x_y of these fits, shares of the joint's range.
+    """
+
+    factor: float
+    least: float
+    displacements: tuple[float, float, float]
+    least_range: float
+    start_torque: float
+    start_displacements: tuple[float, ...]
+
+    name: ClassVar[str] = "hysteresis"
+    family: ClassVar[str] = "transmission"
+    law: ClassVar[str] = "tau = -tau_y b/x_y, b follows the joint within +-x_y"
+    fingerprint: ClassVar[str] = "force residual that rises after every reversal over a fixed way, then stays"
+    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "spring")
+    lacks: ClassVar[str] = "the spring that yields, whose displacement goes on from step to step"
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The torque at which it yields, and the way to there."""
+        torque, angle = ("N", "m") if slides(model, site) else ("N·m", "rad")
+        high = max(self.factor * scales.torque.get(site, 0.0), self.least)
+        moved = max(scales.position.get(site, 0.0), self.least_range)
+        low, nominal, far = (share * moved for share in self.displacements)
+        return (Parameter("torque", torque, 0.0, 0.0, high), Parameter("displacement", angle, nominal, low, far))
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Nothing: the force comes before every step."""
+
+    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """The force of each step."""
+        return (_Yielding(int(compiled.joint(site).dofadr[0]), values["torque"], values["displacement"]),)
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """Little resistance that yields after several ways."""
+        torque, way = parameters
+        share = way.high / self.displacements[2]
+        return tuple(
+            {"torque": self.start_torque * torque.high, "displacement": at * share} for at in self.start_displacements
+        )
+
+
+@dataclass
+class _Yielding(Law):
+    """Spring between the joint and a place that it drags along; torque and way of shape (n,) or (1,)."""
+
+    dof: int
+    torque: Array
+    way: Array
+    stretch: Array = field(default_factory=lambda: np.zeros(1))
+
+    def act(self, moment: Moment, influence: Influence) -> None:
+        if len(self.stretch) != len(moment.qvel):
+            self.stretch = np.zeros(len(moment.qvel))
+        half = moment.step / 2 * moment.qvel[:, self.dof]
+        middle = np.clip(self.stretch + half, -self.way, self.way)
+        self.stretch = np.clip(self.stretch + 2 * half, -self.way, self.way)
+        influence.force[:, self.dof] -= self.torque * middle / self.way
+
+    def rest(self, rows: NDArray[np.intp]) -> None:
+        if len(self.stretch) > rows.max(initial=0):
+            self.stretch[rows] = 0.0

@@ -1,0 +1,74 @@
+"""Friction of a gear that grows with the torque it carries."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.dry_friction import DryFriction
+from dr_lab.effects.effect import Scales
+from dr_lab.effects.joint_effect import JointEffect, driven, joint_of
+from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class LoadDependentFriction(JointEffect):
+    """Dry friction between loaded teeth: proportional to what the motor and the outside press onto the gear.
+
+    |tau| ≤ K |tau_m − tau_e|, against the motion: tau_m the actuators' torque at the joint, tau_e the outside's, which
+    is that of gravity, centrifugal and Coriolis forces. A motor that holds a weight presses with twice its torque.
+    Written into MuJoCo's ``frictionloss`` before every step, made hard by `DryFriction`.
+
+    Parameters (nominal = absent): share K ≥ 0 [1].
+    Limits: hinge and slide joints with an actuator; tau_m and tau_e are those of the step before, inertia and contact
+    forces of the outside are left out.
+    Source: Duclusaud, Passault, Padois and Ly, Extended friction models for the physics simulation of servo actuators,
+    ICRA 2025 (K_l in the models M3 and M4).
+
+    Attributes:
+        constraint: how hard the friction constraint is.
+        most: largest K.
+    """
+
+    constraint: DryFriction
+    most: float
+
+    name: ClassVar[str] = "load_dependent_friction"
+    family: ClassVar[str] = "friction"
+    law: ClassVar[str] = "|tau| <= K |tau_m - tau_e|"
+    fingerprint: ClassVar[str] = "dry friction that is large under load and gone without; lifting and lowering differ"
+    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "torque_scale")
+    lacks: ClassVar[str] = "the friction loss of the joint that follows its load from step to step"
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the hinge and slide joints that an actuator drives."""
+        return tuple(joint for joint in super().sites(model) if driven(model, joint))
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The share of the load."""
+        del model, site, scales
+        return (Parameter("share", "1", 0.0, 0.0, self.most),)
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Make the joint's friction constraint hard."""
+        self.constraint.add(spec, joint_of(spec, site), 0.0)
+
+    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """The friction loss of each step."""
+        return (_Loaded(int(compiled.joint(site).dofadr[0]), values["share"]),)
+
+
+@dataclass(frozen=True)
+class _Loaded(Law):
+    """Friction loss in proportion to the load of a degree of freedom; share of shape (n,)."""
+
+    dof: int
+    share: Array
+
+    def act(self, moment: Moment, influence: Influence) -> None:
+        load = np.abs(moment.actuation[:, self.dof] + moment.bias[:, self.dof])
+        influence.friction[:, self.dof] += self.share * load

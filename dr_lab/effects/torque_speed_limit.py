@@ -1,0 +1,113 @@
+"""A motor whose largest torque falls with its speed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.actuator_effect import ActuatorEffect
+from dr_lab.effects.effect import Scales
+from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+_SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+_FORCE_ALONE = (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_NONE))
+
+
+@dataclass(frozen=True)
+class TorqueSpeedLimit(ActuatorEffect):
+    """The line from stall torque to no-load speed of a motor behind a torque controller, whose voltage runs out.
+
+    −(1 + n v) ≤ i F ≤ 1 − n v, with i = 1/F_stall and n = 1/v_free: against the motion more than the stall torque is
+    at hand, with the motion less, beyond v_free none. Written as a bound of the command before every step.
+
+    Parameters (nominal = absent): inverse stall torque i ≥ 0 [1/(N·m), 1/N], inverse no-load speed n ≥ 0 [s/rad, s/m],
+    which act only where i > 0 and the limit is reached (fits start away from absent).
+    Limits: actuators at a joint whose force is gain times command; motors driven by a voltage have it as back-EMF.
+    Source: Hanselman, Brushless Permanent Magnet Motor Design (2003), chapter 1 (torque–speed curve); Hwangbo et al.,
+    Science Robotics 4 (2019), on what simulated legs lack without it.
+
+    Attributes:
+        strongest: largest i, times the largest force commanded in the logs.
+        fastest: largest n, times the joint's speed in the logs.
+        least: smallest force and speed that are believed [N·m or N, rad/s or m/s].
+        start: i and n of the fits that start away from absent, shares of their upper bounds.
+    """
+
+    strongest: float
+    fastest: float
+    least: float
+    start: tuple[tuple[float, float], ...]
+
+    name: ClassVar[str] = "torque_speed_limit"
+    family: ClassVar[str] = "actuator"
+    law: ClassVar[str] = "|F| <= F_stall (1 - sign(F) v / v_free)"
+    fingerprint: ClassVar[str] = "residual only where much torque is asked for at high speed, along the motion"
+    confused_with: ClassVar[tuple[str, ...]] = ("saturation", "viscous_friction", "torque_scale")
+    lacks: ClassVar[str] = "the bound of the command that falls with the joint's speed"
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the actuators at a joint whose force is gain times command."""
+        return tuple(name for name in super().sites(model) if _bare_force(model, model.actuator(name).id))
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """Inverse stall torque and inverse no-load speed."""
+        row = model.actuator(site).id
+        joint = model.joint(int(model.actuator_trnid[row, 0])).name
+        gain, gear = abs(float(model.actuator_gainprm[row, 0])), abs(float(model.actuator_gear[row, 0]))
+        force = max(scales.command.get(site, 0.0) * gain, self.least)
+        speed = max(scales.speed.get(joint, 0.0) * gear, self.least)
+        slide = int(model.joint(joint).type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+        units = ("1/N", "s/m") if slide else ("1/(N·m)", "s/rad")
+        return (
+            Parameter("inverse_stall", units[0], 0.0, 0.0, self.strongest / force),
+            Parameter("inverse_speed", units[1], 0.0, 0.0, self.fastest / speed),
+        )
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Nothing: the bound comes before every step."""
+
+    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """The bound of each step."""
+        row = compiled.actuator(site).id
+        dof = int(compiled.jnt_dofadr[compiled.actuator_trnid[row, 0]])
+        gain, gear = compiled.actuator_gainprm[row, 0], compiled.actuator_gear[row, 0]
+        column = int(compiled.actuator_ctrladr[row])
+        return (_Bounded(column, dof, float(gain), float(gear), values["inverse_stall"], values["inverse_speed"]),)
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """Limits that the logs reach at high speed."""
+        stall, speed = parameters
+        return tuple(
+            {"inverse_stall": share * stall.high, "inverse_speed": fast * speed.high} for share, fast in self.start
+        )
+
+
+@dataclass(frozen=True)
+class _Bounded(Law):
+    """Bound of one command; inverse stall torque and speed of shape (n,)."""
+
+    column: int
+    dof: int
+    gain: float
+    gear: float
+    stall: Array
+    speed: Array
+
+    def act(self, moment: Moment, influence: Influence) -> None:
+        share = self.speed * self.gear * moment.qvel[:, self.dof]
+        force = influence.control[:, self.column] * self.gain
+        relative = np.clip(self.stall * force, np.minimum(-1.0 - share, 0.0), np.maximum(1.0 - share, 0.0))
+        limited = np.divide(relative, self.stall, out=force.copy(), where=self.stall > 0)
+        influence.control[:, self.column] = limited / self.gain
+
+
+def _bare_force(model: mujoco.MjModel, row: int) -> bool:
+    kinds = (int(model.actuator_gaintype[row]), int(model.actuator_biastype[row]))
+    direct = int(model.actuator_dyntype[row]) == int(mujoco.mjtDyn.mjDYN_NONE)
+    at_joint = int(model.actuator_trntype[row]) == int(mujoco.mjtTrn.mjTRN_JOINT)
+    scalar = at_joint and int(model.jnt_type[model.actuator_trnid[row, 0]]) in _SCALAR
+    return kinds == _FORCE_ALONE and direct and scalar and model.actuator_gainprm[row, 0] != 0

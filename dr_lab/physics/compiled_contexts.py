@@ -1,0 +1,42 @@
+"""Compiled models written into a batch as per-simulation fields, beside which single fields may still be changed."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from mujoco.batch import MODEL_FIELDS, Batch
+
+from dr_lab.trajectory import Array
+
+
+class CompiledContexts:
+    """Gives each simulation of a batch its own compiled model, field by field.
+
+    `Batch.set_models` takes whole models but then lets no field be changed from step to step. Fields that a compiler
+    derives are among those written, so nothing is left to compute.
+
+    Args:
+        batch: the simulations.
+        compiled: the batch's model.
+    """
+
+    def __init__(self, batch: Batch, compiled: mujoco.MjModel) -> None:
+        self._batch = batch
+        self._compiled = compiled
+        self._expanded: set[str] = set()
+
+    def write(self, models: Sequence[mujoco.MjModel]) -> None:
+        """Write the models of all simulations, shape (nsim,); the same model may stand for many."""
+        unique = list({id(model): model for model in models}.values())
+        row = {id(model): k for k, model in enumerate(unique)}
+        which = np.array([row[id(model)] for model in models])
+        for name in MODEL_FIELDS:
+            values = [_field(model, name) for model in unique]
+            nominal = _field(self._compiled, name)
+            if name in self._expanded or any(not np.array_equal(value, nominal) for value in values):
+                self._expanded.add(name)
+                self._batch.expand(name)[:] = np.stack(values)[which]
+
+
+def _field(model: mujoco.MjModel, name: str) -> Array:
+    return np.asarray(getattr(model.opt, name[4:]) if name.startswith("opt.") else getattr(model, name))

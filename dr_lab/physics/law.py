@@ -1,0 +1,74 @@
+"""Force laws that no MJCF element expresses: they act on all simulations of a batch once a step."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where n simulations are in the middle of the coming step, by extrapolation, so that laws are second order in it.
+
+    Attributes:
+        step: length of the step in s.
+        time: s on the log's clock, shape (n,).
+        qpos: positions; of hinge and slide joints in the middle of the step, of others at its start, shape (n, nq).
+        qvel: velocities in the middle of the step, shape (n, nv).
+        actuation: generalised forces of the actuators in the last step, shape (n, nv).
+        bias: gravity, centrifugal and Coriolis forces of the last step as MuJoCo signs them, shape (n, nv).
+    """
+
+    step: float
+    time: Array
+    qpos: Array
+    qvel: Array
+    actuation: Array
+    bias: Array
+
+
+@dataclass(frozen=True)
+class History:
+    """What was measured in the p steps before w windows, for laws that remember.
+
+    Attributes:
+        begin: s on the log's clock at which the windows start, shape (w,).
+        qpos: positions in the middle of the steps, shape (w, p, nq).
+        qvel: velocities there, shape (w, p, nv).
+        controls: controls of the steps, shape (w, p, nu).
+    """
+
+    begin: Array
+    qpos: Array
+    qvel: Array
+    controls: Array
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What acts in the coming step; laws write into its arrays.
+
+    Attributes:
+        control: controls as MuJoCo gets them, shape (n, nu).
+        force: generalised forces beside the model's own, shape (n, nv).
+        friction: largest dry friction, MuJoCo's ``dof_frictionloss``, shape (n, nv).
+    """
+
+    control: Array
+    force: Array
+    friction: Array
+
+
+class Law(ABC):
+    """One law with the values of n simulations, and what it remembers of them."""
+
+    @abstractmethod
+    def act(self, moment: Moment, influence: Influence) -> None:
+        """Change what acts in the coming step."""
+
+    def rest(self, rows: NDArray[np.intp]) -> None:
+        """Forget what came before in these simulations; a law without memory has nothing to forget."""
+        del rows
