@@ -13,6 +13,7 @@ from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.glitches import drop_glitches
 from dr_lab.measurements.noise import estimate_noise
 from dr_lab.measurements.raw_log import RawChannel, RawLog, TimeAxis, read_raw
+from dr_lab.measurements.recordings import Recording
 from dr_lab.measurements.signal_map import channel_maps
 from dr_lab.measurements.unit_check import check_units
 from dr_lab.trajectory import Array, Log, Note, Signal
@@ -45,7 +46,9 @@ def read_log(
         DataError: the file or a channel cannot be used; the message says why and what to do.
         UnknownNameError: a topic, field, joint or column that is not there.
     """
-    raw = read_raw(path, channel_maps(outputs, clock), channel_maps(commands, clock), time or TimeAxis(), contract)
+    raw = read_raw(
+        Recording(path), channel_maps(outputs, clock), channel_maps(commands, clock), time or TimeAxis(), contract
+    )
     return clean(raw, path.stem, -np.inf, np.inf, contract)
 
 

@@ -10,6 +10,7 @@ from dr_lab.errors import ConfigError, DataError
 from dr_lab.measurements.alignment import align
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.mcap import McapSource
+from dr_lab.measurements.recordings import TABLES, Recording
 from dr_lab.measurements.samples import Source
 from dr_lab.measurements.signal_map import ChannelMap
 from dr_lab.measurements.table import TableSource
@@ -23,12 +24,14 @@ class TimeAxis:
     Attributes:
         column: time column of a table.
         unit: of that column.
+        scale: factor into that unit, e.g. the period where the column counts samples.
         start: s, earlier samples are left out.
         stop: s, later samples are left out.
     """
 
     column: str = "time"
     unit: str = "s"
+    scale: float = 1.0
     start: float | None = None
     stop: float | None = None
 
@@ -62,14 +65,15 @@ class RawLog:
 
 
 def read_raw(
-    path: Path,
+    recording: Recording,
     outputs: Sequence[ChannelMap],
     commands: Sequence[ChannelMap],
     time: TimeAxis,
     contract: DataContract,
 ) -> RawLog:
-    """Read one file's channels and put them on its log clock; see `dr_lab.measurements.log.read_log`."""
-    source = open_source(path, time)
+    """Read one recording's channels and put them on its log clock; see `dr_lab.measurements.log.read_log`."""
+    path = recording.path
+    source = open_source(recording, time)
     channels = (*outputs, *commands)
     samples = {channel.name: source.samples(channel) for channel in channels}
     aligned = align(channels, samples, source.natural_clock, path.name, contract)
@@ -87,17 +91,18 @@ def read_raw(
     )
 
 
-def open_source(path: Path, time: TimeAxis) -> Source:
-    """Open a file by its suffix.
+def open_source(recording: Recording, time: TimeAxis) -> Source:
+    """Open a recording by its file's suffix.
 
     Raises:
         DataError: no such file, or it cannot be read.
         ConfigError: unknown suffix.
     """
+    path = recording.path
     if not path.is_file():
         raise DataError(f"There is no file {path}.")
     if path.suffix == ".mcap":
         return McapSource(path)
-    if path.suffix in (".csv", ".txt", ".parquet"):
-        return TableSource(path, time.column, time.unit)
+    if path.suffix in TABLES:
+        return TableSource(path, time.column, time.unit, time.scale, recording.rows)
     raise ConfigError(f"{path.name}: a log is an .mcap, .csv, .txt or .parquet file; convert it to one of these.")

@@ -1,7 +1,6 @@
 """A ``measurements`` configuration to a `MeasurementSet`."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from dr_lab.errors import ConfigError
@@ -10,6 +9,7 @@ from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.log import clean
 from dr_lab.measurements.noise import estimate_noise
 from dr_lab.measurements.raw_log import RawLog, TimeAxis, read_raw
+from dr_lab.measurements.recordings import Recording, recordings
 from dr_lab.measurements.signal_map import ChannelMap, channel_maps
 from dr_lab.measurements.split import Part, find_files, split
 from dr_lab.trajectory import Log, MeasurementSet, Noise
@@ -27,19 +27,23 @@ def read(
     held_out: Sequence[str] | None = None,
     clock: str | None = None,
     time: Mapping[str, Any] | None = None,
+    group: str | None = None,
 ) -> MeasurementSet:
     """Read all logs of one machine.
 
     Args:
         name: of the configuration.
-        logs: files or globs, MCAP, CSV or Parquet; only those that `fit` or `held_out` name are read.
+        logs: files or globs, MCAP, CSV or Parquet; only logs that `fit` or `held_out` name are read.
         outputs: measured channels by name; see `dr_lab.measurements.signal_map.channel_map`.
         contract: thresholds of the data contract.
         commands: commands by actuator name, in the same form; None for a machine that swings freely.
-        fit: logs to fit on, ``stem`` or ``stem[a:b]`` in s; None takes every log that is not held out.
+        fit: logs to fit on, ``stem`` or ``stem[a:b]`` in s, with the wildcards ``*`` and ``?``; None takes every log
+            that is not held out.
         held_out: logs never fitted; None holds nothing out.
         clock: default clock of all channels, ``header``, ``publish``, ``log`` or ``column``; None takes the file's own.
-        time: for tables ``column`` and ``unit`` of the time, and for any log ``start`` and ``stop`` in s.
+        time: for tables ``column``, ``unit`` and ``scale`` of the time, and for any log ``start`` and ``stop`` in s.
+        group: column of tables that hold several logs each, called ``stem/value``; see
+            `dr_lab.measurements.recordings.recordings`.
 
     Returns:
         The logs; per channel one noise std pooled over all logs and the longest wait that is not a gap.
@@ -52,8 +56,9 @@ def read(
     if not outputs:
         raise ConfigError(f"Measurements {name!r} name no outputs; give at least one measured channel.")
     measured, sent = channel_maps(outputs, clock or ""), channel_maps(commands or {}, clock or "")
-    fitted, scored = split(find_files(logs), fit, held_out)
-    every = _load((*fitted, *scored), measured, sent, _time_axis(name, time or {}), contract)
+    known = recordings(find_files(logs), group)
+    fitted, scored = split(known, fit, held_out)
+    every = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
     gaps = _gaps(measured, sent, every, contract)
     noise = {c.name: _noise(c, every, gaps[c.name], contract) for c in measured}
     return MeasurementSet(name, every[: len(fitted)], every[len(fitted) :], noise, gaps)
@@ -61,17 +66,18 @@ def read(
 
 def _load(
     parts: Sequence[Part],
+    known: Mapping[str, Recording],
     measured: Sequence[ChannelMap],
     sent: Sequence[ChannelMap],
     axis: TimeAxis,
     contract: DataContract,
 ) -> tuple[Log, ...]:
-    """Read each file once, whatever the number of its parts."""
-    raw: dict[Path, RawLog] = {}
+    """Read each recording once, whatever the number of its parts."""
+    raw: dict[str, RawLog] = {}
     for part in parts:
-        if part.path not in raw:
-            raw[part.path] = read_raw(part.path, measured, sent, axis, contract)
-    return tuple(clean(raw[part.path], part.name, part.start, part.stop, contract) for part in parts)
+        if part.log not in raw:
+            raw[part.log] = read_raw(known[part.log], measured, sent, axis, contract)
+    return tuple(clean(raw[part.log], part.name, part.start, part.stop, contract) for part in parts)
 
 
 def _gaps(
@@ -89,7 +95,7 @@ def _noise(channel: ChannelMap, logs: Sequence[Log], wait: float, contract: Data
 
 
 def _time_axis(name: str, settings: Mapping[str, Any]) -> TimeAxis:
-    known = ("column", "unit", "start", "stop")
+    known = ("column", "unit", "scale", "start", "stop")
     unknown = [key for key in settings if key not in known]
     if unknown:
         raise ConfigError(f"Measurements {name!r}: time has no key {unknown[0]!r}; it has {', '.join(known)}.")

@@ -1,14 +1,15 @@
 """Which logs, or parts of logs, are fitted and which are held out."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from glob import glob
 from pathlib import Path
 
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
 
-_SEGMENT = re.compile(r"(?P<stem>.+)\[(?P<start>[^:\[\]]*):(?P<stop>[^:\[\]]*)\]")
+_SEGMENT = re.compile(r"(?P<log>.+)\[(?P<start>[^:\[\]]*):(?P<stop>[^:\[\]]*)\]")
 _VARIABLE = re.compile(r"\$\{?(?P<name>[A-Za-z_]\w*)\}?")
 
 
@@ -17,14 +18,14 @@ class Part:
     """A log or a stretch of one.
 
     Attributes:
-        name: as the user wrote it.
-        path: file.
+        name: the log's, with the stretch that the user wrote behind it.
+        log: the whole log's name.
         start: s, first time taken.
         stop: s, last time taken.
     """
 
     name: str
-    path: Path
+    log: str
     start: float = -float("inf")
     stop: float = float("inf")
 
@@ -46,35 +47,36 @@ def find_files(patterns: Sequence[str]) -> dict[str, Path]:
 
 
 def split(
-    files: Mapping[str, Path], fit: Sequence[str] | None, held_out: Sequence[str] | None
+    logs: Collection[str], fit: Sequence[str] | None, held_out: Sequence[str] | None
 ) -> tuple[tuple[Part, ...], tuple[Part, ...]]:
     """Assign logs to fitting and to scoring.
 
-    A name is a file's stem, or ``stem[a:b]`` for the seconds a to b of it; an empty a or b means its beginning or end.
+    A name is a log's, or ``name[a:b]`` for the seconds a to b of it; an empty a or b means its beginning or end. The
+    wildcards ``*`` (any text) and ``?`` (one character) take every log that fits.
 
     Args:
-        files: by stem.
-        fit: names; None takes every file that is not held out.
+        logs: names of all logs.
+        fit: names; None takes every log that is not held out.
         held_out: names; None holds nothing out.
 
     Returns:
         Parts to fit on, parts held out.
 
     Raises:
-        UnknownNameError: no such stem.
+        UnknownNameError: no such log.
         ConfigError: nothing is named, or the same data are in both.
     """
-    scored = tuple(_part(name, files) for name in held_out or ())
+    scored = _all_parts(held_out or (), logs)
     if fit is None:
-        used = {part.path for part in scored}
-        fitted = tuple(Part(stem, path) for stem, path in files.items() if path not in used)
+        used = {part.log for part in scored}
+        fitted = tuple(Part(name, name) for name in logs if name not in used)
     else:
-        fitted = tuple(_part(name, files) for name in fit)
+        fitted = _all_parts(fit, logs)
     if not fitted and not scored:
-        raise ConfigError("Neither fit nor held_out names a log; give at least one of: " + ", ".join(files) + ".")
+        raise ConfigError("Neither fit nor held_out names a log; give at least one of: " + ", ".join(logs) + ".")
     for a in fitted:
         for b in scored:
-            if a.path == b.path and a.start < b.stop and b.start < a.stop:
+            if a.log == b.log and a.start < b.stop and b.start < a.stop:
                 raise ConfigError(
                     f"Logs {a.name!r} (fit) and {b.name!r} (held_out) share data; a held-out log is never fitted."
                 )
@@ -110,21 +112,33 @@ def _contents(folder: Path) -> str:
     return f"folder {folder} holds {shown or 'nothing'}"
 
 
-def _part(name: str, files: Mapping[str, Path]) -> Part:
-    name = str(name)
-    if name in files:
-        return Part(name, files[name])
+def _all_parts(names: Sequence[str], logs: Collection[str]) -> tuple[Part, ...]:
+    """Each part once, though several names may stand for it."""
+    return tuple(dict.fromkeys(part for name in names for part in _parts(str(name), logs)))
+
+
+def _parts(name: str, logs: Collection[str]) -> list[Part]:
+    """The logs, or stretches of logs, that a name stands for."""
+    if name in logs:
+        return [Part(name, name)]
     match = _SEGMENT.fullmatch(name)
-    stem = match["stem"] if match else name
-    if stem not in files:
-        raise UnknownNameError("log", stem, files, "logs")
-    if not match:
-        return Part(name, files[stem])
+    log, stretch = (match["log"], name[match.end("log") :]) if match else (name, "")
+    found = [each for each in logs if each == log or (_is_pattern(log) and fnmatchcase(each, log))]
+    if not found:
+        raise UnknownNameError("log", log, logs, "logs")
+    start, stop = _seconds(name, match["start"], match["stop"]) if match else (-float("inf"), float("inf"))
+    return [Part(each + stretch, each, start, stop) for each in found]
+
+
+def _is_pattern(name: str) -> bool:
+    return "*" in name or "?" in name
+
+
+def _seconds(name: str, first: str, last: str) -> tuple[float, float]:
     try:
-        start = float(match["start"] or "-inf")
-        stop = float(match["stop"] or "inf")
+        start, stop = float(first or "-inf"), float(last or "inf")
     except ValueError as error:
-        raise ConfigError(f"{name!r} is not stem[a:b] with a and b in seconds, e.g. {stem}[0:3.8].") from error
+        raise ConfigError(f"{name!r} is not name[a:b] with a and b in seconds, e.g. log_1[0:3.8].") from error
     if start >= stop:
         raise ConfigError(f"{name!r}: the segment ends before it begins.")
-    return Part(name, files[stem], start, stop)
+    return start, stop

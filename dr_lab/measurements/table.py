@@ -24,6 +24,8 @@ class TableSource:
         path: the file; the suffix tells which format it has.
         time_column: column with the rows' times.
         time_unit: unit of that column; a column of timestamps needs none.
+        time_scale: factor into that unit, e.g. the period where the column counts samples.
+        table: the rows that count, from `grouped`; None takes the whole file.
 
     Raises:
         DataError: empty or unreadable file, or a time column without a time.
@@ -32,11 +34,13 @@ class TableSource:
 
     natural_clock = "column"
 
-    def __init__(self, path: Path, time_column: str, time_unit: str) -> None:
+    def __init__(
+        self, path: Path, time_column: str, time_unit: str, time_scale: float = 1.0, table: pa.Table | None = None
+    ) -> None:
         self._path = path
-        self._table = _load(path)
+        self._table = _load(path) if table is None else table
         self._columns: dict[str, Array] = {}
-        self._stamps = Stamps(self._elapsed(time_column, time_unit), zero=0.0)
+        self._stamps = Stamps(time_scale * self._elapsed(time_column, time_unit), zero=0.0)
 
     @property
     def notes(self) -> tuple[Note, ...]:
@@ -80,9 +84,33 @@ class TableSource:
         return self._columns[name]
 
     def _raw(self, name: str) -> pa.ChunkedArray:
-        if name not in self._table.column_names:
-            raise UnknownNameError("column", name, self._table.column_names, self._path.name)
-        return self._table.column(name)
+        return _column(self._table, name, self._path)
+
+
+def grouped(path: Path, column: str) -> dict[str, pa.Table]:
+    """Rows of a table by the value of a column, in the order in which the values first appear.
+
+    Rows without a value belong to no group.
+
+    Raises:
+        DataError: empty or unreadable file.
+        UnknownNameError: no such column; the message lists them.
+    """
+    table = _load(path)
+    coded = _column(table, column, path).combine_chunks().dictionary_encode()
+    places = coded.indices.to_numpy(zero_copy_only=False)
+    return {_text(value): table.filter(pa.array(places == k)) for k, value in enumerate(coded.dictionary)}
+
+
+def _text(value: pa.Scalar) -> str:
+    plain = value.as_py()
+    return f"{plain:g}" if isinstance(plain, float) else str(plain)
+
+
+def _column(table: pa.Table, name: str, path: Path) -> pa.ChunkedArray:
+    if name not in table.column_names:
+        raise UnknownNameError("column", name, table.column_names, path.name)
+    return table.column(name)
 
 
 def _load(path: Path) -> pa.Table:

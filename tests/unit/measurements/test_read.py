@@ -190,10 +190,10 @@ def test_wrong_entries_are_explained(
             r"'log_0' \(fit\) and 'log_0\[2:3\]' \(held_out\) share",
         ),
         ({"fit": [], "held_out": []}, ConfigError, r"Neither fit nor held_out names a log"),
-        ({"fit": ["log_0[a:b]"]}, ConfigError, r"is not stem\[a:b\]"),
+        ({"fit": ["log_0[a:b]"]}, ConfigError, r"is not name\[a:b\]"),
         ({"fit": ["log_0[3:2]"]}, ConfigError, r"ends before it begins"),
         ({"outputs": {}}, ConfigError, r"'bench' name no outputs"),
-        ({"time": {"colunm": "t"}}, ConfigError, r"time has no key 'colunm'; it has column, unit, start, stop"),
+        ({"time": {"colunm": "t"}}, ConfigError, r"time has no key 'colunm'; it has column, unit, scale, start, stop"),
     ],
 )
 def test_wrong_files_and_splits_are_explained(
