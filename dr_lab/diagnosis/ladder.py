@@ -51,12 +51,14 @@ class Ladder:
         base: the calibrated model.
         steps: the added effects, in order.
         refused: why effects of the catalogue were not tried at a site, by ``effect@site``.
+        dropped: labels of effects that were added and became superfluous by what was added since.
     """
 
     rungs: tuple[Rung, ...]
     base: Explained
     steps: tuple[Step, ...]
     refused: Mapping[str, str] = field(default_factory=dict)
+    dropped: tuple[str, ...] = ()
 
     @property
     def models(self) -> tuple[Explained, ...]:
@@ -84,7 +86,8 @@ def climb(
     """Climb from a fitted base until `none`, `unexplained` or `most` added effects.
 
     Where a rung leaves several effects inseparable the first goes on, and each later rung reconsiders: a rival that
-    explains more beside what was added since takes its place, one that explains less is no rival any more.
+    explains more beside what was added since takes its place, one that explains less is no rival any more. An effect
+    without which the ladder's last model explains the held-out logs as well is dropped, for good.
 
     Args:
         bench: data and settings.
@@ -99,13 +102,15 @@ def climb(
     while True:
         last = ladder.models[-1]
         found = candidates(last.model, effects, scales, compiled)
-        ranking = rank(bench, last, found.placed, watch(len(found.placed)))
+        placed = [effect for effect in found.placed if effect.label not in ladder.dropped]
+        ranking = rank(bench, last, placed, watch(len(placed)))
         rung = Rung(last, ranking, decide(last, ranking, bench.evidence))
         ladder = replace(ladder, rungs=(*ladder.rungs, rung), refused={**found.refused, **ladder.refused})
         if not rung.verdict.effects or len(ladder.steps) >= most:
             return ladder
-        steps = (*ladder.steps, step_from(rung))
-        ladder = replace(ladder, steps=reconsider(bench, base, steps))
+        steps = reconsider(bench, base, (*ladder.steps, step_from(rung)))
+        steps, superfluous = prune(bench, base, steps)
+        ladder = replace(ladder, steps=steps, dropped=(*ladder.dropped, *superfluous))
 
 
 def step_from(rung: Rung) -> Step:
@@ -135,6 +140,31 @@ def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[
     return steps
 
 
+def prune(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], tuple[str, ...]]:
+    """Drop effects, the earliest first, that later ones have made superfluous; the last one was just supported.
+
+    Returns:
+        The steps that stay, refitted, and the labels of the effects that were dropped.
+    """
+    for place, step in enumerate(steps[:-1]):
+        effect = step.explained.model.effects[-1]
+        fewer = _stacked(bench, base, steps[:place], steps[place + 1 :])
+        gain = paired_gain(fewer[-1].explained.held_out, steps[-1].explained.held_out, bench.evidence)
+        if not supported(gain, len(effect.parameters), bench.evidence):
+            kept, dropped = prune(bench, base, fewer)
+            return kept, (effect.label, *dropped)
+    return steps, ()
+
+
+def _stacked(bench: Bench, base: Explained, below: Sequence[Step], above: Sequence[Step]) -> tuple[Step, ...]:
+    """Steps on top of others than they stood on, refitted where that matters."""
+    stacked = list(below)
+    for step in above:
+        ground = stacked[-1].explained if stacked else base
+        stacked.append(replace(step, explained=_on(bench, ground, step.explained)))
+    return tuple(stacked)
+
+
 def _without(steps: tuple[Step, ...], place: int, rival: Candidate) -> tuple[Step, ...]:
     kept = tuple(r for r in steps[place].rivals if r is not rival)
     return (*steps[:place], replace(steps[place], rivals=kept), *steps[place + 1 :])
@@ -143,11 +173,7 @@ def _without(steps: tuple[Step, ...], place: int, rival: Candidate) -> tuple[Ste
 def _swap(bench: Bench, base: Explained, steps: Sequence[Step], place: int, rival: Candidate) -> tuple[Step, ...]:
     """The steps with a rival at one place, later models refitted; what it replaced explains less and is dropped."""
     others = tuple(r for r in steps[place].rivals if r is not rival)
-    below = steps[place - 1].explained if place else base
-    swapped = [*steps[:place], Step(_on(bench, below, rival.explained), others)]
-    for step in steps[place + 1 :]:
-        swapped.append(Step(_on(bench, swapped[-1].explained, step.explained), step.rivals))
-    return tuple(swapped)
+    return _stacked(bench, base, steps[:place], (Step(rival.explained, others), *steps[place + 1 :]))
 
 
 def _on(bench: Bench, below: Explained, explained: Explained) -> Explained:

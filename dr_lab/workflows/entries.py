@@ -111,6 +111,12 @@ def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:
     ]
 
 
+def dropped(labels: Sequence[str]) -> list[dict[str, Any]]:
+    """Notes on effects that later ones made superfluous."""
+    told = "was added, and dropped again: beside the effects that followed, the logs do without it."
+    return [{"kind": "dropped", "message": f"{label} {told}"} for label in labels]
+
+
 def horizons(error: HorizonError) -> list[dict[str, Any]]:
     """Error against the time predicted open loop."""
     return [

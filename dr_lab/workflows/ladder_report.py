@@ -40,7 +40,7 @@ def report_ladder(
     header = entries.header(verb, study)
     report = {
         **header,
-        "notes": [*header["notes"], *entries.refused(ladder.refused)],
+        "notes": [*header["notes"], *entries.refused(ladder.refused), *entries.dropped(ladder.dropped)],
         "verdict": _verdict(ladder),
         "reason": first.verdict.reason,
         "as_given": as_given(study),

@@ -3,7 +3,7 @@ import numpy as np
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect
 
-from dr_lab.diagnosis.ladder import Ladder, Step, climb, reconsider
+from dr_lab.diagnosis.ladder import Ladder, Step, climb, prune, reconsider
 from dr_lab.diagnosis.rank import Bench, Candidate, Explained, explain
 from dr_lab.diagnosis.scales import machine_scales
 from dr_lab.effects.effect import Effect
@@ -91,3 +91,20 @@ def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
 def explain_on(bench: Bench, below: Explained, candidate: Candidate) -> Explained:
     model = below.model.with_effect(candidate.effect)
     return explain(bench, model, np.append(below.fit.z, [p.nominal for p in candidate.effect.parameters]))
+
+
+def test_what_later_effects_made_superfluous_is_dropped() -> None:
+    names = ("coulomb_friction", "constant_offset", "quadratic_drag")
+    logs = rubbing(0.05, 0.1)
+    bench, ladder = bench_of(logs, pendulum()), climbed(logs, *names, most=0)
+    drag, friction, offset = (
+        next(c for c in ladder.rungs[0].ranking if c.effect.effect.name == name)
+        for name in ("quadratic_drag", "coulomb_friction", "constant_offset")
+    )
+    second = explain_on(bench, drag.explained, friction)
+    steps = tuple(Step(e, ()) for e in (drag.explained, second, explain_on(bench, second, offset)))
+    kept, dropped = prune(bench, ladder.base, steps)
+    assert dropped == ("quadratic_drag@hinge",)
+    assert [s.explained.model.effects[-1].label for s in kept] == ["coulomb_friction@hinge", "constant_offset@hinge"]
+    assert kept[-1].explained.held_out.chi2 < 1.2
+    assert prune(bench, ladder.base, kept) == (kept, ())
