@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dr_lab.diagnosis.channels import Tape
+from dr_lab.diagnosis.force_formula import FormulaSettings
 from dr_lab.diagnosis.point import Point
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.errors import ConfigError, require_numbers
@@ -29,6 +30,7 @@ class LocaliseSettings:
         regions: regions reported per channel.
         horizons: number of horizons at which the error is told.
         lags: largest lag of the residual–input correlation, samples either way.
+        formula: how a formula of what no effect explains is looked for.
 
     Raises:
         ConfigError: a number is too small, or `least` is no share.
@@ -41,6 +43,7 @@ class LocaliseSettings:
     regions: int
     horizons: int
     lags: int
+    formula: FormulaSettings
 
     def __post_init__(self) -> None:
         least = dict.fromkeys(("max_windows", "depth", "regions", "horizons"), 1.0)

@@ -16,10 +16,12 @@ class ResidualForce:
     """Missing force at one joint over w windows.
 
     Attributes:
+        position: joint position in the middle of each window, rad or m, shape (w,).
         velocity: mean joint velocity of each window, rad/s or m/s, shape (w,).
         force: force that would remove the error, N·m or N, NaN where the simulation diverges, shape (w,).
     """
 
+    position: Array
     velocity: Array
     force: Array
 
@@ -44,11 +46,14 @@ def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
     dofs = [channel.dof for channel in measured]
     accelerations = np.zeros((len(replay.windows), model.nv))
     accelerations[:, dofs] = _accelerations(replay, fit, dofs)
-    forces = _forces(model, tape.qpos[0, :, tape.qpos.shape[2] // 2], accelerations)
+    middle = tape.qpos[0][:, tape.qpos.shape[2] // 2]
+    forces = _forces(model, middle, accelerations)
     forces[fit.infeasible] = np.nan
     velocity = tape.qvel[0].mean(1)
     return {
-        channel.name.removesuffix(".position"): ResidualForce(velocity[:, channel.dof], forces[:, channel.dof])
+        channel.name.removesuffix(".position"): ResidualForce(
+            middle[:, channel.address], velocity[:, channel.dof], forces[:, channel.dof]
+        )
         for channel in measured
     }
 

@@ -38,6 +38,7 @@ def report_markdown(report: Mapping[str, Any]) -> str:
         _section("Parameters", parameter_table(parameters)),
         _section("Parameters by log", per_log_table(parameters)),
         _section("Where the model fails", _where(report.get("where", []))),
+        _section("Missing forces", _missing_forces(report.get("missing_force", []))),
         _section("Error and horizon", horizon_table(report)),
         _section("Residual and command", _correlations(report.get("input_correlation", []))),
         _section("Next experiment", _next_experiment(report.get("next_experiment"))),
@@ -58,6 +59,27 @@ def _reasons(report: Mapping[str, Any]) -> str:
 def _where(regions: Sequence[Mapping[str, Any]]) -> str:
     lines = [f"- `{row['signal']}`, {row['region']}: {percent(row['share'])} of its squared error" for row in regions]
     return "\n".join(lines)
+
+
+def _missing_forces(rows: Sequence[Mapping[str, Any]]) -> str:
+    """How much of the missing force the effects took away and how much they could have, and a formula of the rest."""
+    lines = []
+    for row in rows:
+        could = "" if row["ceiling"] is None else f" (a force of the measured state could: {percent(row['ceiling'])})"
+        sizes = " → ".join(f"{number(row[key], 3)}" for key in ("rms_first", "rms_last"))
+        lines.append(f"- `{row['joint']}`: {sizes} {row['unit']} RMS, {percent(row['explained'])} explained{could}.")
+        left = row["left"]
+        if left and left["terms"]:
+            terms = " ".join(_term(term, first=k == 0) for k, term in enumerate(left["terms"]))
+            lines[-1] += f" {percent(left['share'])} of the rest follows F ≈ {terms} [{row['unit']}]."
+    return "\n".join(lines)
+
+
+def _term(term: Mapping[str, Any], *, first: bool) -> str:
+    value = term["coefficient"]
+    sign = ("−" if value < 0 else "") if first else ("− " if value < 0 else "+ ")
+    name = "" if term["term"] == "1" else f" {term['term']}"
+    return f"{sign}{number(abs(value), 3)}{name}"
 
 
 def _correlations(rows: Sequence[Mapping[str, Any]]) -> str:

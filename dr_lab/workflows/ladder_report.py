@@ -11,6 +11,7 @@ from dr_lab.workflows import entries
 from dr_lab.workflows.calibrated import as_given, describe
 from dr_lab.workflows.finish import finish
 from dr_lab.workflows.localised import failure
+from dr_lab.workflows.missing_force import missing_forces
 from dr_lab.workflows.study import Study
 
 
@@ -52,6 +53,7 @@ def report_ladder(
         "rungs": [_rung(study, rung) for rung in ladder.rungs],
         "next_experiment": next_experiment,
         "remaining": entries.remaining(last.held_out.chi2, study.bench.evidence.floor),
+        "missing_force": missing_forces(study, ladder.models),
         **failure(study, base.model, base.fit.z),
     }
     before = (base.model, base.fit.z) if last is not base else (study.model, study.model.space.nominal)

@@ -1,0 +1,92 @@
+"""The report's entry on missing forces: how much the effects explain, how much anything could, and a formula."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.force_formula import Formula, Variable, mean_square, sparse_formula
+from dr_lab.diagnosis.rank import Explained
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
+from dr_lab.diagnosis.states import fit_states
+from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.workflows.study import Study
+
+_PARTS = 8  # of a single log, in place of logs
+
+
+def missing_forces(study: Study, models: Sequence[Explained]) -> list[dict[str, Any]]:
+    """Joint by joint: missing force of the first and the last model, and what is left to explain.
+
+    ``ceiling`` is the share of the first model's missing force that any function of the measured state could explain,
+    ``explained`` the share that the effects took away; ``formula`` belongs to what the last model misses.
+    """
+    windows = _short(study)
+    replays = [_forces(study, windows, explained) for explained in (models[0], models[-1])]
+    first, last = (forces for _, forces in replays)
+    known = [joint for joint, part in first.items() if np.isfinite(part.force).any()]
+    return [_entry(study, replays[-1][0], joint, first, last) for joint in known]
+
+
+def _short(study: Study) -> Windows:
+    settings, measured = study.local, study.measurements
+    short = replace(study.prediction, length=settings.length, stride=settings.length, max_windows=settings.max_windows)
+    return cut([*measured.fit, *measured.held_out], measured, study.compiled, short)
+
+
+def _forces(study: Study, windows: Windows, explained: Explained) -> tuple[Replay, dict[str, ResidualForce]]:
+    bench = study.bench
+    replay, fit = fit_states(explained.model, explained.fit.z, windows, bench.solver, bench.threads)
+    return replay, residual_forces(replay, fit)
+
+
+def _entry(
+    study: Study, replay: Replay, joint: str, first: dict[str, ResidualForce], last: dict[str, ResidualForce]
+) -> dict[str, Any]:
+    unit = "N" if replay.slides(joint) else "N·m"
+    settings, groups = study.local.formula, _groups(replay.windows)
+    before = sparse_formula(first[joint].force, unit, _variables(replay, first), groups, settings)
+    after = sparse_formula(last[joint].force, unit, _variables(replay, last), groups, settings)
+    squares = mean_square(first[joint].force), mean_square(last[joint].force)
+    return {
+        "joint": joint,
+        "unit": unit,
+        "rms_first": squares[0] ** 0.5,
+        "rms_last": squares[1] ** 0.5,
+        "explained": 1.0 - squares[1] / squares[0] if squares[0] > 0 else 0.0,
+        "ceiling": before.ceiling if before else None,
+        "left": _left(after),
+    }
+
+
+def _left(formula: Formula | None) -> dict[str, Any] | None:
+    if formula is None:
+        return None
+    terms = [
+        {"term": term, "coefficient": value, "unit": formula.units[term]}
+        for term, value in formula.coefficients.items()
+    ]
+    return {"ceiling": formula.ceiling, "share": formula.share, "terms": terms}
+
+
+def _variables(replay: Replay, forces: dict[str, ResidualForce]) -> list[Variable]:
+    """Position and velocity of the measured joints, and the commands."""
+    found = []
+    for joint, part in forces.items():
+        slide = replay.slides(joint)
+        unit = "m" if slide else "rad"
+        found.append(Variable(f"{joint} position", unit, "place" if slide else "angle", part.position))
+        found.append(Variable(f"{joint} velocity", f"{unit}/s", "velocity", part.velocity))
+    for name, column in replay.commands.items():
+        found.append(Variable(f"{name} command", "", "command", replay.windows.controls[..., column].mean(1)))
+    return found
+
+
+def _groups(windows: Windows) -> NDArray[np.intp]:
+    """Log of each window; parts of a log where there is but one."""
+    if len(windows.logs) > 1:
+        return windows.log
+    return np.arange(len(windows)) * _PARTS // len(windows)
