@@ -35,8 +35,8 @@ def test_the_seed_decides_everything() -> None:
     once, again, other = (list(made.recordings(seed)) for seed in (1, 1, 2))
     assert [r.name for r in once] == ["log_1", "log_2"]
     assert all(equal(a, b) for a, b in zip(once, again, strict=True))
-    assert not np.array_equal(once[0].voltage, once[1].voltage)
-    assert not np.array_equal(once[0].voltage, other[0].voltage)
+    assert not np.array_equal(once[0].command, once[1].command)
+    assert not np.array_equal(once[0].command, other[0].command)
     assert truth(made, 1) == truth(made, 1) != truth(made, 2)
 
 
@@ -56,8 +56,7 @@ def test_more_logs_do_not_change_the_first() -> None:
 def test_true_parameters_lie_within_the_spread_and_fill_it() -> None:
     nominal = bench().nominal
     values = np.array([list(nominal.true_values(seed).values()) for seed in range(200)])
-    documented = (nominal.arm_mass, nominal.pole_mass, nominal.arm_damping, nominal.pole_damping)
-    share = values / documented - 1
+    share = values / list(nominal.documented().values()) - 1
     assert np.abs(share).max() <= 0.15
     assert np.ptp(share, axis=0).min() > 0.28
     assert np.abs(np.corrcoef(share.T) - np.eye(4)).max() < 0.25
@@ -85,7 +84,7 @@ def test_stamps_and_commands_jitter_as_documented() -> None:
     assert 2e-5 < np.std(interval) < 1.2e-4
     assert np.abs(interval - 0.004).max() <= 2.01e-4
     assert (np.diff(recording.arrival) > 0).all()
-    assert np.abs(recording.voltage).max() <= 6.0
+    assert np.abs(recording.command).max() <= 6.0
 
 
 def test_encoders_round_to_counts_and_exact_instruments_do_not() -> None:
@@ -96,7 +95,7 @@ def test_encoders_round_to_counts_and_exact_instruments_do_not() -> None:
     assert np.abs(error).max() <= COUNT / 2 * (1 + 1e-9)
     assert np.std(error[200:]) == pytest.approx(COUNT / 12**0.5, rel=0.1)
     np.testing.assert_array_equal(rounded.command_time, exact.command_time)
-    np.testing.assert_array_equal(rounded.voltage, exact.voltage)
+    np.testing.assert_array_equal(rounded.command, exact.command)
     np.testing.assert_allclose(exact.arrival - exact.stamp, 1e-3, rtol=0, atol=5e-7)
 
 

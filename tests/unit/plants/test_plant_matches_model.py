@@ -32,7 +32,7 @@ def test_nominal_plant_and_model_move_alike() -> None:
         "arm.damping": model.joint("arm").damping[0],
         "pole.damping": model.joint("pole").damping[0],
     }
-    states = simulate(nominal.machine(named), NoEffect(), held, time, accuracy=TIGHT)
+    states = simulate(nominal.machine(named), NoEffect(), [held], time, accuracy=TIGHT)
     assert named == {
         "arm.mass": nominal.arm_mass,
         "pole.mass": nominal.pole_mass,
