@@ -22,13 +22,14 @@ STANDING = {
 
 
 def case_of(kind: Kind, *truths: str, seed: int = 0) -> Case:
-    hidden = {"none": "none", "outside": "crank/magnet"}.get(kind, "-".join(t.partition("@")[0] for t in truths))
-    return Case("crank", kind, hidden, truths, "encoders", seed, ("plant=crank",), ("model=crank",))
+    hidden = "-".join(label.partition("@")[0] for label in truths) or kind
+    return Case("crank", kind, hidden, "encoders", seed, ("plant=crank",), ("model=crank",))
 
 
 def outcome_of(kind: Kind, *truths: str, seed: int = 0, **answer: object) -> Outcome:
     fields: dict[str, Any] = dict(  # noqa: C408
         case=case_of(kind, *truths, seed=seed),
+        truths=truths,
         verdict="none",
         found=[],
         absorbed=[],
@@ -57,4 +58,4 @@ def pretended(case: Case, log: Path) -> Outcome:
         file.write(f"{case.name} {os.environ['OMP_NUM_THREADS']}\n")
     if case.seed == 13:
         raise DataError("no logs")
-    return outcome_of(case.kind, *case.truths, seed=case.seed, chi2=1.0 + case.seed)
+    return outcome_of(case.kind, seed=case.seed, chi2=1.0 + case.seed)

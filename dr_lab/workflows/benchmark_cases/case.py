@@ -17,24 +17,24 @@ class Machine:
     Attributes:
         record: overrides of ``dr-lab record`` that choose the machine.
         diagnose: overrides of ``dr-lab diagnose`` that choose its model and how its logs are read.
-        single: option of ``plant/hidden`` → its ``effect@site`` in the catalogue's words.
-        several: option → each ``effect@site`` that it hides together.
+        single: options of ``plant/hidden`` that hide one effect of the catalogue.
+        several: options that hide several of them.
         outside: options that hide what the catalogue does not hold.
     """
 
     record: Sequence[str]
     diagnose: Sequence[str]
-    single: Mapping[str, str]
-    several: Mapping[str, Sequence[str]]
+    single: Sequence[str]
+    several: Sequence[str]
     outside: Sequence[str]
 
-    def hidden(self, kind: Kind) -> dict[str, tuple[str, ...]]:
-        """The options of a kind, with what the catalogue calls them."""
-        options: dict[Kind, dict[str, tuple[str, ...]]] = {
-            "none": {NOTHING: ()},
-            "single": {option: (label,) for option, label in self.single.items()},
-            "several": {option: tuple(labels) for option, labels in self.several.items()},
-            "outside": dict.fromkeys(self.outside, ()),
+    def hidden(self, kind: Kind) -> Sequence[str]:
+        """The options of ``plant/hidden`` that are of a kind."""
+        options: dict[Kind, Sequence[str]] = {
+            "none": (NOTHING,),
+            "single": self.single,
+            "several": self.several,
+            "outside": self.outside,
         }
         return options[kind]
 
@@ -66,7 +66,6 @@ class Case:
         machine: its name.
         kind: ``none``, ``single``, ``several`` or ``outside``.
         hidden: option of ``plant/hidden``.
-        truths: what is hidden, as ``effect@site``; empty where the catalogue does not hold it.
         instruments: option of ``plant/instruments``.
         seed: of everything random in the logs.
         record: overrides of ``dr-lab record`` that choose the machine.
@@ -76,7 +75,6 @@ class Case:
     machine: str
     kind: Kind
     hidden: str
-    truths: tuple[str, ...]
     instruments: str
     seed: int
     record: tuple[str, ...]
@@ -116,9 +114,9 @@ def _cases(wanted: CaseSet, machines: Mapping[str, Machine]) -> Iterator[Case]:
         for name, machine in machines.items():
             if wanted.machines is not None and name not in wanted.machines:
                 continue
-            for option, truths in machine.hidden(wanted.kind).items():
+            for option in machine.hidden(wanted.kind):
                 if wanted.hidden is not None and option not in wanted.hidden:
                     continue
                 for instruments in wanted.instruments:
                     overrides = tuple(machine.record), tuple(machine.diagnose)
-                    yield Case(name, wanted.kind, option, truths, instruments, seed, *overrides)
+                    yield Case(name, wanted.kind, option, instruments, seed, *overrides)

@@ -18,7 +18,7 @@ def cause(outcome: Outcome) -> str:
         return f"{answer or 'Nothing'} is answered; χ² {number(outcome.chi2_base)} → {number(outcome.chi2)}."
     if kind == "several":
         return " ".join(_of_truth(outcome, truth) for truth in missed(outcome))
-    return _of_truth(outcome, outcome.case.truths[0])
+    return _of_truth(outcome, outcome.truths[0])
 
 
 def _answer(outcome: Outcome) -> str:

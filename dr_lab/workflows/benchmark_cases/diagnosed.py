@@ -26,7 +26,8 @@ def diagnose_case(case: Case, compose: Compose) -> Outcome:
     """
     observed = observe(case, compose)
     study, begin = observed.study, (time.process_time(), time.monotonic())
-    most = len(case.truths) + 1 if case.kind == "several" else 0
+    truths = observed.truths if case.kind != "outside" else ()
+    most = len(truths) + 1 if case.kind == "several" else 0
     base = calibrate(study)
     ladder = climb(
         study.bench, base, observed.effects, study.scales, study.compiled, most=most, watch=lambda _: lambda _: None
@@ -36,14 +37,15 @@ def diagnose_case(case: Case, compose: Compose) -> Outcome:
     found = _found(ladder)
     return Outcome(
         case=case,
+        truths=observed.truths,
         verdict=ladder.verdict,
         found=found,
-        absorbed=ladder.rungs[-1].verdict.absorbed,
+        absorbed=list(ladder.rungs[-1].verdict.absorbed),
         ranking=[c.effect.label for c in _ordered(first.ranking, first.verdict.effects)],
-        standing={truth: _standing(ladder, truth) for truth in case.truths},
-        classes=_classes(case, found, observed, compose),
+        standing={truth: _standing(ladder, truth) for truth in truths},
+        classes=_classes(case, truths, found, observed, compose),
         magnitudes=observed.magnitudes,
-        fitted={truth: values for truth in case.truths if (values := _own_values(ladder, truth))},
+        fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
         chi2_base=base.held_out.chi2,
         chi2=last.held_out.chi2,
         remaining=remaining(last.held_out.chi2, study.bench.evidence.floor)["status"],
@@ -107,13 +109,13 @@ def _own_values(ladder: Ladder, truth: str) -> dict[str, float]:
 
 
 def _classes(
-    case: Case, found: Sequence[Sequence[str]], observed: Observed, compose: Compose
+    case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose
 ) -> Mapping[str, Mapping[str, int]]:
     """Equivalence classes of the truths that the answer does not hold exactly."""
     single = case.kind == "single"
-    unclear = [t for t in case.truths if (found != [[t]] if single else not any(t in group for group in found))]
+    unclear = [t for t in truths if (found != [[t]] if single else not any(t in group for group in found))]
     if not unclear:
         return {}
     noise = {channel: noise.std for channel, noise in observed.study.measurements.noise.items()}
     exact = observe_exactly(case, compose, noise)
-    return {t: equivalence_class(exact, t, tuple(other for other in case.truths if other != t)) for t in unclear}
+    return {t: equivalence_class(exact, t, tuple(other for other in truths if other != t)) for t in unclear}

@@ -18,6 +18,7 @@ from dr_lab.workflows.study import Study, prepare
 Compose = Callable[[str, Sequence[str]], Mapping[str, Any]]
 
 EXACT = "exact"
+_AND = " + "  # between the labels of several hidden effects
 _STUDIED = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise")
 
 
@@ -28,11 +29,13 @@ class Observed:
     Attributes:
         study: model and logs.
         effects: the catalogue.
-        magnitudes: the truth's numbers, which the diagnosis must not see.
+        truths: what is hidden, as ``effect@site``, which the diagnosis must not see.
+        magnitudes: the truth's numbers, neither; of several effects by their labels.
     """
 
     study: Study
     effects: Mapping[str, Effect]
+    truths: tuple[str, ...]
     magnitudes: Mapping[str, Any]
 
 
@@ -68,4 +71,6 @@ def _observed(case: Case, compose: Compose, instruments: str, overrides: Sequenc
         built = compose("diagnose", [*case.diagnose, f"measurements.logs=[{folder}/*.mcap]", *overrides])
         truth = yaml.safe_load((folder / "truth.yaml").read_text(encoding="utf-8"))
         study = prepare(**{key: built[key] for key in _STUDIED}, threads=1)
-    return Observed(study, built["effects"], truth["hidden"]["parameters"])
+    hidden = truth["hidden"]
+    truths = () if case.kind == "none" else tuple(hidden["effect"].split(_AND))
+    return Observed(study, built["effects"], truths, hidden["parameters"])

@@ -17,6 +17,7 @@ class Outcome:
 
     Attributes:
         case: what was asked.
+        truths: what is hidden, as ``effect@site``.
         verdict: ``named``, ``equivalent``, ``none`` or ``unexplained``.
         found: for each effect that was found its label and those that the data cannot separate from it, best first.
         absorbed: labels of effects whose place the model's own parameters can take.
@@ -34,6 +35,7 @@ class Outcome:
     """
 
     case: Case
+    truths: tuple[str, ...]
     verdict: str
     found: Sequence[Sequence[str]]
     absorbed: Sequence[str]
@@ -62,4 +64,4 @@ class Outcome:
         fields = json.loads(text)
         case: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in fields["case"].items()}
         numbers = {k: float("nan") for k in ("chi2_base", "chi2") if fields[k] is None}
-        return Outcome(**{**fields, **numbers, "case": Case(**case)})
+        return Outcome(**{**fields, **numbers, "case": Case(**case), "truths": tuple(fields["truths"])})

@@ -60,8 +60,8 @@ def machines_page(summary: Mapping[str, Any]) -> str:
 def effects_page(outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]]) -> str:
     """Each hidden effect of each machine: how often it was judged right, what was answered, and how exactly."""
     rows = []
-    for key in dict.fromkeys((o.case.machine, o.case.hidden, o.case.truths) for o in outcomes):
-        own = [o for o in outcomes if (o.case.machine, o.case.hidden, o.case.truths) == key]
+    for key in dict.fromkeys((o.case.machine, o.case.hidden, o.truths) for o in outcomes):
+        own = [o for o in outcomes if (o.case.machine, o.case.hidden, o.truths) == key]
         errors = [error for o in own for error in parameter_errors(o, spelt).values()]
         rows.append(
             [
@@ -84,7 +84,7 @@ def misses_page(summary: Mapping[str, Any]) -> str:
     rows = [
         [
             f"{row['machine']}, {row['instruments']}, seed {row['seed']}",
-            row["truth"] if row["kind"] != "outside" else row["hidden"],
+            row["truth"],
             row["verdict"] + (f": {row['answer']}" if row["answer"] else ""),
             row["cause"],
         ]
@@ -134,7 +134,7 @@ def _answers(outcomes: Sequence[Outcome]) -> str:
 
 def _nothing(outcome: Outcome) -> str:
     """An answer without an effect: its verdict, and whether it lists what is hidden."""
-    listed = bool(outcome.case.truths) and set(outcome.case.truths) <= set(outcome.absorbed)
+    listed = bool(outcome.truths) and set(outcome.truths) <= set(outcome.absorbed)
     return f"{outcome.verdict}, absorbed and listed" if listed else outcome.verdict
 
 

@@ -31,13 +31,13 @@ def mark(outcome: Outcome) -> Mark:
     if kind in ("none", "outside"):
         right = outcome.verdict == ("none" if kind == "none" else "unexplained")
         return Mark(right, right, any(len(group) == 1 for group in outcome.found))
-    classes = {truth: members(outcome, truth) for truth in outcome.case.truths}
+    classes = {truth: members(outcome, truth) for truth in outcome.truths}
     left = unmatched(outcome.found, classes)
     false = any(len(group) == 1 for group in left)
     if kind == "several":
         missing = missed(outcome)
         return Mark(not missing, not missing, false)
-    (truth,) = outcome.case.truths
+    (truth,) = outcome.truths
     right = _single(outcome, truth, classes[truth])
     near = any(label in classes[truth] for label in outcome.ranking[:_TOP])
     return Mark(right, right or near, false)
@@ -59,7 +59,7 @@ def missed(outcome: Outcome) -> list[str]:
 
     A truth is matched with what is called like it, else with what has it for a rival, else with another of its class.
     """
-    groups, left = list(outcome.found), list(outcome.case.truths)
+    groups, left = list(outcome.found), list(outcome.truths)
     for stands_for in (_first, _listed, _of_class):
         for truth in list(left):
             match = next((group for group in groups if stands_for(group, truth, outcome)), None)

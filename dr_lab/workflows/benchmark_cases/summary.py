@@ -97,7 +97,7 @@ def answers(outcomes: Sequence[Outcome], effects: Mapping[str, Effect]) -> Confu
         kind = outcome.case.kind
         if kind == "several":
             continue
-        truth = outcome.case.truths[0].partition("@")[0] if outcome.case.truths else kind
+        truth = outcome.truths[0].partition("@")[0] if kind == "single" else kind
         found = outcome.found[0][0].partition("@")[0] if outcome.found else outcome.verdict
         pairs.append((truth, found, mark(outcome).right))
     ordered = sorted(effects.values(), key=lambda effect: (FAMILIES.index(effect.family), effect.name))
@@ -115,7 +115,7 @@ def _row(outcome: Outcome, spelt: Mapping[str, Mapping[str, str]]) -> dict[str, 
         "machine": case.machine,
         "kind": case.kind,
         "hidden": case.hidden,
-        "truth": " + ".join(case.truths) or case.kind,
+        "truth": " + ".join(outcome.truths) or case.kind,
         "instruments": case.instruments,
         "seed": case.seed,
         "verdict": outcome.verdict,

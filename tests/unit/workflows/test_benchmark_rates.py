@@ -3,15 +3,18 @@
 import csv
 import io
 from math import sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 from pretended_cases import A, B, C, case_of, named, outcome_of
+from recorder_samples import read_recording
 
 from dr_lab.cli.compose import options
 from dr_lab.cli.folders import shipped
 from dr_lab.effects.effect import Effect
+from dr_lab.recorders.benchmark_review import write_benchmark_review
 from dr_lab.recorders.confusion import confusion, confusion_csv, confusion_picture
 from dr_lab.recorders.look import Look
 from dr_lab.workflows.benchmark_cases.pages import report_page
@@ -116,3 +119,10 @@ def test_the_picture_of_the_whole_catalogue_has_a_cell_for_every_pair(look: Look
     picture = confusion_picture(confusion(pairs, names), look)
     assert picture.shape[0] > 32 * len(names)
     assert Image.fromarray(picture).size == picture.shape[1::-1]
+
+
+def test_the_recording_holds_the_picture_and_the_pages(look: Look, tmp_path: Path) -> None:
+    picture = confusion_picture(confusion([("a", "a", True)], ["a"]), look)
+    write_benchmark_review(tmp_path / "review.rrd", picture, {"Figures": "one", "Misses": "two"})
+    entities = read_recording(tmp_path / "review.rrd")
+    assert {"/confusion", "/pages/Figures", "/pages/Misses"} <= set(entities)
