@@ -21,16 +21,19 @@ def equivalence_class(observed: Observed, truth: str, others: tuple[str, ...]) -
         others: what else is hidden; it is added to the base first.
 
     Returns:
-        Number of parameters by label, 0 for `BASE`; the truth is among them.
+        Number of parameters by label, 0 for `BASE`; the truth is among them. Where the base is a member every effect
+        is one, staying absent: then no other is listed.
     """
     study = observed.study
     base = calibrate(study)
     for label in others:
-        base = _ranked(observed, base, label)[label][0]
-    found = {BASE: (base, 0), **_ranked(observed, base)}
-    sums = {label: _sum(explained) for label, (explained, _) in found.items()}
-    most = sums.get(truth, 0.0) + study.bench.evidence.threshold
-    return {truth: 1} | {label: count for label, (_, count) in found.items() if sums[label] < most}
+        base = _ranked(observed, base, label).get(label, (base, 0))[0]
+    exact, count = _ranked(observed, base, truth).get(truth, (base, 0))
+    most = _sum(exact) + study.bench.evidence.threshold
+    if _sum(base) < most:
+        return {truth: count, BASE: 0}
+    alike = {label: n for label, (explained, n) in _ranked(observed, base).items() if _sum(explained) < most}
+    return {truth: count, **alike}
 
 
 def _ranked(observed: Observed, base: Explained, only: str | None = None) -> dict[str, tuple[Explained, int]]:

@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import time
 import traceback
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -16,7 +17,7 @@ from dr_lab.recorders.files import write_text
 from dr_lab.workflows.benchmark_cases.case import Case
 from dr_lab.workflows.benchmark_cases.outcome import Outcome
 
-_PATIENCE = 3.0  # s that a process which is told to end has for putting its files away
+_PATIENCE = 2.0  # s that processes which are told to end have for putting their files away
 
 Diagnose = Callable[[Case], Outcome]
 
@@ -95,8 +96,9 @@ def _pool(processes: int) -> Iterator[ProcessPoolExecutor]:
         own = set(active_children()) - strangers
         for child in own:
             child.terminate()
+        deadline = time.monotonic() + _PATIENCE
         for child in own:
-            child.join(_PATIENCE)
+            child.join(max(deadline - time.monotonic(), 0.0))
             child.kill()
         raise
     pool.shutdown()

@@ -44,14 +44,8 @@ def mark(outcome: Outcome) -> Mark:
 
 
 def members(outcome: Outcome, truth: str) -> dict[str, int]:
-    """A truth's class, label → number of parameters; itself alone where the class was not asked for.
-
-    Where the base is a member, every effect is one that stays absent: then the truth is the only effect in the class.
-    """
-    found = outcome.classes.get(truth, {truth: 1})
-    if BASE in found:
-        return {label: count for label, count in found.items() if label in (BASE, truth)}
-    return dict(found)
+    """A truth's class, label → number of parameters; itself alone where the class was not asked for."""
+    return dict(outcome.classes.get(truth, {truth: 1}))
 
 
 def missed(outcome: Outcome) -> list[str]:

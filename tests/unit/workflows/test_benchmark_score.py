@@ -9,7 +9,7 @@ from dr_lab.workflows.benchmark_cases.score import mark, missed
 
 BOTH = {A: {A: 1, B: 1}}
 RICHER = {A: {A: 1, B: 1, "stribeck_friction@arm": 3}}
-HIDDEN = {A: {A: 1, B: 1, BASE: 0}}
+HIDDEN = {A: {A: 1, BASE: 0}}
 
 RIGHT = {
     "named exactly": named(A),
