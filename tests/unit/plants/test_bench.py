@@ -1,18 +1,23 @@
 """What the bench records: the truth's spread, clocks, jitter, quantisation, determinism."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hydra.utils import instantiate
+from omegaconf import OmegaConf
 
 from dr_lab.cli.compose import compose
-from dr_lab.errors import ConfigError
+from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.plants.bench import Bench, Recording
+from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.truth import truth
 
-HIDDEN = sorted(p.stem for p in (Path(__file__).parents[3] / "conf" / "plant" / "hidden").glob("*.yaml"))
+FOLDER = Path(__file__).parents[3] / "conf" / "plant" / "hidden"
+HIDDEN = sorted({str(p.relative_to(FOLDER).with_suffix("")) for p in FOLDER.rglob("*.yaml")} - {"none"})
 COUNT = 2 * np.pi / 2048
 
 
@@ -87,6 +92,25 @@ def test_stamps_and_commands_jitter_as_documented() -> None:
     assert np.abs(recording.command).max() <= 6.0
 
 
+def test_a_slide_is_counted_along_its_way() -> None:
+    cart = only(bench("plant=cartpole", duration=0.5)).position[:, 0] / (0.0932 / 2048)
+    np.testing.assert_allclose(cart, np.rint(cart), rtol=0, atol=1e-9)
+    assert np.ptp(cart) > 10
+
+
+def test_names_that_the_machine_does_not_have_are_refused() -> None:
+    with pytest.raises(UnknownNameError, match="pole"):
+        replace(bench(), start={"pol": 1.0})
+    with pytest.raises(UnknownNameError, match="motor"):
+        replace(bench(), shares={"pole": 1.0})
+
+
+def test_a_biased_encoder_reads_beside_the_truth() -> None:
+    made, motion = plain("pendulum")
+    read = only(replace(made, hidden=hidden("pendulum/sensor_bias")))
+    np.testing.assert_allclose(read.position - motion.position, 0.03, rtol=0, atol=1e-12)
+
+
 def test_encoders_round_to_counts_and_exact_instruments_do_not() -> None:
     rounded, exact = only(bench()), only(bench("plant/instruments=exact"))
     counts = rounded.position / COUNT
@@ -109,12 +133,40 @@ def test_a_late_encoder_reads_the_same_motion_later() -> None:
     assert np.abs(read.position - true.position).max() > 0.01
 
 
-@pytest.mark.parametrize("option", [name for name in HIDDEN if name != "none"])
+def machine_of(option: str) -> str:
+    """Options of the Furuta pendulum lie in the group itself, those of other machines in folders."""
+    machine, slash, _ = option.rpartition("/")
+    return machine if slash else "furuta"
+
+
+def settings(option: str) -> dict[str, Any]:
+    """What Hydra makes of an option, without composing all else around it."""
+    node: Any = OmegaConf.to_container(OmegaConf.load(FOLDER / f"{option}.yaml"))
+    parts = {key: part for entry in node.pop("defaults", []) for key, part in entry.items()}
+    return node | {key.rpartition("@")[2]: settings(part) for key, part in parts.items()}
+
+
+def hidden(option: str) -> HiddenEffect:
+    return instantiate(settings(option), _convert_="all")
+
+
+@cache
+def plain(machine: str) -> tuple[Bench, Recording]:
+    made = bench(f"plant={machine}", "plant/instruments=exact", duration=1.0)
+    return made, only(made)
+
+
+@pytest.mark.parametrize("option", HIDDEN)
 def test_every_hidden_effect_shows_above_the_encoder_count(option: str) -> None:
-    with_it = only(bench("plant/instruments=exact", f"plant/hidden={option}"))
-    without = only(bench("plant/instruments=exact"))
-    assert np.abs(with_it.position - without.position).max() > COUNT
-    label = bench(f"plant/hidden={option}").hidden.label
-    effect, _, site = label.partition("@")
-    assert option in (effect, f"{effect}_{site}")
-    assert site
+    without, motion = plain(machine_of(option))
+    made = replace(without, hidden=hidden(option))
+    counts = np.array([made.travel.get(joint, 2 * np.pi) / 2048 for joint in made.joints])
+    assert (np.abs(only(made).position - motion.position) / counts).max() > 1
+    sites = {*made.joints, *made.actuators, *made.documented.bodies, "world"}
+    named = []
+    for label in made.hidden.label.split(" + "):
+        effect, _, site = label.partition("@")
+        assert site in sites
+        named.append((effect, f"{effect}_{site}"))
+    for part, names in zip(option.rpartition("/")[2].split("_and_"), named, strict=True):
+        assert part in names
