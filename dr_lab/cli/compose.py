@@ -73,9 +73,23 @@ def compose(verb: str, overrides: Sequence[str] = (), config_dir: Path | None = 
         hydra.errors.ConfigCompositionException: an override names nothing.
     """
     own = () if config_dir is None else (config_dir.absolute(),)
-    prepare((*own, places.shipped()))
+    return compose_from((*own, places.shipped()), verb, overrides)
+
+
+def compose_from(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -> DictConfig:
+    """The same from given folders.
+
+    Args:
+        folders: configuration folders, first searched first; the last one ships with dr_lab.
+        verb: root configuration.
+        overrides: as on the command line.
+
+    Raises:
+        hydra.errors.ConfigCompositionException: an override names nothing.
+    """
+    prepare(folders)
     typed = list(overrides)
-    with hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(places.shipped())):
+    with hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(folders[-1])):
         while True:
             try:
                 return hydra.compose(config_name=verb, overrides=typed)

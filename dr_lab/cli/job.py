@@ -1,26 +1,19 @@
 """One job: a composed configuration is checked, built, given a folder and handed to its workflow."""
 
 import contextlib
-import importlib
+import functools
 import inspect
 import itertools
-import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hydra.utils import instantiate
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig
 
-from dr_lab.cli.check import check
-from dr_lab.cli.compose import misplaced, options, register_resolvers
+from dr_lab.cli.arguments import COMPOSE, RUN_DIR, arguments_of, compose_arguments
 from dr_lab.cli.provenance import CONFIG_FILE, write_config
 from dr_lab.errors import ConfigError
-
-# Keys of a configuration that are not a workflow's business, unless it asks for them.
-COMMAND_LINE_KEYS = ("outputs", "made_with")
-RUN_DIR = "run_dir"
 
 
 @dataclass(frozen=True)
@@ -40,21 +33,6 @@ class Job:
     base: str | None
     output_dir: Path
     folders: tuple[Path, ...]
-
-
-def workflow_of(verb: str) -> Callable[..., Any]:
-    """The function that does a verb's work, `dr_lab.workflows.<verb>.<verb>`.
-
-    Raises:
-        ConfigError: there is no such function.
-    """
-    name = f"dr_lab.workflows.{verb}"
-    try:
-        return getattr(importlib.import_module(name), verb)
-    except ModuleNotFoundError as error:
-        if error.name != name:
-            raise
-        raise ConfigError(f"dr-lab {verb} has a configuration but no workflow: {name} does not exist.") from error
 
 
 def run_job(job: Job, cfg: DictConfig) -> None:
@@ -91,42 +69,14 @@ def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]
     Raises:
         ConfigError: the configuration cannot be run.
     """
-    register_resolvers(job.folders)
-    workflow = workflow_of(job.verb)
+    workflow, arguments = arguments_of(job.verb, cfg, job.folders)
     parameters = inspect.signature(workflow).parameters
-    unused = not_passed(cfg, parameters)
-    _require_placed(cfg, job.folders)
-    check(cfg, workflow, job.verb, supplied=(RUN_DIR,), unused=unused)
-    # One key at a time: what only feeds another key is built there, and only there.
-    wanted = {str(key): value for key, value in cfg.items() if key not in unused}
-    arguments = {k: instantiate(v, _convert_="all") if OmegaConf.is_config(v) else v for k, v in wanted.items()}
+    if COMPOSE in parameters:
+        arguments[COMPOSE] = functools.partial(compose_arguments, folders=job.folders)
     if RUN_DIR in parameters:
         arguments[RUN_DIR] = claim(job.output_dir)
         write_config(arguments[RUN_DIR], job.verb, job.overrides, job.base, cfg)
     return workflow, arguments
-
-
-def not_passed(cfg: DictConfig, parameters: Collection[str]) -> set[str]:
-    """Top-level keys that are no parameter of the workflow and need not be.
-
-    Those are the command line's own, and those that only feed other keys: ``seed`` where it stands in ``${seed}``.
-
-    Args:
-        cfg: composed configuration without Hydra's node.
-        parameters: names of the workflow's parameters.
-    """
-    text = OmegaConf.to_yaml(cfg, resolve=False)
-    fed = {str(key) for key in cfg if re.search(rf"\$\{{{re.escape(str(key))}[.}}]", text)}
-    return {*COMMAND_LINE_KEYS, *fed} - set(parameters)
-
-
-def _require_placed(cfg: DictConfig, folders: Sequence[Path]) -> None:
-    """Refuse an option that lies at its group's key, though its neighbours stand side by side below another."""
-    for group in cfg:
-        node = cfg._get_node(group)  # values may be missing or lead nowhere, which is said later
-        if isinstance(node, DictConfig) and "_target_" in node:
-            for fault in misplaced(options(str(group), folders)).values():
-                raise ConfigError(fault)
 
 
 def claim(output_dir: Path) -> Path:

@@ -1,72 +1,21 @@
-"""Experiments on a Furuta pendulum nobody knows exactly: its true parameters, its hidden effect, its logs."""
+"""Experiments on a machine nobody knows exactly: its true parameters, its hidden effect, its logs."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.errors import ConfigError
-from dr_lab.plants.command import Command
+from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.plants.excitation import SinesAndSteps
-from dr_lab.plants.furuta import Furuta, Moments, Motor
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.instruments import Instruments, RobotClock
-from dr_lab.plants.motion import Accuracy, simulate
+from dr_lab.plants.machine import Machine
+from dr_lab.plants.motion import Accuracy
+from dr_lab.plants.nominal import Nominal
+from dr_lab.plants.operator import Experiment, Operator
+from dr_lab.plants.phases import State
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
-
-
-@dataclass(frozen=True)
-class Nominal:
-    """What the documents say of the machine.
-
-    Attributes:
-        arm_mass: kg.
-        arm_length: m.
-        arm_damping: N·m·s/rad.
-        pole_mass: kg.
-        pole_length: m.
-        pole_damping: N·m·s/rad.
-        motor_constant: N·m/A = V·s/rad.
-        motor_resistance: Ω.
-        gravity: m/s².
-        spread: the true masses and dampings lie within ± this share of these.
-    """
-
-    arm_mass: float
-    arm_length: float
-    arm_damping: float
-    pole_mass: float
-    pole_length: float
-    pole_damping: float
-    motor_constant: float
-    motor_resistance: float
-    gravity: float
-    spread: float
-
-    def true_values(self, seed: int) -> dict[str, float]:
-        """True masses (kg) and dampings (N·m·s/rad) by the names under which the model declares them."""
-        nominal = {
-            "arm.mass": self.arm_mass,
-            "pole.mass": self.pole_mass,
-            "arm.damping": self.arm_damping,
-            "pole.damping": self.pole_damping,
-        }
-        return {
-            name: value * (1 + self.spread * stream(seed, "truth", name).uniform(-1.0, 1.0))
-            for name, value in nominal.items()
-        }
-
-    def machine(self, true: Mapping[str, float]) -> Furuta:
-        """The machine with given masses and dampings; lengths, motor and gravity are as documented."""
-        return Furuta(
-            arm=Moments.rod(true["arm.mass"], self.arm_length),
-            pole=Moments.rod(true["pole.mass"], self.pole_length),
-            length=self.arm_length,
-            damping=(true["arm.damping"], true["pole.damping"]),
-            gravity=(0.0, 0.0, -self.gravity),
-            motor=Motor(self.motor_constant, self.motor_resistance),
-        )
 
 
 @dataclass(frozen=True)
@@ -77,9 +26,9 @@ class Recording:
         name: the log's name.
         stamp: the robot's clock at each encoder sample, s, shape (n,).
         arrival: host time at which each sample reached the log, s, shape (n,).
-        position: encoder readings (arm, pole), rad, shape (n, 2).
-        command_time: host time at which each command was issued, s, shape (m,).
-        voltage: commands, V, shape (m,).
+        position: encoder readings of the joints, rad or m, shape (n, joints).
+        command_time: host time at which each command was issued, s, shape (k,).
+        command: commands to the actuators, shape (k, actuators).
     """
 
     name: str
@@ -87,7 +36,7 @@ class Recording:
     arrival: Array
     position: Array
     command_time: Array
-    voltage: Array
+    command: Array
 
 
 @dataclass(frozen=True)
@@ -97,66 +46,132 @@ class Bench:
     Attributes:
         nominal: documented constants.
         hidden: the hidden effect.
-        excitation: shape of the voltage, with its limit in V.
-        peaks: largest |voltage| of each log in V; their number is the number of logs, log_1, log_2 ….
+        excitation: shape of what is wished of each actuator, with its limit.
+        operator: what makes commands of the wish.
+        peaks: largest size of the wish in each log; their number is the number of logs, log_1, log_2 ….
+        shares: size of an actuator's wish relative to the peaks, 1 where it is not named.
+        start: where joints are at the beginning of a log, at rest, rad or m; 0 where a joint is not named.
         duration: length of a log in s.
         pause: time from the start of one log to the start of the next, s.
         epoch: host time of the first log, s since 1970.
         instruments: encoders, clocks and latencies.
+        travel: way that a slide moves in one revolution of its encoder, m; a joint that is not named is a hinge.
         accuracy: how closely the motion is followed.
+        commanded: what the actuators are asked for, as the commands' topic calls it.
 
     Raises:
         ConfigError: no log is asked for, or one too short for a command and a sample.
+        UnknownNameError: the machine has no such joint or actuator.
     """
 
     nominal: Nominal
     hidden: HiddenEffect
     excitation: SinesAndSteps
+    operator: Operator
     peaks: Sequence[float]
+    shares: Mapping[str, float]
+    start: Mapping[str, float]
     duration: float
     pause: float
     epoch: float
     instruments: Instruments
+    travel: Mapping[str, float]
     accuracy: Accuracy
+    commanded: str
 
     def __post_init__(self) -> None:
         slowest = min(self.instruments.sample_rate, self.instruments.command_rate)
         if not self.peaks or self.duration * slowest < 2:
             given = f"{len(self.peaks)} peaks, {self.duration} s"
-            raise ConfigError(f"A bench needs a peak voltage for each log and two samples in it; got {given}.")
+            raise ConfigError(f"A bench needs a peak command for each log and two samples in it; got {given}.")
+        for kind, given, known in (
+            ("joint", self.start, self.joints),
+            ("joint", self.travel, self.joints),
+            ("actuator", self.shares, self.actuators),
+        ):
+            for name in given:
+                if name not in known:
+                    raise UnknownNameError(kind, name, known, "the plant")
+
+    @property
+    def documented(self) -> Machine:
+        """The machine as documented."""
+        return self.nominal.machine(self.nominal.documented())
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the measured joints."""
+        return self.documented.joints
+
+    @property
+    def actuators(self) -> tuple[str, ...]:
+        """Names of the actuators."""
+        return self.documented.actuators
 
     def recordings(self, seed: int) -> Iterator[Recording]:
-        """The logs of the machine that a seed stands for, one after the other; each starts hanging at rest."""
+        """The logs of the machine that a seed stands for, one after the other; each starts at rest."""
         machine = self.nominal.machine(self.nominal.true_values(seed))
         clock = self.clock(seed)
-        for index, peak in enumerate(self.peaks):
-            yield self._record(machine, clock, seed, index, peak)
+        for number, peak in enumerate(self.peaks):
+            yield self._record(machine, clock, seed, number, peak)
 
     def clock(self, seed: int) -> RobotClock:
         """The robot's clock of the machine that a seed stands for."""
         return self.instruments.clock(self.epoch, stream(seed, "clock"))
 
-    def _record(self, machine: Furuta, clock: RobotClock, seed: int, index: int, peak: float) -> Recording:
-        name = f"log_{index + 1}"
-        start = self.epoch + index * self.pause
+    def _record(self, machine: Machine, clock: RobotClock, seed: int, number: int, peak: float) -> Recording:
+        name = f"log_{number + 1}"
+        start = self.epoch + number * self.pause
+        # Times since 1970 are rounded to the clock's resolution; what happens, happens at the rounded times.
         issued = start + self.instruments.command_times(self.duration, stream(seed, name, "command"))
         sampled = start + self.instruments.sample_times(self.duration, stream(seed, name, "sample"))
-        voltage = self.excitation.command(issued - start, peak, stream(seed, name, "excitation"))
-        # Times since 1970 are rounded to the clock's resolution; what happens, happens at the rounded times.
-        applied = Command(issued - start + self.instruments.actuation_latency, voltage)
+        wish = self._wish(issued - start, peak, stream(seed, name, "excitation"))
+        position, command = self.played(machine, issued - start, sampled - start, wish)
         return Recording(
             name=name,
             stamp=clock.read(sampled),
             arrival=self.instruments.arrival(sampled, stream(seed, name, "transport")),
-            position=self.instruments.encode(self.angles(machine, applied, sampled - start)),
+            position=self._encoded(position),
             command_time=issued,
-            voltage=voltage,
+            command=command,
         )
 
-    def angles(self, machine: Furuta, applied: Command, time: Array) -> Array:
-        """Angles (arm, pole) in rad that the encoders are about to round, shape (n, 2); time in s after the start."""
-        read = time[:, None] - np.asarray(self.hidden.reading_delay())
+    def _wish(self, time: Array, peak: float, generator: np.random.Generator) -> Array:
+        sizes = [peak * self.shares.get(name, 1.0) for name in self.actuators]
+        return np.stack([self.excitation.command(time, size, generator) for size in sizes], axis=1)
+
+    def played(self, machine: Machine, issued: Array, sampled: Array, wish: Array) -> tuple[Array, Array]:
+        """What the encoders are about to round, and the commands.
+
+        Args:
+            machine: the machine without its hidden effect.
+            issued: instants of the commands in s after the start, shape (k,).
+            sampled: instants of the samples in s after the start, shape (n,).
+            wish: what is wished of the actuators, shape (k, actuators).
+
+        Returns:
+            Positions of the joints in rad or m, shape (n, joints), and commands, shape (k, actuators).
+        """
+        joints = machine.joints
+        read = sampled[:, None] - np.array([self.hidden.reading_delay(joint) for joint in joints])
         instants, where = np.unique(read, return_inverse=True)
-        states = simulate(machine, self.hidden, applied, instants, accuracy=self.accuracy)
-        rows = where.reshape(read.shape)
-        return np.stack([states[rows[:, joint], joint] for joint in (0, 1)], axis=1)
+        experiment = Experiment(
+            machine=machine,
+            effect=self.hidden,
+            documented=self.documented,
+            issued=issued,
+            latency=self.instruments.actuation_latency,
+            instants=instants,
+            start=self._start(),
+            accuracy=self.accuracy,
+        )
+        states, command = self.operator.operate(experiment, wish)
+        position = np.take_along_axis(states[:, : len(joints)], where.reshape(read.shape), axis=0)
+        return position + [self.hidden.reading_bias(joint) for joint in joints], command
+
+    def _start(self) -> State:
+        return (*(self.start.get(joint, 0.0) for joint in self.joints), *(0.0 for _ in self.joints))
+
+    def _encoded(self, position: Array) -> Array:
+        turns = np.array([2 * np.pi / self.travel[joint] if joint in self.travel else 1.0 for joint in self.joints])
+        return self.instruments.encode(position * turns) / turns

@@ -14,7 +14,7 @@ class Command:
 
     Attributes:
         edge: times in s, increasing, shape (n,).
-        value: V, shape (n,).
+        value: in the actuator's unit, shape (n,).
 
     Raises:
         DataError: shapes disagree or the edges do not increase.

@@ -1,25 +1,25 @@
-"""How the machine moves under a command: SciPy's DOP853, from command edge to command edge."""
+"""How the machine moves under its commands: SciPy's DOP853, from command edge to command edge."""
 
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import root_scalar
 
 from dr_lab.errors import DataError
+from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
-from dr_lab.plants.furuta import Furuta
 from dr_lab.plants.hidden.effect import HiddenEffect
-from dr_lab.plants.phases import Body, Phase, State, phase_at
+from dr_lab.plants.machine import Machine, Vector
+from dr_lab.plants.phases import Phase, State, phase_at
 from dr_lab.trajectory import Array
 
 # Points of a step at which the end of a phase is looked for, so that a slide that ends and starts anew within one step
 # is seen.
 _LOOKS = 8
 _ROOT = 1e-14  # s, how closely the end of a phase is found
-_REST: State = (0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Accuracy:
 
     Attributes:
         relative: share of a state allowed as error of one step.
-        absolute: rad and rad/s allowed as error of one step.
+        absolute: rad and rad/s, or m and m/s, allowed as error of one step.
         longest_step: s; within a step the states come from an interpolant, whose error only a short step keeps down.
     """
 
@@ -38,75 +38,86 @@ class Accuracy:
 
 
 def simulate(
-    machine: Furuta,
+    machine: Machine,
     effect: HiddenEffect,
-    command: Command,
+    commands: Sequence[Command],
     time: Array,
     *,
     accuracy: Accuracy,
-    start: State = _REST,
+    start: State | None = None,
 ) -> Array:
-    """True motion of the machine with its hidden effect.
+    """True motion of the machine with its hidden effect, under commands that are known beforehand.
 
-    Each stretch of constant voltage is integrated by itself, so that no step crosses a jump of the command; a change
+    Each stretch of constant commands is integrated by itself, so that no step crosses a jump of them; a change
     between sticking and sliding is found on the step's dense output and the integration starts anew there.
 
     Args:
         machine: the machine without the effect.
         effect: what is hidden in it.
-        command: voltage applied to the driver, before the effect acts on it.
+        commands: what is sent to each actuator, before the effect acts on it.
         time: when to report the state, s, not decreasing; before 0 the machine is in its start state.
         accuracy: how closely to follow it.
-        start: (θ, α, θ', α') at time 0 in rad and rad/s.
+        start: positions, then velocities, of the machine's joints at time 0; None means zero.
 
     Returns:
-        (θ, α, θ', α') at each time, shape (n, 4).
+        Positions, then velocities, at each time in rad, m, rad/s and m/s, shape (n, 2 · degrees of freedom); those of a
+        hidden oscillator come after the joints'.
 
     Raises:
         DataError: `time` is empty or decreases, or the integration fails.
     """
-    if len(time) == 0 or (np.diff(time) < 0).any():
-        raise DataError(f"Plant: give times that do not decrease at which to report the motion; got {len(time)}.")
-    held = effect.command(command)
-    end = float(time[-1])
-    inside = held.edge[(held.edge > 0) & (held.edge < end)]
-    bounds = np.concatenate([[0.0], inside, [end]])
-    run = _Run(Body(effect.alter(machine), effect), accuracy, time, start)
-    for begin, stop, voltage in zip(bounds[:-1], bounds[1:], held.at(bounds[:-1]), strict=True):
-        run.advance(float(begin), float(stop), float(voltage))
+    run = Run(Body.of(machine, effect), accuracy, time, start)
+    acting = [effect.command(name, command) for name, command in zip(machine.actuators, commands, strict=True)]
+    edges = np.concatenate([[0.0, run.end], *(command.edge for command in acting)])
+    bounds = np.unique(edges[(edges >= 0) & (edges <= run.end)])
+    values = np.stack([command.at(bounds) for command in acting], axis=1).tolist()
+    for begin, stop, value in zip(bounds[:-1], bounds[1:], values, strict=False):
+        run.advance(float(begin), float(stop), value)
     return run.states
 
 
-class _Run:
-    """One simulation under way: where the machine is and which of the asked states are known."""
+class Run:
+    """One simulation under way: where the machine is and which of the asked states are known.
 
-    def __init__(self, body: Body, accuracy: Accuracy, time: Array, start: State) -> None:
-        self.states = np.tile(np.asarray(start, dtype=np.float64), (len(time), 1))
+    Attributes:
+        states: at each asked time, shape (n, 2 · degrees of freedom).
+        state: now.
+        end: the last time that is asked for, s.
+
+    Raises:
+        DataError: `time` is empty or decreases.
+    """
+
+    def __init__(self, body: Body, accuracy: Accuracy, time: Array, start: State | None) -> None:
+        if len(time) == 0 or (np.diff(time) < 0).any():
+            raise DataError(f"Plant: give times that do not decrease at which to report the motion; got {len(time)}.")
+        self.state = _whole(body, start)
+        self.states = np.tile(np.asarray(self.state, dtype=np.float64), (len(time), 1))
+        self.end = float(time[-1])
         self._body = body
-        self._friction = body.effect.friction()
         self._accuracy = accuracy
         self._time = time
-        self._state = start
         self._known = int(np.searchsorted(time, 0.0, side="right"))
 
-    def advance(self, begin: float, stop: float, voltage: float) -> None:
-        """Move from begin to stop at one voltage, through as many phases as it takes."""
-        phase, self._state = phase_at(self._body, self._friction, self._state, voltage)
+    def advance(self, begin: float, stop: float, command: Vector) -> None:
+        """Move from begin to stop at constant commands, through as many phases as it takes."""
+        phase, self.state = phase_at(self._body, begin, self.state, command)
         while begin < stop:
-            begin, ended = self._follow(self._solver(phase, begin, stop, voltage), phase, voltage)
+            begin, ended = self._follow(self._solver(phase, begin, stop, command), phase, command)
             if ended:
-                phase, self._state = phase.after(self._state, voltage)
+                phase, self.state = phase.after(begin, self.state, command)
 
-    def _solver(self, phase: Phase, begin: float, stop: float, voltage: float) -> DOP853:
-        def slope(_: float, y: Array) -> Sequence[float]:
+    def _solver(self, phase: Phase, begin: float, stop: float, command: Vector) -> DOP853:
+        degrees, wanted = self._body.degrees, self._accuracy
+
+        def slope(time: float, y: Array) -> Sequence[float]:
             now: State = tuple(y.tolist())
-            return (now[2], now[3], *phase.acceleration(now, voltage))
+            return (*now[degrees:], *phase.acceleration(time, now, command))
 
-        wanted = self._accuracy
         return DOP853(
             slope,
             begin,
-            self._state,
+            self.state,
             stop,
             max_step=wanted.longest_step,
             rtol=wanted.relative,
@@ -114,37 +125,46 @@ class _Run:
             first_step=min(stop - begin, wanted.longest_step),
         )
 
-    def _follow(self, solver: DOP853, phase: Phase, voltage: float) -> tuple[float, bool]:
+    def _follow(self, solver: DOP853, phase: Phase, command: Vector) -> tuple[float, bool]:
         """Step until the stretch or the phase ends; returns that time and whether the phase ended."""
         while solver.status == "running":
             message = solver.step()
             if message is not None:
                 raise DataError(f"Plant: the integration failed at {solver.t} s: {message}")
-            end = _end_of_phase(solver, phase, voltage) if phase.can_end else None
-            self._report(solver, float(solver.t) if end is None else end)
+            dense = solver.dense_output()
+            end = _end_of_phase(dense, phase, command) if phase.can_end else None
+            self._report(dense, float(solver.t) if end is None else end)
             if end is not None:
-                self._state = tuple(solver.dense_output()(end).tolist())
+                self.state = tuple(dense(end).tolist())
                 return end, True
-        self._state = tuple(solver.y.tolist())
+        self.state = tuple(solver.y.tolist())
         return float(solver.t), False
 
-    def _report(self, solver: DOP853, reached: float) -> None:
+    def _report(self, dense: DenseOutput, reached: float) -> None:
         upto = int(np.searchsorted(self._time, reached, side="right"))
         if upto > self._known:
-            self.states[self._known : upto] = solver.dense_output()(self._time[self._known : upto]).T
+            self.states[self._known : upto] = dense(self._time[self._known : upto]).T
             self._known = upto
 
 
-def _end_of_phase(solver: DOP853, phase: Phase, voltage: float) -> float | None:
+def _end_of_phase(dense: DenseOutput, phase: Phase, command: Vector) -> float | None:
     """The time within the last step at which the phase's margin falls through zero, if it does."""
-    dense = solver.dense_output()
 
     def margin(time: float) -> float:
-        return phase.margin(tuple(dense(time).tolist()), voltage)
+        return phase.margin(time, tuple(dense(time).tolist()), command)
 
-    looks = np.linspace(float(solver.t_old or 0.0), float(solver.t), _LOOKS + 1).tolist()
+    looks = np.linspace(dense.t_old, dense.t, _LOOKS + 1).tolist()
     for before, after in itertools.pairwise(looks):
         if margin(after) < 0:
             # A margin that rounding already made negative at the start of the step has no root to find.
             return after if margin(before) <= 0 else root_scalar(margin, bracket=(before, after), xtol=_ROOT).root
     return None
+
+
+def _whole(body: Body, start: State | None) -> State:
+    """The start state with every hidden oscillator at rest behind its joint."""
+    own = len(body.machine.joints)
+    joints = (0.0,) * (2 * own) if start is None else start
+    position, velocity = joints[:own], joints[own:]
+    inside = [joint for joint, _ in body.oscillators]
+    return (*position, *(position[j] for j in inside), *velocity, *(velocity[j] for j in inside))

@@ -1,162 +1,149 @@
-"""Phases of motion between which the equations change: free of dry friction, sliding, held."""
+"""Phases of motion between which the equations change: each dry friction holds its joint or brakes it."""
 
 import math
-from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
 
-from dr_lab.plants.dry_friction import DryFriction
-from dr_lab.plants.furuta import Furuta, Pair
-from dr_lab.plants.hidden.effect import HiddenEffect
+import numpy as np
 
-# rad/s: a sliding joint counts as stopped this far on the other side of zero, so that rounding at the start of a slide
-# does not end it at once. Ten orders below the speeds of the machine.
+from dr_lab.plants.body import Body
+from dr_lab.plants.machine import Matrix, Vector
+
+# rad/s or m/s: a sliding joint counts as stopped this far on the other side of zero, so that rounding at the start of a
+# slide does not end it at once. Ten orders below the speeds of the machines.
 _STOPPED = 1e-9
 
-State = tuple[float, float, float, float]
+State = tuple[float, ...]  # positions, then velocities
 
 
 @dataclass(frozen=True)
-class Body:
-    """A machine with its hidden effect: mass matrix and smooth force at a state (θ, α, θ', α')."""
+class Phase:
+    """One set of equations: of each dry friction, the direction in which its joint slides, or 0 while it is held.
 
-    machine: Furuta
-    effect: HiddenEffect
-
-    def terms(self, state: State, voltage: float) -> tuple[tuple[float, float, float], Pair]:
-        """Mass matrix (M_θθ, M_θα, M_αα) in kg·m² and force (arm, pole) in N·m."""
-        position, velocity = state[:2], state[2:]
-        force = self.machine.force(position, velocity, voltage)
-        extra = self.effect.force(position, velocity)
-        return self.machine.mass(position[1]), (force[0] + extra[0], force[1] + extra[1])
-
-
-class Phase(Protocol):
-    """One set of equations and the condition under which they hold.
+    A slide lasts until the speed passes zero, a hold until the force that holds exceeds the static friction; a body
+    without dry friction has a single phase that lasts for ever.
 
     Attributes:
-        can_end: whether the phase can end before the command changes.
+        body: what moves.
+        slides: +1, −1 or 0 for each of the body's dry frictions.
     """
 
-    can_end: ClassVar[bool]
+    body: Body
+    slides: tuple[int, ...]
 
-    def acceleration(self, state: State, voltage: float) -> Pair:
-        """(θ'', α'') in rad/s²."""
-        ...
+    @property
+    def can_end(self) -> bool:
+        """Whether the phase can end before the command changes."""
+        return bool(self.slides)
 
-    def margin(self, state: State, voltage: float) -> float:
+    def acceleration(self, time: float, state: State, command: Vector) -> Vector:
+        """Accelerations in rad/s² or m/s²; zero at a held joint."""
+        return solve(*self._terms(time, state, command), self._held)
+
+    def margin(self, time: float, state: State, command: Vector) -> float:
         """Positive while the phase lasts; it ends where this falls through zero."""
-        ...
+        return min(self._margins(time, state, command))
 
-    def after(self, state: State, voltage: float) -> "tuple[Phase, State]":
+    def after(self, time: float, state: State, command: Vector) -> "tuple[Phase, State]":
         """The phase that follows where this one has ended, never the same one again, and the state it starts in."""
-        ...
+        margins = self._margins(time, state, command)
+        ended = margins.index(min(margins))
+        joint, friction = self.body.frictions[ended]
+        rest = self._at_rest(state, joint)
+        before = self.slides[ended]
+        load = self._with(ended, 0).loads(time, rest, command)[joint]
+        push = int(math.copysign(1, load))
+        reverses = push == -before and abs(load) > friction.limit(push)
+        following = self._with(ended, push if before == 0 or reverses else 0)
+        return following._released(time, rest, command, spared=ended), rest
+
+    def loads(self, time: float, state: State, command: Vector) -> Vector:
+        """Force that must be balanced at each joint to keep it from accelerating as it does not; zero where it is free.
+
+        At a held joint this is what friction must bear, in N·m or N, positive where it pushes the joint forward.
+        """
+        mass, force = self._terms(time, state, command)
+        gained = solve(mass, force, self._held)
+        return [f - sum(m * a for m, a in zip(row, gained, strict=True)) for f, row in zip(force, mass, strict=True)]
+
+    def _terms(self, time: float, state: State, command: Vector) -> tuple[Matrix, Vector]:
+        degrees = self.body.degrees
+        velocity, drag = state[degrees:], [0.0] * degrees
+        for (joint, friction), slide in zip(self.body.frictions, self.slides, strict=True):
+            if slide:
+                drag[joint] = -slide * friction.sliding(slide, velocity[joint])
+        return self.body.terms(time, state[:degrees], velocity, command, drag)
+
+    def _margins(self, time: float, state: State, command: Vector) -> list[float]:
+        """Of each dry friction: speed in the direction of its slide, or static friction less the load."""
+        degrees = self.body.degrees
+        loads = self.loads(time, state, command) if 0 in self.slides else ()
+        margins = []
+        for (joint, friction), slide in zip(self.body.frictions, self.slides, strict=True):
+            if slide:
+                margins.append(slide * state[degrees + joint] + _STOPPED)
+            else:
+                margins.append(friction.limit(math.copysign(1.0, loads[joint])) - abs(loads[joint]))
+        return margins
+
+    def _released(self, time: float, state: State, command: Vector, spared: int | None = None) -> "Phase":
+        """This phase without the holds that cannot bear their load; one friction is spared the question."""
+        phase = self
+        while 0 in phase.slides:
+            margins = phase._margins(time, state, command)
+            broken = [k for k, slide in enumerate(phase.slides) if slide == 0 and k != spared and margins[k] <= 0]
+            if not broken:
+                break
+            worst = min(broken, key=margins.__getitem__)
+            load = phase.loads(time, state, command)[self.body.frictions[worst][0]]
+            phase = phase._with(worst, int(math.copysign(1, load)))
+        return phase
+
+    def _with(self, which: int, slide: int) -> "Phase":
+        return Phase(self.body, (*self.slides[:which], slide, *self.slides[which + 1 :]))
+
+    @cached_property
+    def _held(self) -> Collection[int]:
+        return [j for (j, _), slide in zip(self.body.frictions, self.slides, strict=True) if slide == 0]
+
+    def _at_rest(self, state: State, joint: int) -> State:
+        row = self.body.degrees + joint
+        return (*state[:row], 0.0, *state[row + 1 :])
 
 
-@dataclass(frozen=True)
-class Free:
-    """No dry friction; lasts for ever."""
-
-    can_end: ClassVar[bool] = False
-    body: Body
-
-    def acceleration(self, state: State, voltage: float) -> Pair:
-        """M⁻¹ f."""
-        return _solve(*self.body.terms(state, voltage))
-
-    def margin(self, state: State, voltage: float) -> float:
-        """Always one."""
-        del state, voltage
-        return 1.0
-
-    def after(self, state: State, voltage: float) -> tuple[Phase, State]:
-        """The same motion: nothing ends it."""
-        del voltage
-        return self, state
-
-
-@dataclass(frozen=True)
-class Slide:
-    """A joint slides in one direction; lasts until its speed passes zero."""
-
-    can_end: ClassVar[bool] = True
-    body: Body
-    friction: DryFriction
-    direction: float
-
-    def acceleration(self, state: State, voltage: float) -> Pair:
-        """M⁻¹ (f − direction · |τ|(v) at the joint)."""
-        mass, (arm, pole) = self.body.terms(state, voltage)
-        joint = self.friction.joint
-        drag = self.direction * self.friction.sliding(state[2 + joint])
-        return _solve(mass, (arm - drag, pole) if joint == 0 else (arm, pole - drag))
-
-    def margin(self, state: State, voltage: float) -> float:
-        """Speed in the direction of the slide."""
-        del voltage
-        return self.direction * state[2 + self.friction.joint] + _STOPPED
-
-    def after(self, state: State, voltage: float) -> tuple[Phase, State]:
-        """Held, unless the load overcomes static friction the other way."""
-        held = Stick(self.body, self.friction)
-        rest = held.at_rest(state)
-        if self.direction * held.load(rest, voltage) < -self.friction.static:
-            return replace(self, direction=-self.direction), rest
-        return held, rest
-
-
-@dataclass(frozen=True)
-class Stick:
-    """A joint is held; lasts until the force that holds it exceeds the static friction."""
-
-    can_end: ClassVar[bool] = True
-    body: Body
-    friction: DryFriction
-
-    def acceleration(self, state: State, voltage: float) -> Pair:
-        """Zero at the held joint, force over inertia at the other."""
-        mass, force = self.body.terms(state, voltage)
-        return (0.0, force[1] / mass[2]) if self.friction.joint == 0 else (force[0] / mass[0], 0.0)
-
-    def margin(self, state: State, voltage: float) -> float:
-        """Static friction less the holding force."""
-        return self.friction.static - abs(self.load(state, voltage))
-
-    def after(self, state: State, voltage: float) -> tuple[Phase, State]:
-        """Sliding, the way the load pushes."""
-        rest = self.at_rest(state)
-        return Slide(self.body, self.friction, math.copysign(1.0, self.load(rest, voltage))), rest
-
-    def load(self, state: State, voltage: float) -> float:
-        """Force that friction must balance to hold the joint, in N·m, positive where it pushes the joint forward."""
-        mass, force = self.body.terms(state, voltage)
-        joint = self.friction.joint
-        return force[joint] - mass[1] * self.acceleration(state, voltage)[1 - joint]
-
-    def at_rest(self, state: State) -> State:
-        """The state with the joint's speed set to zero."""
-        arm, pole, arm_speed, pole_speed = state
-        return (arm, pole, 0.0, pole_speed) if self.friction.joint == 0 else (arm, pole, arm_speed, 0.0)
-
-
-def phase_at(body: Body, friction: DryFriction | None, state: State, voltage: float) -> tuple[Phase, State]:
+def phase_at(body: Body, time: float, state: State, command: Vector) -> tuple[Phase, State]:
     """The phase in which a state moves on, and that state.
 
     A joint within the rounding of zero speed is put to rest, and held if static friction can hold it.
     """
-    if friction is None:
-        return Free(body), state
-    speed = state[2 + friction.joint]
-    if abs(speed) > 2 * _STOPPED:
-        return Slide(body, friction, math.copysign(1.0, speed)), state
-    held = Stick(body, friction)
-    rest = held.at_rest(state)
-    return (held, rest) if held.margin(rest, voltage) > 0 else held.after(rest, voltage)
+    slides, rest = [], list(state)
+    for joint, _ in body.frictions:
+        row = body.degrees + joint
+        moving = abs(state[row]) > 2 * _STOPPED
+        slides.append(int(math.copysign(1, state[row])) if moving else 0)
+        rest[row] = state[row] if moving else 0.0
+    found = tuple(rest)
+    return Phase(body, tuple(slides))._released(time, found, command), found
 
 
-def _solve(mass: tuple[float, float, float], force: Pair) -> Pair:
-    first, across, second = mass
-    determinant = first * second - across * across
-    return (
-        (second * force[0] - across * force[1]) / determinant,
-        (first * force[1] - across * force[0]) / determinant,
-    )
+def solve(mass: Matrix, force: Vector, held: Collection[int] = ()) -> Vector:
+    """M⁻¹ f with the accelerations of held joints at zero.
+
+    One and two free joints are solved in plain floats, which is several times faster than NumPy on so little.
+    """
+    free = [row for row in range(len(force)) if row not in held] if held else range(len(force))
+    gained = [0.0] * len(force)
+    if len(free) == 1:
+        (a,) = free
+        gained[a] = force[a] / mass[a][a]
+    elif len(free) == 2:
+        a, b = free
+        determinant = mass[a][a] * mass[b][b] - mass[a][b] * mass[b][a]
+        gained[a] = (mass[b][b] * force[a] - mass[a][b] * force[b]) / determinant
+        gained[b] = (mass[a][a] * force[b] - mass[b][a] * force[a]) / determinant
+    elif free:
+        rows = np.array([[mass[row][column] for column in free] for row in free])
+        for row, value in zip(free, np.linalg.solve(rows, [force[row] for row in free]).tolist(), strict=True):
+            gained[row] = value
+    return gained

@@ -9,15 +9,14 @@ def truth(bench: Bench, seed: int) -> dict[str, object]:
     """True parameters, hidden effect and clock of the machine that a seed stands for.
 
     Returns:
-        ``seed``; ``parameters`` by the model's names (kg, N·m·s/rad); ``hidden`` with its label ``name@site`` and its
+        ``seed``; ``parameters`` by the model's names (SI units); ``hidden`` with its label ``name@site`` and its
         magnitudes; ``clock`` of the robot (offset s, drift s/s, epoch s); ``latency`` of transport and actuation in s.
     """
     clock = bench.clock(seed)
-    hidden = {key: value for key, value in vars(bench.hidden).items() if key != "site"}
     return {
         "seed": seed,
         "parameters": bench.nominal.true_values(seed),
-        "hidden": {"effect": bench.hidden.label, "parameters": hidden},
+        "hidden": {"effect": bench.hidden.label, "parameters": bench.hidden.parameters},
         "clock": asdict(clock),
         "latency": {
             "transport": bench.instruments.transport_latency,

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import yaml
 
 from dr_lab.plants.bench import Bench, Recording
-from dr_lab.plants.hidden.effect import JOINTS
 from dr_lab.plants.truth import truth
 from dr_lab.recorders.mcap import FloatArrays, JointStates
 from dr_lab.workflows.record import NamedLog
@@ -21,14 +20,12 @@ class PlantSource:
     Attributes:
         plant: the machine on its bench.
         joint_topic: topic of the encoder readings, ``sensor_msgs/msg/JointState`` with positions only.
-        command_topic: topic of the voltages, ``std_msgs/msg/Float64MultiArray``.
-        actuator: label of the voltage within its message.
+        command_topic: topic of the commands, ``std_msgs/msg/Float64MultiArray`` with one number for each actuator.
     """
 
     plant: Bench
     joint_topic: str
     command_topic: str
-    actuator: str
 
     def logs(self, seed: int) -> Iterator[NamedLog]:
         """The logs of the machine that the seed stands for."""
@@ -40,6 +37,8 @@ class PlantSource:
         return {"truth.yaml": (_WARNING + text).encode()}
 
     def _named(self, recording: Recording) -> NamedLog:
-        joints = JointStates(self.joint_topic, JOINTS, recording.stamp, recording.arrival, recording.position)
-        voltage = FloatArrays(self.command_topic, (self.actuator,), recording.command_time, recording.voltage[:, None])
-        return NamedLog(recording.name, (joints, voltage), {"source": "simulated machine"})
+        joints = JointStates(
+            self.joint_topic, self.plant.joints, recording.stamp, recording.arrival, recording.position
+        )
+        commands = FloatArrays(self.command_topic, self.plant.actuators, recording.command_time, recording.command)
+        return NamedLog(recording.name, (joints, commands), {"source": "simulated machine"})

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from omegaconf import OmegaConf
 
+from dr_lab.cli.arguments import SUPPLIED, not_passed, workflow_of
 from dr_lab.cli.check import check
 from dr_lab.cli.compose import compose, options
 from dr_lab.cli.folders import shipped
-from dr_lab.cli.job import RUN_DIR, not_passed, workflow_of
 from dr_lab.cli.verbs import verbs
 
 FOLDERS = (shipped(),)
@@ -32,7 +32,7 @@ def check_verb(verb: str, overrides: list[str], monkeypatch: pytest.MonkeyPatch)
     OmegaConf.register_new_resolver("examples", lambda path: path, replace=True)
     workflow = workflow_of(verb)
     unused = not_passed(cfg, inspect.signature(workflow).parameters)
-    check(cfg, workflow, verb, supplied=(RUN_DIR,), unused=unused)
+    check(cfg, workflow, verb, supplied=SUPPLIED, unused=unused)
 
 
 @pytest.mark.parametrize("verb", verbs())

@@ -20,6 +20,6 @@ class ActuatorDelay(HiddenEffect):
     delay: float
     site: str = "motor"
 
-    def command(self, command: Command) -> Command:
+    def command(self, actuator: str, command: Command) -> Command:
         """The command, later."""
-        return replace(command, edge=command.edge + self.delay)
+        return replace(command, edge=command.edge + self.delay) if actuator == self.site else command

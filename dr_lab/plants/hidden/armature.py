@@ -1,10 +1,10 @@
 """Inertia of a rotor behind a joint."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.furuta import Furuta
-from dr_lab.plants.hidden.effect import HiddenEffect, at_joint
+from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.plants.machine import Machine
 
 
 @dataclass(frozen=True)
@@ -13,14 +13,13 @@ class Armature(HiddenEffect):
 
     Attributes:
         site: joint.
-        inertia: kg·m².
+        inertia: kg·m² or kg.
     """
 
     name: ClassVar[str] = "armature"
     site: str
     inertia: float
 
-    def alter(self, machine: Furuta) -> Furuta:
+    def alter(self, machine: Machine) -> Machine:
         """The machine with the rotor."""
-        arm, pole = at_joint(self.site, self.inertia)
-        return replace(machine, armature=(machine.armature[0] + arm, machine.armature[1] + pole))
+        return machine.with_armature(self.site, self.inertia)

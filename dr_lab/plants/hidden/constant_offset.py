@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.furuta import Pair
-from dr_lab.plants.hidden.effect import HiddenEffect, at_joint
+from dr_lab.plants.hidden.effect import JointForce
 
 
 @dataclass(frozen=True)
-class ConstantOffset(HiddenEffect):
+class ConstantOffset(JointForce):
     """τ = torque, whatever the state.
 
     Attributes:
@@ -20,7 +19,7 @@ class ConstantOffset(HiddenEffect):
     site: str
     torque: float
 
-    def force(self, position: Pair, velocity: Pair) -> Pair:
+    def force(self, time: float, position: float, velocity: float) -> float:
         """The torque at the joint."""
-        del position, velocity
-        return at_joint(self.site, self.torque)
+        del time, position, velocity
+        return self.torque

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from dr_lab.plants.dry_friction import DryFriction
-from dr_lab.plants.hidden.effect import HiddenEffect, joint_index
+from dr_lab.plants.hidden.effect import HiddenEffect
 
 
 @dataclass(frozen=True)
@@ -13,13 +13,13 @@ class CoulombFriction(HiddenEffect):
 
     Attributes:
         site: joint.
-        torque: N·m.
+        torque: N·m, or N at a slide.
     """
 
     name: ClassVar[str] = "coulomb_friction"
     site: str
     torque: float
 
-    def friction(self) -> DryFriction:
+    def frictions(self) -> tuple[DryFriction, ...]:
         """The same friction at rest and at any speed."""
-        return DryFriction(joint_index(self.site), self.torque, self.torque)
+        return (DryFriction(self.site, self.torque, self.torque),)

@@ -1,21 +1,43 @@
-"""The contract of a hidden effect: the ways in which one phenomenon can enter a Furuta pendulum."""
+"""The contract of a hidden effect: the ways in which one phenomenon can enter a machine."""
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.errors import UnknownNameError
 from dr_lab.plants.command import Command
 from dr_lab.plants.dry_friction import DryFriction
-from dr_lab.plants.furuta import Furuta, Pair
+from dr_lab.plants.machine import Machine
 
-JOINTS = ("arm", "pole")
+Law = Callable[[float, float, float], float]  # force in N·m or N at a time in the log, a joint's position and velocity
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """A balanced rotor inside the link behind a joint, hung on a spring and a damper: one more degree of freedom.
+
+    With φ its angle about the joint's axis, q the joint's, both in the frame in which the joint turns:
+    inertia φ'' = −τ and the joint feels τ = stiffness (φ − q) + damping (φ' − q').
+
+    Attributes:
+        joint: name of the joint.
+        inertia: kg·m² or kg.
+        stiffness: N·m/rad or N/m.
+        damping: N·m·s/rad or N·s/m.
+    """
+
+    joint: str
+    inertia: float
+    stiffness: float
+    damping: float
 
 
 class HiddenEffect:
     """A phenomenon the nominal machine lacks; every method here is the machine without it.
 
     Attributes:
-        name: the phenomenon's name.
-        site: joint, actuator or body it sits at.
+        name: the phenomenon's name, as the catalogue has it where it knows the phenomenon.
+        site: joint, actuator or body it sits at, or ``world``.
     """
 
     name: ClassVar[str]
@@ -26,40 +48,50 @@ class HiddenEffect:
         """``name@site``."""
         return f"{self.name}@{self.site}"
 
-    def alter(self, machine: Furuta) -> Furuta:
+    @property
+    def parameters(self) -> dict[str, object]:
+        """Magnitudes by name."""
+        return {key: value for key, value in vars(self).items() if key != "site"}
+
+    def alter(self, machine: Machine) -> Machine:
         """The machine with other constants."""
         return machine
 
-    def force(self, position: Pair, velocity: Pair) -> Pair:
-        """Smooth force added at (arm, pole) in N·m, at angles in rad and speeds in rad/s."""
-        del position, velocity
-        return 0.0, 0.0
+    def forces(self) -> tuple[tuple[str, Law], ...]:
+        """Smooth forces, each with the joint it acts on."""
+        return ()
 
-    def friction(self) -> DryFriction | None:
-        """Dry friction at one joint, or None."""
-        return None
+    def frictions(self) -> tuple[DryFriction, ...]:
+        """Dry friction, at most one at each joint."""
+        return ()
 
-    def command(self, command: Command) -> Command:
-        """What reaches the motor's terminals of the command applied to them."""
+    def oscillators(self) -> tuple[Oscillator, ...]:
+        """What swings unseen inside of links."""
+        return ()
+
+    def command(self, actuator: str, command: Command) -> Command:
+        """What an actuator makes of the command sent to it; each sample by itself, whatever came before."""
+        del actuator
         return command
 
-    def reading_delay(self) -> Pair:
-        """How late the encoders (arm, pole) read, in s."""
-        return 0.0, 0.0
+    def reading_delay(self, joint: str) -> float:
+        """How late a joint's encoder reads, in s."""
+        del joint
+        return 0.0
+
+    def reading_bias(self, joint: str) -> float:
+        """What a joint's encoder reads at zero, in rad or m."""
+        del joint
+        return 0.0
 
 
-def joint_index(site: str) -> int:
-    """Index of a joint's name: arm 0, pole 1.
+class JointForce(HiddenEffect, ABC):
+    """A smooth force at one joint, the effect's site."""
 
-    Raises:
-        UnknownNameError: the pendulum has no such joint.
-    """
-    if site not in JOINTS:
-        raise UnknownNameError("joint", site, JOINTS, "the Furuta plant")
-    return JOINTS.index(site)
+    @abstractmethod
+    def force(self, time: float, position: float, velocity: float) -> float:
+        """Force in N·m or N at a time (s) in the log, the joint's position (rad or m) and its velocity."""
 
-
-def at_joint(site: str, value: float) -> Pair:
-    """A pair (arm, pole) that is `value` at one joint and zero at the other."""
-    index = joint_index(site)
-    return (value, 0.0) if index == 0 else (0.0, value)
+    def forces(self) -> tuple[tuple[str, Law], ...]:
+        """The force at the site."""
+        return ((self.site, self.force),)

@@ -1,10 +1,10 @@
 """A mass somebody attached."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.furuta import Furuta, Moments
-from dr_lab.plants.hidden.effect import HiddenEffect, joint_index
+from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.plants.machine import Machine
 
 
 @dataclass(frozen=True)
@@ -12,7 +12,7 @@ class Payload(HiddenEffect):
     """A point mass on a link's own line.
 
     Attributes:
-        site: the link, by its joint's name.
+        site: the link's body.
         mass: kg.
         distance: m from the link's joint.
     """
@@ -22,9 +22,6 @@ class Payload(HiddenEffect):
     mass: float
     distance: float
 
-    def alter(self, machine: Furuta) -> Furuta:
+    def alter(self, machine: Machine) -> Machine:
         """The machine with the mass."""
-        load = Moments.point(self.mass, self.distance)
-        if joint_index(self.site) == 0:
-            return replace(machine, arm=machine.arm + load)
-        return replace(machine, pole=machine.pole + load)
+        return machine.with_load(self.site, self.mass, self.distance)

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.furuta import Pair
-from dr_lab.plants.hidden.effect import HiddenEffect, at_joint, joint_index
+from dr_lab.plants.hidden.effect import JointForce
 
 
 @dataclass(frozen=True)
-class QuadraticDrag(HiddenEffect):
+class QuadraticDrag(JointForce):
     """τ = −coefficient · q' |q'|.
 
     Attributes:
@@ -20,8 +19,7 @@ class QuadraticDrag(HiddenEffect):
     site: str
     coefficient: float
 
-    def force(self, position: Pair, velocity: Pair) -> Pair:
+    def force(self, time: float, position: float, velocity: float) -> float:
         """Drag at the joint."""
-        del position
-        speed = velocity[joint_index(self.site)]
-        return at_joint(self.site, -self.coefficient * speed * abs(speed))
+        del time, position
+        return -self.coefficient * velocity * abs(velocity)

@@ -1,4 +1,4 @@
-"""A motor driver that cannot give more than so many volts."""
+"""A driver that cannot give more than so much."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -14,7 +14,7 @@ class Saturation(HiddenEffect):
     """u = command clipped to ± limit.
 
     Attributes:
-        limit: V.
+        limit: in the command's unit.
         site: the actuator.
     """
 
@@ -22,6 +22,8 @@ class Saturation(HiddenEffect):
     limit: float
     site: str = "motor"
 
-    def command(self, command: Command) -> Command:
+    def command(self, actuator: str, command: Command) -> Command:
         """The command, clipped."""
+        if actuator != self.site:
+            return command
         return replace(command, value=np.clip(command.value, -self.limit, self.limit))

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.furuta import Pair
-from dr_lab.plants.hidden.effect import HiddenEffect, at_joint
+from dr_lab.plants.hidden.effect import HiddenEffect
 
 
 @dataclass(frozen=True)
@@ -20,6 +19,6 @@ class SensorTimeOffset(HiddenEffect):
     site: str
     delay: float
 
-    def reading_delay(self) -> Pair:
+    def reading_delay(self, joint: str) -> float:
         """The delay at the joint."""
-        return at_joint(self.site, self.delay)
+        return self.delay if joint == self.site else 0.0

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.furuta import Pair
-from dr_lab.plants.hidden.effect import HiddenEffect, at_joint, joint_index
+from dr_lab.plants.hidden.effect import JointForce
 
 
 @dataclass(frozen=True)
-class Spring(HiddenEffect):
+class Spring(JointForce):
     """τ = −stiffness · (q − rest).
 
     Attributes:
@@ -22,7 +21,7 @@ class Spring(HiddenEffect):
     stiffness: float
     rest: float = 0.0
 
-    def force(self, position: Pair, velocity: Pair) -> Pair:
+    def force(self, time: float, position: float, velocity: float) -> float:
         """Pull at the joint."""
-        del velocity
-        return at_joint(self.site, -self.stiffness * (position[joint_index(self.site)] - self.rest))
+        del time, velocity
+        return -self.stiffness * (position - self.rest)

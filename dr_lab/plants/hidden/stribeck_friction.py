@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from dr_lab.errors import ConfigError
 from dr_lab.plants.dry_friction import DryFriction
-from dr_lab.plants.hidden.effect import HiddenEffect, joint_index
+from dr_lab.plants.hidden.effect import HiddenEffect
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,6 @@ class StribeckFriction(HiddenEffect):
             given = f"static {self.static}, coulomb {self.coulomb} N·m, speed {self.speed} rad/s"
             raise ConfigError(f"Stribeck friction: {given}; expected static ≥ coulomb and speed > 0.")
 
-    def friction(self) -> DryFriction:
+    def frictions(self) -> tuple[DryFriction, ...]:
         """Friction that falls from static to Coulomb as the joint speeds up."""
-        return DryFriction(joint_index(self.site), self.coulomb, self.static, self.speed)
+        return (DryFriction(self.site, self.coulomb, self.static, self.speed),)

@@ -1,18 +1,18 @@
 """A drive that delivers another torque than its data sheet says."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.furuta import Furuta
 from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.plants.machine import Machine
 
 
 @dataclass(frozen=True)
 class TorqueScale(HiddenEffect):
-    """torque = gain · k (u − k q') / R: voltage and back-EMF act with the same share.
+    """Force = gain · documented force; of a motor voltage and back-EMF act with the same share.
 
     Attributes:
-        gain: share of the documented torque.
+        gain: share of the documented force.
         site: the actuator.
     """
 
@@ -20,6 +20,6 @@ class TorqueScale(HiddenEffect):
     gain: float
     site: str = "motor"
 
-    def alter(self, machine: Furuta) -> Furuta:
+    def alter(self, machine: Machine) -> Machine:
         """The machine with the weaker (or stronger) drive."""
-        return replace(machine, motor=replace(machine.motor, gain=machine.motor.gain * self.gain))
+        return machine.with_drive_scaled(self.site, self.gain)

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.furuta import Pair
-from dr_lab.plants.hidden.effect import HiddenEffect, at_joint, joint_index
+from dr_lab.plants.hidden.effect import JointForce
 
 
 @dataclass(frozen=True)
-class ViscousFriction(HiddenEffect):
+class ViscousFriction(JointForce):
     """τ = −coefficient · q', beside the machine's own damping.
 
     Attributes:
@@ -20,7 +19,7 @@ class ViscousFriction(HiddenEffect):
     site: str
     coefficient: float
 
-    def force(self, position: Pair, velocity: Pair) -> Pair:
+    def force(self, time: float, position: float, velocity: float) -> float:
         """Friction at the joint."""
-        del position
-        return at_joint(self.site, -self.coefficient * velocity[joint_index(self.site)])
+        del time, position
+        return -self.coefficient * velocity

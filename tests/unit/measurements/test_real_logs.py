@@ -24,9 +24,9 @@ real = pytest.mark.skipif(
 )
 
 
-def load(name: str) -> MeasurementSet:
+def load(name: str, *overrides: str) -> MeasurementSet:
     with initialize_config_dir(str(CONF), version_base=None):
-        config = compose(overrides=[f"+measurements={name}"])
+        config = compose(overrides=[f"+measurements={name}", *overrides])
     return instantiate(config.measurements, _convert_="all")
 
 
@@ -42,6 +42,10 @@ def load(name: str) -> MeasurementSet:
         ("multiarm_double", 13, 17, ["arm1.position", "arm2.position"], 2e-5),
         ("quanser_qube", 7, 8, ["arm.position", "pole.position"], 0.00307 / np.sqrt(12)),
         ("quanser_cartpole", 7, 8, ["cart.position", "pole.position"], None),
+        ("servo_xl330", 8, 8, ["link.position"], 0.00153 / np.sqrt(12)),
+        ("servo_sts3250", 2, 2, ["link.position"], None),
+        ("ball_drops", 1, 1, ["ball.position"], None),
+        ("cube_toss", 30, 120, ["sensor.cube_position", "sensor.cube_orientation"], None),
     ],
 )
 def test_logs_channels_and_noise(name: str, fit: int, held_out: int, channels: list[str], std: float | None) -> None:
@@ -91,6 +95,38 @@ def test_pole_and_base_are_coupled_as_in_the_model(name: str, base: str, pole: s
     found = np.linalg.lstsq(data[:, :3], data[:, 3], rcond=None)[0]
     assert 0.1 * coupling < found[0] < 1.2 * coupling
     assert 30 < found[1] < 150
+
+
+@real
+def test_heavy_ball_falls_freely_and_light_one_does_not() -> None:
+    def acceleration(ball: str) -> float:
+        (log,) = load("ball_drops", f"measurements.fit=[{ball}/1]", "measurements.held_out=[]").fit
+        signal = log.outputs["ball.position"]
+        return 2 * np.polyfit(signal.time, signal.value, 2)[0]
+
+    assert acceleration("bowling_ball") == pytest.approx(-9.81, rel=0.05)
+    assert -5.0 < acceleration("yellow_whiffle_ball") < -2.0
+
+
+@real
+def test_cube_turns_as_its_quaternions_and_rests_on_a_face() -> None:
+    found = load("cube_toss", "measurements.fit=[tosses_000_299/1?]", "measurements.held_out=[]").fit
+    assert [log.name for log in found] == [f"tosses_000_299/{k}" for k in range(10, 20)]
+    for log in found:
+        position, orientation = (log.outputs[f"sensor.cube_{name}"] for name in ("position", "orientation"))
+        assert position.time[1] == pytest.approx(1 / 148)
+        np.testing.assert_allclose(np.linalg.norm(orientation.value, axis=1), 1.0, atol=1e-5)
+        assert np.abs(np.diff(orientation.value, axis=0)).max() < 0.1  # of one sign throughout
+        assert position.value[-1, 2] == pytest.approx(0.0512, abs=0.001)
+
+
+@real
+def test_servo_s_duty_is_what_its_firmware_makes_of_the_target() -> None:
+    path = Path(DATA or "") / "servo_bam" / "xl330_sin_sin_kp100_m0.49_l0.1.csv"
+    table = np.genfromtxt(path, delimiter=",", names=True)
+    voltage = next(log for log in load("servo_xl330").fit if log.name == path.stem).commands["motor"]
+    duty = 100 * (table["goal_rad"] - table["q_rad"]) * (4096 / (2 * np.pi)) / (256 * 885)
+    np.testing.assert_allclose(voltage.value, 7.3 * np.clip(duty, -1, 1), atol=0.3)
 
 
 @real

@@ -165,3 +165,61 @@ def test_hopper_has_the_task_s_masses_and_period() -> None:
         model.dof_damping[:, 0] if model.dof_damping.ndim > 1 else model.dof_damping, [0, 0, 0, 1, 1, 1]
     )
     np.testing.assert_allclose(model.qpos0, [0, 1.25, 0, 0, 0, 0])
+
+
+def test_ball_weighs_and_drags_as_a_shell_of_its_size() -> None:
+    spec = spec_of("ball")
+    model = spec.compile()
+    radius = 0.29 / (2 * np.pi)
+    np.testing.assert_allclose(model.body("ball").inertia, 2 / 3 * model.body("ball").mass[0] * radius**2, rtol=1e-5)
+    assert acceleration("ball", np.array([40.0]), np.array([-5.0]), np.zeros(0))[0] == pytest.approx(-G)
+    spec.option.density = 1.2
+    falling, data = spec.compile(), mujoco.MjData(model)
+    data.qvel[:] = -10.0
+    mujoco.mj_forward(falling, data)
+    assert data.qfrc_fluid[0] == pytest.approx(2 * 1.2 * radius**2 * 10.0**2, rel=1e-5)
+
+
+def test_cube_slides_under_dry_friction() -> None:
+    spec = spec_of("cube")
+    for geom in spec.geoms:
+        geom.friction[0] = 0.18
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[2], data.qvel[0] = 0.0524, 1.0
+    mujoco.mj_step(model, data, nstep=round(0.3 / model.opt.timestep))
+    assert data.qvel[0] == pytest.approx(1.0 - 0.18 * G * data.time, rel=0.02)
+
+
+def test_cube_s_sensors_tell_its_free_joint() -> None:
+    model = spec_of("cube").compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0.1, -0.2, 0.3, 0.5, -0.5, 0.5, 0.5]
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.sensordata, data.qpos, atol=1e-12)
+    np.testing.assert_allclose(model.body("cube").inertia, 0.2950002913583124 * 0.0524**2, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "volts_per_input", "supply", "stall", "no_load"),
+    [("servo_xl330", 1.0, 5.0, 0.52, 10.79), ("servo_sts3250", 32 * 0.1638 * 12.0, 12.0, 4.9, 7.85)],
+)
+def test_servos_obey_their_data_sheets(
+    name: str, volts_per_input: float, supply: float, stall: float, no_load: float
+) -> None:
+    """The torque at the joint is K (V - K q') / R, the voltage of a position servo being its gain times the error."""
+    model = spec_of(name).compile()
+    data = mujoco.MjData(model)
+    for speed, share in ((0.0, 1.0), (no_load, 1.0), (3.0, 0.4), (-2.0, -0.7)):
+        data.qpos[:], data.qvel[:] = 0.0, speed
+        data.ctrl[:] = share * supply / volts_per_input
+        mujoco.mj_forward(model, data)
+        assert data.qfrc_actuator[0] == pytest.approx(stall * (share - speed / no_load), abs=1e-4 * stall)
+
+
+def test_position_servo_clips_its_voltage() -> None:
+    model = spec_of("servo_sts3250").compile()
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 2.0  # rad, ten times what saturates it
+    mujoco.mj_forward(model, data)
+    assert data.qfrc_actuator[0] == pytest.approx(4.9, rel=1e-4)

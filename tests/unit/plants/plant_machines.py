@@ -6,24 +6,28 @@ from dataclasses import replace
 import numpy as np
 
 from dr_lab.plants.command import Command
-from dr_lab.plants.furuta import Furuta, Moments, Motor
+from dr_lab.plants.drive import Motor
+from dr_lab.plants.furuta import Furuta
+from dr_lab.plants.moments import Moments
 from dr_lab.plants.motion import Accuracy
 from dr_lab.trajectory import Array
 
 TIGHT = Accuracy(relative=1e-12, absolute=1e-13, longest_step=0.005)
 MOTOR = Motor(constant=0.042, resistance=8.4)
 QUBE = Furuta(
-    arm=Moments.rod(0.095, 0.085),
-    pole=Moments.rod(0.024, 0.129),
+    links=(Moments.rod(0.095, 0.085), Moments.rod(0.024, 0.129)),
     length=0.085,
     damping=(1e-4, 5e-5),
+    armature=(0.0, 0.0),
     gravity=(0.0, 0.0, -9.81),
-    motor=MOTOR,
+    drives=(MOTOR,),
 )
+UNPLUGGED = replace(MOTOR, constant=0.0)
 # Without motor and damping nothing takes energy out.
-LOSSLESS = replace(QUBE, damping=(0.0, 0.0), motor=replace(MOTOR, constant=0.0))
+LOSSLESS = replace(QUBE, damping=(0.0, 0.0), drives=(UNPLUGGED,))
+WEIGHTLESS = Moments(0.0, 0.0, 0.0)
 # A pole without mass but with a rotor: the arm turns alone.
-ARM_ALONE = replace(LOSSLESS, pole=Moments(0.0, 0.0, 0.0), armature=(0.0, 1.0))
+ARM_ALONE = replace(LOSSLESS, links=(QUBE.links[0], WEIGHTLESS), armature=(0.0, 1.0))
 # An arm that nothing moves: the pole swings alone.
 POLE_ALONE = replace(LOSSLESS, armature=(1e9, 0.0))
 
@@ -45,5 +49,5 @@ def samples(duration: float) -> Array:
 
 def angular_frequency(machine: Furuta) -> float:
     """ω of the hanging pole's small swings with a free arm: ω² = S g / (J − (L S)² / M_θθ)."""
-    around, across, pole = machine.mass(0.0)
-    return math.sqrt(-machine.pole.first * machine.gravity[2] / (pole - across**2 / around))
+    (around, across), (_, pole) = machine.mass((0.0, 0.0))
+    return math.sqrt(-machine.links[1].first * machine.gravity[2] / (pole - across**2 / around))

@@ -1,18 +1,23 @@
 """What the bench records: the truth's spread, clocks, jitter, quantisation, determinism."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hydra.utils import instantiate
+from omegaconf import OmegaConf
 
 from dr_lab.cli.compose import compose
-from dr_lab.errors import ConfigError
+from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.plants.bench import Bench, Recording
+from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.truth import truth
 
-HIDDEN = sorted(p.stem for p in (Path(__file__).parents[3] / "conf" / "plant" / "hidden").glob("*.yaml"))
+FOLDER = Path(__file__).parents[3] / "conf" / "plant" / "hidden"
+HIDDEN = sorted({str(p.relative_to(FOLDER).with_suffix("")) for p in FOLDER.rglob("*.yaml")} - {"none"})
 COUNT = 2 * np.pi / 2048
 
 
@@ -35,8 +40,8 @@ def test_the_seed_decides_everything() -> None:
     once, again, other = (list(made.recordings(seed)) for seed in (1, 1, 2))
     assert [r.name for r in once] == ["log_1", "log_2"]
     assert all(equal(a, b) for a, b in zip(once, again, strict=True))
-    assert not np.array_equal(once[0].voltage, once[1].voltage)
-    assert not np.array_equal(once[0].voltage, other[0].voltage)
+    assert not np.array_equal(once[0].command, once[1].command)
+    assert not np.array_equal(once[0].command, other[0].command)
     assert truth(made, 1) == truth(made, 1) != truth(made, 2)
 
 
@@ -56,8 +61,7 @@ def test_more_logs_do_not_change_the_first() -> None:
 def test_true_parameters_lie_within_the_spread_and_fill_it() -> None:
     nominal = bench().nominal
     values = np.array([list(nominal.true_values(seed).values()) for seed in range(200)])
-    documented = (nominal.arm_mass, nominal.pole_mass, nominal.arm_damping, nominal.pole_damping)
-    share = values / documented - 1
+    share = values / list(nominal.documented().values()) - 1
     assert np.abs(share).max() <= 0.15
     assert np.ptp(share, axis=0).min() > 0.28
     assert np.abs(np.corrcoef(share.T) - np.eye(4)).max() < 0.25
@@ -85,7 +89,26 @@ def test_stamps_and_commands_jitter_as_documented() -> None:
     assert 2e-5 < np.std(interval) < 1.2e-4
     assert np.abs(interval - 0.004).max() <= 2.01e-4
     assert (np.diff(recording.arrival) > 0).all()
-    assert np.abs(recording.voltage).max() <= 6.0
+    assert np.abs(recording.command).max() <= 6.0
+
+
+def test_a_slide_is_counted_along_its_way() -> None:
+    cart = only(bench("plant=cartpole", duration=0.5)).position[:, 0] / (0.0932 / 2048)
+    np.testing.assert_allclose(cart, np.rint(cart), rtol=0, atol=1e-9)
+    assert np.ptp(cart) > 10
+
+
+def test_names_that_the_machine_does_not_have_are_refused() -> None:
+    with pytest.raises(UnknownNameError, match="pole"):
+        replace(bench(), start={"pol": 1.0})
+    with pytest.raises(UnknownNameError, match="motor"):
+        replace(bench(), shares={"pole": 1.0})
+
+
+def test_a_biased_encoder_reads_beside_the_truth() -> None:
+    made, motion = plain("pendulum")
+    read = only(replace(made, hidden=hidden("pendulum/sensor_bias")))
+    np.testing.assert_allclose(read.position - motion.position, 0.03, rtol=0, atol=1e-12)
 
 
 def test_encoders_round_to_counts_and_exact_instruments_do_not() -> None:
@@ -96,7 +119,7 @@ def test_encoders_round_to_counts_and_exact_instruments_do_not() -> None:
     assert np.abs(error).max() <= COUNT / 2 * (1 + 1e-9)
     assert np.std(error[200:]) == pytest.approx(COUNT / 12**0.5, rel=0.1)
     np.testing.assert_array_equal(rounded.command_time, exact.command_time)
-    np.testing.assert_array_equal(rounded.voltage, exact.voltage)
+    np.testing.assert_array_equal(rounded.command, exact.command)
     np.testing.assert_allclose(exact.arrival - exact.stamp, 1e-3, rtol=0, atol=5e-7)
 
 
@@ -110,12 +133,40 @@ def test_a_late_encoder_reads_the_same_motion_later() -> None:
     assert np.abs(read.position - true.position).max() > 0.01
 
 
-@pytest.mark.parametrize("option", [name for name in HIDDEN if name != "none"])
+def machine_of(option: str) -> str:
+    """Options of the Furuta pendulum lie in the group itself, those of other machines in folders."""
+    machine, slash, _ = option.rpartition("/")
+    return machine if slash else "furuta"
+
+
+def settings(option: str) -> dict[str, Any]:
+    """What Hydra makes of an option, without composing all else around it."""
+    node: Any = OmegaConf.to_container(OmegaConf.load(FOLDER / f"{option}.yaml"))
+    parts = {key: part for entry in node.pop("defaults", []) for key, part in entry.items()}
+    return node | {key.rpartition("@")[2]: settings(part) for key, part in parts.items()}
+
+
+def hidden(option: str) -> HiddenEffect:
+    return instantiate(settings(option), _convert_="all")
+
+
+@cache
+def plain(machine: str) -> tuple[Bench, Recording]:
+    made = bench(f"plant={machine}", "plant/instruments=exact", duration=1.0)
+    return made, only(made)
+
+
+@pytest.mark.parametrize("option", HIDDEN)
 def test_every_hidden_effect_shows_above_the_encoder_count(option: str) -> None:
-    with_it = only(bench("plant/instruments=exact", f"plant/hidden={option}"))
-    without = only(bench("plant/instruments=exact"))
-    assert np.abs(with_it.position - without.position).max() > COUNT
-    label = bench(f"plant/hidden={option}").hidden.label
-    effect, _, site = label.partition("@")
-    assert option in (effect, f"{effect}_{site}")
-    assert site
+    without, motion = plain(machine_of(option))
+    made = replace(without, hidden=hidden(option))
+    counts = np.array([made.travel.get(joint, 2 * np.pi) / 2048 for joint in made.joints])
+    assert (np.abs(only(made).position - motion.position) / counts).max() > 1
+    sites = {*made.joints, *made.actuators, *made.documented.bodies, "world"}
+    named = []
+    for label in made.hidden.label.split(" + "):
+        effect, _, site = label.partition("@")
+        assert site in sites
+        named.append((effect, f"{effect}_{site}"))
+    for part, names in zip(option.rpartition("/")[2].split("_and_"), named, strict=True):
+        assert part in names

@@ -6,10 +6,20 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from plant_machines import LOSSLESS, POLE_ALONE, QUBE, TIGHT, angular_frequency, no_command, samples
+from plant_machines import (
+    LOSSLESS,
+    POLE_ALONE,
+    QUBE,
+    TIGHT,
+    UNPLUGGED,
+    WEIGHTLESS,
+    angular_frequency,
+    no_command,
+    samples,
+)
 
 from dr_lab.plants.command import Command
-from dr_lab.plants.furuta import Furuta, Moments
+from dr_lab.plants.furuta import Furuta
 from dr_lab.plants.hidden.base_tilt import BaseTilt
 from dr_lab.plants.hidden.no_effect import NoEffect
 from dr_lab.plants.motion import simulate
@@ -17,9 +27,9 @@ from dr_lab.plants.motion import simulate
 
 @pytest.mark.parametrize("angle", [0.0, 0.05])
 def test_without_friction_and_input_energy_is_conserved(angle: float) -> None:
-    tilted = BaseTilt(angle).alter(LOSSLESS)
+    tilted = LOSSLESS.with_gravity(BaseTilt(about_x=angle).alter(LOSSLESS).gravity)
     time = samples(2.0)
-    states = simulate(tilted, NoEffect(), no_command(), time, accuracy=TIGHT, start=(0.3, 2.5, 4.0, -3.0))
+    states = simulate(tilted, NoEffect(), [no_command()], time, accuracy=TIGHT, start=(0.3, 2.5, 4.0, -3.0))
     energy = np.array([tilted.energy((s[0], s[1]), (s[2], s[3])) for s in states])
     assert np.ptp(states[:, 1]) > 3.0
     np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
@@ -28,7 +38,7 @@ def test_without_friction_and_input_energy_is_conserved(angle: float) -> None:
 def test_damping_takes_the_power_that_it_dissipates() -> None:
     machine = replace(LOSSLESS, damping=(1e-4, 5e-5))
     time = np.arange(0.0, 2.0, 1e-4)
-    states = simulate(machine, NoEffect(), no_command(), time, accuracy=TIGHT, start=(0.0, 2.0, 3.0, 0.0))
+    states = simulate(machine, NoEffect(), [no_command()], time, accuracy=TIGHT, start=(0.0, 2.0, 3.0, 0.0))
     power = 1e-4 * states[:, 2] ** 2 + 5e-5 * states[:, 3] ** 2
     lost = np.trapezoid(power, time)
     first, last = (machine.energy((s[0], s[1]), (s[2], s[3])) for s in (states[0], states[-1]))
@@ -37,21 +47,21 @@ def test_damping_takes_the_power_that_it_dissipates() -> None:
 
 def test_hanging_pole_swings_at_its_closed_form_frequency() -> None:
     time, amplitude = samples(3.0), 1e-5
-    states = simulate(LOSSLESS, NoEffect(), no_command(), time, accuracy=TIGHT, start=(0.0, amplitude, 0.0, 0.0))
+    states = simulate(LOSSLESS, NoEffect(), [no_command()], time, accuracy=TIGHT, start=(0.0, amplitude, 0.0, 0.0))
     expected = amplitude * np.cos(angular_frequency(LOSSLESS) * time)
     np.testing.assert_allclose(states[:, 1], expected, rtol=0, atol=1e-8 * amplitude)
 
 
 def test_pole_on_a_held_arm_is_a_rod_pendulum() -> None:
     time, amplitude, rod = samples(3.0), 1e-5, math.sqrt(3 * 9.81 / (2 * 0.129))
-    states = simulate(POLE_ALONE, NoEffect(), no_command(), time, accuracy=TIGHT, start=(0.0, amplitude, 0.0, 0.0))
+    states = simulate(POLE_ALONE, NoEffect(), [no_command()], time, accuracy=TIGHT, start=(0.0, amplitude, 0.0, 0.0))
     np.testing.assert_allclose(states[:, 1], amplitude * np.cos(rod * time), rtol=0, atol=1e-7 * amplitude)
 
 
 def test_motor_reaches_the_no_load_speed() -> None:
-    machine = replace(QUBE, damping=(0.0, 0.0), pole=Moments(0.0, 0.0, 0.0), armature=(0.0, 1.0))
+    machine = replace(QUBE, damping=(0.0, 0.0), links=(QUBE.links[0], WEIGHTLESS), armature=(0.0, 1.0))
     step = Command(np.array([0.0]), np.array([3.0]))
-    states = simulate(machine, NoEffect(), step, np.array([0.0, 60.0]), accuracy=TIGHT)
+    states = simulate(machine, NoEffect(), [step], np.array([0.0, 60.0]), accuracy=TIGHT)
     assert states[-1, 2] == pytest.approx(3.0 / 0.042, rel=1e-9)
 
 
@@ -59,7 +69,7 @@ def in_mujoco(machine: Furuta, tilt: float) -> mujoco.MjModel:
     """The same machine by a general-purpose engine: uniform thin rods on two hinges, a base turned about x."""
     rod = 1e-12  # kg·m², about the rod's own axis: MuJoCo refuses zero
     arm, pole = ((m, length, m * length**2 / 12) for m, length in ((0.095, 0.085), (0.024, 0.129)))
-    assert machine.arm.mass == arm[0]
+    assert machine.links[0].mass == arm[0]
     text = f"""
     <mujoco>
       <compiler angle="radian"/>
@@ -78,7 +88,7 @@ def in_mujoco(machine: Furuta, tilt: float) -> mujoco.MjModel:
 
 @pytest.mark.parametrize("tilt", [0.0, 0.05])
 def test_free_swing_agrees_with_another_engine(tilt: float) -> None:
-    machine = replace(QUBE, motor=replace(QUBE.motor, constant=0.0))
+    machine = replace(QUBE, drives=(UNPLUGGED,))
     model = in_mujoco(machine, tilt)
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = (0.4, 2.0), (5.0, -2.0)
@@ -87,5 +97,5 @@ def test_free_swing_agrees_with_another_engine(tilt: float) -> None:
         mujoco.mj_step(model, data)
         rows.append(data.qpos.copy())
     start = (0.4, 2.0, 5.0, -2.0)
-    states = simulate(machine, BaseTilt(tilt), no_command(), time, accuracy=TIGHT, start=start)
+    states = simulate(machine, BaseTilt(tilt), [no_command()], time, accuracy=TIGHT, start=start)
     np.testing.assert_allclose(states[:, :2], rows, rtol=0, atol=1e-6)

@@ -4,40 +4,59 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+import pytest
 from hydra.utils import instantiate
 from plant_machines import TIGHT
 
 from dr_lab.cli.compose import compose
 from dr_lab.plants.command import Command
+from dr_lab.plants.hidden.base_tilt import BaseTilt
 from dr_lab.plants.hidden.no_effect import NoEffect
 from dr_lab.plants.motion import simulate
+from dr_lab.plants.nominal import Nominal
 
-MODEL = Path(__file__).parents[3] / "conf" / "model" / "furuta.xml"
+CONF = Path(__file__).parents[3] / "conf"
 
 
-def test_nominal_plant_and_model_move_alike() -> None:
-    nominal = instantiate(compose("record", ["plant=furuta"]).plant.nominal)
-    model = mujoco.MjModel.from_xml_path(str(MODEL))
-    model.opt.timestep = 0.001
-    data = mujoco.MjData(model)
-    held = Command(np.arange(0.0, 1.0, 0.004), 6.0 * np.sin(9.0 * np.arange(0.0, 1.0, 0.004)))
-    time, rows = np.linspace(0.001, 1.0, 1000), []
-    for now in time:
-        data.ctrl[:] = held.at(np.array([now - 0.0005]))
-        mujoco.mj_step(model, data)
+def nominal_of(machine: str) -> Nominal:
+    return instantiate(compose("record", [f"plant={machine}"]).plant.nominal)
+
+
+@pytest.mark.parametrize(
+    ("machine", "model", "peaks", "tolerance"),
+    [
+        ("furuta", "furuta", (6.0,), 1e-4),  # the model gives its thin rods 1e-9 kg·m² about their own axes
+        ("pendulum", "pendulum", (2.0,), 1e-6),
+        ("cartpole", "cartpole", (8.0,), 1e-6),
+        ("double_pendulum", "double_pendulum_c1", (1.5, 1.0), 1e-6),
+    ],
+)
+def test_nominal_plant_and_model_move_alike_on_a_tilted_base(
+    machine: str, model: str, peaks: tuple[float, ...], tolerance: float
+) -> None:
+    compiled = mujoco.MjModel.from_xml_path(str(CONF / "model" / f"{model}.xml"))
+    nominal = nominal_of(machine)
+    plant = BaseTilt(about_x=0.1, about_y=0.2).alter(nominal.machine(nominal.documented()))
+    step = 0.0005
+    compiled.opt.timestep, compiled.opt.gravity = step, plant.gravity
+    data = mujoco.MjData(compiled)
+    edge = np.arange(0.0, 1.0, 0.004)
+    held = [Command(edge, peak * np.sin((9.0 + 4.0 * k) * edge)) for k, peak in enumerate(peaks)]
+    time, rows = np.linspace(step, 1.0, 2000), []
+    sent = np.stack([command.at(time - step / 2) for command in held], axis=1)
+    for command in sent:
+        data.ctrl[:] = command
+        mujoco.mj_step(compiled, data)
         rows.append(data.qpos.copy())
-    named = {
-        "arm.mass": model.body("arm").mass[0],
-        "pole.mass": model.body("pole").mass[0],
-        "arm.damping": model.joint("arm").damping[0],
-        "pole.damping": model.joint("pole").damping[0],
-    }
-    states = simulate(nominal.machine(named), NoEffect(), held, time, accuracy=TIGHT)
-    assert named == {
-        "arm.mass": nominal.arm_mass,
-        "pole.mass": nominal.pole_mass,
-        "arm.damping": nominal.arm_damping,
-        "pole.damping": nominal.pole_damping,
-    }
-    # The model gives its thin rods 1e-9 kg·m² about their own axes.
-    np.testing.assert_allclose(states[:, :2], rows, rtol=0, atol=1e-4)
+    states = simulate(plant, NoEffect(), held, time, accuracy=TIGHT)
+    assert np.abs(rows).max() > 0.2
+    np.testing.assert_allclose(states[:, : compiled.nq], rows, rtol=0, atol=tolerance)
+
+
+@pytest.mark.parametrize("machine", ["furuta", "pendulum", "cartpole", "double_pendulum"])
+def test_what_the_plant_spreads_is_what_the_model_leaves_free(machine: str) -> None:
+    parameters = instantiate(compose("compare", [f"model={machine}"]).model, _convert_="all").space
+    documented = nominal_of(machine).documented()
+    assert documented.keys() <= {*parameters.names}
+    for name, nominal in zip(parameters.names, parameters.nominal, strict=True):
+        assert documented[name] == pytest.approx(nominal, rel=1e-6)

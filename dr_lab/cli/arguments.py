@@ -1,0 +1,98 @@
+"""The arguments of a verb's function: its configuration composed, checked and built."""
+
+import importlib
+import inspect
+import re
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+from typing import Any
+
+from hydra.utils import instantiate
+from omegaconf import DictConfig, OmegaConf
+
+from dr_lab.cli.check import check
+from dr_lab.cli.compose import compose_from, misplaced, options, register_resolvers
+from dr_lab.errors import ConfigError
+
+# Keys of a configuration that are not a workflow's business, unless it asks for them.
+COMMAND_LINE_KEYS = ("outputs", "made_with")
+# Parameters of a workflow that the command line gives, not the configuration.
+RUN_DIR = "run_dir"
+COMPOSE = "compose"
+SUPPLIED = (RUN_DIR, COMPOSE)
+
+
+def compose_arguments(verb: str, overrides: Sequence[str], folders: Sequence[Path]) -> dict[str, Any]:
+    """What a command line would call a verb's function with, its run folder apart.
+
+    Args:
+        verb: e.g. ``"diagnose"``.
+        overrides: as on the command line.
+        folders: configuration folders, first searched first; the last one ships with dr_lab.
+
+    Raises:
+        ConfigError: the configuration cannot be run.
+        hydra.errors.ConfigCompositionException: an override names nothing.
+    """
+    return arguments_of(verb, compose_from(folders, verb, overrides), folders)[1]
+
+
+def arguments_of(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[Callable[..., Any], dict[str, Any]]:
+    """A verb's function and the arguments that its configuration gives.
+
+    Nothing is built before the whole configuration is found sound.
+
+    Args:
+        verb: its name.
+        cfg: its composed configuration without Hydra's node.
+        folders: configuration folders, first searched first.
+
+    Raises:
+        ConfigError: the configuration cannot be run.
+    """
+    register_resolvers(folders)
+    workflow = workflow_of(verb)
+    unused = not_passed(cfg, inspect.signature(workflow).parameters)
+    _require_placed(cfg, folders)
+    check(cfg, workflow, verb, supplied=SUPPLIED, unused=unused)
+    # One key at a time: what only feeds another key is built there, and only there.
+    wanted = {str(key): value for key, value in cfg.items() if key not in unused}
+    return workflow, {k: instantiate(v, _convert_="all") if OmegaConf.is_config(v) else v for k, v in wanted.items()}
+
+
+def workflow_of(verb: str) -> Callable[..., Any]:
+    """The function that does a verb's work, `dr_lab.workflows.<verb>.<verb>`.
+
+    Raises:
+        ConfigError: there is no such function.
+    """
+    name = f"dr_lab.workflows.{verb}"
+    try:
+        return getattr(importlib.import_module(name), verb)
+    except ModuleNotFoundError as error:
+        if error.name != name:
+            raise
+        raise ConfigError(f"dr-lab {verb} has a configuration but no workflow: {name} does not exist.") from error
+
+
+def not_passed(cfg: DictConfig, parameters: Collection[str]) -> set[str]:
+    """Top-level keys that are no parameter of the workflow and need not be.
+
+    Those are the command line's own, and those that only feed other keys: ``seed`` where it stands in ``${seed}``.
+
+    Args:
+        cfg: composed configuration without Hydra's node.
+        parameters: names of the workflow's parameters.
+    """
+    text = OmegaConf.to_yaml(cfg, resolve=False)
+    fed = {str(key) for key in cfg if re.search(rf"\$\{{{re.escape(str(key))}[.}}]", text)}
+    return {*COMMAND_LINE_KEYS, *fed} - set(parameters)
+
+
+def _require_placed(cfg: DictConfig, folders: Sequence[Path]) -> None:
+    """Refuse an option that lies at its group's key, though its neighbours stand side by side below another."""
+    for group in cfg:
+        node = cfg._get_node(group)  # values may be missing or lead nowhere, which is said later
+        if isinstance(node, DictConfig) and "_target_" in node:
+            for fault in misplaced(options(str(group), folders)).values():
+                raise ConfigError(fault)

@@ -1,0 +1,121 @@
+"""One case, from its logs to the answer that is scored."""
+
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from dr_lab.diagnosis.ladder import Ladder, climb, step_from
+from dr_lab.diagnosis.rank import Candidate, Explained
+from dr_lab.workflows.benchmark_cases.case import Case
+from dr_lab.workflows.benchmark_cases.equivalence import equivalence_class
+from dr_lab.workflows.benchmark_cases.observed import Compose, Observed, observe, observe_exactly
+from dr_lab.workflows.benchmark_cases.outcome import Outcome
+from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.entries import remaining
+
+
+def diagnose_case(case: Case, compose: Compose) -> Outcome:
+    """Record, diagnose and, where the answer is not exactly the truth, look for what is equivalent to it.
+
+    Machines with several effects are climbed one rung further than the truth goes; all others are judged by their
+    first ranking, as `dr-lab diagnose` does.
+
+    Args:
+        case: what to diagnose.
+        compose: gives the arguments of a verb, built from its name and overrides.
+    """
+    observed = observe(case, compose)
+    study, begin = observed.study, (time.process_time(), time.monotonic())
+    truths = observed.truths if case.kind != "outside" else ()
+    most = len(truths) + 1 if case.kind == "several" else 0
+    base = calibrate(study)
+    ladder = climb(
+        study.bench, base, observed.effects, study.scales, study.compiled, most=most, watch=lambda _: lambda _: None
+    )
+    cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
+    first, last = ladder.rungs[0], _last(ladder)
+    found = _found(ladder)
+    return Outcome(
+        case=case,
+        truths=observed.truths,
+        verdict=ladder.verdict,
+        found=found,
+        absorbed=list(ladder.rungs[-1].verdict.absorbed),
+        ranking=[c.effect.label for c in _ordered(first.ranking, first.verdict.effects)],
+        standing={truth: _standing(ladder, truth) for truth in truths},
+        classes=_classes(case, truths, found, observed, compose),
+        magnitudes=observed.magnitudes,
+        fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
+        chi2_base=base.held_out.chi2,
+        chi2=last.held_out.chi2,
+        remaining=remaining(last.held_out.chi2, study.bench.evidence.floor)["status"],
+        cpu=cpu,
+        wall=wall,
+    )
+
+
+def _found(ladder: Ladder) -> list[list[str]]:
+    """What was found, each with what the data cannot separate from it."""
+    if ladder.steps:
+        labels = [step.explained.model.effects[-1].label for step in ladder.steps]
+        rivals = [[c.effect.label for c in step.rivals] for step in ladder.steps]
+        return [[label, *others] for label, others in zip(labels, rivals, strict=True)]
+    answer = ladder.rungs[0].verdict.effects
+    return [list(answer)] if answer else []
+
+
+def _last(ladder: Ladder) -> Explained:
+    """The model that the answer leads to."""
+    if ladder.steps or not ladder.rungs[0].verdict.effects:
+        return ladder.models[-1]
+    return step_from(ladder.rungs[0]).explained
+
+
+def _ordered(ranking: Sequence[Candidate], answer: Sequence[str]) -> list[Candidate]:
+    """The verdict's effects first, then by evidence, as reports show them."""
+    order = {label: place for place, label in enumerate(answer)}
+    return sorted(ranking, key=lambda c: order.get(c.effect.label, len(order)))
+
+
+def _standing(ladder: Ladder, truth: str) -> dict[str, Any]:
+    """How a truth stood in the last ranking that it was part of."""
+    for rung in reversed(ladder.rungs):
+        for place, candidate in enumerate(_ordered(rung.ranking, rung.verdict.effects), start=1):
+            if candidate.effect.label == truth:
+                return {
+                    "place": place,
+                    "fitted": candidate.fitted,
+                    "promised": candidate.predicted,
+                    "chi2": candidate.explained.held_out.chi2,
+                    "evidence": candidate.gain.total,
+                    "evidence_low": candidate.gain.total_low,
+                    "gap": candidate.gain.gap,
+                    "status": rung.verdict.status[truth],
+                }
+    return {}
+
+
+def _own_values(ladder: Ladder, truth: str) -> dict[str, float]:
+    """Fitted parameters of a truth, by short name, in the model that the answer leads to; empty if it is not found."""
+    models = [ladder.models[-1]] if ladder.steps else []
+    answer = ladder.rungs[0].verdict.effects
+    models += [c.explained for c in ladder.rungs[0].ranking if c.effect.label in answer and not ladder.steps]
+    for explained in models:
+        values = explained.model.space.mapping(explained.fit.z)
+        own = {k.removeprefix(f"{truth}."): float(v) for k, v in values.items() if k.startswith(f"{truth}.")}
+        if own:
+            return own
+    return {}
+
+
+def _classes(
+    case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose
+) -> Mapping[str, Mapping[str, int]]:
+    """Equivalence classes of the truths that the answer does not hold exactly."""
+    single = case.kind == "single"
+    unclear = [t for t in truths if (found != [[t]] if single else not any(t in group for group in found))]
+    if not unclear:
+        return {}
+    noise = {channel: noise.std for channel, noise in observed.study.measurements.noise.items()}
+    exact = observe_exactly(case, compose, noise)
+    return {t: equivalence_class(exact, t, tuple(other for other in truths if other != t)) for t in unclear}

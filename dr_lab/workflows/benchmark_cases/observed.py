@@ -1,0 +1,76 @@
+"""The logs of a case and the study of them, made as a user would: `record`, then `diagnose`."""
+
+import contextlib
+import io
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import yaml
+
+from dr_lab.effects.effect import Effect
+from dr_lab.workflows.benchmark_cases.case import Case
+from dr_lab.workflows.record import record
+from dr_lab.workflows.study import Study, prepare
+
+Compose = Callable[[str, Sequence[str]], Mapping[str, Any]]
+
+EXACT = "exact"
+_AND = " + "  # between the labels of several hidden effects
+_STUDIED = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise")
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A case as the diagnosis sees it.
+
+    Attributes:
+        study: model and logs.
+        effects: the catalogue.
+        truths: what is hidden, as ``effect@site``, which the diagnosis must not see.
+        magnitudes: the truth's numbers, neither; of several effects by their labels.
+    """
+
+    study: Study
+    effects: Mapping[str, Effect]
+    truths: tuple[str, ...]
+    magnitudes: Mapping[str, Any]
+
+
+def observe(case: Case, compose: Compose) -> Observed:
+    """Record a case's logs and prepare their diagnosis.
+
+    Args:
+        case: which one.
+        compose: gives the arguments of a verb, built from its name and overrides.
+    """
+    return _observed(case, compose, case.instruments, [])
+
+
+def observe_exactly(case: Case, compose: Compose, noise: Mapping[str, float]) -> Observed:
+    """The same motion without noise, clock error or jitter, weighed by a given noise.
+
+    Args:
+        case: which one.
+        compose: as for `observe`.
+        noise: standard deviation by channel, in the channel's unit.
+    """
+    stds = ",".join(f"{channel}:{{noise_std:{float(std)!r}}}" for channel, std in noise.items())
+    return _observed(case, compose, EXACT, [f"++measurements.outputs={{{stds}}}"])
+
+
+def _observed(case: Case, compose: Compose, instruments: str, overrides: Sequence[str]) -> Observed:
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        options = [f"plant/hidden={case.hidden}", f"plant/instruments={instruments}", f"seed={case.seed}"]
+        source = compose("record", [*case.record, *options])["source"]
+        with contextlib.redirect_stdout(io.StringIO()):
+            record(source, str(folder), case.seed, folder)
+        built = compose("diagnose", [*case.diagnose, f"measurements.logs=[{folder}/*.mcap]", *overrides])
+        truth = yaml.safe_load((folder / "truth.yaml").read_text(encoding="utf-8"))
+        study = prepare(**{key: built[key] for key in _STUDIED}, threads=1)
+    hidden = truth["hidden"]
+    truths = () if case.kind == "none" else tuple(hidden["effect"].split(_AND))
+    return Observed(study, built["effects"], truths, hidden["parameters"])

@@ -1,0 +1,128 @@
+"""Rates against closed forms, and the figures of a handful of outcomes."""
+
+import csv
+import io
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from pretended_cases import A, B, C, case_of, named, outcome_of
+from recorder_samples import read_recording
+
+from dr_lab.cli.compose import options
+from dr_lab.cli.folders import shipped
+from dr_lab.effects.effect import Effect
+from dr_lab.recorders.benchmark_review import write_benchmark_review
+from dr_lab.recorders.confusion import confusion, confusion_csv, confusion_picture
+from dr_lab.recorders.look import Look
+from dr_lab.workflows.benchmark_cases.pages import report_page
+from dr_lab.workflows.benchmark_cases.rates import parameter_errors, rate, rates
+from dr_lab.workflows.benchmark_cases.summary import Goals, answers, cases_csv, summary
+
+GOALS = Goals({"top_1": 0.7}, {"false_alarm": 0.02})
+SPELT = {"saturation": {"limit": "inverse_limit"}}
+OUTCOMES = [
+    named(A, seed=0),
+    named(A, seed=1),
+    named(A, seed=2, answer=B, classes={A: {A: 1}}),
+    outcome_of("single", B, classes={B: {B: 1}}, ranking=[A, B]),
+    outcome_of("several", A, B, verdict="named", found=[[A], [B]]),
+    outcome_of("none", chi2=1.2),
+    outcome_of("none", seed=1, verdict="named", found=[[C]]),
+    outcome_of("outside", verdict="unexplained", chi2=40.0),
+]
+
+
+@pytest.mark.parametrize(("count", "of"), [(0, 100), (2, 108), (95, 100), (1, 1)])
+def test_intervals_are_wilsons(count: int, of: int) -> None:
+    found = rate([True] * count + [False] * (of - count))
+    assert found is not None
+    z, p = 1.959963984540054, count / of
+    middle = (p + z**2 / (2 * of)) / (1 + z**2 / of)
+    half = z / (1 + z**2 / of) * sqrt(p * (1 - p) / of + z**2 / (4 * of**2))
+    assert (found.count, found.of, found.share) == (count, of, p)
+    assert (found.low, found.high) == pytest.approx((max(middle - half, 0), min(middle + half, 1)), abs=1e-12)
+
+
+def test_no_case_has_no_rate() -> None:
+    assert rate([]) is None
+
+
+def test_rates_count_the_cases_that_they_speak_of() -> None:
+    found = {name: (r.count, r.of) for name, r in rates(OUTCOMES).items() if r is not None}
+    assert found == {
+        "top_1": (2, 4),
+        "top_3": (4, 4),
+        "both_found": (1, 1),
+        "false_alarm": (1, 2),
+        "wrong_with_confidence": (2, 8),
+        "outside_unexplained": (1, 1),
+        "abstained_equivalent": (0, 4),
+        "abstained_none": (1, 4),
+        "abstained_unexplained": (0, 4),
+    }
+
+
+def test_parameter_errors_speak_the_catalogues_names() -> None:
+    limit = named("saturation@motor", magnitudes={"limit": 4.0}, fitted={"saturation@motor": {"inverse_limit": 0.2}})
+    assert parameter_errors(limit, SPELT) == {"saturation@motor.inverse_limit": pytest.approx(0.25)}
+    two = {A: {"torque": 2e-3}, B: {"stiffness": 2.0, "rest": 0.1}}
+    both = outcome_of("several", A, B, magnitudes=two, fitted={A: {"torque": -2.1e-3}, B: {"stiffness": 1.8}})
+    expected = {f"{A}.torque": pytest.approx(0.05), f"{B}.stiffness": pytest.approx(0.1)}
+    assert parameter_errors(both, SPELT) == expected
+    assert parameter_errors(named(A, magnitudes={"torque": 2e-3}), SPELT) == {}
+
+
+def test_the_summary_holds_goals_machines_and_misses() -> None:
+    found = summary(OUTCOMES, {case_of("none", seed=9): "DataError: no logs"}, GOALS, SPELT)
+    assert found["goals"] == {"top_1": {"goal": "≥ 0.7", "met": False}, "false_alarm": {"goal": "≤ 0.02", "met": False}}
+    assert found["medians"]["median_chi2"] == pytest.approx(1.01)
+    assert found["machines"]["crank"]["cases"] == found["cases"] == 8
+    assert [row["truth"] for row in found["misses"]] == [A, B, "none"]
+    page = report_page(found, OUTCOMES, SPELT)
+    assert "| effect and site right, one hidden effect | 50 % | 15 % … 85 % | 2 of 4 | ≥ 0.7 | MISSED |" in page
+    assert "failed: crank-none-encoders-9: DataError: no logs" in page
+    rows = list(csv.DictReader(io.StringIO(cases_csv(OUTCOMES, SPELT))))
+    assert [row["right"] for row in rows] == ["True", "True", "False", "False", "True", "True", "False", "True"]
+
+
+def test_the_confusion_matrix_counts_effects_and_leaves_sites_and_pairs_out() -> None:
+    effects: dict[str, Effect] = {}
+    matrix = answers(OUTCOMES, effects)
+    assert matrix.truths == ("outside", "none", "coulomb_friction", "spring")
+    assert matrix.answers == ("none", "unexplained", "actuator_delay", "coulomb_friction", "spring")
+    assert matrix.count.sum() == 7
+    assert matrix.right.sum() == 4
+    assert "coulomb_friction,coulomb_friction,2,2\n" in confusion_csv(matrix)
+    assert "coulomb_friction,spring,1,0\n" in confusion_csv(matrix)
+
+
+def test_the_picture_is_blue_where_right_and_orange_where_wrong(look: Look) -> None:
+    matrix = confusion([("a", "a", True), ("b", "a", False)], ["a", "b"])
+    picture = confusion_picture(matrix, look)
+    blue, orange = (np.array(look.colour(role)[:3]) for role in ("after", "before"))
+    here, there = ((picture == colour).all(-1) for colour in (blue, orange))
+    cell = 32 * 32
+    for found in (here, there):
+        assert cell / 2 < found.sum() < 1.5 * cell
+    # the first row lies above the second, in the same column
+    (first, column), (second, below) = (np.argwhere(found).mean(0) for found in (here[:-60], there[:-60]))
+    assert first + 25 < second
+    assert column == pytest.approx(below, abs=3)
+
+
+def test_the_picture_of_the_whole_catalogue_has_a_cell_for_every_pair(look: Look) -> None:
+    names = list(options("effect", (shipped(),)))
+    pairs = [(name, name, True) for name in names]
+    picture = confusion_picture(confusion(pairs, names), look)
+    assert picture.shape[0] > 32 * len(names)
+    assert Image.fromarray(picture).size == picture.shape[1::-1]
+
+
+def test_the_recording_holds_the_picture_and_the_pages(look: Look, tmp_path: Path) -> None:
+    picture = confusion_picture(confusion([("a", "a", True)], ["a"]), look)
+    write_benchmark_review(tmp_path / "review.rrd", picture, {"Figures": "one", "Misses": "two"})
+    entities = read_recording(tmp_path / "review.rrd")
+    assert {"/confusion", "/pages/Figures", "/pages/Misses"} <= set(entities)
