@@ -175,8 +175,15 @@ def _beside(files: dict[str, Path]) -> dict[str, str]:
     }
 
 
+def _complete(files: dict[str, Path]) -> list[str]:
+    """The options that ask the user for nothing."""
+    return [name for name, path in files.items() if ": ???" not in path.read_text(encoding="utf-8")]
+
+
 def _offer_whole_groups(folders: Sequence[Path]) -> None:
     """Give every group of side-by-side options the option `all`, so that a new file joins the catalogue by itself.
+
+    An option that leaves a value to the user (``???``) is not part of it.
 
     A group with a misplaced file has none, which stops only those who ask for it.
     """
@@ -186,5 +193,5 @@ def _offer_whole_groups(folders: Sequence[Path]) -> None:
         ConfigStore.instance().repo.get(group, {}).pop(f"{WHOLE_GROUP}.yaml", None)  # of an earlier composition
         if not misplaced(files) and combines(files):
             ConfigStore.instance().store(
-                WHOLE_GROUP, {"defaults": list(files)}, group=group, package="_global_", provider="dr_lab"
+                WHOLE_GROUP, {"defaults": _complete(files)}, group=group, package="_global_", provider="dr_lab"
             )
