@@ -101,6 +101,7 @@ class EvidenceSettings:
         confidence: of the intervals of paired gains.
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
+        least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.
         resamples: number of bootstrap resamples.
         seed: of the resampling.
         threshold: least evidence on the held-out windows, as Δχ², that separates two models.
@@ -118,6 +119,7 @@ class EvidenceSettings:
     confidence: float
     block: int
     least_blocks: int
+    least_trusted: int
     resamples: int
     seed: int
     threshold: float
@@ -127,7 +129,9 @@ class EvidenceSettings:
     absorbed: float
 
     def __post_init__(self) -> None:
-        least: dict[str, float] = dict.fromkeys(("most_fits", "block", "least_blocks", "resamples"), 1.0)
+        least: dict[str, float] = dict.fromkeys(
+            ("most_fits", "block", "least_blocks", "least_trusted", "resamples"), 1.0
+        )
         least |= dict.fromkeys(("least_promise", "seed", "threshold", "least_gap", "penalty", "absorbed"), 0.0)
         require_numbers(self, "evidence", positive=("floor",), least=least)
         if not 0 < self.confidence < 1:

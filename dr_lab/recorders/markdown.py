@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from dr_lab.recorders.ladder import candidate_name
 from dr_lab.recorders.quantity import number, percent
 from dr_lab.recorders.tables import (
     channel_table,
@@ -36,6 +37,7 @@ def report_markdown(report: Mapping[str, Any]) -> str:
         _section("Error by channel, on held-out logs", channel_table(report)),
         _section("Candidates", ranking_table(report.get("ranking", []))),
         _section("Parameters", parameter_table(parameters)),
+        _trades(report, parameters),
         _section("Parameters by log", per_log_table(parameters)),
         _section("Where the model fails", _where(report.get("where", []))),
         _section("Missing forces", _missing_forces(report.get("missing_force", []))),
@@ -58,6 +60,25 @@ def _reasons(report: Mapping[str, Any]) -> str:
 
 def _where(regions: Sequence[Mapping[str, Any]]) -> str:
     lines = [f"- `{row['signal']}`, {row['region']}: {percent(row['share'])} of its squared error" for row in regions]
+    return "\n".join(lines)
+
+
+def _trades(report: Mapping[str, Any], parameters: Mapping[str, Mapping[str, Any]]) -> str:
+    """Which parameters trade against each other, which take an effect's place, and which intervals are doubtful."""
+    worst = report.get("worst_direction") or {}
+    lines = []
+    if len(worst) > 1:
+        told = " ".join(f"{'+' if value > 0 else '−'} {abs(value):.2f} `{name}`" for name, value in worst.items())
+        lines.append(f"- The logs know least of {told.removeprefix('+ ')} (in widths of the bounds): these trade.")
+    for row in report.get("ranking", []):
+        if row.get("replaced_by"):
+            takers = ", ".join(f"`{name}`" for name in row["replaced_by"])
+            lines.append(f"- `{candidate_name(row)}` cannot be told from {takers}, which take its place.")
+    doubted: dict[str, list[str]] = {}
+    for name, row in parameters.items():
+        for doubt in row.get("doubts", []):
+            doubted.setdefault(doubt, []).append(f"`{name}`")
+    lines += [f"- Do not trust the intervals of {', '.join(names)}: {doubt}." for doubt, names in doubted.items()]
     return "\n".join(lines)
 
 

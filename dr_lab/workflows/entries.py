@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from dr_lab.diagnosis import trust
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
 from dr_lab.diagnosis.localise import Region
@@ -17,6 +18,7 @@ from dr_lab.trajectory import Array, MeasurementSet
 from dr_lab.workflows.study import Study
 
 SCHEMA = "dr_lab/gap/1"
+_TOLD = 0.2  # of the largest move of a parameter that takes an effect's place
 
 
 def header(verb: str, study: Study) -> dict[str, Any]:
@@ -65,10 +67,12 @@ def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dic
     space, bench = explained.model.space, study.bench
     found = estimate(space, explained.fit, bench.fit, bench.evidence)
     logs = per_log(space, explained.fit, bench.fit)
+    doubted = trust.doubts(found, explained.fit, bench.fit, bench.evidence)
     table: dict[str, Any] = found.table()
     for column, name in enumerate(space.names):
         table[name]["cv_percent"] = _cv_percent(logs[:, column], float(found.mean[column]))
         table[name]["per_log"] = dict(zip(bench.fit.logs, logs[:, column].tolist(), strict=True))
+        table[name]["doubts"] = doubted[name]
         table[name]["bounds"] = [float(space.low[column]), float(space.high[column])]
     return found, table
 
@@ -93,10 +97,25 @@ def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[
                 "predicted_gain": candidate.predicted,
                 "status": verdict.status[label],
                 "absorbed_by_parameters": label in verdict.absorbed,
+                "replaced_by": _replaced_by(candidate) if label in verdict.absorbed else {},
+                "excitation": candidate.identifiability.alone**0.5,
                 "parameters": _own(candidate, study),
             }
         )
     return rows
+
+
+def _replaced_by(candidate: Candidate) -> dict[str, float]:
+    """Parameters that take the effect's place, in widths of their bounds for a full width of the effect."""
+    moves = candidate.identifiability.replacement
+    names, largest = candidate.explained.model.space.names, float(np.abs(moves).max(initial=0.0))
+    order = np.argsort(-np.abs(moves))
+    return {names[k]: float(moves[k]) for k in order if abs(moves[k]) >= _TOLD * largest}
+
+
+def worst_direction(explained: Explained) -> dict[str, float]:
+    """Combination of parameters that the logs know least about, in widths of their bounds."""
+    return trust.worst_direction(explained.model.space, explained.fit)
 
 
 def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:

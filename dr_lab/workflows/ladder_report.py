@@ -53,6 +53,7 @@ def report_ladder(
         "rungs": [_rung(study, rung) for rung in ladder.rungs],
         "next_experiment": next_experiment,
         "remaining": entries.remaining(last.held_out.chi2, study.bench.evidence.floor),
+        "worst_direction": entries.worst_direction(last),
         "missing_force": missing_forces(study, ladder.models),
         **failure(study, base.model, base.fit.z),
     }

@@ -10,6 +10,7 @@ SETTINGS = EvidenceSettings(
     confidence=0.99,
     block=3,
     least_blocks=8,
+    least_trusted=3,
     resamples=2000,
     seed=0,
     threshold=25.0,
