@@ -73,7 +73,8 @@ def benchmark(
     result = summary(outcomes, failed, goals, spelt)
     _write(run_dir, result, outcomes, spelt, effects, recorder)
     if failed:
-        raise DrLabError(f"{len(failed)} of {len(wanted)} cases failed: {'; '.join(result['failed'].values())}")
+        errors = "; ".join(dict.fromkeys(failed.values()))
+        raise DrLabError(f"{len(failed)} of {len(wanted)} cases failed; report.md lists them. {errors}")
     return result
 
 

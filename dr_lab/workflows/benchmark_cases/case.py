@@ -1,5 +1,6 @@
 """What is to be diagnosed: one machine with something hidden, one set of instruments, one seed."""
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -47,15 +48,13 @@ class CaseSet:
         kind: ``none``, ``single``, ``several`` effects, or an effect ``outside`` of the catalogue.
         instruments: options of ``plant/instruments``: the noise levels.
         seeds: of true parameters, clocks, excitation and jitter.
-        machines: which ones; None takes all.
-        hidden: which options of the kind; None takes all.
+        hidden: by machine, which of its options of the kind; None takes all of all machines.
     """
 
     kind: Kind
     instruments: Sequence[str]
     seeds: Sequence[int]
-    machines: Sequence[str] | None = None
-    hidden: Sequence[str] | None = None
+    hidden: Mapping[str, Sequence[str]] | None = None
 
 
 @dataclass(frozen=True)
@@ -90,17 +89,13 @@ class Case:
 def expand(sets: Mapping[str, CaseSet], machines: Mapping[str, Machine]) -> tuple[Case, ...]:
     """The cases of several sets; those of the first seeds come first, a case of two sets once.
 
+    Sets may speak of machines that were not chosen.
+
     Raises:
-        UnknownNameError: a set asks for something hidden that none of its machines knows.
+        UnknownNameError: a set asks for something hidden that its machine does not have.
         ConfigError: no case is left.
     """
-    for name, wanted in sets.items():
-        known = {option for machine in machines.values() for option in machine.hidden(wanted.kind)}
-        foreign = set(wanted.machines or ()) - machines.keys()
-        for option in wanted.hidden or ():
-            if option not in known and not foreign:
-                raise UnknownNameError(f"hidden effect of the kind {wanted.kind!r}", option, known, f"cases.{name}")
-    cases = dict.fromkeys(case for wanted in sets.values() for case in _cases(wanted, machines))
+    cases = dict.fromkeys(case for name, wanted in sets.items() for case in _cases(name, wanted, machines))
     if not cases:
         raise ConfigError(
             f"No case is left: cases {', '.join(sets) or 'none'}, machines {', '.join(machines) or 'none'}. "
@@ -109,14 +104,12 @@ def expand(sets: Mapping[str, CaseSet], machines: Mapping[str, Machine]) -> tupl
     return tuple(sorted(cases, key=lambda case: case.seed))
 
 
-def _cases(wanted: CaseSet, machines: Mapping[str, Machine]) -> Iterator[Case]:
-    for seed in wanted.seeds:
-        for name, machine in machines.items():
-            if wanted.machines is not None and name not in wanted.machines:
-                continue
-            for option in machine.hidden(wanted.kind):
-                if wanted.hidden is not None and option not in wanted.hidden:
-                    continue
-                for instruments in wanted.instruments:
-                    overrides = tuple(machine.record), tuple(machine.diagnose)
-                    yield Case(name, wanted.kind, option, instruments, seed, *overrides)
+def _cases(set_name: str, wanted: CaseSet, machines: Mapping[str, Machine]) -> Iterator[Case]:
+    for name, machine in machines.items():
+        known = machine.hidden(wanted.kind)
+        options = known if wanted.hidden is None else wanted.hidden.get(name, ())
+        for option, instruments, seed in itertools.product(options, wanted.instruments, wanted.seeds):
+            if option not in known:
+                raise UnknownNameError("hidden effect", option, known, f"machine.{name}.{wanted.kind} ({set_name})")
+            overrides = tuple(machine.record), tuple(machine.diagnose)
+            yield Case(name, wanted.kind, option, instruments, seed, *overrides)

@@ -15,7 +15,7 @@ class Mark:
     Attributes:
         right: without anything hidden, ``none``; with something outside of the catalogue, ``unexplained``; with one
             effect, `named` with a member of its class, `equivalent` with exactly the class, or `none` that lists an
-            effect whose class holds the base; with several, every one found.
+            effect whose class holds the base as absorbed or not excited; with several, every one found.
         top_3: right, or a member of the class is among the first three of the ranking.
         false: an effect was named, without rivals, that is not in the class of anything hidden.
     """
@@ -83,7 +83,8 @@ def _single(outcome: Outcome, truth: str, known: Mapping[str, int]) -> bool:
 
 def _absorbed(outcome: Outcome, truth: str) -> bool:
     """Whether the data cannot show the truth, and the answer says so."""
-    return BASE in members(outcome, truth) and truth in outcome.absorbed
+    listed = truth in outcome.absorbed or outcome.standing.get(truth, {}).get("status") == "not_excited"
+    return BASE in members(outcome, truth) and listed
 
 
 def _first(group: Sequence[str], truth: str, outcome: Outcome) -> bool:

@@ -51,7 +51,7 @@ def test_sets_are_products_and_a_case_of_two_sets_comes_once() -> None:
     sets = {
         "none": CaseSet("none", ["encoders", "coarse"], [0, 1]),
         "single": CaseSet("single", ["encoders"], [0, 5]),
-        "same": CaseSet("single", ["encoders"], [5], machines=["crank"]),
+        "same": CaseSet("single", ["encoders"], [5], hidden={"crank": ["crank/spring"], "lever": ["x"]}),
         "several": CaseSet("several", ["encoders"], [0]),
         "outside": CaseSet("outside", ["encoders"], [0]),
     }
@@ -64,8 +64,8 @@ def test_sets_are_products_and_a_case_of_two_sets_comes_once() -> None:
 
 
 def test_a_hidden_effect_that_nobody_knows_is_named() -> None:
-    wanted = {"single": CaseSet("single", ["encoders"], [0], hidden=["crank/sprig"])}
-    with pytest.raises(UnknownNameError, match=r"(?s)crank/sprig.*cases\.single.*'crank/spring'"):
+    wanted = {"single": CaseSet("single", ["encoders"], [0], hidden={"crank": ["crank/sprig"]})}
+    with pytest.raises(UnknownNameError, match=r"(?s)crank/sprig.*machine\.crank\.single.*'crank/spring'"):
         expand(wanted, MACHINES)
     with pytest.raises(ConfigError, match="No case is left"):
         expand({}, MACHINES)

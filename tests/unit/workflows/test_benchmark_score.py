@@ -17,6 +17,9 @@ RIGHT = {
     "exactly the class": outcome_of("single", A, verdict="equivalent", found=[[B, A]], classes=BOTH),
     "the class without richer members": outcome_of("single", A, verdict="equivalent", found=[[A, B]], classes=RICHER),
     "absorbed and listed": outcome_of("single", A, absorbed=[C, A], classes=HIDDEN),
+    "not excited and listed": outcome_of(
+        "single", A, classes=HIDDEN, standing={A: {**STANDING, "status": "not_excited"}}
+    ),
     "nothing hidden": outcome_of("none"),
     "outside": outcome_of("outside", verdict="unexplained"),
     "both": outcome_of("several", A, B, verdict="named", found=[[B], [A]]),
