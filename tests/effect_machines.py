@@ -57,7 +57,8 @@ def scales_of(model: Model, torque: float = 10.0, speed: float = 2.0, position: 
     compiled = model.nominal()
     names = [compiled.joint(i).name for i in range(compiled.njnt)]
     return Scales(
-        position=dict.fromkeys(names, position),
+        lowest=dict.fromkeys(names, -position / 2),
+        highest=dict.fromkeys(names, position / 2),
         speed=dict.fromkeys(names, speed),
         torque=dict.fromkeys(names, torque),
         command={compiled.actuator(i).name: 5.0 for i in range(compiled.nactuator)},

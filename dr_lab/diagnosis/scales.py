@@ -31,7 +31,8 @@ def machine_scales(model: mujoco.MjModel, logs: Sequence[Log], smoother: float) 
     joints = [c for c in available(model).values() if c.kind == "position"]
     names = [c.name.removesuffix(".position") for c in joints]
     return Scales(
-        position={n: float(np.ptp(qpos[:, c.address])) for n, c in zip(names, joints, strict=True)},
+        lowest={n: float(qpos[:, c.address].min()) for n, c in zip(names, joints, strict=True)},
+        highest={n: float(qpos[:, c.address].max()) for n, c in zip(names, joints, strict=True)},
         speed={n: float(np.percentile(np.abs(qvel[:, c.dof]), _FAST)) for n, c in zip(names, joints, strict=True)},
         torque={n: float(force[c.dof]) for n, c in zip(names, joints, strict=True)},
         command=_commands(model, logs),

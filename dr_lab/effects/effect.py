@@ -24,16 +24,23 @@ class Scales:
     """Typical magnitudes of the machine in its logs; they give an effect's bounds their size.
 
     Attributes:
-        position: range of motion by joint, rad or m.
+        lowest: lowest position by joint, rad or m.
+        highest: highest position by joint, rad or m.
         speed: 95th percentile of |q̇| by joint, rad/s or m/s.
         torque: RMS generalised force needed for the measured motion by joint, N·m or N.
         command: largest |command| by actuator, in the command's unit.
     """
 
-    position: Mapping[str, float]
+    lowest: Mapping[str, float]
+    highest: Mapping[str, float]
     speed: Mapping[str, float]
     torque: Mapping[str, float]
     command: Mapping[str, float]
+
+    @property
+    def position(self) -> Mapping[str, float]:
+        """Range of motion by joint, rad or m."""
+        return {joint: self.highest[joint] - lowest for joint, lowest in self.lowest.items()}
 
 
 class Effect(ABC):

@@ -6,7 +6,7 @@ from dr_lab.effects.effect import Effect, Scales, place
 from dr_lab.errors import UnknownNameError
 from dr_lab.physics.model import Model
 
-_UNKNOWN_MACHINE = Scales({}, {}, {}, {})
+_UNKNOWN_MACHINE = Scales({}, {}, {}, {}, {})
 
 
 def with_named_effects(model: Model, effects: Mapping[str, Effect], names: Iterable[str]) -> Model:

@@ -51,7 +51,9 @@ def scales(name: str) -> Scales:
     torque = {joint.name: 10.0 * float(compiled.dof_M0[joint.dofadr[0]]) for joint in joints}
     names = tuple(torque)
     command = {compiled.actuator(i).name: 1.0 for i in range(compiled.nactuator)}
-    return Scales(dict.fromkeys(names, 1.0), dict.fromkeys(names, 2.0), torque, command)
+    places = {joint.name: float(compiled.qpos0[joint.qposadr[0]]) for joint in joints}
+    lowest, highest = ({name: place + end for name, place in places.items()} for end in (-0.5, 0.5))
+    return Scales(lowest, highest, dict.fromkeys(names, 2.0), torque, command)
 
 
 def every() -> Iterator[tuple[str, str, str]]:

@@ -1,0 +1,77 @@
+"""Something that the joint runs into."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.effect import Scales
+from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
+from dr_lab.errors import ModelError
+from dr_lab.physics.parameter import Parameter
+
+
+@dataclass(frozen=True)
+class EndStop(JointEffect):
+    """A bumper, a cable or a housing that ends the joint's travel sooner than the model says.
+
+    lower ≤ q ≤ upper: MuJoCo's joint limit, with the stiffness and damping of the joint's ``solreflimit``. At nominal
+    the stops lie a little beyond the measured travel, where nothing runs into them.
+
+    Parameters (nominal = absent): upper and lower [rad, slide: m], places of the stops. No slope at absent (fits start
+    with a stop just inside the travel); stops that have changed places are infeasible.
+    Limits: hinge and slide joints without a limit, which are measured and move in the logs.
+    Source: MuJoCo 4.0, XML reference, joint/range and joint/solreflimit.
+
+    Attributes:
+        beyond: distance of the nominal stops from the ends of the travel, share of the travel.
+        deepest: largest distance of a stop from the nominal one, share of the travel.
+        start: distances of (upper, lower) from the nominal stops in the fits that start away from absent, shares of the
+            travel.
+    """
+
+    beyond: float
+    deepest: float
+    start: tuple[tuple[float, float], ...]
+
+    name: ClassVar[str] = "end_stop"
+    family: ClassVar[str] = "transmission"
+    law: ClassVar[str] = "lower <= q <= upper"
+    fingerprint: ClassVar[str] = "the joint turns back hard at one place, where the model goes on"
+    confused_with: ClassVar[tuple[str, ...]] = ("spring",)
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the hinge and slide joints without a limit."""
+        return tuple(joint for joint in super().sites(model) if not model.jnt_limited[model.joint(joint).id])
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The places of the stops."""
+        travel = scales.position.get(site, 0.0)
+        if travel <= 0:
+            raise ModelError("An end stop shows only at a joint that is measured and moves in the logs.")
+        unit = "m" if slides(model, site) else "rad"
+        top, bottom = scales.highest[site] + self.beyond * travel, scales.lowest[site] - self.beyond * travel
+        deep = self.deepest * travel
+        return (
+            Parameter("upper", unit, top, top - deep, top),
+            Parameter("lower", unit, bottom, bottom, bottom + deep),
+        )
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Limit the joint."""
+        joint = joint_of(spec, site)
+        hinge_in_degrees = spec.compiler.degree and joint.type != mujoco.mjtJoint.mjJNT_SLIDE
+        places = np.array([values["lower"], values["upper"]])
+        joint.range = np.degrees(places) if hinge_in_degrees else places
+        joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """Stops just inside the travel."""
+        upper, lower = parameters
+        share = upper.span / self.deepest
+        return tuple(
+            {"upper": upper.nominal - above * share, "lower": lower.nominal + below * share}
+            for above, below in self.start
+        )

@@ -1,0 +1,29 @@
+"""A block that turns back at a stop."""
+
+import numpy as np
+import pytest
+from effect_machines import block, motion, placed, scales_of, with_effect
+
+from dr_lab.effects.effect import Scales
+from dr_lab.errors import ModelError
+
+
+def test_a_block_turns_back_at_the_stop_and_goes_on_without_one() -> None:
+    stopped = motion(with_effect(block(), "end_stop", "rail", upper=0.1), 0.5, qvel=1.0)
+    assert stopped[:, 1].max() == pytest.approx(0.1, abs=0.01)
+    assert stopped[-1, 2] < 0
+    free = motion(with_effect(block(), "end_stop", "rail"), 0.5, qvel=1.0)
+    np.testing.assert_allclose(free[:, 1], free[:, 0], atol=1e-12)
+
+
+def test_stops_begin_outside_the_travel_and_start_inside() -> None:
+    effect = placed(block(), "end_stop", "rail", scales_of(block(), position=2.0))
+    upper, lower = effect.parameters
+    assert upper.nominal == upper.high > 1.0
+    assert lower.nominal == lower.low < -1.0
+    assert all(start["end_stop@rail.lower"] > -1.0 or start["end_stop@rail.upper"] < 1.0 for start in effect.starts)
+
+
+def test_a_joint_that_rests_shows_no_stop() -> None:
+    with pytest.raises(ModelError, match="measured and moves"):
+        placed(block(), "end_stop", "rail", Scales({}, {}, {}, {}, {}))
