@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import get_lapack_funcs
 
 from dr_lab.plants.body import Body
 from dr_lab.plants.machine import Matrix, Vector
@@ -13,6 +14,8 @@ from dr_lab.plants.machine import Matrix, Vector
 # rad/s or m/s: a sliding joint counts as stopped this far on the other side of zero, so that rounding at the start of a
 # slide does not end it at once. Ten orders below the speeds of the machines.
 _STOPPED = 1e-9
+
+(_POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)  # solves M x = f for a positive definite M
 
 State = tuple[float, ...]  # positions, then velocities
 
@@ -143,7 +146,9 @@ def solve(mass: Matrix, force: Vector, held: Collection[int] = ()) -> Vector:
         gained[a] = (mass[b][b] * force[a] - mass[a][b] * force[b]) / determinant
         gained[b] = (mass[a][a] * force[b] - mass[b][a] * force[a]) / determinant
     elif free:
-        rows = np.array([[mass[row][column] for column in free] for row in free])
-        for row, value in zip(free, np.linalg.solve(rows, [force[row] for row in free]).tolist(), strict=True):
+        # LAPACK itself: NumPy's checks take longer than the arithmetic.
+        rows = np.asarray(mass)[np.ix_(free, free)] if held else mass
+        _, values, _ = _POSV(rows, [force[row] for row in free])
+        for row, value in zip(free, values.tolist(), strict=True):
             gained[row] = value
     return gained

@@ -152,7 +152,7 @@ def hidden(option: str) -> HiddenEffect:
 
 @cache
 def plain(machine: str) -> tuple[Bench, Recording]:
-    made = bench(f"plant={machine}", "plant/instruments=exact", duration=1.0)
+    made = bench(f"plant={machine}", "plant/instruments=exact", duration=0.6)
     return made, only(made)
 
 

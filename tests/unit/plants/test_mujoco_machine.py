@@ -1,0 +1,99 @@
+"""What alters a machine that MuJoCo works out, against the parallel-axis theorem and laws of contact."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.optimize import root_scalar
+
+from dr_lab.errors import ConfigError
+from dr_lab.plants.hidden.armature import Armature
+from dr_lab.plants.hidden.contact_friction import ContactFriction
+from dr_lab.plants.hidden.contact_stiffness import ContactStiffness
+from dr_lab.plants.hidden.creeping_friction import CreepingFriction
+from dr_lab.plants.hidden.torque_scale import TorqueScale
+from dr_lab.plants.mujoco_machine import MujocoMachine, MujocoNominal
+from dr_lab.trajectory import Array
+
+MODELS = Path(__file__).parents[3] / "conf" / "model"
+POSITION, VELOCITY = [0.3, -1.2, 1.1, -0.7, 0.9, 0.4], [1.0, -2.0, 0.5, 1.5, -1.0, 2.0]
+NONE = [0.0] * 6
+
+
+def nominal(name: str, *free: str) -> MujocoNominal:
+    return MujocoNominal(mjcf=str(MODELS / f"{name}.xml"), free=free, spread=0.15)
+
+
+def arm() -> MujocoMachine:
+    return nominal("arm").machine({})
+
+
+def bouncer() -> MujocoMachine:
+    return nominal("bouncer", "carriage.damping", "foot.damping").machine(
+        {"carriage.damping": 0.0, "foot.damping": 0.0}
+    )
+
+
+def terms(machine: MujocoMachine) -> tuple[Array, Array]:
+    mass, force = machine.terms(POSITION, VELOCITY, NONE, NONE)
+    return np.array(mass), np.array(force)
+
+
+def test_a_load_is_a_body_of_its_own() -> None:
+    spec = mujoco.MjSpec.from_file(str(MODELS / "arm.xml"))
+    # The forearm's centre lies at −x from its joint; its offset along the axis does not count.
+    load = spec.body("forearm").add_body(pos=[-0.15, 0, 0], mass=0.4, explicitinertial=True)
+    load.ipos, load.iquat, load.inertia = [0, 0, 0], [1, 0, 0, 0], [0, 0, 0]
+    expected = terms(MujocoMachine.of(spec.compile()))
+    for found, known in zip(terms(arm().with_load("forearm", 0.4, 0.15)), expected, strict=True):
+        np.testing.assert_allclose(found, known, rtol=0, atol=1e-9)
+
+
+def test_masses_carry_their_inertia_along() -> None:
+    heavier = nominal("arm", "forearm.mass", "elbow.damping").machine({"forearm.mass": 2.874, "elbow.damping": 3.0})
+    assert heavier.model.body("forearm").mass[0] == pytest.approx(2 * 1.437)
+    np.testing.assert_allclose(heavier.model.body("forearm").inertia, 2 * arm().model.body("forearm").inertia)
+    assert heavier.model.joint("elbow").damping[0] == 3.0
+
+
+def test_armature_and_drive_enter_where_they_should() -> None:
+    mass, force = terms(arm())
+    loaded = Armature("wrist_2", 0.03).alter(arm()).terms(POSITION, VELOCITY, NONE, NONE)[0]
+    np.testing.assert_allclose(np.array(loaded) - mass, np.diag([0, 0, 0, 0, 0.03, 0]), rtol=0, atol=1e-12)
+    weaker = TorqueScale(0.8, site="elbow").alter(arm()).terms(POSITION, VELOCITY, [5.0] * 6, NONE)[1]
+    np.testing.assert_allclose(np.array(weaker) - force, [5, 5, 4, 5, 5, 5], rtol=0, atol=1e-9)
+
+
+def contact(machine: MujocoMachine, depth: float, speed: float, lift: float) -> Array:
+    """Force on carriage and foot in N at a depth in m, sliding at a speed in m/s under a lift in N."""
+    return np.array(machine.terms([0.0, -depth], [speed, 0.0], [0.0, lift], [0.0, 0.0])[1])
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.6])
+def test_a_sliding_foot_feels_friction_times_its_weight(factor: float) -> None:
+    machine = bouncer() if factor == 1 else ContactFriction("foot", factor).alter(bouncer())
+    assert isinstance(machine, MujocoMachine)
+    depth = float(root_scalar(lambda r: contact(machine, r, 0.5, 0.0)[1], bracket=(1e-5, 0.02), xtol=1e-14).root)
+    assert contact(machine, depth, 0.5, 0.0)[0] == pytest.approx(-factor * 0.5 * 0.5 * 9.81, rel=1e-6)
+
+
+def test_stiffness_is_the_inverse_square_of_both_times() -> None:
+    machine, other = bouncer(), ContactStiffness("foot", 1.3, 0.7).alter(bouncer())
+    assert isinstance(other, MujocoMachine)
+    # Beyond 8 mm the impedance is constant; the lift takes the weight off.
+    stiff, soft = (contact(m, 0.01, 0.0, 0.5 * 9.81)[1] for m in (machine, other))
+    assert stiff > 1.0
+    assert soft / stiff == pytest.approx((1.3 * 0.7) ** -2, rel=1e-9)
+
+
+def test_creeping_friction_is_coulombs_but_for_a_creep() -> None:
+    friction = CreepingFriction("carriage", 2.0, 1e-4)
+    assert friction.force(0.0, 0.0, 0.01) == pytest.approx(-2.0)
+    assert friction.force(0.0, 0.0, -1e-5) == pytest.approx(0.2, rel=0.01)
+    assert friction.label == "coulomb_friction@carriage"
+
+
+def test_a_machine_without_contacts_has_no_contact_effect() -> None:
+    with pytest.raises(ConfigError, match="plant=bouncer"):
+        ContactFriction("tail", 0.5).alter(bouncer())
