@@ -27,6 +27,7 @@ MASSES = {  # kg, sums of the documented values
     "multiarm": 0.1476,
     "multiarm_double": 0.0938 + 0.1376,
     "pendulum": 0.676,
+    "pendulum_measured": 0.796,
     "servo_sts3250": 1.13,
     "servo_xl330": 0.49,
 }
@@ -40,7 +41,7 @@ def frictionless(path: Path) -> mujoco.MjModel:
     """The machine alone: no damping, motors, joint limits or contacts; energy is computed."""
     spec = mujoco.MjSpec.from_file(str(path))
     for joint in spec.joints:
-        joint.damping = np.zeros(3)
+        joint.damping, joint.frictionloss = np.zeros(3), 0.0
     flags = mujoco.mjtDisableBit
     spec.option.disableflags |= int(flags.mjDSBL_ACTUATION | flags.mjDSBL_CONTACT | flags.mjDSBL_LIMIT)
     spec.option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
