@@ -108,7 +108,7 @@ def test_names_that_the_machine_does_not_have_are_refused() -> None:
 def test_a_biased_encoder_reads_beside_the_truth() -> None:
     made, motion = plain("pendulum")
     read = only(replace(made, hidden=hidden("pendulum/sensor_bias")))
-    np.testing.assert_allclose(read.position - motion.position, 0.03, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(read.position - motion.position, 0.04, rtol=0, atol=1e-12)
 
 
 def test_encoders_round_to_counts_and_exact_instruments_do_not() -> None:

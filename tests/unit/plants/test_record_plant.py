@@ -17,8 +17,8 @@ EXAMPLES = ROOT / "examples" / "furuta"
 SHORT = ["plant.duration=1.0", "plant.peaks=[6.0,5.0]", "seed=3"]
 
 
-def read_back(folder: Path, names: list[str]) -> MeasurementSet:
-    settings = compose("compare", ["measurements=furuta"]).measurements
+def read_back(folder: Path, names: list[str], machine: str = "furuta") -> MeasurementSet:
+    settings = compose("compare", [f"measurements={machine}"]).measurements
     settings.logs, settings.fit, settings.held_out = [f"{folder}/*.mcap"], names, []
     return instantiate(settings, _convert_="all")
 
@@ -55,6 +55,17 @@ def test_reader_recovers_readings_and_the_times_at_which_things_happened(recorde
             np.testing.assert_allclose(signal.time + zero, recording.stamp, rtol=0, atol=1e-5)
 
 
+def test_every_actuator_and_joint_is_read_back_under_its_name(tmp_path: Path) -> None:
+    options = ["plant=double_pendulum", "plant.duration=0.3", "plant.peaks=[1.0]", "seed=3"]
+    assert main(["record", *options, f"output={tmp_path}", f"outputs={tmp_path / 'outputs'}"]) == 0
+    bench = instantiate(compose("record", [*options, "plant/instruments=exact"]).plant, _convert_="all")
+    (log,), (recording,) = read_back(tmp_path, ["log_1"], "double_pendulum").fit, bench.recordings(3)
+    for column, name in enumerate(("shoulder", "elbow")):
+        np.testing.assert_array_equal(log.commands[name].value, recording.command[:, column])
+        read = log.outputs[f"{name}.position"].value
+        np.testing.assert_allclose(read, recording.position[:, column], rtol=0, atol=np.pi / 2048 + 1e-9)
+
+
 def test_the_truth_is_written_down(recorded: Path) -> None:
     truth = yaml.safe_load((recorded / "truth.yaml").read_text(encoding="utf-8"))
     assert truth["seed"] == 3
@@ -67,7 +78,7 @@ def test_only_recorders_and_the_benchmark_know_the_truth() -> None:
     recorders = {"record_plant.py", "record_model.py", "recorded_map.py"}
     for path in (ROOT / "dr_lab").rglob("*.py"):
         text = path.read_text(encoding="utf-8")
-        if path.name not in recorders and not {"plants", "benchmark"} & {*path.parts}:
+        if path.name not in recorders and not {"plants", "benchmark_cases"} & {*path.parts}:
             assert "truth.yaml" not in text, path
             assert "dr_lab.plants" not in text, path
     for path in (ROOT / "conf").rglob("*.yaml"):
