@@ -33,6 +33,7 @@ SMALL_ONES = {
     "two_joints_dcmotor": SMALL % '<dcmotor name="drive" joint="rail" motorconst="0.5 0.5" resistance="1"/>',
     "two_joints_in_air": MOTOR.replace("<option ", '<option density="1.2" '),
 }
+UNSEEN = {("ball", "payload", "ball")}  # all masses fall alike
 MODELS = (*SMALL_ONES, *sorted(path.stem for path in (CONF / "model").glob("*.xml")))
 
 
@@ -161,7 +162,8 @@ def test_every_parameter_is_seen(model: str, effect: str, site: str) -> None:
         corners = np.repeat(vectors(extended, one), 2, axis=0)
         corners[0::2, index], corners[1::2, index] = parameter.low, parameter.high
         seen = signals(extended, corners)
-        assert any(low != high for low, high in zip(seen[0::2], seen[1::2], strict=True)), parameter.name
+        changes = any(low != high for low, high in zip(seen[0::2], seen[1::2], strict=True))
+        assert changes != ((model, effect, site) in UNSEEN), parameter.name
 
 
 @PLACES

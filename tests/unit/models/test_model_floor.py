@@ -40,7 +40,7 @@ def positions(name: str, start: NDArray, control: NDArray, step: float | None) -
         ("double_pendulum_c1", 2.0, 1e-7),  # encoder count 3.8e-4 rad
         ("double_pendulum_a0", 2.0, 1e-7),
         ("emps", 200.0, 1e-12),  # encoder count 5e-8 m
-        ("servo_xl330", 5.0, 1e-7),  # encoder count 1.53e-3 rad
+        ("servo_xl330", 5.0, 1e-5),  # encoder count 1.53e-3 rad
         ("servo_sts3250", 1.0, 1e-4),
     ],
 )
