@@ -37,8 +37,8 @@ def read(
         outputs: measured channels by name; see `dr_lab.measurements.signal_map.channel_map`.
         contract: thresholds of the data contract.
         commands: commands by actuator name, in the same form; None for a machine that swings freely.
-        fit: logs to fit on, ``stem`` or ``stem[a:b]`` in s, with the wildcards ``*`` and ``?``; None takes every log
-            that is not held out.
+        fit: logs to fit on, ``stem`` or ``stem[a:b]`` in s, with the wildcards ``*``, ``?`` and ``[05]``; None takes
+            every log that is not held out.
         held_out: logs never fitted; None holds nothing out.
         clock: default clock of all channels, ``header``, ``publish``, ``log`` or ``column``; None takes the file's own.
         time: for tables ``column``, ``unit`` and ``scale`` of the time, and for any log ``start`` and ``stop`` in s.

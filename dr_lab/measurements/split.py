@@ -52,7 +52,7 @@ def split(
     """Assign logs to fitting and to scoring.
 
     A name is a log's, or ``name[a:b]`` for the seconds a to b of it; an empty a or b means its beginning or end. The
-    wildcards ``*`` (any text) and ``?`` (one character) take every log that fits.
+    wildcards ``*`` (any text), ``?`` (one character) and ``[05]`` (one of these) take every log that fits.
 
     Args:
         logs: names of all logs.
@@ -131,7 +131,7 @@ def _parts(name: str, logs: Collection[str]) -> list[Part]:
 
 
 def _is_pattern(name: str) -> bool:
-    return "*" in name or "?" in name
+    return any(mark in name for mark in "*?[")
 
 
 def _seconds(name: str, first: str, last: str) -> tuple[float, float]:

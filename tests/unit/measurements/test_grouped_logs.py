@@ -63,6 +63,7 @@ def test_groups_keep_their_order_and_leave_out_rows_without_a_value(tmp_path: Pa
 
 def test_wildcards_take_every_log_that_fits_once() -> None:
     logs = ["a_1", "a_2", "a_10", "b_1"]
+    assert [part.name for part in split(logs, ["a_[12]"], None)[0]] == ["a_1", "a_2"]
     fitted, scored = split(logs, ["a_?", "*_1"], ["a_??[1:2]"])
     assert [part.name for part in fitted] == ["a_1", "a_2", "b_1"]
     assert [(part.name, part.log, part.start, part.stop) for part in scored] == [("a_10[1:2]", "a_10", 1.0, 2.0)]

@@ -45,7 +45,7 @@ def load(name: str, *overrides: str) -> MeasurementSet:
         ("servo_xl330", 8, 8, ["link.position"], 0.00153 / np.sqrt(12)),
         ("servo_sts3250", 2, 2, ["link.position"], None),
         ("ball_drops", 1, 1, ["ball.position"], None),
-        ("cube_toss", 30, 120, ["sensor.cube_position", "sensor.cube_orientation"], None),
+        ("cube_toss", 20, 120, ["sensor.cube_position", "sensor.cube_orientation"], None),
     ],
 )
 def test_logs_channels_and_noise(name: str, fit: int, held_out: int, channels: list[str], std: float | None) -> None:
