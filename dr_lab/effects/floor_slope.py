@@ -13,6 +13,7 @@ from dr_lab.errors import ModelError
 from dr_lab.physics.parameter import Parameter
 
 _AXES = ("about_x", "about_y")
+_STILL = 1e-9  # m/s for a unit velocity of a joint; rounding
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,8 @@ class FloorSlope(Effect):
 
     n' = exp([r]×) n with r = (r_x, r_y, 0), n the plane's normal.
 
-    Parameters (nominal = absent): about_x, about_y [rad].
+    Parameters (nominal = absent): about_x, about_y [rad]; each only where what touches the plane can move the way in
+    which it tips the normal (a planar machine in x and z does not feel a turn about x).
     Limits: planes fixed to the world that something can touch; where the robot's frame tilts along, it is a base tilt.
     Source: Rodrigues' rotation formula; MuJoCo geom/plane.
 
@@ -41,16 +43,17 @@ class FloorSlope(Effect):
         """Names of the planes of the world that something can touch."""
         touched = {geom for body in range(1, model.nbody) for pair in meeting(model, body) for geom in pair}
         planes = np.flatnonzero((model.geom_type == int(mujoco.mjtGeom.mjGEOM_PLANE)) & (model.geom_bodyid == 0))
-        return tuple(model.geom(int(p)).name for p in planes if int(p) in touched and model.geom(int(p)).name)
+        names = (model.geom(int(p)).name for p in planes if int(p) in touched)
+        return tuple(name for name in names if name and _felt(model, name))
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The two angles."""
-        del model, site, scales
-        return tuple(Parameter(axis, "rad", 0.0, -self.largest, self.largest) for axis in _AXES)
+        del scales
+        return tuple(Parameter(axis, "rad", 0.0, -self.largest, self.largest) for axis in _felt(model, site))
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Turn the plane."""
-        vector = np.array([values["about_x"], values["about_y"], 0.0])
+        vector = np.array([*(values.get(axis, 0.0) for axis in _AXES), 0.0])
         angle = float(np.linalg.norm(vector))
         if angle == 0:
             return
@@ -60,3 +63,17 @@ class FloorSlope(Effect):
         mujoco.mju_axisAngle2Quat(turn, vector / angle, angle)
         mujoco.mju_mulQuat(turned, turn, np.array(plane.quat))
         plane.quat = turned
+
+
+def _felt(model: mujoco.MjModel, plane: str) -> tuple[str, ...]:
+    """Axes whose turn tips the plane's normal in a direction in which a body that touches it can move."""
+    data, place = mujoco.MjData(model), model.geom(plane).id
+    mujoco.mj_integratePos(model, data.qpos, np.sin(np.arange(1.0, model.nv + 1.0)), 1.0)  # no special pose
+    mujoco.mj_fwdPosition(model, data)
+    normal, moves = data.geom_xmat[place].reshape(3, 3)[:, 2], [np.zeros((3, model.nv))]
+    for body in range(1, model.nbody):
+        if any(place in pair for pair in meeting(model, body)):
+            moves.append(np.zeros((3, model.nv)))
+            mujoco.mj_jacBody(model, data, moves[-1], None, body)
+    tips = {axis: np.cross(direction, normal) for axis, direction in zip(_AXES, np.eye(3), strict=False)}
+    return tuple(axis for axis, tip in tips.items() if any(np.abs(tip @ move).max() > _STILL for move in moves))

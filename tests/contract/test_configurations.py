@@ -59,5 +59,6 @@ def test_measurements_compose(measurements: str, monkeypatch: pytest.MonkeyPatch
     check_verb("compare", [f"measurements={measurements}"], monkeypatch)
 
 
-def test_whole_catalogue_holds_every_effect() -> None:
-    assert sorted(compose("close").effects) == options_of("effect")
+def test_whole_catalogue_holds_every_effect_that_asks_the_user_for_nothing() -> None:
+    assert sorted({*compose("close").effects, "formula"}) == options_of("effect")
+    assert "formula" not in compose("close").effects
