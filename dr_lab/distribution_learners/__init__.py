@@ -1,0 +1,1 @@
+"""How the distribution of the context is learnt beside the policy."""

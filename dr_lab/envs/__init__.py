@@ -1,0 +1,1 @@
+"""Batched TorchRL environments on the simulator, and their tasks."""

@@ -1,0 +1,1 @@
+"""Actors and critics, and the normaliser that belongs to them."""

@@ -1,0 +1,1 @@
+"""Distributions p(z) of the context from which training draws the physics of each episode."""
