@@ -11,12 +11,17 @@ from dr_lab.physics.model import Model
 from dr_lab.physics.target import FieldEdit
 from dr_lab.trajectory import Array
 
+Columns = NDArray[np.intp]
+
 
 @dataclass(frozen=True)
-class _Write:
-    column: int
-    edit: FieldEdit
-    nominal: float
+class _Pass:
+    """Entries of one field that one write reaches; what is written is value · factor, or nominal · value · factor."""
+
+    entries: Columns
+    columns: Columns
+    factor: Array
+    relative: NDArray[np.bool_]
 
 
 class FieldContexts:
@@ -27,14 +32,14 @@ class FieldContexts:
     """
 
     def __init__(self, model: Model, compiled: mujoco.MjModel) -> None:
-        space = model.space
-        self._writes = [
-            _Write(column, edit, parameter.nominal)
-            for column, parameter in enumerate(space.parameters)
+        edits = [
+            (column, edit, 1.0 / parameter.nominal if edit.relative else 1.0)
+            for column, parameter in enumerate(model.space.parameters)
             for edit in model.targets[parameter.name].fields(compiled)
         ]
-        names = {write.edit.field for write in self._writes}
+        names = dict.fromkeys(edit.field for _, edit, _ in edits)
         self._nominal = {name: _field(compiled, name) for name in names}
+        self._passes = {name: _passes([e for e in edits if e[1].field == name], self._nominal[name]) for name in names}
         self.needs_constants = any(n in mujoco.MjModel._setconst_inputs or n.startswith("opt.") for n in names)
 
     @staticmethod
@@ -50,18 +55,27 @@ class FieldContexts:
     def write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> None:
         """Write contexts z, shape (len(ids), n), into the simulations `ids`."""
         for name, nominal in self._nominal.items():
-            batch.expand(name)[ids] = nominal
-        for write in self._writes:
-            where = (ids, *write.edit.index)
-            field = batch.expand(write.edit.field)
-            value = z[:, write.column]
-            if write.edit.relative:
-                factor = (value / write.nominal).reshape(-1, *[1] * (field[where].ndim - 1))
-                field[where] = field[where] * factor
-            else:
-                field[where] = value
+            rows = np.tile(nominal.ravel(), (len(ids), 1))
+            for each in self._passes[name]:
+                value = z[:, each.columns] * each.factor
+                rows[:, each.entries] = np.where(each.relative, rows[:, each.entries] * value, value)
+            batch.expand(name)[ids] = rows.reshape(-1, *nominal.shape)
         if self.needs_constants:
             batch.set_const(ids)
+
+
+def _passes(edits: list[tuple[int, FieldEdit, float]], nominal: Array) -> list[_Pass]:
+    """The edits of one field, gathered so that no pass writes an entry twice."""
+    place = np.arange(nominal.size).reshape(nominal.shape)
+    gathered: list[list[tuple[int, int, float, bool]]] = []
+    for column, edit, factor in edits:
+        entries = [(int(e), column, factor, edit.relative) for e in np.ravel(place[edit.index])]
+        taken = [i for i, p in enumerate(gathered) if {e[0] for e in entries} & {e[0] for e in p}]
+        position = taken[-1] + 1 if taken else 0
+        if position == len(gathered):
+            gathered.append([])
+        gathered[position].extend(entries)
+    return [_Pass(*(np.array(values) for values in zip(*p, strict=True))) for p in gathered]
 
 
 def _field(compiled: mujoco.MjModel, name: str) -> Array:

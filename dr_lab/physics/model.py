@@ -9,10 +9,13 @@ import mujoco
 import numpy as np
 
 from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.compiling import compiled
 from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.inertias import written_out
 from dr_lab.physics.law import Law
 from dr_lab.physics.naming import name_elements
 from dr_lab.physics.parameter import Parameter
+from dr_lab.physics.shared_target import SharedTarget, parse
 from dr_lab.physics.signal import Reading
 from dr_lab.physics.target import Target
 from dr_lab.trajectory import Array
@@ -85,7 +88,7 @@ class Model:
     name: str
     spec: mujoco.MjSpec
     declared: tuple[Parameter, ...]
-    targets: Mapping[str, Target]
+    targets: Mapping[str, Target | SharedTarget]
     effects: tuple[ModelEffect, ...] = ()
 
     @property
@@ -120,7 +123,7 @@ class Model:
             ModelError: the context does not compile; MuJoCo's message is kept.
         """
         try:
-            return self.spec_at(z).compile()
+            return compiled(self.spec_at(z))
         except ValueError as error:
             values = ", ".join(f"{n}={v:.6g}" for n, v in self.space.mapping(z).items())
             raise ModelError(f"Model {self.name!r} does not compile at {values}: {error}") from error
@@ -158,7 +161,8 @@ def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, obje
     Args:
         name: model name.
         mjcf: path of the MJCF file.
-        parameters: parameter name → ``target``, ``unit``, ``low``, ``high``; nominal is read from the file.
+        parameters: parameter name → ``target`` (or a list of them, for a value that several places share), ``unit``,
+            ``low``, ``high``; nominal is read from the file.
 
     Raises:
         ModelError: the file is missing or does not compile (MuJoCo's message is kept), or a parameter changes nothing.
@@ -169,7 +173,7 @@ def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, obje
         raise ModelError(f"Model {name!r}: there is no MJCF file {str(path)!r}. Set model.mjcf to an existing file.")
     try:
         spec = mujoco.MjSpec.from_file(str(path))
-        spec.copy().compile()
+        compiled(spec.copy())
     except ValueError as error:
         raise ModelError(f"Model {name!r} does not compile ({path.name}): {error}") from error
     return from_spec(name, spec, parameters)
@@ -181,7 +185,8 @@ def from_spec(name: str, spec: mujoco.MjSpec, parameters: Mapping[str, Mapping[s
     name_elements(spec)
     for key, entry in parameters.items():
         _require_known(name, key, entry)
-    targets = {key: Target.parse(str(_entry(name, key, entry, "target"))) for key, entry in parameters.items()}
+    targets = {key: parse(_entry(name, key, entry, "target")) for key, entry in parameters.items()}
+    spec = written_out(spec, targets.values())
     declared = tuple(
         Parameter(
             name=key,
@@ -208,12 +213,12 @@ def require_live(model: Model, parameter: str) -> None:
     """
     space = model.space
     index = space.index(parameter)
-    compiled = []
+    ends = []
     for bound in (space.low[index], space.high[index]):
         z = space.nominal
         z[index] = bound
-        compiled.append(_fingerprint(model, z))
-    if compiled[0] == compiled[1]:
+        ends.append(_fingerprint(model, z))
+    if ends[0] == ends[1]:
         low, high = space.low[index], space.high[index]
         raise ModelError(
             f"Parameter {parameter!r} of model {model.name!r} changes nothing between {low:g} and {high:g}. "
@@ -224,11 +229,11 @@ def require_live(model: Model, parameter: str) -> None:
 def _fingerprint(model: Model, z: Array) -> bytes:
     """The compiled model's bytes; empty where the context does not compile."""
     try:
-        compiled = model.compile(z)
+        at_z = model.compile(z)
     except ModelError:
         return b""
-    buffer = np.zeros(mujoco.mj_sizeModel(compiled), np.uint8)
-    mujoco.mj_saveModel(compiled, None, buffer)
+    buffer = np.zeros(mujoco.mj_sizeModel(at_z), np.uint8)
+    mujoco.mj_saveModel(at_z, None, buffer)
     return buffer.tobytes()
 
 

@@ -1,0 +1,52 @@
+"""Inertias that MuJoCo infers from shapes, written out."""
+
+from collections.abc import Iterable
+
+import mujoco
+import numpy as np
+
+from dr_lab.errors import ModelError
+from dr_lab.physics.compiling import compiled
+from dr_lab.physics.shared_target import SharedTarget
+from dr_lab.physics.target import Target
+
+_BODY = ("mass", "inertia_scale", "ipos")
+_SHAPE = ("size", "density", "mass")
+
+
+def written_out(spec: mujoco.MjSpec, targets: Iterable[Target | SharedTarget]) -> mujoco.MjSpec:
+    """The spec, with every body's inertia explicit where a target asks for one that is inferred.
+
+    Gymnasium's machines, for example, give shapes and a density. The compiled model stays the same.
+
+    Args:
+        spec: the caller's own copy; it may be edited.
+        targets: what will vary.
+
+    Raises:
+        ModelError: another target varies a shape or density, which explicit inertias would no longer follow.
+    """
+    places = [place for t in targets for place in (t.places if isinstance(t, SharedTarget) else (t,))]
+    wanted = [p for p in places if p.kind == "body" and p.attribute in _BODY and _inferred(spec, p.element)]
+    if not wanted:
+        return spec
+    shapes = [p for p in places if p.kind == "geom" and p.attribute in _SHAPE]
+    if shapes:
+        raise ModelError(
+            f"Targets {wanted[0]} and {shapes[0]} exclude each other: a body's mass is either given or follows from "
+            "its shapes. Delete one of the two parameters, or give the bodies an <inertial>."
+        )
+    nominal = compiled(spec.copy())
+    for body in spec.bodies[1:]:
+        row = nominal.body(body.name)
+        body.mass, body.explicitinertial = float(row.mass[0]), True
+        body.ipos, body.iquat, body.inertia = row.ipos.copy(), row.iquat.copy(), row.inertia.copy()
+        body.fullinertia = np.full(6, np.nan)
+    spec.compiler.inertiafromgeom = int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE)
+    spec.compiler.settotalmass = -1.0  # in MJCF: leave the masses as they are
+    return spec
+
+
+def _inferred(spec: mujoco.MjSpec, name: str) -> bool:
+    body = spec.body(name)
+    return body is not None and bool(body.geoms) and not body.explicitinertial
