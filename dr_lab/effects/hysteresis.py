@@ -97,3 +97,10 @@ class _Yielding(Law):
     def rest(self, rows: NDArray[np.intp]) -> None:
         if len(self.stretch) > rows.max(initial=0):
             self.stretch[rows] = 0.0
+
+    @property
+    def memory(self) -> Array:
+        return self.stretch[:, None]
+
+    def recall(self, memory: Array) -> None:
+        self.stretch = memory[:, 0].copy()

@@ -1,6 +1,6 @@
 """Compiled models written into a batch as per-simulation fields, beside which single fields may still be changed."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import mujoco
 import numpy as np
@@ -18,12 +18,13 @@ class CompiledContexts:
     Args:
         batch: the simulations.
         compiled: the batch's model.
+        changed: fields that somebody else changes from step to step; they are written every time.
     """
 
-    def __init__(self, batch: Batch, compiled: mujoco.MjModel) -> None:
+    def __init__(self, batch: Batch, compiled: mujoco.MjModel, changed: Collection[str]) -> None:
         self._batch = batch
         self._compiled = compiled
-        self._expanded: set[str] = set()
+        self._expanded = set(changed)
 
     def write(self, models: Sequence[mujoco.MjModel]) -> None:
         """Write the models of all simulations, shape (nsim,); the same model may stand for many."""

@@ -72,3 +72,12 @@ class Law(ABC):
     def rest(self, rows: NDArray[np.intp]) -> None:
         """Forget what came before in these simulations; a law without memory has nothing to forget."""
         del rows
+
+    @property
+    def memory(self) -> Array:
+        """What the law remembers, shape (n, k) or (1, k); a law without memory has k = 0."""
+        return np.empty((1, 0))
+
+    def recall(self, memory: Array) -> None:
+        """Remember what `memory` of an equal law was."""
+        del memory

@@ -1,7 +1,8 @@
 """Many simulations of one model on C threads: contexts, reset, step and replay."""
 
 import os
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -15,7 +16,8 @@ from dr_lab.physics.fields import FieldContexts
 from dr_lab.physics.islands import skip_single_island
 from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
-from dr_lab.physics.stepper import Stepper
+from dr_lab.physics.pictures import without_pictures
+from dr_lab.physics.stepper import WRITTEN, Stepper
 from dr_lab.physics.timers import stop_timers
 from dr_lab.trajectory import Array
 
@@ -69,10 +71,13 @@ class Simulator:
         self._uncompiled = np.zeros(nsim, bool)
         nominal = np.tile(model.space.nominal, (nsim, 1))
         self._lawful = bool(model.laws(nominal, self.compiled))
-        self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled)
+        self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled, WRITTEN)
         self._stepper: Stepper | None = None
+        # Fields are copied from compiled models with laws alone, so that only then all need the same pictures.
+        self._source = model if self._lawful else replace(model, spec=without_pictures(model.spec))
         self.batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._default = self.batch.state.copy()
+        self._ctrl = self.batch.bind("ctrl")
 
     @property
     def nsim(self) -> int:
@@ -100,7 +105,10 @@ class Simulator:
             return
         self._written.write(self._models)
         self._contexts[rows] = z
+        before = self._stepper
         self._stepper = Stepper(self.batch, self.compiled, self.model.laws(self._contexts, self.compiled))
+        if before is not None:
+            self._stepper.recall(before.memory)
 
     def reset(self, ids: NDArray[np.intp] | None = None) -> None:
         """Put simulations into the model's initial state and clear their divergence counters."""
@@ -116,8 +124,24 @@ class Simulator:
             for _ in range(nstep):
                 self._stepper.step(controls)
             return
-        self.batch.bind("ctrl")[:] = controls
+        self._ctrl[:] = controls
         self.batch.step(nstep=nstep)
+
+    def forward(self, ids: NDArray[np.intp]) -> None:
+        """Compute what follows from the states of these simulations."""
+        self.batch.forward(ids)
+
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """All that the simulations' future depends on besides their contexts, for `recall`."""
+        laws = () if self._stepper is None else self._stepper.memory
+        return (self.batch.state.copy(), self.batch.warning.copy(), *laws)
+
+    def recall(self, memory: Sequence[Array]) -> None:
+        """Go on from the `memory` of a simulator of the same model that had the same contexts."""
+        self.batch.state[:], self.batch.warning[:] = memory[:2]
+        if self._stepper is not None:
+            self._stepper.recall(memory[2:])
 
     def replay(
         self, z: Array, qpos: Array, qvel: Array, controls: Array, past: Array, history: History | None = None
@@ -163,7 +187,7 @@ class Simulator:
 
     def _compile(self, z: Array) -> mujoco.MjModel | None:
         try:
-            return _lean(self.model.compile(z))
+            return _lean(self._source.compile(z))
         except ModelError:
             return None
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from dr_lab.physics.law import History, Influence, Law, Moment
 from dr_lab.trajectory import Array
 
+WRITTEN = ("dof_frictionloss",)  # model fields that a stepper changes
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
@@ -32,13 +33,28 @@ class Stepper:
         self._before = np.full((batch.nsim, compiled.nv), np.nan)
         self._new = np.ones(batch.nsim, bool)
         # A field shows what a call computed only if it was bound before.
-        self._actuation, self._bias = batch.bind("qfrc_actuator"), batch.bind("qfrc_bias")
+        self._computed = (batch.bind("qfrc_actuator"), batch.bind("qfrc_bias"))
+        self._forces = self._computed  # of the last step
 
     def rest(self, rows: NDArray[np.intp]) -> None:
         """Forget what came before in these simulations."""
         self._before[rows], self._new[rows] = np.nan, True
         for law in self._laws:
             law.rest(rows)
+
+    @property
+    def memory(self) -> tuple[Array, ...]:
+        """What the steps before left behind: velocities, whether there were any, forces, and each law's memory."""
+        actuation, bias = self._forces
+        own = (self._before.copy(), self._new.copy(), actuation.copy(), bias.copy())
+        return (*own, *(law.memory.copy() for law in self._laws))
+
+    def recall(self, memory: Sequence[Array]) -> None:
+        """Go on from the `memory` of a stepper with equal laws."""
+        self._before[:], self._new[:], actuation, bias = memory[:4]
+        self._forces = (actuation.copy(), bias.copy())
+        for law, remembered in zip(self._laws, memory[4:], strict=True):
+            law.recall(remembered)
 
     def step(self, control: Array, begin: Array | float = 0.0) -> Array:
         """Advance all simulations by one step.
@@ -54,12 +70,16 @@ class Stepper:
         if self._new.any():  # no step before tells their forces
             batch.bind("ctrl")[self._new] = control[self._new]
             batch.forward(self._new)
+            for force, computed in zip(self._forces, self._computed, strict=True):
+                if force is not computed:
+                    force[self._new] = computed[self._new]
             self._new[:] = False
         influence = self._act(self._moment(begin), control)
         batch.bind("ctrl")[:] = influence.control
         batch.bind("qfrc_applied")[:] = influence.force
         batch.expand("dof_frictionloss")[:] = np.maximum(influence.friction, 0.0)
         batch.step()
+        self._forces = self._computed
         return influence.control
 
     def rollout(self, controls: Array, record: Sequence[str], history: History | None) -> dict[str, Array]:
@@ -116,6 +136,6 @@ class Stepper:
             time=np.ravel(batch.bind("time")) + begin + half,
             qpos=qpos,
             qvel=qvel + change / 2,
-            actuation=self._actuation,
-            bias=self._bias,
+            actuation=self._forces[0],
+            bias=self._forces[1],
         )
