@@ -1,0 +1,68 @@
+"""A grid of cells with a probability each, uniform within a cell."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from dr_lab.errors import ConfigError
+from dr_lab.physics.context import ContextSpace
+from dr_lab.randomizers.histogram import Histogram
+from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.uniform import box
+from dr_lab.trajectory import Array
+
+_MOST_CELLS = 1_000_000  # a joint grid grows as binsⁿ
+
+
+class DiscreteRandomizer(Randomizer):
+    """z lies in cell c with probability softmax(logits)_c, uniform within it; uniform over the ranges to begin with.
+
+    The grid is joint: n parameters have binsⁿ cells, so correlations can be learnt.
+
+    Attributes:
+        logits: φ, one axis a parameter, shape (bins, …, bins).
+
+    Args:
+        space: the parameters.
+        ranges: [low, high] in SI units by parameter; those not named take the space's bounds.
+        bins: cells along each parameter.
+
+    Raises:
+        UnknownNameError: a name is not a parameter.
+        ConfigError: a range is not ordered, or the grid has too many cells.
+    """
+
+    low: Tensor
+    high: Tensor
+
+    def __init__(self, space: ContextSpace, ranges: Mapping[str, Sequence[float]], bins: int) -> None:
+        super().__init__(space)
+        n = len(space.names)
+        if bins < 1 or bins**n > _MOST_CELLS:
+            raise ConfigError(
+                f"randomizer.bins is {bins}: {n} parameters make {bins**n:g} cells; expected 1 to {_MOST_CELLS:g}. "
+                "Take fewer bins, free fewer parameters, or take randomizer=gaussian."
+            )
+        low, high = box(space, ranges)
+        self.register_buffer("low", low)
+        self.register_buffer("high", high)
+        self.logits = nn.Parameter(torch.zeros((bins,) * n, dtype=torch.float64))
+
+    def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
+        """One cell a stream by the inverse of the cumulated probabilities, then a point within it."""
+        unit = np.array([rng.random(1 + len(self.low)) for rng in rngs]).reshape(len(rngs), 1 + len(self.low))
+        grid = self.distribution()
+        cumulated = grid.log_probabilities.detach().exp().flatten().cumsum(0).numpy()
+        picked = np.searchsorted(cumulated, unit[:, 0] * cumulated[-1], side="right")
+        index = np.stack(np.unravel_index(picked, self.logits.shape), axis=-1)
+        return self.low.numpy() + (index + unit[:, 1:]) * grid.cell.numpy()
+
+    def log_prob(self, z: Tensor) -> Tensor:
+        """Log softmax(logits)_c − log v within the grid, −∞ outside; v is the volume of a cell."""
+        return self.distribution().log_prob(z)
+
+    def distribution(self) -> Histogram:
+        """The grid."""
+        return Histogram(self.low, self.high, self.logits)

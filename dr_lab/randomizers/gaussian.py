@@ -1,0 +1,98 @@
+"""A Gaussian with full covariance, learnt through its Cholesky factor."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.distributions import MultivariateNormal
+
+from dr_lab.physics.context import ContextSpace
+from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.trajectory import Array
+
+# Added to standard deviations, in widths: a parameter that a fit knows exactly must not make the factor singular.
+_LEAST_STD = 1e-6
+
+
+class GaussianRandomizer(Randomizer):
+    """z ~ N(μ, ΛΛᵀ) with Λ lower triangular.
+
+    φ lives in standardised units, so that one learning rate suits all parameters (as in the code released with
+    Mozifian et al. 2020): μ = centre + w·loc and Λ = diag(w)·L with w = (high − low)/√12, the standard deviation of
+    the uniform distribution over the bounds; L has exp(`log_diagonal`) on its diagonal and `lower` below.
+
+    Attributes:
+        loc: (n,).
+        log_diagonal: (n,).
+        lower: (n, n), of which only what lies below the diagonal is read.
+
+    Args:
+        space: the parameters.
+        mean: SI, shape (n,).
+        covariance: SI, symmetric and positive semidefinite, shape (n, n).
+        clip: whether samples are moved to the nearest admissible context; `log_prob` stays that of the Gaussian.
+    """
+
+    centre: Tensor
+    width: Tensor
+
+    def __init__(self, space: ContextSpace, mean: Array, covariance: Array, clip: bool) -> None:
+        super().__init__(space)
+        self.clip = clip
+        width = uniform_std(space)
+        centre = (space.low + space.high) / 2
+        scaled = covariance / np.outer(width, width) + _LEAST_STD**2 * np.eye(len(width))
+        factor = np.linalg.cholesky(scaled)
+        self.register_buffer("centre", torch.from_numpy(centre))
+        self.register_buffer("width", torch.from_numpy(width))
+        self.loc = nn.Parameter(torch.from_numpy((mean - centre) / width))
+        self.log_diagonal = nn.Parameter(torch.from_numpy(np.log(np.diag(factor))))
+        self.lower = nn.Parameter(torch.from_numpy(np.tril(factor, -1)))
+
+    def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
+        """μ + Λε, one ε ~ N(0, I) a stream."""
+        normal = self.distribution()
+        epsilon = np.array([rng.standard_normal(len(self.width)) for rng in rngs]).reshape(len(rngs), len(self.width))
+        z = normal.loc.detach().numpy() + epsilon @ normal.scale_tril.detach().numpy().T
+        return self.space.clip(z) if self.clip else z
+
+    def log_prob(self, z: Tensor) -> Tensor:
+        """−½‖Λ⁻¹(z − μ)‖² − log det Λ − n/2·log 2π."""
+        return self.distribution().log_prob(z)
+
+    def distribution(self) -> MultivariateNormal:
+        """The Gaussian over z in SI units."""
+        factor = torch.diag(self.log_diagonal.exp()) + self.lower.tril(-1)
+        return MultivariateNormal(
+            self.centre + self.width * self.loc, scale_tril=self.width[:, None] * factor, validate_args=False
+        )
+
+
+def uniform_std(space: ContextSpace) -> Array:
+    """Standard deviations of the uniform distribution over the bounds, (high − low)/√12, shape (n,)."""
+    return space.span / math.sqrt(12.0)
+
+
+def gaussian(
+    space: ContextSpace, mean: Mapping[str, float], std: Mapping[str, float], relative_std: float, clip: bool
+) -> GaussianRandomizer:
+    """An uncorrelated Gaussian to begin with.
+
+    Args:
+        space: the parameters.
+        mean: SI value by parameter; those not named take the centre of their bounds.
+        std: SI standard deviation by parameter; for those not named see `relative_std`.
+        relative_std: standard deviation over that of the uniform distribution over the bounds.
+        clip: whether samples are moved to the nearest admissible context.
+
+    Raises:
+        UnknownNameError: a name is not a parameter.
+    """
+    centre, spread = (space.low + space.high) / 2, relative_std * uniform_std(space)
+    for name, value in mean.items():
+        centre[space.index(name)] = value
+    for name, value in std.items():
+        spread[space.index(name)] = value
+    return GaussianRandomizer(space, centre, np.diag(spread**2), clip)

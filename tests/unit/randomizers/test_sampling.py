@@ -1,0 +1,102 @@
+"""Draws of every randomizer follow its density, stream by stream."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import torch
+from randomizer_samples import SPACE, correlated, mixed, uneven, uniform
+
+from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.randomizers.discrete import DiscreteRandomizer
+from dr_lab.randomizers.fixed import FixedRandomizer
+from dr_lab.randomizers.gaussian import gaussian
+from dr_lab.randomizers.mixture import MixtureRandomizer
+from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.uniform import UniformRandomizer
+
+DENSITIES = [correlated, uneven, mixed, uniform]
+
+
+@pytest.mark.parametrize("make", DENSITIES)
+def test_draws_follow_the_density(make: Callable[[], Randomizer]) -> None:
+    randomizer = make()
+    z = randomizer.sample([np.random.default_rng(0)] * 10_000)
+    # E_p[f] over the draws equals ∫ f p over a fine grid: f = mean, second moments.
+    steps = 300
+    axes = [np.linspace(low, high, steps) for low, high in ((-0.5, 3.5), (-1.5, 1.5))]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 2)
+    density = randomizer.log_prob(torch.from_numpy(grid)).exp().detach().numpy()
+    weights = density * np.prod([axis[1] - axis[0] for axis in axes])
+    assert weights.sum() == pytest.approx(1.0, abs=0.01)
+    mean = weights @ grid
+    np.testing.assert_allclose(z.mean(0), mean, atol=0.02)
+    expected = (grid - mean).T @ ((grid - mean) * weights[:, None])
+    np.testing.assert_allclose(np.cov(z.T), expected, atol=0.02)
+
+
+@pytest.mark.parametrize("make", [*DENSITIES, lambda: FixedRandomizer(SPACE, {})])
+def test_a_streams_draws_do_not_depend_on_the_others(make: Callable[[], Randomizer]) -> None:
+    randomizer = make()
+    together = randomizer.sample([np.random.default_rng(seed) for seed in range(4)])
+    alone = [randomizer.sample([np.random.default_rng(seed)])[0] for seed in range(4)]
+    np.testing.assert_array_equal(together, alone)
+    assert together.dtype == np.float64
+    assert randomizer.sample([]).shape == (0, 2)
+
+
+@pytest.mark.parametrize("make", [correlated, uneven, mixed])
+def test_gradient_of_the_log_density_by_finite_differences(make: Callable[[], Randomizer]) -> None:
+    randomizer = make()
+    z = torch.from_numpy(uniform().sample([np.random.default_rng(1)] * 5))
+    parameters = list(randomizer.parameters())
+    gradient = torch.autograd.grad(randomizer.log_prob(z).sum(), parameters)
+    step = 1e-6
+    with torch.no_grad():
+        for parameter, slope in zip(parameters, gradient, strict=True):
+            for index in np.ndindex(parameter.shape):
+                parameter[index] += step
+                above = randomizer.log_prob(z).sum()
+                parameter[index] -= 2 * step
+                below = randomizer.log_prob(z).sum()
+                parameter[index] += step
+                assert slope[index].item() == pytest.approx((above - below).item() / (2 * step), abs=1e-6)
+
+
+def test_a_gaussian_keeps_mean_and_covariance() -> None:
+    normal = correlated().distribution()
+    np.testing.assert_allclose(normal.mean.detach(), [1.4, 0.2])
+    np.testing.assert_allclose(normal.covariance_matrix.detach(), [[0.09, -0.03], [-0.03, 0.04]], atol=1e-9)
+
+
+def test_a_gaussian_begins_in_the_centre_with_a_share_of_the_uniform_width() -> None:
+    randomizer = gaussian(SPACE, {"mass": 2.0}, {"mass": 0.1}, relative_std=0.1, clip=False)
+    normal = randomizer.distribution()
+    np.testing.assert_allclose(normal.mean.detach(), [2.0, 0.0])
+    np.testing.assert_allclose(normal.stddev.detach(), [0.1, 0.1 * 2 / np.sqrt(12)], rtol=1e-6)
+
+
+def test_clipped_draws_stay_within_the_bounds() -> None:
+    rngs = [np.random.default_rng(0)] * 200
+    wide = gaussian(SPACE, {}, {}, relative_std=3.0, clip=True).sample(rngs)
+    assert (wide >= SPACE.low).all()
+    assert (wide <= SPACE.high).all()
+    assert (wide == SPACE.low).any()
+
+
+def test_fixed_gives_the_named_values_and_the_nominal_rest() -> None:
+    randomizer = FixedRandomizer(SPACE, {"mass": 2.0})
+    z = randomizer.sample([np.random.default_rng(0)] * 3)
+    np.testing.assert_array_equal(z, [[2.0, 0.0]] * 3)
+    assert randomizer.log_prob(torch.from_numpy(z)).tolist() == [0.0] * 3
+
+
+def test_mistakes_are_told() -> None:
+    with pytest.raises(UnknownNameError, match="Did you mean 'friction'"):
+        UniformRandomizer(SPACE, {"frction": [0.0, 1.0]})
+    with pytest.raises(ConfigError, match="low < high"):
+        UniformRandomizer(SPACE, {"mass": [2.0, 1.0]})
+    with pytest.raises(ConfigError, match="fewer bins"):
+        DiscreteRandomizer(SPACE, {}, bins=5000)
+    with pytest.raises(ConfigError, match="for each of the components narrow"):
+        MixtureRandomizer(SPACE, {"narrow": correlated}, {"wide": 1.0})
