@@ -1,0 +1,134 @@
+"""LSDR: learning the sweet-spot distribution range."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
+
+import numpy as np
+import torch
+
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner, Rollouts
+from dr_lab.distribution_learners.return_statistics import ReturnStatistics
+from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.physics.context import ContextSpace
+from dr_lab.randomizers.divergence import divergence
+from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.seeding import stream
+
+
+class LSDR(DistributionLearner):
+    """Draws p_φ(z) to contexts in which the policy does well, and holds it near a wide prior p(z).
+
+    Ascends, with the score-function estimator over K contexts,
+
+        L(φ) = (1/K) Σ_i Ĵ(z_i) log p_φ(z_i) − α KL(p‖p_φ),
+
+    Ĵ the standardised return. z_i ~ p ("prior") also sees what p_φ has given up; z_i ~ p_φ ("learned") makes the first
+    term the policy-gradient of E_{p_φ}[Ĵ]. KL(p‖p_φ) covers mass: it punishes giving up what p holds likely.
+
+    Source: Mozifian, Gamboa Higuera, Meger, Dudek: Learning Domain Randomization Distributions for Training Robust
+    Locomotion Policies, 2020, algorithms 1 and 2, equations 1 and 2.
+
+    Args:
+        randomizer: p_φ(z).
+        seed: of the contexts that are tried.
+        prior: makes p(z) over the same parameters.
+        source: which of the two the tried contexts are drawn from.
+        contexts: K, contexts tried in an iteration, one episode each.
+        steps: M, steps of Adam on the same episodes.
+        learning_rate: of Adam.
+        alpha: α, weight of the divergence against standardised returns.
+        return_rate: share of the newest batch in the averages of the returns.
+        divergence_samples: draws for a divergence without closed form.
+
+    Raises:
+        ConfigError: φ is empty, p leaves the support of p_φ, or a number is too small.
+    """
+
+    def __init__(
+        self,
+        randomizer: Randomizer,
+        seed: int,
+        prior: Callable[[ContextSpace], Randomizer],
+        source: Literal["prior", "learned"],
+        contexts: int,
+        steps: int,
+        learning_rate: float,
+        alpha: float,
+        return_rate: float,
+        divergence_samples: int,
+    ) -> None:
+        super().__init__(randomizer)
+        self.contexts = contexts
+        self.steps = steps
+        self.learning_rate = learning_rate
+        self.alpha = alpha
+        self.return_rate = return_rate
+        self.divergence_samples = divergence_samples
+        positive = ("learning_rate", "return_rate")
+        least = {"contexts": 2, "steps": 1, "alpha": 0.0, "divergence_samples": 1}
+        require_numbers(self, "distribution_learner", positive=positive, least=least)
+        self.prior = prior(randomizer.space)
+        self.source = {"prior": self.prior, "learned": randomizer}[source]
+        self.rng = stream(seed, "lsdr")
+        self.statistics = ReturnStatistics(return_rate)
+        self.optimiser = torch.optim.Adam(self._learnable(), lr=learning_rate)
+        self._require_support()
+
+    def update(self, rollouts: Rollouts) -> Mapping[str, float]:
+        """Try K contexts, then take M steps; gives entropy (where it has a closed form), divergence and returns."""
+        z = self.source.sample([self.rng] * self.contexts)
+        returns = rollouts.returns(z)
+        standardised = torch.from_numpy(self.statistics.standardise(returns))
+        tried = torch.from_numpy(z)
+        gap = torch.zeros(())
+        for _ in range(self.steps):
+            gap = self._divergence()
+            score = (standardised * self.randomizer.log_prob(tried)).mean()
+            self.optimiser.zero_grad(set_to_none=True)
+            (self.alpha * gap - score).backward()
+            self.optimiser.step()
+        return {
+            "divergence": gap.item(),
+            "context_return": float(np.nanmean(returns)) if not np.isnan(returns).all() else np.nan,
+            "infeasible": float(np.isnan(returns).mean()),
+            **self._entropy(),
+        }
+
+    def state_dict(self) -> dict[str, Any]:
+        """All that an exact continuation needs."""
+        return super().state_dict() | {
+            "optimiser": self.optimiser.state_dict(),
+            "statistics": self.statistics.state_dict(),
+            "rng": self.rng.bit_generator.state,
+        }
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        super().load_state_dict(state)
+        self.optimiser.load_state_dict(state["optimiser"])
+        self.statistics.load_state_dict(state["statistics"])
+        self.rng.bit_generator.state = state["rng"]
+
+    def _divergence(self) -> torch.Tensor:
+        return divergence(self.prior, self.randomizer, self.divergence_samples, self.rng)
+
+    def _entropy(self) -> dict[str, float]:
+        distribution = self.randomizer.distribution()
+        return {} if distribution is None else {"entropy": distribution.entropy().item()}
+
+    def _learnable(self) -> list[torch.nn.Parameter]:
+        parameters = list(self.randomizer.parameters())
+        if not parameters:
+            raise ConfigError(
+                f"distribution_learner=lsdr has nothing to learn in {type(self.randomizer).__name__}. "
+                "Take randomizer=discrete, gaussian or mixture, or distribution_learner=none."
+            )
+        return parameters
+
+    def _require_support(self) -> None:
+        with torch.no_grad():
+            if not torch.isfinite(self._divergence()):
+                raise ConfigError(
+                    "distribution_learner.prior reaches where the randomizer has no density. "
+                    "Give both the same ranges: randomizer.ranges and distribution_learner.prior.ranges."
+                )

@@ -1,0 +1,24 @@
+"""No learning: domain randomisation with a fixed distribution."""
+
+from collections.abc import Mapping
+
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner, Rollouts
+from dr_lab.randomizers.randomizer import Randomizer
+
+
+class NoLearner(DistributionLearner):
+    """Leaves p(z) as it is and plays no episodes.
+
+    Args:
+        randomizer: p(z).
+        seed: of nothing; every learner is made alike.
+    """
+
+    def __init__(self, randomizer: Randomizer, seed: int) -> None:
+        del seed
+        super().__init__(randomizer)
+
+    def update(self, rollouts: Rollouts) -> Mapping[str, float]:
+        """Nothing."""
+        del rollouts
+        return {}
