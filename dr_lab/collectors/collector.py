@@ -1,0 +1,86 @@
+"""The contract of a collector: batches of experience, one after the other."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Protocol, Self, runtime_checkable
+
+import torch
+from tensordict import TensorDict
+from torch import Tensor
+
+
+class Policy(Protocol):
+    """What acts: observation (n, o) to action (n, nu), drawn at random where the policy is stochastic."""
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        """The action."""
+        ...
+
+
+@runtime_checkable
+class StochasticPolicy(Protocol):
+    """A policy that knows how likely its actions are."""
+
+    def log_prob(self, observation: Tensor, action: Tensor) -> Tensor:
+        """Log-density of actions (…, nu) at observations (…, o), shape (…)."""
+        ...
+
+
+class Collector(ABC):
+    """An endless iterator over batches of experience, collected with the policy as it is then.
+
+    A batch has size [n, steps], time along the second dimension, and the keys ``observation``, ``context``, ``action``,
+    ``action_log_prob`` (n, steps) where the policy is stochastic, and under ``next`` ``observation``, ``context``,
+    ``reward``, ``done``, ``terminated``, ``truncated``. Where an episode ended, ``("next", "observation")`` is its own
+    last observation, and the row after it begins another.
+    """
+
+    def __iter__(self) -> Iterator[TensorDict]:
+        """Itself."""
+        return self
+
+    def __next__(self) -> TensorDict:
+        """The next batch, which is the caller's own."""
+        with torch.no_grad(), _one_thread():
+            batch = self._collect()
+            if isinstance(self._policy, StochasticPolicy):
+                batch.set("action_log_prob", self._policy.log_prob(batch["observation"], batch["action"]))
+        return batch
+
+    def __enter__(self) -> Self:
+        """Itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close it."""
+        self.close()
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy = policy
+
+    @abstractmethod
+    def _collect(self) -> TensorDict:
+        """The next batch without log-probabilities."""
+
+    def close(self) -> None:  # noqa: B027 (most have nothing to end)
+        """End what runs in the background, if anything does."""
+
+    @abstractmethod
+    def state_dict(self) -> dict[str, Any]:
+        """All that the coming batches depend on besides the policy and torch's random numbers."""
+
+    @abstractmethod
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Go on where an equal collector's `state_dict` was taken."""
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Leave the cores to the physics: a small network gains nothing from a second thread and takes it from there."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)

@@ -1,0 +1,199 @@
+"""Episodes of one task that run side by side, each with its own context, in NumPy."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.envs.task import Change, Task
+from dr_lab.errors import ModelError
+from dr_lab.physics.model import Model
+from dr_lab.physics.simulator import Simulator
+from dr_lab.seeding import stream
+from dr_lab.trajectory import Array
+
+Flags = NDArray[np.bool_]
+Rows = NDArray[np.intp]
+
+
+class ContextSource(Protocol):
+    """Where the contexts of new episodes come from; every randomizer is one."""
+
+    def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
+        """One context from each stream, shape (len(rngs), n)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one control step of n episodes led to.
+
+    Attributes:
+        observation: what the policy sees now, shape (n, o); of an episode that ended, the last it saw.
+        reward: shape (n,).
+        terminated: the episode came to its end, shape (n,).
+        truncated: it was cut by the time limit, shape (n,).
+    """
+
+    observation: Array
+    reward: Array
+    terminated: Flags
+    truncated: Flags
+
+    @property
+    def done(self) -> Flags:
+        """Where the next step needs a new episode, shape (n,)."""
+        return self.terminated | self.truncated
+
+
+class Episodes:
+    """n episodes on one `Simulator`; each slot draws its contexts and starts from a random stream of its own.
+
+    An infeasible context (it does not compile, or the simulation diverges) ends the episode; its return is then
+    `infeasible_return`, whatever was earned before.
+
+    Args:
+        model: the machine, whose parameters make up the context z.
+        task: what it is to do.
+        source: where contexts are drawn from; None keeps every episode at the nominal context.
+        nsim: n.
+        seed: of all random draws.
+        show_context: whether the policy sees z behind the task's observation, as (z − low) / (high − low).
+        infeasible_return: the return of an episode whose context is infeasible.
+        threads: C threads; None takes every core this process may use.
+
+    Attributes:
+        observation: what the policy sees now, shape (n, o).
+        contexts: z of the running episodes, shape (n, parameters).
+        infeasible: number of episodes that ended because their context was infeasible.
+
+    Raises:
+        ModelError: an effect of the model transforms whole series of commands, which a policy does not give.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        task: Task,
+        source: ContextSource | None,
+        nsim: int,
+        seed: int,
+        *,
+        show_context: bool,
+        infeasible_return: float,
+        threads: int | None = None,
+    ) -> None:
+        self.model, self.task, self.source = model, task, source
+        self.simulator = Simulator(model, nsim, threads)
+        compiled = self.simulator.compiled
+        _require_plain_commands(model, [compiled.actuator(i).name for i in range(compiled.nactuator)])
+        self.low, self.high = task.action_bounds(compiled)
+        self.seconds = task.frame_skip * float(compiled.opt.timestep)
+        self._show_context, self._infeasible_return = show_context, infeasible_return
+        self._fields = {name: self.simulator.batch.bind(name) for name in task.reads}
+        self._qpos, self._qvel = self.simulator.batch.bind("qpos"), self.simulator.batch.bind("qvel")
+        self._streams = [stream(seed, "episode", slot) for slot in range(nsim)]
+        self._given: Array | None = None
+        self._steps, self._returns = np.zeros(nsim, np.intp), np.zeros(nsim)
+        self.infeasible = 0
+        self.contexts = np.tile(model.space.nominal, (nsim, 1))
+        self._marker = task.marker(self._fields)
+        self.observation = self._seen(slice(None))
+        self.begin(np.arange(nsim))
+
+    @property
+    def nsim(self) -> int:
+        """Number of episodes that run side by side."""
+        return len(self._steps)
+
+    def give_contexts(self, z: Array | None) -> None:
+        """Let slot i begin every further episode with context z[i], shape (n, parameters); None draws again."""
+        if z is not None and z.shape != self.contexts.shape:
+            raise ModelError(f"Contexts have shape {z.shape}; expected one for each episode, {self.contexts.shape}.")
+        self._given = None if z is None else np.array(z, dtype=float)
+
+    def begin(self, rows: Rows) -> None:
+        """Begin new episodes in these slots; the others are not touched."""
+        streams = [self._streams[row] for row in rows]
+        self.contexts = self.contexts.copy()  # what was handed out stays as it was
+        self.contexts[rows] = self._draw(streams, rows)
+        self.simulator.set_contexts(self.contexts[rows], rows)
+        self.simulator.reset(rows)
+        for row, rng in zip(rows, streams, strict=True):
+            self._qpos[row], self._qvel[row] = self.task.start(rng, self.simulator.compiled)
+        self.simulator.forward(rows)
+        self._steps[rows], self._returns[rows] = 0, 0.0
+        self._marker[rows] = self.task.marker({name: field[rows] for name, field in self._fields.items()})
+        self.observation = self.observation.copy()
+        self.observation[rows] = self._seen(rows)
+
+    def step(self, action: Array) -> Outcome:
+        """One control step of all episodes; those that end stay where they are until `begin`.
+
+        Args:
+            action: in the actuators' unit, shape (n, nu); what lies outside of the bounds is cut off.
+        """
+        action = np.clip(action, self.low, self.high)
+        self.simulator.step(action, self.task.frame_skip)
+        observation, marker = self._seen(slice(None)), self.task.marker(self._fields)
+        reward = self.task.reward(Change(self._marker, marker, self._fields, action, self.seconds))
+        terminated = self.task.terminated(self._fields)
+        failed = self.simulator.infeasible
+        if failed.any():
+            self.infeasible += int(failed.sum())
+            observation[failed] = self.observation[failed]
+            reward = np.where(failed, self._infeasible_return - self._returns, reward)
+            terminated = terminated | failed
+        self._steps += 1
+        self._returns += reward
+        self.observation, self._marker = observation, marker
+        return Outcome(observation, reward, terminated, self._steps >= self.task.time_limit)
+
+    def state_dict(self) -> dict[str, Any]:
+        """All that the episodes' future depends on."""
+        return {
+            "simulator": self.simulator.memory,
+            "contexts": self.contexts,
+            "given": self._given,
+            "steps": self._steps.copy(),
+            "returns": self._returns.copy(),
+            "marker": self._marker.copy(),
+            "observation": self.observation.copy(),
+            "infeasible": self.infeasible,
+            "streams": [rng.bit_generator.state for rng in self._streams],
+        }
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Go on where the `state_dict` of episodes of the same machine and task was taken."""
+        self.contexts, self._given = state["contexts"], state["given"]
+        self.simulator.set_contexts(self.contexts)
+        self.simulator.recall(state["simulator"])
+        self._steps[:], self._returns[:] = state["steps"], state["returns"]
+        self._marker, self.observation = state["marker"].copy(), state["observation"].copy()
+        self.infeasible = state["infeasible"]
+        for rng, remembered in zip(self._streams, state["streams"], strict=True):
+            rng.bit_generator.state = remembered
+
+    def _draw(self, streams: Sequence[np.random.Generator], rows: Rows) -> Array:
+        if self._given is not None:
+            return self._given[rows]
+        return self.model.space.nominal[None] if self.source is None else self.source.sample(streams)
+
+    def _seen(self, rows: Rows | slice) -> Array:
+        seen = self.task.observe({name: field[rows] for name, field in self._fields.items()})
+        if not self._show_context:
+            return seen
+        return np.concatenate([seen, self.model.space.to_unit(self.contexts[rows])], axis=1)
+
+
+def _require_plain_commands(model: Model, actuators: Sequence[str]) -> None:
+    series = np.zeros((1, 1, 2))
+    for actuator in actuators:
+        if model.command(model.space.nominal[None], actuator, series) is not series:
+            effects = ", ".join(effect.label for effect in model.effects)
+            raise ModelError(
+                f"Model {model.name!r}: one of its effects ({effects}) transforms the series of commands of "
+                f"{actuator!r}, which a policy gives one at a time. Leave that effect out for training."
+            )

@@ -1,0 +1,46 @@
+"""A machine and its task: what `conf/env` describes."""
+
+from dataclasses import dataclass
+
+from dr_lab.envs.episodes import ContextSource
+from dr_lab.envs.mujoco_env import MujocoEnv
+from dr_lab.envs.task import Task
+from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.model import Model
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What an environment is made of, apart from how many there are and where their contexts come from.
+
+    Attributes:
+        name: for run folders and reports.
+        model: the machine; its parameters make up the context.
+        task: what it is to do.
+        show_context: whether the policy sees the context.
+        infeasible_return: return of an episode whose context is infeasible.
+    """
+
+    name: str
+    model: Model
+    task: Task
+    show_context: bool
+    infeasible_return: float
+
+    @property
+    def space(self) -> ContextSpace:
+        """The context."""
+        return self.model.space
+
+    def make(self, randomizer: ContextSource | None, nenv: int, seed: int, threads: int | None = None) -> MujocoEnv:
+        """The environment; arguments as `MujocoEnv`."""
+        return MujocoEnv(
+            self.model,
+            self.task,
+            randomizer,
+            nenv,
+            seed,
+            show_context=self.show_context,
+            infeasible_return=self.infeasible_return,
+            threads=threads,
+        )

@@ -1,0 +1,91 @@
+"""The contract of a task: what the policy sees and does, what is rewarded, and when an episode begins and ends."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.errors import require_numbers
+from dr_lab.trajectory import Array
+
+Fields = Mapping[str, Array]
+"""`MjData` fields of n simulations by name, shape (n, …), as MuJoCo leaves them after a step: the state itself is new,
+what is derived from it belongs to the integrator's last evaluation."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """One control step of n simulations.
+
+    Attributes:
+        before: the task's marker before the step, shape (n, k).
+        after: the marker after it, shape (n, k).
+        fields: fields after it.
+        action: what the policy did, within its bounds, shape (n, nu).
+        seconds: length of the step.
+    """
+
+    before: Array
+    after: Array
+    fields: Fields
+    action: Array
+    seconds: float
+
+    @property
+    def velocity(self) -> Array:
+        """Mean velocity of the marker, shape (n, k)."""
+        return (self.after - self.before) / self.seconds
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task(ABC):
+    """A task, for n simulations at once.
+
+    Attributes:
+        frame_skip: physics steps per control step.
+        time_limit: control steps after which an episode is cut (a truncation, not a termination).
+        reads: `MjData` fields that it reads.
+
+    Raises:
+        ConfigError: one of them is not at least 1.
+    """
+
+    frame_skip: int
+    time_limit: int
+    reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel")
+
+    def __post_init__(self) -> None:
+        require_numbers(self, "task", least={"frame_skip": 1, "time_limit": 1})
+
+    def action_bounds(self, compiled: mujoco.MjModel) -> tuple[Array, Array]:
+        """Lowest and highest action, shape (nu,), in the actuators' unit: their control range unless said otherwise."""
+        return compiled.actuator_ctrlrange[:, 0].copy(), compiled.actuator_ctrlrange[:, 1].copy()
+
+    @abstractmethod
+    def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
+        """Positions (nq,) and velocities (nv,) with which one episode begins."""
+
+    @abstractmethod
+    def observe(self, fields: Fields) -> Array:
+        """What the policy sees, shape (n, o)."""
+
+    def marker(self, fields: Fields) -> Array:
+        """What a step's reward has to know of the state before it, shape (n, k); nothing unless said otherwise."""
+        return np.empty((len(fields["qpos"]), 0))
+
+    @abstractmethod
+    def reward(self, change: Change) -> Array:
+        """Reward of one control step, shape (n,)."""
+
+    def terminated(self, fields: Fields) -> NDArray[np.bool_]:
+        """Where an episode has come to its end, shape (n,); nowhere unless said otherwise."""
+        return np.zeros(len(fields["qpos"]), bool)
+
+
+def within(values: Array, bounds: Sequence[float]) -> NDArray[np.bool_]:
+    """Where low < value < high."""
+    return (bounds[0] < values) & (values < bounds[1])

@@ -1,0 +1,1 @@
+"""The tasks: one a file, each with a yaml in ``conf/env``."""

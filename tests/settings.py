@@ -1,0 +1,24 @@
+"""Settings of conf/env, built as `dr-lab train` would build them."""
+
+from pathlib import Path
+
+import hydra
+from omegaconf import DictConfig
+
+from dr_lab.cli.compose import HYDRA_VERSION, prepare
+from dr_lab.cli.folders import shipped
+from dr_lab.envs.setting import Setting
+
+
+def composed(*overrides: str) -> DictConfig:
+    """The group ``env`` alone, e.g. of ``env=hopper``."""
+    folder: Path = shipped()
+    prepare((folder,))
+    with hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(folder)):
+        name, *rest = overrides
+        return hydra.compose(overrides=[f"+{name}", *rest]).env
+
+
+def setting(name: str, *overrides: str) -> Setting:
+    """A setting, e.g. ``setting("hopper", "env/context=hopper/friction")``."""
+    return hydra.utils.instantiate(composed(f"env={name}", *overrides), _convert_="all")
