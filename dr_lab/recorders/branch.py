@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import rerun as rr
+from numpy.typing import NDArray
 
 from dr_lab.trajectory import Array
 
 TIMELINE = "t"
+ITERATIONS = "iteration"
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,11 @@ class Branch:
         # Rounded here, because Rerun cuts seconds down to whole nanoseconds: 4.1 s would become 4.099999999 s.
         clock = rr.TimeColumn(TIMELINE, duration=np.rint(1e9 * time).astype("timedelta64[ns]"))
         self.recording.send_columns(entity_path(*self.parts), [clock], columns)
+
+    def over_iterations(self, iteration: NDArray[np.integer], columns: rr.ComponentColumnList) -> None:
+        """Write columns over iterations of training, shape (n,), in one go."""
+        count = rr.TimeColumn(ITERATIONS, sequence=iteration)
+        self.recording.send_columns(entity_path(*self.parts), [count], columns)
 
 
 def entity_path(*parts: str) -> str:

@@ -53,6 +53,15 @@ def percent(share: float | None) -> str:
     return f"{100 * share:.0f} %" if abs(share) >= 0.1 else f"{100 * share:.1f} %"
 
 
+def titled(name: str, unit: str) -> str:
+    """A quantity's name with its unit, which pure numbers do not have.
+
+    >>> titled("torque", "N·m"), titled("friction", "1"), titled("return", "")
+    ('torque [N·m]', 'friction', 'return')
+    """
+    return name if unit in ("", "1") else f"{name} [{unit}]"
+
+
 def _short_exponent(text: str) -> str:
     mantissa, mark, exponent = text.partition("e")
     return f"{mantissa}e{int(exponent)}" if mark else text

@@ -1,0 +1,114 @@
+"""Learned distributions of contexts: histograms over iterations, and ellipses of two parameters."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import rerun as rr
+from numpy.typing import ArrayLike
+from scipy.stats import chi2
+
+from dr_lab.recorders.branch import Branch
+from dr_lab.recorders.chart import DOTS, LINES, Canvas, Chart, linear_axis
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.quantity import percent, titled
+from dr_lab.recorders.shape import Colour
+from dr_lab.recorders.training import Marginal, Pair
+from dr_lab.trajectory import Array
+
+CANVAS = Canvas(width=130.0, height=80.0, left=18.0, right=6.0, top=12.0, bottom=16.0)
+# Content of the ellipses: one, two and three standard deviations of one dimension, as is usual, and by a round name.
+CONTENTS = (0.68, 0.95, 0.99)
+_CORNERS = 90  # of the polygon that stands for an ellipse
+
+
+def log_marginal(root: Branch, marginal: Marginal, look: Look) -> None:
+    """Draw one parameter's probability density: the prior at all times, the learned one by iteration.
+
+    Args:
+        root: where to.
+        marginal: the histograms.
+        look: colours and line widths.
+    """
+    density, prior = (_density(p, marginal.edges) for p in (marginal.probability, marginal.prior))
+    top = 1.05 * max(float(density.max(initial=0.0)), float(prior.max(initial=0.0)))
+    x = linear_axis(titled(marginal.name, marginal.unit), float(marginal.edges[0]), float(marginal.edges[-1]), 8)
+    chart = Chart(root, CANVAS, x, linear_axis("probability density", 0.0, top))
+    chart.frame(look.colour("axis"), look.colour("text"))
+    chart.line("prior", *_stairs(marginal.edges, prior), look.colour("noise"), look.line_width)
+    outlines = [chart.place(*_stairs(marginal.edges, each)) for each in density]
+    _log_lines(root / "learned", marginal.iteration, [outlines], [look.colour("after")], look.measured_width)
+    legend = {"prior": look.colour("noise"), "learned": look.colour("after")}
+    _log_legend(chart, legend)
+
+
+def log_pair(root: Branch, pair: Pair, look: Look) -> None:
+    """Draw the mean of two parameters and the ellipses that hold 68, 95 and 99 %, by iteration, and the mean's way."""
+    axes = [
+        linear_axis(titled(name, unit), float(low), float(high))
+        for name, unit, low, high in zip(pair.names, pair.units, pair.low, pair.high, strict=True)
+    ]
+    chart = Chart(root, CANVAS, axes[0], axes[1])
+    chart.frame(look.colour("axis"), look.colour("text"))
+    chart.line("way", pair.mean[:, 0], pair.mean[:, 1], look.colour("noise"), look.line_width / 2)
+    outlines = [
+        [
+            chart.place(*ellipse(mean, covariance, content))
+            for mean, covariance in zip(pair.mean, pair.covariance, strict=True)
+        ]
+        for content in CONTENTS
+    ]
+    strengths = np.linspace(255, 90, len(CONTENTS)).astype(int).tolist()
+    colours = [look.colour("after", strength) for strength in strengths]
+    _log_lines(root / "ellipses", pair.iteration, outlines, colours, look.measured_width)
+    middle = rr.Points2D.columns(positions=chart.place(pair.mean[:, 0], pair.mean[:, 1]))
+    style = rr.Points2D.from_fields(
+        colors=[look.colour("after")], radii=rr.Radius.ui_points(look.measured_width), draw_order=DOTS
+    )
+    (root / "mean").static(style)
+    (root / "mean").over_iterations(pair.iteration, middle)
+    _log_legend(chart, {percent(content): colour for content, colour in zip(CONTENTS, colours, strict=True)})
+
+
+def ellipse(mean: Array, covariance: Array, content: float) -> tuple[Array, Array]:
+    """Outline of the ellipse that holds a share of a Gaussian, (z − μ)ᵀ Σ⁻¹ (z − μ) = χ²₂(content).
+
+    Args:
+        mean: μ, shape (2,).
+        covariance: Σ, shape (2, 2).
+        content: share of the probability inside.
+
+    Returns:
+        Both coordinates of a closed line, shape (k,) each.
+    """
+    values, vectors = np.linalg.eigh(covariance)
+    angle = np.linspace(0.0, 2 * np.pi, _CORNERS + 1)
+    circle = np.sqrt(chi2.ppf(content, df=2)) * np.stack([np.cos(angle), np.sin(angle)])
+    x, y = mean[:, None] + vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * circle)
+    return x, y
+
+
+def _density(probability: Array, edges: Array) -> Array:
+    return probability / np.diff(edges)
+
+
+def _stairs(edges: Array, height: Array) -> tuple[Array, Array]:
+    """Outline of a histogram, from the axis and back to it, shape (2 b + 2,) each."""
+    return np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(height, 2), [0.0]])
+
+
+def _log_lines(
+    place: Branch, iteration: ArrayLike, outlines: Sequence[Sequence[Array]], colours: Sequence[Colour], width: float
+) -> None:
+    """Lines that change with the iteration, each below `place` by its number."""
+    for index, (strips, colour) in enumerate(zip(outlines, colours, strict=True)):
+        line = place / str(index)
+        line.static(
+            rr.LineStrips2D.from_fields(colors=[colour], radii=rr.Radius.ui_points(width / 2), draw_order=LINES)
+        )
+        line.over_iterations(np.asarray(iteration), rr.LineStrips2D.columns(strips=list(strips)))
+
+
+def _log_legend(chart: Chart, colours: dict[str, Colour]) -> None:
+    for index, (label, colour) in enumerate(colours.items()):
+        corner = np.array([CANVAS.width - 16.0 * (len(colours) - index), -7.0])
+        chart.words(f"legend_{index}", [(corner, label)], colour, lift=0.0)

@@ -1,0 +1,102 @@
+"""What is to be seen of a training run: figures over iterations, the learned distribution, returns over contexts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One figure over iterations.
+
+    Attributes:
+        name: what it is, e.g. ``return``.
+        unit: of its values; empty where it has none.
+        iteration: shape (k,), increasing.
+        value: shape (k,); NaN where it is unknown.
+    """
+
+    name: str
+    unit: str
+    iteration: NDArray[np.integer]
+    value: Array
+
+
+@dataclass(frozen=True)
+class Marginal:
+    """The distribution of one context parameter over iterations, as a histogram.
+
+    Attributes:
+        name: the parameter.
+        unit: its unit.
+        edges: of the bins, shape (b + 1,).
+        prior: probability of each bin under the distribution that training began with or is held near, shape (b,).
+        iteration: shape (k,), increasing.
+        probability: probability of each bin, shape (k, b).
+    """
+
+    name: str
+    unit: str
+    edges: Array
+    prior: Array
+    iteration: NDArray[np.integer]
+    probability: Array
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Mean and covariance of two context parameters over iterations.
+
+    Attributes:
+        names: the parameters.
+        units: theirs.
+        low: lowest values that are shown, shape (2,).
+        high: highest, shape (2,).
+        iteration: shape (k,), increasing.
+        mean: shape (k, 2).
+        covariance: shape (k, 2, 2).
+    """
+
+    names: tuple[str, str]
+    units: tuple[str, str]
+    low: Array
+    high: Array
+    iteration: NDArray[np.integer]
+    mean: Array
+    covariance: Array
+
+
+@dataclass(frozen=True)
+class ContextAxis:
+    """One parameter of a grid of contexts.
+
+    Attributes:
+        name: the parameter.
+        unit: its unit.
+        values: its values in the grid, increasing, shape (n,).
+    """
+
+    name: str
+    unit: str
+    values: Array
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Returns over a grid of contexts in one or two parameters.
+
+    Attributes:
+        title: whose returns they are, e.g. the run or the policy.
+        axes: one or two.
+        mean: mean return of each cell, shape (n,) or (n, m); NaN where the context is infeasible.
+        spread: standard deviation over episodes, likewise.
+    """
+
+    title: str
+    axes: Sequence[ContextAxis]
+    mean: Array
+    spread: Array

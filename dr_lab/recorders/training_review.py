@@ -1,0 +1,134 @@
+"""`review.rrd` of a training run or an evaluation: curves, learned distribution, returns over contexts, report."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from dr_lab.recorders import distributions, grids
+from dr_lab.recorders.branch import ITERATIONS, Branch
+from dr_lab.recorders.files import atomic
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.quantity import titled
+from dr_lab.recorders.training import Curve, Grid, Marginal, Pair
+
+# Rerun keeps one layout an application: every recording of training and evaluation shares this one.
+APPLICATION = "dr_lab_train"
+
+
+@dataclass(frozen=True)
+class TrainingRecord:
+    """What a recording of training holds; what is empty gets no page.
+
+    Attributes:
+        name: of the recording.
+        curves: figures over iterations, those of the first page first; one plot a unit and name.
+        marginals: one parameter's distribution each.
+        pairs: two parameters' ellipses each.
+        grids: returns over contexts.
+        pages: Markdown by title; the first stands on the first page.
+    """
+
+    name: str
+    curves: Sequence[Curve] = ()
+    marginals: Sequence[Marginal] = ()
+    pairs: Sequence[Pair] = ()
+    grids: Sequence[Grid] = ()
+    pages: Mapping[str, str] = field(default_factory=dict)
+
+
+def write_training_review(path: Path, record: TrainingRecord, look: Look) -> None:
+    """Write the recording with its layout, atomically.
+
+    Entities: ``/curve/<name>``, ``/distribution/<parameter>``, ``/distribution/<parameter>, <parameter>``,
+    ``/grid/<title>``, ``/pages/<title>``; timeline ``iteration``.
+
+    Args:
+        path: the file, by custom ``review.rrd``.
+        record: what it shows.
+        look: colours and line widths.
+
+    Raises:
+        DrLabError: the folder cannot be written to.
+    """
+    with atomic(path) as temporary:
+        recording = rr.RecordingStream(APPLICATION)
+        try:
+            recording.save(temporary, default_blueprint=_blueprint(record))
+            recording.send_recording_name(record.name)
+            _log(Branch(recording), record, look)
+        finally:
+            # Also closes the file, which would otherwise lack its end.
+            recording.disconnect()
+
+
+def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
+    for curve in record.curves:
+        place = root / "curve" / curve.name
+        place.static(
+            rr.SeriesLines(
+                colors=[look.colour("after")], names=[titled(curve.name, curve.unit)], widths=[look.line_width]
+            )
+        )
+        place.over_iterations(curve.iteration, rr.Scalars.columns(scalars=curve.value))
+    for marginal in record.marginals:
+        distributions.log_marginal(root / "distribution" / marginal.name, marginal, look)
+    for pair in record.pairs:
+        distributions.log_pair(root / "distribution" / _joined(pair), pair, look)
+    span = grids.return_span(record.grids)
+    for grid in record.grids:
+        grids.log_grid(root / "grid" / grid.title, grid, look, span)
+    for title, text in record.pages.items():
+        (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
+
+
+def _blueprint(record: TrainingRecord) -> rrb.Blueprint:
+    text = [rrb.TextDocumentView(origin=rr.new_entity_path(["pages", title]), name=title) for title in record.pages]
+    # A view stands in one place only: the overview has its own.
+    plots = [*_curves(record)[:1], *(_learned(record) or _maps(record))[:1]]
+    overview = rrb.Horizontal(*text[:1], *([rrb.Vertical(*plots)] if plots else []), name="Overview")
+    sheets = {
+        "Curves": _curves(record),
+        "Learned distribution": _learned(record),
+        "Returns over contexts": _maps(record),
+    }
+    pages: list[rrb.Container | rrb.View] = [
+        *([overview] if text or plots else []),
+        *(rrb.Grid(*views, name=name) for name, views in sheets.items() if views),
+        *text[1:],
+    ]
+    return rrb.Blueprint(
+        rrb.Tabs(*pages, name="Review"),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.TimePanel(state="collapsed", timeline=ITERATIONS, play_state="paused"),
+    )
+
+
+def _curves(record: TrainingRecord) -> list[rrb.View]:
+    return [_plot(curve) for curve in record.curves]
+
+
+def _learned(record: TrainingRecord) -> list[rrb.View]:
+    names = [*(marginal.name for marginal in record.marginals), *(_joined(pair) for pair in record.pairs)]
+    return [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in names]
+
+
+def _maps(record: TrainingRecord) -> list[rrb.View]:
+    return [grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}") for grid in record.grids]
+
+
+def _plot(curve: Curve) -> rrb.TimeSeriesView:
+    origin = rr.new_entity_path(["curve", curve.name])
+    return rrb.TimeSeriesView(
+        origin=origin,
+        name=titled(curve.name, curve.unit),
+        axis_x=rrb.TimeAxis(link="LinkToGlobal"),
+        plot_legend=rrb.PlotLegend(visible=False),
+    )
+
+
+def _joined(pair: Pair) -> str:
+    return ", ".join(pair.names)

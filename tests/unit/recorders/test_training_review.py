@@ -1,0 +1,84 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recorder_samples import read_recording
+from scipy.stats import chi2
+
+from dr_lab.recorders.distributions import CANVAS, ellipse
+from dr_lab.recorders.grids import heat_map, return_span
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.training import ContextAxis, Curve, Grid, Marginal, Pair
+from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+
+ITERATION = np.arange(5)
+CURVE = Curve("return", "", ITERATION, np.array([0.0, 1.0, np.nan, 3.0, 4.0]))
+EDGES = np.array([0.0, 0.1, 0.3])
+
+
+def marginal() -> Marginal:
+    share = np.linspace(0.5, 0.9, 5)
+    return Marginal("torso.size", "m", EDGES, np.array([0.5, 0.5]), ITERATION, np.stack([share, 1 - share], axis=1))
+
+
+def pair() -> Pair:
+    mean = np.stack([np.linspace(1.0, 2.0, 5), np.full(5, 0.5)], axis=1)
+    covariance = np.tile(np.diag([0.04, 0.01]), (5, 1, 1))
+    names, units = ("friction", "torso.size"), ("1", "m")
+    return Pair(names, units, np.array([0.0, 0.0]), np.array([4.0, 1.0]), ITERATION, mean, covariance)
+
+
+def test_an_ellipse_holds_its_share() -> None:
+    mean, covariance = np.array([1.0, -2.0]), np.array([[4.0, 1.0], [1.0, 0.5]])
+    line = np.stack(ellipse(mean, covariance, 0.95), axis=1) - mean
+    distance = np.einsum("ki,ij,kj->k", line, np.linalg.inv(covariance), line)
+    np.testing.assert_allclose(distance, chi2.ppf(0.95, df=2))
+    draws = np.random.default_rng(0).multivariate_normal(mean, covariance, 20_000) - mean
+    inside = np.einsum("ki,ij,kj->k", draws, np.linalg.inv(covariance), draws) < distance[0]
+    assert inside.mean() == pytest.approx(0.95, abs=0.005)
+
+
+def test_a_heat_map_runs_through_its_three_colours(look: Look) -> None:
+    colours = heat_map(np.array([[0.0, 5.0, 10.0, 20.0, np.nan]]), 0.0, 10.0, look)[0]
+    stops = [look.colour(name)[:3] for name in ("fixed", "after", "measured", "measured", "ground")]
+    assert [tuple(map(int, colour)) for colour in colours] == stops
+
+
+def test_grids_share_one_span() -> None:
+    axis = ContextAxis("friction", "1", np.array([0.0, 1.0]))
+    one, other = (Grid("a", [axis], np.array(mean), np.zeros(2)) for mean in ([1.0, np.nan], [-3.0, 2.0]))
+    assert return_span([one, other]) == (-3.0, 2.0)
+    assert return_span([]) == (0.0, 1.0)
+
+
+def test_a_recording_of_training_has_everything_at_its_iteration(
+    tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RERUN_STRICT", "1")
+    axis = ContextAxis("friction", "1", np.array([0.0, 1.0, 2.0]))
+    line = Grid("line", [axis], np.array([np.nan, 1.0, 2.0]), np.zeros(3))
+    area = Grid("area", [axis, axis], np.arange(9.0).reshape(3, 3), np.zeros((3, 3)))
+    path = tmp_path / "review.rrd"
+    record = TrainingRecord("run", [CURVE], [marginal()], [pair()], [line, area], {"Report": "# Report"})
+    write_training_review(path, record, look)
+    found = read_recording(path)
+    returns = found["/curve/return"]
+    np.testing.assert_array_equal(returns["iteration"], ITERATION)
+    np.testing.assert_array_equal(np.array(returns["Scalars:scalars"], dtype=float).ravel(), CURVE.value)
+    assert len(found["/distribution/torso.size/learned/0"]["iteration"]) == 5
+    ellipses = "/distribution/friction\\,\\ torso.size/ellipses"
+    assert {f"{ellipses}/{k}" for k in range(3)} < found.keys()
+    strips = np.array(found[f"{ellipses}/0"]["LineStrips2D:strips"][-1])
+    middle = strips.reshape(-1, 2)[:-1].mean(axis=0)
+    np.testing.assert_allclose(middle, [CANVAS.width / 2, CANVAS.height / 2], rtol=1e-3)
+    assert {"/grid/line/mean", "/grid/area/map", "/pages/Report"} < found.keys()
+
+
+def test_a_density_and_not_a_probability_is_drawn(tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RERUN_STRICT", "1")
+    path = tmp_path / "review.rrd"
+    write_training_review(path, TrainingRecord("run", marginals=[marginal()]), look)
+    strips = read_recording(path)["/distribution/torso.size/learned/0"]["LineStrips2D:strips"]
+    heights = CANVAS.height - np.array(strips[0]).reshape(-1, 2)[:, 1]
+    # equal shares of 0.1 m and 0.2 m: twice the density in the first
+    assert heights[1] == pytest.approx(2 * heights[3], rel=1e-3)
