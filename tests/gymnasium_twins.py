@@ -2,6 +2,7 @@
 
 import sys
 from types import ModuleType
+from typing import Any
 
 import gymnasium
 
@@ -9,6 +10,6 @@ import gymnasium
 sys.modules.setdefault("imageio", ModuleType("imageio"))
 
 
-def twin(name: str) -> gymnasium.Env:
+def twin(id: str, **options: Any) -> gymnasium.Env:  # noqa: ANN401 (gymnasium's)
     """The environment without wrappers, e.g. of ``Hopper-v5``."""
-    return gymnasium.make(name).unwrapped
+    return gymnasium.make(id, **options).unwrapped

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from dr_lab.envs.task import Change, Task
 from dr_lab.errors import ModelError
+from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import Simulator
 from dr_lab.seeding import stream
@@ -16,6 +17,7 @@ from dr_lab.trajectory import Array
 
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
+_FORCES = "cfrc_ext"
 
 
 class ContextSource(Protocol):
@@ -86,13 +88,16 @@ class Episodes:
         threads: int | None = None,
     ) -> None:
         self.model, self.task, self.source = model, task, source
-        self.simulator = Simulator(model, nsim, threads)
+        self.simulator = Simulator(model, nsim, threads, persistent=_FORCES in task.reads)
         compiled = self.simulator.compiled
         _require_plain_commands(model, [compiled.actuator(i).name for i in range(compiled.nactuator)])
         self.low, self.high = task.action_bounds(compiled)
         self.seconds = task.frame_skip * float(compiled.opt.timestep)
         self._show_context, self._infeasible_return = show_context, infeasible_return
-        self._fields = {name: self.simulator.batch.bind(name) for name in task.reads}
+        self._fields = {name: self.simulator.batch.bind(name) for name in task.reads if name != _FORCES}
+        self._forces = ContactForces(self.simulator.batch) if _FORCES in task.reads else None
+        if self._forces is not None:
+            self._fields[_FORCES] = self._forces.values
         self._qpos, self._qvel = self.simulator.batch.bind("qpos"), self.simulator.batch.bind("qvel")
         self._streams = [stream(seed, "episode", slot) for slot in range(nsim)]
         self._given: Array | None = None
@@ -124,6 +129,8 @@ class Episodes:
         for row, rng in zip(rows, streams, strict=True):
             self._qpos[row], self._qvel[row] = self.task.start(rng, self.simulator.compiled)
         self.simulator.forward(rows)
+        if self._forces is not None:
+            self._forces.rest(rows)
         self._steps[rows], self._returns[rows] = 0, 0.0
         self._marker[rows] = self.task.marker({name: field[rows] for name, field in self._fields.items()})
         self.observation = self.observation.copy()
@@ -137,6 +144,8 @@ class Episodes:
         """
         action = np.clip(action, self.low, self.high)
         self.simulator.step(action, self.task.frame_skip)
+        if self._forces is not None:
+            self._forces.update()
         observation, marker = self._seen(slice(None)), self.task.marker(self._fields)
         reward = self.task.reward(Change(self._marker, marker, self._fields, action, self.seconds))
         terminated = self.task.terminated(self._fields)

@@ -60,12 +60,13 @@ class Simulator:
         model: the model with its effects.
         nsim: number of simulations.
         threads: C threads; None takes every core this process may use.
+        persistent: whether each simulation keeps its own `MjData`, which `ContactForces` asks for.
     """
 
-    def __init__(self, model: Model, nsim: int, threads: int | None = None) -> None:
+    def __init__(self, model: Model, nsim: int, threads: int | None = None, *, persistent: bool = False) -> None:
         self.model = model
         self.compiled = _lean(model.nominal())
-        self.batch = Batch(self.compiled, nsim, threads or len(os.sched_getaffinity(0)))
+        self.batch = Batch(self.compiled, nsim, threads or len(os.sched_getaffinity(0)), persistent)
         self._fields = FieldContexts(model, self.compiled) if FieldContexts.possible(model, self.compiled) else None
         self._models: list[mujoco.MjModel] = [self.compiled] * nsim
         self._uncompiled = np.zeros(nsim, bool)

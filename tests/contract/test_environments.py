@@ -16,7 +16,13 @@ from dr_lab.envs.setting import Setting
 from dr_lab.trajectory import Array
 
 NAMES = sorted(options("env", (shipped(),)))
-GYMNASIUM = {"hopper": "Hopper-v5", "half_cheetah": "HalfCheetah-v5"}
+GYMNASIUM: dict[str, dict[str, Any]] = {
+    "hopper": {"id": "Hopper-v5"},
+    "half_cheetah": {"id": "HalfCheetah-v5"},
+    "ant": {"id": "Ant-v5"},
+    "ant_without_contacts": {"id": "Ant-v5", "include_cfrc_ext_in_observation": False, "contact_cost_weight": 0.0},
+    "humanoid": {"id": "Humanoid-v5"},
+}
 LSDR = [
     f"{machine}/{context}"
     for machine in ("hopper", "half_cheetah")
@@ -67,7 +73,7 @@ def test_torchrl_accepts_it(name: str) -> None:
 @pytest.mark.parametrize("name", list(GYMNASIUM))
 def test_steps_equal_gymnasium(name: str) -> None:
     episodes = begun(setting(name), nenv=2)
-    twins: list[Any] = [twin(GYMNASIUM[name]) for _ in range(2)]
+    twins: list[Any] = [twin(**GYMNASIUM[name]) for _ in range(2)]
     state = {key: episodes.simulator.batch.bind(key) for key in ("qpos", "qvel")}
 
     def pair(slot: int) -> None:
@@ -75,7 +81,7 @@ def test_steps_equal_gymnasium(name: str) -> None:
         twins[slot].set_state(state["qpos"][slot].copy(), state["qvel"][slot].copy())
         np.testing.assert_allclose(episodes.observation[slot], twins[slot]._get_obs(), atol=1e-9)
 
-    ends = 0
+    ends, touched = 0, False
     for slot in range(2):
         pair(slot)
     for k in range(120):
@@ -86,12 +92,14 @@ def test_steps_equal_gymnasium(name: str) -> None:
             np.testing.assert_allclose(outcome.observation[slot], observation, rtol=1e-9, atol=1e-9)
             assert outcome.reward[slot] == pytest.approx(reward, rel=1e-9, abs=1e-9)
             assert outcome.terminated[slot] == terminated
+            touched |= one.data.cfrc_ext.any()
         if outcome.done.any():
             ends += 1
             episodes.begin(np.flatnonzero(outcome.done))
             for slot in np.flatnonzero(outcome.done):
                 pair(int(slot))
-    assert ends or name == "half_cheetah"
+    assert ends or name not in ("hopper", "humanoid")
+    assert touched
 
 
 def test_a_time_limit_truncates_and_a_fall_terminates() -> None:

@@ -1,0 +1,64 @@
+"""A driven joint swings a pole up that hangs from it."""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.envs.rewards import ErrorReward
+from dr_lab.envs.task import Change, Fields, Task
+from dr_lab.trajectory import Array
+
+_POLE = 1  # the second joint; 0 hangs down
+
+
+@dataclass(frozen=True, kw_only=True)
+class SwingUp(Task):
+    """The first joint to 0, the pole upright, both at rest; the reward is that of the state after a step.
+
+    Attributes:
+        reward_of: of the error from there and of the voltage.
+        voltage: largest, in V.
+        start_position: half widths of the uniform start about hanging at 0, in m or rad, shape (2,).
+        start_velocity: of the velocities about 0, in m/s or rad/s, shape (2,).
+        position_limit: beyond which an episode ends, in m or rad, shape (2,).
+        velocity_limit: in m/s or rad/s, shape (2,).
+        failure_cost: taken off the reward where it ends so.
+    """
+
+    reward_of: ErrorReward
+    voltage: float
+    start_position: Sequence[float]
+    start_velocity: Sequence[float]
+    position_limit: Sequence[float]
+    velocity_limit: Sequence[float]
+    failure_cost: float
+
+    def action_bounds(self, compiled: mujoco.MjModel) -> tuple[Array, Array]:
+        """±voltage."""
+        high = np.full(compiled.nu, self.voltage)
+        return -high, high
+
+    def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
+        """Hanging, nearly at rest."""
+        position, velocity = np.array(self.start_position), np.array(self.start_velocity)
+        return compiled.qpos0 + rng.uniform(-position, position), rng.uniform(-velocity, velocity)
+
+    @abstractmethod
+    def observe(self, fields: Fields) -> Array:
+        """Angles as sine and cosine."""
+
+    def reward(self, change: Change) -> Array:
+        """Of the error and the voltage, less a failure's cost."""
+        fields = change.fields
+        error = np.concatenate([fields["qpos"], fields["qvel"]], axis=1)
+        error[:, _POLE] = error[:, _POLE] % (2.0 * np.pi) - np.pi
+        return self.reward_of(error, change.action) - self.failure_cost * self.terminated(fields)
+
+    def terminated(self, fields: Fields) -> NDArray[np.bool_]:
+        """Where a position or velocity is beyond its limit."""
+        far = np.abs(fields["qpos"]) > np.array(self.position_limit)
+        return (far | (np.abs(fields["qvel"]) > np.array(self.velocity_limit))).any(axis=1)

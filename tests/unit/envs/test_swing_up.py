@@ -1,0 +1,65 @@
+"""Swing-ups: rewards by hand, starts, ends, and what the policy sees."""
+
+import numpy as np
+import pytest
+from settings import setting
+
+from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.rewards import ExponentialReward, QuadraticReward, SharedReward
+
+ERROR, ACTION = np.array([[0.5, -1.0, 2.0, 0.0], [0.0, 0.0, 0.0, 0.0]]), np.array([[2.0], [0.0]])
+
+
+def episodes(name: str, *overrides: str) -> Episodes:
+    return setting(name, *overrides).make(None, 2, 0, threads=1).episodes
+
+
+def test_exponential_and_quadratic_rewards_by_hand() -> None:
+    weights = {"error_weights": [1.0, 1.0, 0.02, 0.005], "action_weights": [0.004]}
+    squares = 0.25 + 1.0 + 0.08 + 0.016
+    np.testing.assert_allclose(ExponentialReward(**weights)(ERROR, ACTION), [np.exp(-squares), 1.0])
+    np.testing.assert_allclose(QuadraticReward(**weights)(ERROR, ACTION), [-squares, 0.0])
+
+
+def test_shared_reward_by_hand() -> None:
+    weights, scales = [0.05, 0.9, 0.0, 0.0, 0.05], [2.0, np.pi, 1.0, 1.0, 8.0]
+    free = SharedReward(weights=weights, scales=scales, limits=[1.0, np.inf, np.inf, np.inf, 8.0])
+    expected = 0.05 * 0.75**2 + 0.9 * (1 - 1 / np.pi) ** 2 + 0.05 * 0.75**2
+    np.testing.assert_allclose(free(ERROR, ACTION), [expected, 1.0])
+    bound = SharedReward(weights=weights, scales=scales, limits=[0.5, np.inf, np.inf, np.inf, 8.0])
+    np.testing.assert_allclose(bound(ERROR, ACTION), [0.0, 1.0])
+
+
+@pytest.mark.parametrize("name", ["furuta", "cartpole"])
+def test_upright_at_rest_earns_most_and_hanging_least(name: str) -> None:
+    one = episodes(name)
+    one.simulator.batch.bind("qpos")[:] = [[0.0, np.pi], [0.0, 0.0]]
+    one.simulator.batch.bind("qvel")[:] = 0.0
+    upright, hanging = one.step(np.zeros((2, 1))).reward
+    highest = {"furuta": 1.0, "cartpole": 0.0}[name]
+    lowest = {"furuta": np.exp(-(np.pi**2)), "cartpole": -0.5 * np.pi**2}[name]
+    assert upright == pytest.approx(highest, abs=1e-3)
+    assert hanging == pytest.approx(lowest, rel=1e-3)
+
+
+def test_the_furuta_sees_angles_as_sine_and_cosine_and_starts_hanging() -> None:
+    one = episodes("furuta")
+    qpos, qvel = (one.simulator.batch.bind(key) for key in ("qpos", "qvel"))
+    seen = np.stack([np.sin(qpos[:, 0]), np.cos(qpos[:, 0]), np.sin(qpos[:, 1]), np.cos(qpos[:, 1]), *qvel.T], axis=1)
+    np.testing.assert_allclose(one.observation, seen)
+    assert (np.abs(qpos) < np.deg2rad([2.0, 1.0])).all()
+
+
+def test_voltage_is_cut_off_and_the_rail_ends() -> None:
+    one = episodes("cartpole")
+    one.simulator.batch.bind("qpos")[:] = [[0.0, np.pi], [0.3569, np.pi]]
+    one.simulator.batch.bind("qvel")[:] = [[0.0, 0.0], [1.0, 0.0]]
+    outcome = one.step(np.full((2, 1), 100.0))
+    np.testing.assert_array_equal(one.simulator.batch.bind("ctrl"), 8.0)
+    assert list(outcome.terminated) == [False, True]
+    assert outcome.reward[1] < -3000.0
+
+
+def test_rewards_and_models_are_options() -> None:
+    assert isinstance(setting("furuta", "env/reward=furuta/shared").task.reward_of, SharedReward)  # pyright: ignore
+    assert setting("furuta", "model@env.model=qube").model.name == "qube"
