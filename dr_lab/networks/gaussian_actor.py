@@ -70,8 +70,11 @@ class GaussianActor(nn.Module):
 
     def log_prob(self, observation: Tensor, action: Tensor) -> Tensor:
         """Log π(a|o) of actions (…, nu), shape (…)."""
-        unit = self.unit(action)
-        return unit_log_prob(self.body(self.normaliser(observation)), self.log_std, unit) - self.reach.log().sum()
+        return self.unit_log_prob(self.normaliser(observation), self.unit(action)) - self.reach.log().sum()
+
+    def unit_log_prob(self, observation: Tensor, unit: Tensor) -> Tensor:
+        """Log π(u|o) of actions scaled to ±1, for observations that are normalised already."""
+        return unit_log_prob(self.body(observation), self.log_std, unit)
 
     def unit(self, action: Tensor) -> Tensor:
         """U = (a − c)/h."""

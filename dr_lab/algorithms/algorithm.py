@@ -1,0 +1,65 @@
+"""The contract of an algorithm: what learns a policy from batches of experience."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from tensordict import TensorDict
+
+from dr_lab.collectors.collector import Policy
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Interface:
+    """What a policy is connected to.
+
+    Attributes:
+        observation: width of an observation.
+        low: lowest action, shape (nu,), in the actuators' unit.
+        high: highest action, shape (nu,).
+    """
+
+    observation: int
+    low: Array
+    high: Array
+
+
+class Algorithm(ABC):
+    """Learns from batches as a `Collector` gives them.
+
+    Attributes:
+        batch_frames: control steps, over all episodes, that one update wants.
+    """
+
+    batch_frames: int
+
+    @property
+    @abstractmethod
+    def policies(self) -> Mapping[str, Policy]:
+        """What acts while experience is collected, by name; most algorithms have one, ``policy``."""
+
+    @property
+    @abstractmethod
+    def deployed(self) -> Policy:
+        """What is evaluated and deployed: without exploration."""
+
+    @abstractmethod
+    def update(self, batch: TensorDict) -> Mapping[str, float]:
+        """Learn from one batch.
+
+        Args:
+            batch: size [n, steps], collected with the present policy.
+
+        Returns:
+            Figures to be recorded, by name.
+        """
+
+    @abstractmethod
+    def state_dict(self) -> dict[str, Any]:
+        """All that an exact continuation needs: networks, normalisers, optimisers, random numbers, counters."""
+
+    @abstractmethod
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""

@@ -1,0 +1,48 @@
+"""Checkpoints: one file that is complete or not there, and that cannot run code when it is read."""
+
+import pickle
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from dr_lab.errors import DataError
+from dr_lab.recorders.files import atomic
+
+# What arrays are made of when they are read; everything else that torch does not know by itself is refused.
+_ARRAYS = [
+    np.ndarray,
+    np.dtype,
+    np._core.multiarray._reconstruct,
+    np._core.multiarray.scalar,
+    *(type(np.dtype(kind)) for kind in (np.float64, np.float32, np.int64, np.int32, np.uint8, np.bool_)),
+]
+
+
+def save(path: Path, state: Mapping[str, Any]) -> None:
+    """Write tensors, arrays, numbers, text and what is nested of them.
+
+    Args:
+        path: the file to write or replace.
+        state: as the parts of a run give it.
+
+    Raises:
+        DrLabError: the folder cannot be written to.
+    """
+    with atomic(path) as temporary:
+        torch.save(dict(state), temporary)
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Read what `save` wrote.
+
+    Raises:
+        DataError: there is no such file, or it is no checkpoint.
+    """
+    try:
+        with torch.serialization.safe_globals(_ARRAYS):
+            return torch.load(path, weights_only=True)
+    except (OSError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
+        raise DataError(f"Cannot read the checkpoint {path}: {error}. Give the folder of a training run.") from error

@@ -1,0 +1,164 @@
+"""Deep deterministic policy gradient."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import torch
+from tensordict import TensorDict
+from tensordict.nn import TensorDictModule
+from torch import Tensor, nn
+from torchrl.data import LazyTensorStorage, RandomSampler, TensorDictReplayBuffer
+from torchrl.modules import ValueOperator
+from torchrl.objectives import DDPGLoss, SoftUpdate
+
+from dr_lab.algorithms.algorithm import Algorithm, Interface
+from dr_lab.collectors.collector import Policy
+from dr_lab.errors import require_numbers
+from dr_lab.networks.critic import Critic
+from dr_lab.networks.deterministic_actor import DeterministicActor
+
+
+class DDPG(Algorithm):
+    """Learns Q from a replay buffer and follows its slope (Lillicrap et al. 2016); TorchRL's loss, buffer and targets.
+
+    The networks see normalised observations and actions scaled to ±1; so does the buffer.
+
+    Args:
+        interface: what the policy is connected to.
+        seed: of networks, noise and replay.
+        actor: makes the policy, from observation width, bounds and seed.
+        critic: makes Q, from the width of observation and action together and a seed.
+        batch_frames: control steps in a batch.
+        gamma: discount per control step.
+        replay: control steps that the buffer holds.
+        minibatch: samples in a step.
+        steps_per_frame: gradient steps for each control step.
+        learning_starts: control steps that are only collected.
+        actor_rate: learning rate of the actor.
+        critic_rate: learning rate of Q.
+        tau: share of the networks in their slowly following targets at each step.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+
+    def __init__(
+        self,
+        interface: Interface,
+        seed: int,
+        actor: Callable[..., DeterministicActor],
+        critic: Callable[..., Critic],
+        batch_frames: int,
+        gamma: float,
+        replay: int,
+        minibatch: int,
+        steps_per_frame: float,
+        learning_starts: int,
+        actor_rate: float,
+        critic_rate: float,
+        tau: float,
+    ) -> None:
+        self.batch_frames, self.replay, self.minibatch = batch_frames, replay, minibatch
+        self.steps_per_frame, self.learning_starts = steps_per_frame, learning_starts
+        self.actor_rate, self.critic_rate, self.tau = actor_rate, critic_rate, tau
+        positive = ("steps_per_frame", "actor_rate", "critic_rate", "tau")
+        least = {"batch_frames": 1, "replay": 1, "minibatch": 1, "learning_starts": 0}
+        require_numbers(self, "algorithm", positive=positive, least=least)
+        self.actor = actor(interface.observation, interface.low, interface.high, seed)
+        self.critic = critic(interface.observation + len(interface.low), seed + 1)  # two networks, two streams
+        self.loss = DDPGLoss(
+            TensorDictModule(nn.Sequential(self.actor.body, nn.Tanh()), ["observation"], ["action"]),
+            ValueOperator(_Joined(self.critic.body), ["observation", "action"]),
+            loss_function="l2",
+            delay_actor=True,
+            delay_value=True,
+        )
+        self.loss.make_value_estimator(gamma=gamma)
+        self.targets = SoftUpdate(self.loss, tau=tau)
+        self.actor_adam = torch.optim.Adam(self.actor.body.parameters(), lr=actor_rate)
+        self.critic_adam = torch.optim.Adam(self.critic.parameters(), lr=critic_rate)
+        self.generator = torch.Generator().manual_seed(seed)
+        self.buffer = TensorDictReplayBuffer(
+            storage=LazyTensorStorage(replay),
+            sampler=RandomSampler(),
+            batch_size=minibatch,
+            generator=self.generator,
+        )
+        self.frames = 0
+
+    @property
+    def policies(self) -> Mapping[str, Policy]:
+        """The policy with noise."""
+        return {"policy": self.actor}
+
+    @property
+    def deployed(self) -> Policy:
+        """The policy without noise."""
+        return self.actor.mean
+
+    def update(self, batch: TensorDict) -> Mapping[str, float]:
+        """Put the batch into the buffer and take the steps that it earns."""
+        self.buffer.extend(self._transitions(batch))
+        before, self.frames = self.frames, self.frames + batch.numel()
+        if self.frames < self.learning_starts:
+            return {"critic_loss": torch.nan, "q": torch.nan}
+        steps = int(self.frames * self.steps_per_frame) - int(before * self.steps_per_frame)
+        terms = [self._step() for _ in range(max(1, steps))]
+        critic_loss, value = torch.stack(terms).mean(0).tolist()
+        return {"critic_loss": critic_loss, "q": value}
+
+    def _transitions(self, batch: TensorDict) -> TensorDict:
+        rows = batch.reshape(-1)
+        flags = {key: rows["next", key] for key in ("reward", "done", "terminated")}
+        after = {"observation": self.actor.normaliser(rows["next", "observation"]), **flags}
+        now = {
+            "observation": self.actor.normaliser(rows["observation"]),
+            "action": self.actor.unit(rows["action"]).clamp(-1.0, 1.0),
+            "next": TensorDict(after, batch_size=rows.batch_size),
+        }
+        return TensorDict(now, batch_size=rows.batch_size)
+
+    def _step(self) -> Tensor:
+        """One step of both networks and their targets; gives the loss of Q and its mean."""
+        terms = self.loss(self.buffer.sample())
+        self.actor_adam.zero_grad(set_to_none=True)
+        self.critic_adam.zero_grad(set_to_none=True)
+        (terms["loss_actor"] + terms["loss_value"]).backward()
+        self.actor_adam.step()
+        self.critic_adam.step()
+        self.targets.step()
+        return torch.stack([terms["loss_value"], terms["pred_value"].mean()]).detach()
+
+    def state_dict(self) -> dict[str, Any]:
+        """All that an exact continuation needs, the buffer included."""
+        return {
+            "actor": self.actor.state_dict(),
+            "critic": self.critic.state_dict(),
+            "targets": self.loss.state_dict(),
+            "actor_adam": self.actor_adam.state_dict(),
+            "critic_adam": self.critic_adam.state_dict(),
+            "buffer": self.buffer.state_dict(),
+            "generator": self.generator.get_state(),
+            "frames": self.frames,
+        }
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        for part, name in ((self.actor, "actor"), (self.critic, "critic"), (self.loss, "targets")):
+            part.load_state_dict(state[name])
+        self.actor_adam.load_state_dict(state["actor_adam"])
+        self.critic_adam.load_state_dict(state["critic_adam"])
+        self.buffer.load_state_dict(state["buffer"])
+        self.generator.set_state(state["generator"])
+        self.frames = state["frames"]
+
+
+class _Joined(nn.Module):
+    """A network of observation and action joined."""
+
+    def __init__(self, body: nn.Module) -> None:
+        super().__init__()
+        self.body = body
+
+    def forward(self, observation: Tensor, action: Tensor) -> Tensor:
+        return self.body(torch.cat([observation, action], -1))

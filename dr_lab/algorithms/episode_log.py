@@ -1,0 +1,67 @@
+"""Which episodes ended within a batch, in which context, and what they returned."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from tensordict import TensorDict
+
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Finished:
+    """Episodes that ended, k of them.
+
+    Attributes:
+        context: z, shape (k, n).
+        returns: undiscounted, shape (k,).
+        lengths: control steps, shape (k,).
+    """
+
+    context: Array
+    returns: Array
+    lengths: NDArray[np.int64]
+
+
+class EpisodeLog:
+    """Follows the episodes of n slots from batch to batch."""
+
+    def __init__(self) -> None:
+        self._returns: Array = np.zeros(0)
+        self._lengths: NDArray[np.int64] = np.zeros(0, np.int64)
+
+    def take(self, batch: TensorDict) -> Finished:
+        """Follow one more batch.
+
+        Args:
+            batch: size [n, steps], as a collector gives it.
+
+        Returns:
+            What ended within it, in the order of time.
+        """
+        reward = batch["next", "reward"].squeeze(-1).double().numpy()
+        done = batch["next", "done"].squeeze(-1).numpy()
+        context = batch["context"].double().numpy()
+        if len(self._returns) == 0:
+            self._returns, self._lengths = np.zeros(len(reward)), np.zeros(len(reward), np.int64)
+        contexts, returns, lengths = [context[:0, 0]], [np.zeros(0)], [np.zeros(0, np.int64)]
+        for t in range(reward.shape[1]):
+            self._returns += reward[:, t]
+            self._lengths += 1
+            ended = done[:, t]
+            contexts.append(context[ended, t])
+            returns.append(self._returns[ended])
+            lengths.append(self._lengths[ended])
+            self._returns[ended], self._lengths[ended] = 0.0, 0
+        return Finished(np.concatenate(contexts), np.concatenate(returns), np.concatenate(lengths))
+
+    def state_dict(self) -> dict[str, Any]:
+        """What is known of the episodes that go on."""
+        return {"returns": self._returns.copy(), "lengths": self._lengths.copy()}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        self._returns, self._lengths = state["returns"].copy(), state["lengths"].copy()

@@ -1,0 +1,53 @@
+"""Which control steps of a batch a policy learns from."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
+
+import torch
+from torch import Tensor
+
+
+class Selection(ABC):
+    """Chooses among the control steps of a batch.
+
+    Args:
+        gamma: discount per control step.
+    """
+
+    def __init__(self, gamma: float) -> None:
+        self.gamma = gamma
+
+    @abstractmethod
+    def __call__(self, reward: Tensor, done: Tensor, next_value: Tensor) -> Tensor:
+        """Which are learnt from, shape (n, steps).
+
+        Args:
+            reward: shape (n, steps), as all that follows.
+            done: whether the episode ended.
+            next_value: V of the episode's own next observation.
+        """
+
+    @abstractmethod
+    def state_dict(self) -> dict[str, Any]:
+        """What is known of the episodes that go on."""
+
+    @abstractmethod
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+
+
+class EveryStep(Selection):
+    """All of them."""
+
+    def __call__(self, reward: Tensor, done: Tensor, next_value: Tensor) -> Tensor:
+        """True everywhere."""
+        del reward, next_value
+        return torch.ones_like(done)
+
+    def state_dict(self) -> dict[str, Any]:
+        """Nothing."""
+        return {}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Nothing."""

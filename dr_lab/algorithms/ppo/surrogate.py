@@ -1,0 +1,80 @@
+"""The contract of a PPO loss, and what it is computed from."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import torch
+from torch import Tensor
+
+from dr_lab.networks.critic import Critic
+from dr_lab.networks.flat import FlatParameters
+from dr_lab.networks.gaussian_actor import GaussianActor
+
+
+class Samples(NamedTuple):
+    """Control steps to learn from, b of them.
+
+    Attributes:
+        observation: normalised, shape (b, o).
+        action: scaled to ±1, shape (b, nu).
+        log_prob: of that action under the policy that took it, shape (b,).
+        advantage: A, shape (b,).
+        target: what the critic shall say, shape (b,).
+    """
+
+    observation: Tensor
+    action: Tensor
+    log_prob: Tensor
+    advantage: Tensor
+    target: Tensor
+
+    def minibatches(self, size: int, generator: torch.Generator) -> Iterator["Samples"]:
+        """All of them once, in random order, `size` at a time; a remainder smaller than two is left out."""
+        order = torch.randperm(len(self.target), generator=generator)
+        for parts in zip(*(field[order].split(size) for field in self), strict=True):
+            if len(parts[0]) > 1:  # advantages are standardised within a minibatch
+                yield Samples(*parts)
+
+
+class Terms(NamedTuple):
+    """A loss on one minibatch, its parts weighted as they enter the sum.
+
+    Attributes:
+        objective: −E[min(ρA, clip(ρ)A)].
+        entropy: −weight·H.
+        critic: weight·E[(V − target)²].
+    """
+
+    objective: Tensor
+    entropy: Tensor
+    critic: Tensor
+
+
+class Surrogate(ABC):
+    """L = −E[min(ρA, clip(ρ, 1 ± ε)A)] − c_H·H + c_V·E[(V − target)²] with ρ = π(a|o)/π_old(a|o).
+
+    A is standardised within the minibatch. The first two parts depend on the actor alone, the last on the critic.
+
+    Source: Schulman et al. 2017, equations 7 and 9.
+
+    Args:
+        actor: π.
+        critic: V.
+        clip: ε.
+        entropy_weight: c_H.
+        critic_weight: c_V.
+    """
+
+    def __init__(
+        self, actor: GaussianActor, critic: Critic, clip: float, entropy_weight: float, critic_weight: float
+    ) -> None:
+        self.actor_parameters = FlatParameters([actor.log_std, *actor.body.parameters()])
+        self.critic_parameters = FlatParameters(critic.parameters())
+        self.clip = clip
+        self.entropy_weight = entropy_weight
+        self.critic_weight = critic_weight
+
+    @abstractmethod
+    def differentiate(self, samples: Samples) -> Terms:
+        """The loss; its gradient is in `actor_parameters.gradient` and `critic_parameters.gradient` afterwards."""

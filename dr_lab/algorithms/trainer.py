@@ -1,0 +1,146 @@
+"""The loop that all algorithms share."""
+
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
+
+import numpy as np
+
+from dr_lab.algorithms.algorithm import Algorithm
+from dr_lab.algorithms.checkpoint import load, save
+from dr_lab.algorithms.episode_log import EpisodeLog, Finished
+from dr_lab.collectors.collector import Collector
+
+Watch = Callable[[Mapping[str, float], Finished], None]
+
+
+class Stateful(Protocol):
+    """What a checkpoint can hold."""
+
+    def state_dict(self) -> dict[str, Any]:
+        """All that an exact continuation needs."""
+        ...
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        ...
+
+
+R = TypeVar("R", bound=Stateful)
+Rollouts_contra = TypeVar("Rollouts_contra", contravariant=True)
+
+
+class Learner(Stateful, Protocol[Rollouts_contra]):
+    """What shapes the distribution of the context; every distribution learner is one."""
+
+    def update(self, rollouts: Rollouts_contra) -> Mapping[str, float]:
+        """Once an iteration, on rollouts of the present policy."""
+        ...
+
+
+class Trainer(Generic[R]):
+    """Collect, shape the distribution, learn, record, save; over and over.
+
+    As in Mozifian et al. 2020, algorithm 1, the distribution is updated between collection and learning.
+
+    Args:
+        collector: experience; its policy is the algorithm's.
+        algorithm: learns the policy.
+        learner: learns the distribution that the collector's contexts are drawn from.
+        rollouts: what the learner may play.
+        checkpoint: the file that a later run continues from.
+        every: iterations between two checkpoints.
+
+    Attributes:
+        history: figures of every iteration so far.
+    """
+
+    def __init__(
+        self,
+        collector: Collector,
+        algorithm: Algorithm,
+        learner: Learner[R],
+        rollouts: R,
+        checkpoint: Path,
+        every: int,
+    ) -> None:
+        self._collector = collector
+        self._algorithm = algorithm
+        self._learner = learner
+        self._rollouts = rollouts
+        self._episodes = EpisodeLog()
+        self._checkpoint = checkpoint
+        self._every = every
+        self.history: list[dict[str, float]] = []
+
+    @property
+    def frames(self) -> int:
+        """Control steps collected so far."""
+        return int(self.history[-1]["frames"]) if self.history else 0
+
+    def run(self, frames: int, watch: Watch) -> None:
+        """Train until so many control steps were collected in all, then save.
+
+        An interruption, Ctrl-C or kill -9, leaves the last checkpoint, from which `resume` goes on.
+
+        Args:
+            frames: control steps, those before a `resume` included.
+            watch: gets the figures of every iteration and the episodes that ended in it.
+
+        Raises:
+            DrLabError: the checkpoint cannot be written.
+        """
+        while self.frames < frames:
+            figures, finished = self._iterate()
+            self.history.append(figures)
+            watch(figures, finished)
+            if len(self.history) % self._every == 0 or self.frames >= frames:
+                save(self._checkpoint, self.state_dict())
+
+    def resume(self, checkpoint: Path) -> None:
+        """Go on as if the run that wrote this checkpoint had never been interrupted.
+
+        Raises:
+            DataError: the file cannot be read, or belongs to a run with other settings.
+        """
+        self.load_state_dict(load(checkpoint))
+
+    def _iterate(self) -> tuple[dict[str, float], Finished]:
+        begin = time.monotonic()
+        batch = next(self._collector)
+        finished = self._episodes.take(batch)
+        shaped = self._learner.update(self._rollouts)
+        learnt = self._algorithm.update(batch)
+        before = self.history[-1]["seconds"] if self.history else 0.0
+        figures = {
+            "iteration": float(len(self.history) + 1),
+            "frames": float(self.frames + batch.numel()),
+            "seconds": before + time.monotonic() - begin,
+            "episodes": float(len(finished.returns)),
+            "episode_return": float(np.mean(finished.returns)) if len(finished.returns) else np.nan,
+            "episode_length": float(np.mean(finished.lengths)) if len(finished.lengths) else np.nan,
+            **learnt,
+            **shaped,
+        }
+        return figures, finished
+
+    def state_dict(self) -> dict[str, Any]:
+        """All that an exact continuation needs."""
+        parts = {name: part.state_dict() for name, part in self._parts().items()}
+        return {**parts, "history": self.history}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        for name, part in self._parts().items():
+            part.load_state_dict(state[name])
+        self.history = list(state["history"])
+
+    def _parts(self) -> dict[str, Stateful]:
+        return {
+            "algorithm": self._algorithm,
+            "learner": self._learner,
+            "rollouts": self._rollouts,
+            "collector": self._collector,
+            "episodes": self._episodes,
+        }

@@ -1,0 +1,65 @@
+"""DDPG finds the optimum of the point mass and continues exactly."""
+
+from functools import partial
+from pathlib import Path
+
+import torch
+from point_mass import INTERFACE, PointCollector, best, mean_reward
+
+from dr_lab.algorithms.checkpoint import load, save
+from dr_lab.algorithms.ddpg.ddpg import DDPG
+from dr_lab.networks.critic import Critic
+from dr_lab.networks.deterministic_actor import DeterministicActor
+from dr_lab.networks.normaliser import NoNormaliser
+
+
+def ddpg(seed: int = 0) -> DDPG:
+    return DDPG(
+        INTERFACE,
+        seed,
+        actor=partial(DeterministicActor, normaliser=NoNormaliser, hidden=[16], activation="relu", noise=0.3),
+        critic=partial(Critic, hidden=[32], activation="relu"),
+        batch_frames=64,
+        gamma=0.9,
+        replay=2000,
+        minibatch=64,
+        steps_per_frame=0.25,
+        learning_starts=200,
+        actor_rate=3e-3,
+        critic_rate=3e-3,
+        tau=0.02,
+    )
+
+
+def collector(algorithm: DDPG) -> PointCollector:
+    return PointCollector(algorithm.policies["policy"], n=16, steps=4)
+
+
+def test_reaches_the_optimum() -> None:
+    algorithm = ddpg()
+    batches = collector(algorithm)
+    figures = [algorithm.update(next(batches)) for _ in range(40)][-1]
+    assert mean_reward(algorithm.deployed) > mean_reward(best) - 0.03
+    assert figures["critic_loss"] < 1.0
+
+
+def test_continues_exactly(tmp_path: Path) -> None:
+    whole, first, second = ddpg(), ddpg(), ddpg(seed=3)
+    batches = [collector(a) for a in (whole, first, second)]
+    for _ in range(7):
+        whole.update(next(batches[0]))
+    for _ in range(5):
+        first.update(next(batches[1]))
+    save(tmp_path / "c.pt", first.state_dict())
+    second.load_state_dict(load(tmp_path / "c.pt"))
+    batches[2].load_state_dict(batches[1].state_dict())
+    for _ in range(2):
+        second.update(next(batches[2]))
+    for a, b in zip(whole.loss.state_dict().values(), second.loss.state_dict().values(), strict=True):
+        assert torch.equal(a, b) if isinstance(a, torch.Tensor) else a == b
+
+
+def test_exploration_stays_within_the_bounds() -> None:
+    action = ddpg().actor(torch.zeros(500, 1))
+    assert action.abs().max() <= 1.0
+    assert action.std() > 0.1

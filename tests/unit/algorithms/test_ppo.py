@@ -1,0 +1,78 @@
+"""PPO finds the optimum of the point mass, continues exactly, and keeps to its limits."""
+
+import numpy as np
+import pytest
+import torch
+from point_mass import PointCollector, best, mean_reward, ppo, ppo_arguments
+
+from dr_lab.algorithms.ppo.ppo import PPO
+from dr_lab.algorithms.ppo.reward_scale import RawRewards, RunningRewardScale
+from dr_lab.errors import ConfigError
+
+
+def test_reaches_the_optimum() -> None:
+    algorithm = ppo()
+    collector = PointCollector(algorithm.policies["policy"])
+    first = mean_reward(algorithm.deployed)
+    figures = [algorithm.update(next(collector)) for _ in range(20)][-1]
+    optimum = mean_reward(best)
+    assert first < optimum - 0.2
+    assert mean_reward(algorithm.deployed) > optimum - 0.02
+    assert figures["explained"] > 0.5
+    assert 0.0 < figures["kl"] < 0.1
+
+
+def test_a_batch_is_on_policy_when_its_update_begins() -> None:
+    algorithm = ppo()
+    collector = PointCollector(algorithm.policies["policy"])
+    algorithm.update(next(collector))
+    samples = algorithm.samples(next(collector))
+    log_prob = algorithm.actor.unit_log_prob(samples.observation, samples.action)
+    torch.testing.assert_close(log_prob, samples.log_prob)
+
+
+def test_continues_exactly() -> None:
+    whole, first, second = ppo(), ppo(), ppo(seed=7)
+    collectors = [PointCollector(a.policies["policy"]) for a in (whole, first, second)]
+    for _ in range(3):
+        whole.update(next(collectors[0]))
+    first.update(next(collectors[1]))
+    second.load_state_dict(first.state_dict())
+    collectors[2].load_state_dict(collectors[1].state_dict())
+    for _ in range(2):
+        second.update(next(collectors[2]))
+    for a, b in zip(whole.actor.parameters(), second.actor.parameters(), strict=True):
+        assert torch.equal(a, b)
+
+
+def test_the_actor_rests_beyond_its_divergence_and_the_critic_goes_on() -> None:
+    free, held = (PPO(**ppo_arguments(max_kl=limit, actor_rate=0.05)) for limit in (None, 1e-6))
+    for algorithm in (free, held):
+        algorithm.update(next(PointCollector(algorithm.policies["policy"])))
+    assert held.critic_adam.state_dict()["steps"] == free.critic_adam.state_dict()["steps"]
+    assert held.actor_adam.state_dict()["steps"] == free.actor_adam.state_dict()["steps"] / 8
+
+
+def test_rates_fall_in_a_line() -> None:
+    algorithm = PPO(**ppo_arguments(anneal_frames=960))
+    collector = PointCollector(algorithm.policies["policy"])
+    rates = [algorithm.update(next(collector))["learning_rate"] for _ in range(3)]
+    np.testing.assert_allclose(rates, [3e-3, 1.5e-3, 0.0])
+
+
+def test_rewards_are_scaled_by_the_spread_of_their_sums() -> None:
+    scale = RunningRewardScale(gamma=0.5, clip=10.0)
+    reward = torch.tensor([[1.0, 1.0, 4.0]])
+    done = torch.tensor([[False, True, False]])
+    # Sums 1, 1.5 and, in the next episode, 4: variance (1 + 2.25 + 16)/3 − (6.5/3)².
+    std = (19.25 / 3 - (6.5 / 3) ** 2) ** 0.5
+    torch.testing.assert_close(scale(reward, done), reward / std)
+    # The third goes on: 0.5·4 + 1 = 3.
+    scale(reward[:, :1], done[:, :1])
+    torch.testing.assert_close(scale.state_dict()["sum"], torch.tensor([3.0]))
+    assert torch.equal(RawRewards(0.5)(reward, done), reward)
+
+
+def test_a_bad_number_is_told() -> None:
+    with pytest.raises(ConfigError, match=r"algorithm\.epochs is 0"):
+        PPO(**ppo_arguments(epochs=0))

@@ -1,0 +1,131 @@
+"""The shared loop: a run that was interrupted equals one that was not."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from point_mass import LIMIT, PointCollector, ppo
+
+from dr_lab.algorithms.checkpoint import load, save
+from dr_lab.algorithms.episode_log import EpisodeLog, Finished
+from dr_lab.algorithms.trainer import Trainer
+from dr_lab.distribution_learners.lsdr import LSDR
+from dr_lab.errors import DataError
+from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.parameter import Parameter
+from dr_lab.randomizers.discrete import DiscreteRandomizer
+from dr_lab.randomizers.uniform import UniformRandomizer
+from dr_lab.trajectory import Array
+
+GAIN = ContextSpace((Parameter("gain", "1", 1.0, 0.0, 2.0),))
+FRAMES = 480
+
+
+class Pretended:
+    """Rollouts that know their returns."""
+
+    def __init__(self) -> None:
+        self.played = 0
+
+    def returns(self, z: Array) -> Array:
+        self.played += len(z)
+        return np.where(z[:, 0] < 1.0, 1.0, 0.0)
+
+    def state_dict(self) -> dict[str, int]:
+        return {"played": self.played}
+
+    def load_state_dict(self, state: Mapping[str, int]) -> None:
+        self.played = state["played"]
+
+
+def trainer(folder: Path, every: int = 1, seed: int = 0) -> Trainer[Pretended]:
+    algorithm = ppo(seed)
+    learner = LSDR(
+        DiscreteRandomizer(GAIN, {}, bins=8),
+        seed=seed,
+        prior=lambda space: UniformRandomizer(space, {}),
+        source="prior",
+        contexts=6,
+        steps=3,
+        learning_rate=0.01,
+        alpha=0.2,
+        return_rate=0.1,
+        divergence_samples=10,
+    )
+    collector = PointCollector(algorithm.policies["policy"], seed=seed)
+    return Trainer(collector, algorithm, learner, Pretended(), folder / "checkpoint.pt", every)
+
+
+def ignore(figures: object, finished: Finished) -> None:
+    del figures, finished
+
+
+def without_time(history: list[dict[str, float]]) -> list[dict[str, float]]:
+    return [{k: v for k, v in row.items() if k != "seconds" and not math.isnan(v)} for row in history]
+
+
+def test_a_resumed_run_equals_an_uninterrupted_one(tmp_path: Path) -> None:
+    whole = trainer(tmp_path / "whole")
+    whole.run(4 * FRAMES, ignore)
+
+    class Killed(Exception):  # noqa: N818 (no error)
+        pass
+
+    def kill(figures: Mapping[str, float], finished: Finished) -> None:
+        del finished
+        if figures["iteration"] == 3:
+            raise Killed
+
+    interrupted = trainer(tmp_path / "cut", every=2)
+    with pytest.raises(Killed):
+        interrupted.run(4 * FRAMES, kill)
+    resumed = trainer(tmp_path / "cut", seed=5)
+    resumed.resume(tmp_path / "cut" / "checkpoint.pt")
+    assert resumed.frames == 2 * FRAMES
+    resumed.run(4 * FRAMES, ignore)
+    assert without_time(resumed.history) == without_time(whole.history)
+    first, second = (load(tmp_path / name / "checkpoint.pt") for name in ("whole", "cut"))
+    for part in ("actor", "critic"):
+        for a, b in zip(first["algorithm"][part].values(), second["algorithm"][part].values(), strict=True):
+            assert torch.equal(a, b)
+    assert torch.equal(first["learner"]["randomizer"]["logits"], second["learner"]["randomizer"]["logits"])
+
+
+def test_figures_of_all_parts_are_recorded(tmp_path: Path) -> None:
+    seen: list[tuple[dict[str, float], Finished]] = []
+    run = trainer(tmp_path)
+    run.run(2 * FRAMES, lambda figures, finished: seen.append((dict(figures), finished)))
+    figures, finished = seen[-1]
+    assert {"iteration", "frames", "episode_return", "kl", "entropy", "divergence"} <= set(figures)
+    assert figures["frames"] == 2 * FRAMES == run.frames
+    assert figures["episodes"] == len(finished.returns) == 32
+    assert (finished.lengths == LIMIT).all()
+
+
+def test_episodes_are_followed_from_batch_to_batch() -> None:
+    batch = next(PointCollector(ppo().policies["policy"], steps=40))
+    whole = EpisodeLog().take(batch)
+    log, parts = EpisodeLog(), []
+    for piece in batch.split(10, dim=1):
+        parts.append(log.take(piece))
+    np.testing.assert_allclose(np.concatenate([p.returns for p in parts]), whole.returns)
+    np.testing.assert_array_equal(np.concatenate([p.lengths for p in parts]), whole.lengths)
+    np.testing.assert_array_equal(np.concatenate([p.context for p in parts]), whole.context)
+    first = batch["next", "reward"][:, :LIMIT].sum(1)[:, 0]
+    torch.testing.assert_close(torch.from_numpy(whole.returns[: len(first)]).float(), first)
+
+
+def test_checkpoints_hold_arrays_and_refuse_code(tmp_path: Path) -> None:
+    state = {"rng": np.random.default_rng(0).bit_generator.state, "array": np.eye(2), "n": [1, 2.5, None, "a"]}
+    save(tmp_path / "c.pt", state)
+    read = load(tmp_path / "c.pt")
+    assert read["rng"] == state["rng"]
+    np.testing.assert_array_equal(read["array"], np.eye(2))
+    torch.save({"code": print}, tmp_path / "evil.pt")
+    with pytest.raises(DataError, match="Cannot read the checkpoint"):
+        load(tmp_path / "evil.pt")
+    with pytest.raises(DataError, match="Cannot read the checkpoint"):
+        load(tmp_path / "missing.pt")
