@@ -16,16 +16,16 @@ Columns = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class _Pass:
-    """Entries of one field that one write reaches; what is written is value · factor, or nominal · value · factor."""
+    """Entries of one field that one write reaches, as value · factor, times what an earlier pass left if `onto`."""
 
     entries: Columns
     columns: Columns
     factor: Array
-    relative: NDArray[np.bool_]
+    onto: NDArray[np.bool_]
 
 
 class FieldContexts:
-    """Writes contexts z as per-simulation fields of a `Batch`, starting from the nominal values every time.
+    """Writes contexts z as per-simulation fields of a `Batch`, from the nominal values every time.
 
     Attributes:
         needs_constants: whether derived constants must be recomputed (`Batch.set_const`) after a write.
@@ -33,13 +33,14 @@ class FieldContexts:
 
     def __init__(self, model: Model, compiled: mujoco.MjModel) -> None:
         edits = [
-            (column, edit, 1.0 / parameter.nominal if edit.relative else 1.0)
+            (column, edit, parameter.nominal)
             for column, parameter in enumerate(model.space.parameters)
             for edit in model.targets[parameter.name].fields(compiled)
         ]
         names = dict.fromkeys(edit.field for _, edit, _ in edits)
-        self._nominal = {name: _field(compiled, name) for name in names}
-        self._passes = {name: _passes([e for e in edits if e[1].field == name], self._nominal[name]) for name in names}
+        self._passes = {
+            name: _passes([each for each in edits if each[1].field == name], _field(compiled, name)) for name in names
+        }
         self.needs_constants = any(n in mujoco.MjModel._setconst_inputs or n.startswith("opt.") for n in names)
 
     @staticmethod
@@ -54,28 +55,34 @@ class FieldContexts:
 
     def write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> None:
         """Write contexts z, shape (len(ids), n), into the simulations `ids`."""
-        for name, nominal in self._nominal.items():
-            rows = np.tile(nominal.ravel(), (len(ids), 1))
-            for each in self._passes[name]:
+        rows = ids[:, None]
+        for name, passes in self._passes.items():
+            field = batch.expand(name).reshape(batch.nsim, -1)
+            for each in passes:
                 value = z[:, each.columns] * each.factor
-                rows[:, each.entries] = np.where(each.relative, rows[:, each.entries] * value, value)
-            batch.expand(name)[ids] = rows.reshape(-1, *nominal.shape)
+                if each.onto.any():
+                    value = np.where(each.onto, field[rows, each.entries] * value, value)
+                field[rows, each.entries] = value
         if self.needs_constants:
             batch.set_const(ids)
 
 
 def _passes(edits: list[tuple[int, FieldEdit, float]], nominal: Array) -> list[_Pass]:
     """The edits of one field, gathered so that no pass writes an entry twice."""
-    place = np.arange(nominal.size).reshape(nominal.shape)
+    place, values = np.arange(nominal.size).reshape(nominal.shape), nominal.ravel()
     gathered: list[list[tuple[int, int, float, bool]]] = []
-    for column, edit, factor in edits:
-        entries = [(int(e), column, factor, edit.relative) for e in np.ravel(place[edit.index])]
-        taken = [i for i, p in enumerate(gathered) if {e[0] for e in entries} & {e[0] for e in p}]
-        position = taken[-1] + 1 if taken else 0
+    written: dict[int, int] = {}  # entry -> first pass that has it no more
+    for column, edit, reference in edits:
+        entries = [int(entry) for entry in np.ravel(place[edit.index])]
+        position = max(written.get(entry, 0) for entry in entries)
         if position == len(gathered):
             gathered.append([])
-        gathered[position].extend(entries)
-    return [_Pass(*(np.array(values) for values in zip(*p, strict=True))) for p in gathered]
+        for entry in entries:
+            onto = edit.relative and entry in written
+            start = values[entry] if edit.relative and not onto else 1.0
+            gathered[position].append((entry, column, start / reference if edit.relative else 1.0, onto))
+        written |= dict.fromkeys(entries, position + 1)
+    return [_Pass(*(np.array(column) for column in zip(*each, strict=True))) for each in gathered]
 
 
 def _field(compiled: mujoco.MjModel, name: str) -> Array:

@@ -60,5 +60,5 @@ class SwingUp(Task):
 
     def terminated(self, fields: Fields) -> NDArray[np.bool_]:
         """Where a position or velocity is beyond its limit."""
-        far = np.abs(fields["qpos"]) > np.array(self.position_limit)
-        return (far | (np.abs(fields["qvel"]) > np.array(self.velocity_limit))).any(axis=1)
+        size = np.abs(np.concatenate([fields["qpos"], fields["qvel"]], axis=1))
+        return np.any(size > [*self.position_limit, *self.velocity_limit], axis=1)
