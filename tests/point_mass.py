@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -40,7 +40,7 @@ class PointCollector(Collector):
         self.age[rows] = 0
 
     def _collect(self) -> TensorDict:
-        return torch.stack([self._step() for _ in range(self.steps)], 1)
+        return cast(TensorDict, torch.stack([self._step() for _ in range(self.steps)], 1))
 
     def _step(self) -> TensorDict:
         before, context = column(self.x), column(self.z)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy._core import multiarray
 
 from dr_lab.errors import DataError
 from dr_lab.recorders.files import atomic
@@ -15,8 +16,8 @@ from dr_lab.recorders.files import atomic
 _ARRAYS = [
     np.ndarray,
     np.dtype,
-    np._core.multiarray._reconstruct,
-    np._core.multiarray.scalar,
+    multiarray._reconstruct,
+    multiarray.scalar,
     *(type(np.dtype(kind)) for kind in (np.float64, np.float32, np.int64, np.int32, np.uint8, np.bool_)),
 ]
 

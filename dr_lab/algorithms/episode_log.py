@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from tensordict import TensorDict
+from torch import Tensor
 
 from dr_lab.trajectory import Array
 
@@ -44,7 +45,7 @@ class EpisodeLog:
         """
         reward = batch["next", "reward"].squeeze(-1).double().numpy()
         done = batch["next", "done"].squeeze(-1).numpy()
-        context = batch["context"].double().numpy()
+        context = cast(Tensor, batch["context"]).double().numpy()
         if len(self._returns) == 0:
             self._returns, self._lengths = np.zeros(len(reward)), np.zeros(len(reward), np.int64)
         contexts, returns, lengths = [context[:0, 0]], [np.zeros(0)], [np.zeros(0, np.int64)]
