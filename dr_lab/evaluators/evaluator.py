@@ -1,0 +1,75 @@
+"""The contract of an evaluator: what a trained policy is worth, in contexts of the evaluator's choice."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from dr_lab.algorithms.rollouts import PolicyRollouts
+from dr_lab.algorithms.trainer import Trainer
+from dr_lab.collectors.collector import Policy
+from dr_lab.envs.episodes import ContextSource
+from dr_lab.envs.setting import Setting
+from dr_lab.recorders.training import Curve, Grid
+
+Row = Mapping[str, float | str]
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A trained policy and what it was trained on.
+
+    Attributes:
+        name: of the run.
+        setting: machine and task.
+        policy: what is deployed: without exploration.
+        again: gives a trainer that goes on from the trained state, on contexts from another source, with a random seed,
+            and the policy that it trains; its checkpoint goes to the given file.
+    """
+
+    name: str
+    setting: Setting
+    policy: Policy
+    again: Callable[[ContextSource, int, Path], tuple[Trainer[Any], Policy]]
+
+    def rollouts(self, episodes: int, seed: int, threads: int | None = None) -> PolicyRollouts:
+        """Whole episodes of the policy, so many side by side."""
+        return play(self.setting, self.policy, episodes, seed, threads)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What an evaluator found.
+
+    Attributes:
+        figures: what a reader wants to know first, by name.
+        rows: the table behind them, one row a context, policy or whatever the evaluator compares; same keys in each.
+        grids: returns over contexts.
+        curves: figures over iterations of further training.
+    """
+
+    figures: Mapping[str, float]
+    rows: Sequence[Row]
+    grids: Sequence[Grid] = field(default_factory=tuple)
+    curves: Sequence[Curve] = field(default_factory=tuple)
+
+
+class Evaluator(ABC):
+    """Plays a trained policy and sums up what it returns."""
+
+    @abstractmethod
+    def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
+        """Evaluate.
+
+        Args:
+            subject: what is evaluated.
+            folder: for files of its own.
+            progress: is told the share that is done, from 0 to 1.
+        """
+
+
+def play(setting: Setting, policy: Policy, episodes: int, seed: int, threads: int | None = None) -> PolicyRollouts:
+    """Whole episodes of a policy in a setting, so many side by side."""
+    return PolicyRollouts(setting.make(None, episodes, seed, threads).episodes, policy)

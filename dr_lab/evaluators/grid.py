@@ -1,0 +1,123 @@
+"""Returns over a grid of contexts."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
+from dr_lab.physics.context import ContextSpace
+from dr_lab.recorders.training import ContextAxis, Grid
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Span:
+    """Values of one parameter.
+
+    Attributes:
+        low: lowest; None for the parameter's own bound.
+        high: highest; None likewise.
+        count: values, both ends included.
+    """
+
+    low: float | None
+    high: float | None
+    count: int
+
+    def __post_init__(self) -> None:
+        require_numbers(self, "evaluator.axes", least={"count": 2})
+
+
+@dataclass(frozen=True)
+class GridEvaluator(Evaluator):
+    """Episodes in every cell of a grid over one or two parameters; the others keep their nominal values.
+
+    Source: Mozifian et al. 2020, figures 1 and 9 (10 rollouts a cell).
+
+    Attributes:
+        axes: by parameter, its values; none takes all parameters of the model, which then must be one or two.
+        count: values of a parameter that `axes` leaves open.
+        episodes: in each cell.
+        parallel: episodes side by side.
+        seed: of the episodes' starts.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+
+    axes: Mapping[str, Span]
+    count: int
+    episodes: int
+    parallel: int
+    seed: int
+
+    def __post_init__(self) -> None:
+        require_numbers(self, "evaluator", least={"count": 2, "episodes": 1, "parallel": 1})
+
+    def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
+        """Play every cell.
+
+        Raises:
+            ConfigError: there are more than two parameters to vary, or none.
+            UnknownNameError: an axis is no parameter of the model.
+        """
+        del folder
+        axes = self._axes(subject.setting.space)
+        z = cells(subject.setting.space, axes)
+        rollouts = subject.rollouts(self.parallel, self.seed)
+        repeated = np.repeat(z, self.episodes, axis=0)
+        loads = [repeated[first : first + self.parallel] for first in range(0, len(repeated), self.parallel)]
+        played: list[Array] = []
+        for done, load in enumerate(loads, start=1):
+            played.append(rollouts.returns(load))
+            progress(done / len(loads))
+        returns = np.concatenate(played).reshape(len(z), self.episodes)
+        return summed_up(subject.name, axes, returns)
+
+    def _axes(self, space: ContextSpace) -> list[ContextAxis]:
+        chosen = self.axes or dict.fromkeys(space.names, Span(None, None, self.count))
+        if not 1 <= len(chosen) <= 2:
+            raise ConfigError(
+                f"evaluator=grid draws one or two parameters; evaluator.axes asks for {len(chosen)}: "
+                f"{', '.join(chosen) or 'none'}. The model has {', '.join(space.names) or 'no parameters'}."
+            )
+        axes = []
+        for name, span in chosen.items():
+            index = space.index(name)
+            low = space.low[index] if span.low is None else span.low
+            high = space.high[index] if span.high is None else span.high
+            axes.append(ContextAxis(name, space.parameters[index].unit, np.linspace(low, high, span.count)))
+        return axes
+
+
+def cells(space: ContextSpace, axes: Sequence[ContextAxis]) -> Array:
+    """Contexts of a grid, the last axis running fastest, shape (cells, n)."""
+    z = []
+    for values in itertools.product(*(axis.values for axis in axes)):
+        row = space.nominal.copy()
+        for axis, value in zip(axes, values, strict=True):
+            row[space.index(axis.name)] = value
+        z.append(row)
+    return np.array(z)
+
+
+def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array) -> Evaluation:
+    """Mean and standard deviation of each cell's returns (cells, episodes); a cell is infeasible where any is NaN."""
+    shape = tuple(len(axis.values) for axis in axes)
+    mean, spread = returns.mean(axis=1), returns.std(axis=1)
+    combinations = itertools.product(*(axis.values.tolist() for axis in axes))
+    rows = [
+        {**dict(zip((axis.name for axis in axes), values, strict=True)), "return": float(m), "std": float(s)}
+        for values, m, s in zip(combinations, mean, spread, strict=True)
+    ]
+    feasible = mean[np.isfinite(mean)]
+    figures = {
+        "mean_return": float(feasible.mean()) if len(feasible) else float("nan"),
+        "best_return": float(feasible.max()) if len(feasible) else float("nan"),
+        "infeasible": float(np.mean(~np.isfinite(mean))),
+    }
+    return Evaluation(figures, rows, [Grid(title, list(axes), mean.reshape(shape), spread.reshape(shape))])

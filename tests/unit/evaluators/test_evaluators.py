@@ -1,0 +1,149 @@
+"""Evaluators on a block that is pushed along a rail: x' grows by F h/m a step, so a return is h F/m · T (T + 1)/2."""
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar, cast
+
+import mujoco
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from dr_lab.algorithms.trainer import Trainer
+from dr_lab.collectors.collector import Policy
+from dr_lab.envs.episodes import ContextSource
+from dr_lab.envs.setting import Setting
+from dr_lab.envs.task import Change, Fields, Task
+from dr_lab.errors import ConfigError
+from dr_lab.evaluators.evaluator import Subject
+from dr_lab.evaluators.fine_tune import FineTuneEvaluator
+from dr_lab.evaluators.grid import GridEvaluator, Span
+from dr_lab.evaluators.returns import ReturnsEvaluator
+from dr_lab.evaluators.statistics import iqm_interval, worst_decile
+from dr_lab.physics.model import from_spec
+from dr_lab.randomizers.uniform import UniformRandomizer
+from dr_lab.trajectory import Array
+
+STEP, STEPS = 0.01, 20
+XML = f"""<mujoco model="block"><option timestep="{STEP}" integrator="Euler"/><worldbody><body name="block">
+  <inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/><joint name="rail" type="slide" axis="1 0 0"/>
+</body></worldbody><actuator><motor name="drive" joint="rail" ctrlrange="-9 9"/></actuator></mujoco>"""
+MASS = {"block.mass": {"target": "body.block.mass", "unit": "kg", "low": 0.5, "high": 4.0}}
+
+
+class Push(Task):
+    """The mean velocity of every step is rewarded."""
+
+    reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel")
+
+    def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
+        del rng, compiled
+        return np.zeros(1), np.zeros(1)
+
+    def observe(self, fields: Fields) -> Array:
+        return np.concatenate([fields["qpos"], fields["qvel"]], axis=1)
+
+    def marker(self, fields: Fields) -> Array:
+        return fields["qpos"].copy()
+
+    def reward(self, change: Change) -> Array:
+        return change.velocity[:, 0]
+
+
+def constant(force: float) -> Policy:
+    def act(observation: Tensor) -> Tensor:
+        return torch.full((len(observation), 1), force)
+
+    return act
+
+
+class Stronger:
+    """Stands for a trainer: its policy pushes with 1 N more for every ten control steps of training."""
+
+    def __init__(self) -> None:
+        self.frames, self.force = 100, 1.0
+
+    def run(self, frames: int, watch: Callable[..., None]) -> None:
+        del watch
+        self.force += (frames - self.frames) / 10
+        self.frames = frames
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        return constant(self.force)(observation)
+
+
+def again(source: ContextSource, seed: int, checkpoint: Path) -> tuple[Trainer[Any], Policy]:
+    del source, seed, checkpoint
+    trainer = Stronger()
+    return cast(Any, trainer), trainer
+
+
+@pytest.fixture(scope="module")
+def subject() -> Subject:
+    model = from_spec("block", mujoco.MjSpec.from_string(XML), MASS)
+    task = Push(frame_skip=1, time_limit=STEPS)
+    setting = Setting(name="block", model=model, task=task, show_context=False, infeasible_return=0.0)
+    return Subject("pushed", setting, constant(1.0), again)
+
+
+def expected(mass: Array | float, force: float = 1.0) -> Array:
+    return np.asarray(STEP * force / mass * STEPS * (STEPS + 1) / 2)
+
+
+def test_a_grid_holds_the_return_of_every_cell(subject: Subject, tmp_path: Path) -> None:
+    told: list[float] = []
+    evaluator = GridEvaluator(axes={"block.mass": Span(None, 3.5, 4)}, count=9, episodes=2, parallel=3, seed=0)
+    found = evaluator.evaluate(subject, tmp_path, told.append)
+    (grid,) = found.grids
+    np.testing.assert_allclose(grid.axes[0].values, [0.5, 1.5, 2.5, 3.5])
+    np.testing.assert_allclose(grid.mean, expected(grid.axes[0].values), rtol=1e-6)
+    np.testing.assert_allclose(grid.spread, 0.0, atol=1e-9)
+    assert found.figures["best_return"] == pytest.approx(float(expected(0.5)))
+    assert found.rows[1] == pytest.approx({"block.mass": 1.5, "return": float(expected(1.5)), "std": 0.0}, abs=1e-6)
+    assert told[-1] == 1.0
+
+
+def test_a_grid_over_every_parameter_takes_their_bounds(subject: Subject, tmp_path: Path) -> None:
+    found = GridEvaluator(axes={}, count=3, episodes=1, parallel=2, seed=0).evaluate(subject, tmp_path, print)
+    np.testing.assert_allclose(found.grids[0].axes[0].values, [0.5, 2.25, 4.0])
+
+
+def test_three_axes_are_refused(subject: Subject, tmp_path: Path) -> None:
+    axes = {name: Span(0.0, 1.0, 2) for name in "abc"}
+    with pytest.raises(ConfigError, match=r"one or two parameters.*The model has block.mass"):
+        GridEvaluator(axes=axes, count=2, episodes=1, parallel=1, seed=0).evaluate(subject, tmp_path, print)
+
+
+def test_returns_over_a_distribution_are_those_of_its_contexts(subject: Subject, tmp_path: Path) -> None:
+    near = partial(UniformRandomizer, ranges={"block.mass": [1.999, 2.001]})
+    wide = partial(UniformRandomizer, ranges={"block.mass": [1.0, 4.0]})
+    evaluator = ReturnsEvaluator({"near": near, "wide": wide}, 200, 50, 0.95, 200, 0)
+    found = evaluator.evaluate(subject, tmp_path, print)
+    first, second = found.rows
+    assert first["iqm"] == pytest.approx(float(expected(2.0)), rel=1e-3)
+    # E[1/m] over U(1, 4) is ln 4 / 3
+    assert second["mean"] == pytest.approx(float(expected(1.0)) * np.log(4) / 3, rel=0.06)
+    assert float(second["low"]) < float(second["iqm"]) < float(second["high"])
+    assert float(second["worst_decile"]) == pytest.approx(float(expected(3.85)), rel=0.03)
+
+
+def test_training_on_is_followed_from_jump_start_to_asymptote(subject: Subject, tmp_path: Path) -> None:
+    near = partial(UniformRandomizer, ranges={"block.mass": [1.999, 2.001]})
+    evaluator = FineTuneEvaluator(near, contexts=4, rounds=2, frames=20, episodes=2, seed=0)
+    found = evaluator.evaluate(subject, tmp_path, print)
+    assert found.figures["jump_start"] == pytest.approx(float(expected(2.0)), rel=1e-3)
+    assert found.figures["asymptote"] == pytest.approx(float(expected(2.0, 5.0)), rel=1e-3)
+    (curve,) = found.curves
+    np.testing.assert_array_equal(curve.iteration, [0, 20, 40])
+    np.testing.assert_allclose(curve.value / curve.value[0], [1.0, 3.0, 5.0], rtol=1e-6)
+
+
+def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
+    values = np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -50.0, np.nan])
+    found = iqm_interval(values, 0.95, 500, 0)
+    assert found.value == pytest.approx(3.5)
+    assert found.low < found.value < found.high
+    assert iqm_interval(np.array([2.0]), 0.95, 10, 0).value == 2.0
+    assert worst_decile(np.append(np.arange(20.0), np.nan)) == 0.5
