@@ -43,8 +43,8 @@ class EpisodeLog:
         Returns:
             What ended within it, in the order of time.
         """
-        reward = batch["next", "reward"].squeeze(-1).double().numpy()
-        done = batch["next", "done"].squeeze(-1).numpy()
+        reward = cast(Tensor, batch["next", "reward"]).squeeze(-1).double().numpy()
+        done = cast(Tensor, batch["next", "done"]).squeeze(-1).numpy()
         context = cast(Tensor, batch["context"]).double().numpy()
         if len(self._returns) == 0:
             self._returns, self._lengths = np.zeros(len(reward)), np.zeros(len(reward), np.int64)

@@ -11,6 +11,7 @@ from dr_lab.algorithms.algorithm import Algorithm
 from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.algorithms.episode_log import EpisodeLog, Finished
 from dr_lab.collectors.collector import Collector
+from dr_lab.errors import DataError
 
 Watch = Callable[[Mapping[str, float], Finished], None]
 
@@ -51,6 +52,7 @@ class Trainer(Generic[R]):
         rollouts: what the learner may play.
         checkpoint: the file that a later run continues from.
         every: iterations between two checkpoints.
+        more: what else the checkpoint shall hold, by name, such as what `watch` keeps.
 
     Attributes:
         history: figures of every iteration so far.
@@ -64,6 +66,7 @@ class Trainer(Generic[R]):
         rollouts: R,
         checkpoint: Path,
         every: int,
+        more: Mapping[str, Stateful] | None = None,
     ) -> None:
         self._collector = collector
         self._algorithm = algorithm
@@ -72,6 +75,7 @@ class Trainer(Generic[R]):
         self._episodes = EpisodeLog()
         self._checkpoint = checkpoint
         self._every = every
+        self._more = more if more is not None else {}
         self.history: list[dict[str, float]] = []
 
     @property
@@ -104,7 +108,11 @@ class Trainer(Generic[R]):
         Raises:
             DataError: the file cannot be read, or belongs to a run with other settings.
         """
-        self.load_state_dict(load(checkpoint))
+        state = load(checkpoint)
+        try:
+            self.load_state_dict(state)
+        except (KeyError, RuntimeError, ValueError) as error:
+            raise DataError(f"{checkpoint} is of a run with other settings: {error}") from error
 
     def _iterate(self) -> tuple[dict[str, float], Finished]:
         begin = time.monotonic()
@@ -143,4 +151,5 @@ class Trainer(Generic[R]):
             "rollouts": self._rollouts,
             "collector": self._collector,
             "episodes": self._episodes,
+            **self._more,
         }

@@ -1,0 +1,212 @@
+"""Verb `train`: a policy, and beside it the distribution of the contexts that it is trained on."""
+
+import csv
+import io
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from rich.console import Console
+from rich.markdown import Markdown
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from dr_lab.algorithms.algorithm import Algorithm
+from dr_lab.algorithms.episode_log import Finished
+from dr_lab.algorithms.trainer import Watch
+from dr_lab.collectors.collector import Collector
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner
+from dr_lab.envs.setting import Setting
+from dr_lab.physics.context import ContextSpace
+from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.recorders.files import write_text
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.report import to_plain
+from dr_lab.recorders.training import Curve
+from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.workflows.snapshots import Snapshots
+from dr_lab.workflows.training import CHECKPOINT, Plan, Training
+
+_LAST = 0.1  # share of the iterations that the final return is the mean of
+_NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
+
+
+def train(
+    env: Setting,
+    algorithm: Callable[..., Algorithm],
+    randomizer: Callable[[ContextSpace], Randomizer],
+    distribution_learner: Callable[..., DistributionLearner],
+    collector: Callable[..., Collector],
+    recorder: Look,
+    frames: int,
+    episodes: int,
+    rollout_episodes: int,
+    checkpoint_every: int,
+    resume: str | None,
+    seed: int,
+    threads: int | None,
+    run_dir: Path,
+) -> dict[str, Any]:
+    """Train a policy on a distribution of contexts, which may be learnt beside it.
+
+    Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt``, ``report.json``, ``report.md``, ``review.rrd``. An
+    interrupted run is continued by the same command with ``resume=<run folder>``, as if it had never stopped.
+
+    Args:
+        env: machine and task.
+        algorithm: makes the algorithm.
+        randomizer: makes p(z).
+        distribution_learner: makes what shapes p(z).
+        collector: makes the collector.
+        recorder: how the recording looks.
+        frames: control steps of training in all.
+        episodes: that run side by side.
+        rollout_episodes: the same of those that a distribution learner plays.
+        checkpoint_every: iterations between two checkpoints.
+        resume: run folder of an interrupted training run with the same settings.
+        seed: of every random draw.
+        threads: C threads of the physics; None takes every core.
+        run_dir: the run folder.
+
+    Returns:
+        The report (schema dr_lab/train/1).
+
+    Raises:
+        ConfigError: a number is too small, or the parts do not fit.
+        DataError: the run to be resumed has no readable checkpoint, or other settings.
+    """
+    plan = Plan(
+        env=env,
+        algorithm=algorithm,
+        randomizer=randomizer,
+        distribution_learner=distribution_learner,
+        collector=collector,
+        episodes=episodes,
+        rollout_episodes=rollout_episodes,
+        frames=frames,
+        checkpoint_every=checkpoint_every,
+        seed=seed,
+        threads=threads,
+    )
+    torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
+    training = plan.assemble(run_dir / CHECKPOINT)
+    snapshots = Snapshots(training.randomizer)
+    training.more["snapshots"] = snapshots
+    if resume is None:
+        snapshots.take(0)
+    else:
+        training.trainer.resume(Path(resume).expanduser() / CHECKPOINT)
+    _run(training, snapshots, plan, run_dir)
+    return _finish(training, snapshots, env, recorder, run_dir)
+
+
+def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
+    trainer = training.trainer
+    try:
+        with training.collector, _progress(plan.frames, trainer.frames) as show:
+
+            def watch(figures: Mapping[str, float], finished: Finished) -> None:
+                if any(True for _ in training.randomizer.parameters()):
+                    snapshots.take(int(figures["iteration"]))
+                if int(figures["iteration"]) % plan.checkpoint_every == 0:
+                    write_text(run_dir / "metrics.csv", metrics_csv(trainer.history))
+                show(figures, finished)
+
+            trainer.run(plan.frames, watch)
+    except KeyboardInterrupt:
+        if (run_dir / CHECKPOINT).is_file():
+            Console().print(f"Interrupted. To go on, add resume={run_dir}", soft_wrap=True)
+        raise
+
+
+def _finish(training: Training, snapshots: Snapshots, env: Setting, look: Look, run_dir: Path) -> dict[str, Any]:
+    history = training.trainer.history
+    report = to_plain(_report(training, env, run_dir))
+    assert isinstance(report, dict)
+    page = _page(report)
+    write_text(run_dir / "metrics.csv", metrics_csv(history))
+    write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
+    write_text(run_dir / "report.md", page)
+    marginals, pairs = snapshots.marginals(), snapshots.pairs()
+    record = TrainingRecord(env.name, _curves(history), marginals, pairs, pages={"Report": page})
+    write_training_review(run_dir / "review.rrd", record, look)
+    Console().print(Markdown(page))
+    return report
+
+
+def _report(training: Training, env: Setting, run_dir: Path) -> dict[str, Any]:
+    history = training.trainer.history
+    last = history[-max(1, round(_LAST * len(history))) :]
+    episodes = sum(row["episodes"] for row in last)
+    total = sum(row["episodes"] * row["episode_return"] for row in last if row["episodes"])
+    z = training.randomizer.sample([np.random.default_rng(0)] * 1000)
+    context = {
+        p.name: {"unit": p.unit, "low": p.low, "high": p.high, "mean": column.mean(), "std": column.std()}
+        for p, column in zip(env.space.parameters, z.T, strict=True)
+    }
+    return {
+        "schema": "dr_lab/train/1",
+        "verb": "train",
+        "env": env.name,
+        "algorithm": type(training.algorithm).__name__,
+        "iterations": len(history),
+        "frames": training.trainer.frames,
+        "seconds": history[-1]["seconds"],
+        "final_return": total / episodes if episodes else None,
+        "final": history[-1],
+        "context": context,
+        "checkpoint": CHECKPOINT,
+        "run": run_dir,
+    }
+
+
+def _page(report: Mapping[str, Any]) -> str:
+    value = report["final_return"]
+    lines = [
+        f"# {report['algorithm']} on {report['env']}",
+        "",
+        f"{report['frames']} control steps in {report['seconds']:.0f} s, {report['iterations']} iterations. "
+        + ("No episode ended." if value is None else f"Mean return of the last episodes: {value:.1f}."),
+    ]
+    if report["context"]:
+        lines += ["", "| parameter | mean | std | unit |", "|---|---|---|---|"]
+        lines += [f"| {k} | {c['mean']:.4g} | {c['std']:.3g} | {c['unit']} |" for k, c in report["context"].items()]
+    return "\n".join(lines) + "\n"
+
+
+def metrics_csv(history: Sequence[Mapping[str, float]]) -> str:
+    """One row an iteration; what an iteration does not know is empty.
+
+    Args:
+        history: figures by name.
+    """
+    columns = list(dict.fromkeys(name for row in history for name in row))
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for row in history:
+        writer.writerow(["" if np.isnan(row.get(name, np.nan)) else f"{row[name]:.10g}" for name in columns])
+    return text.getvalue()
+
+
+def _curves(history: Sequence[Mapping[str, float]]) -> list[Curve]:
+    iteration = np.array([int(row["iteration"]) for row in history])
+    names = dict.fromkeys(name for row in history for name in row if name not in _NOT_PLOTTED)
+    return [Curve(name, "", iteration, np.array([row.get(name, np.nan) for row in history])) for name in names]
+
+
+@contextmanager
+def _progress(frames: int, done: int) -> Iterator[Watch]:
+    """A bar over control steps, with the mean return of the episodes that ended last."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f}"))
+    with Progress(*columns, TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(), transient=True) as bar:
+        task = bar.add_task("Training", total=frames, completed=done)
+
+        def show(figures: Mapping[str, float], finished: Finished) -> None:
+            label = f"return {finished.returns.mean():.1f}" if len(finished.returns) else "no episode ended"
+            bar.update(task, completed=figures["frames"], description=f"Training: {label}")
+
+        yield show

@@ -1,0 +1,13 @@
+"""Every algorithm, randomizer, learner and collector fits the verb `train`."""
+
+import pytest
+from test_configurations import check_verb, options_of
+
+GROUPS = ("algorithm", "randomizer", "distribution_learner", "collector", "normaliser", "reward_scale")
+PLACE = {"normaliser": "normaliser@algorithm.actor.normaliser", "reward_scale": "reward_scale@algorithm.reward_scale"}
+NEEDED = {"from_run": ["randomizer.run=outputs"]}
+
+
+@pytest.mark.parametrize(("group", "option"), [(group, option) for group in GROUPS for option in options_of(group)])
+def test_option_fits(group: str, option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb("train", [f"{PLACE.get(group, group)}={option}", *NEEDED.get(option, [])], monkeypatch)

@@ -1,0 +1,73 @@
+"""A short training run from the command line, stopped and continued."""
+
+import csv
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dr_lab.algorithms.checkpoint import load
+from dr_lab.cli.arguments import compose_arguments
+from dr_lab.cli.folders import shipped
+from dr_lab.errors import ConfigError, DataError
+from dr_lab.workflows.train import metrics_csv, train
+
+OVERRIDES = [
+    "env=cartpole",
+    "env.task.time_limit=20",
+    "algorithm.batch_frames=160",
+    "algorithm.minibatch=40",
+    "algorithm.epochs=2",
+    "distribution_learner=none",
+    "collector=lean",
+    "episodes=8",
+    "rollout_episodes=4",
+    "checkpoint_every=1",
+    "threads=1",
+]
+
+
+def run(folder: Path, *more: str) -> dict[str, Any]:
+    folder.mkdir()
+    return train(**compose_arguments("train", [*OVERRIDES, *more], (shipped(),)), run_dir=folder)
+
+
+def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path) -> None:
+    report = run(tmp_path / "whole", "frames=640", "algorithm.anneal_frames=640")
+    run(tmp_path / "first", "frames=320", "algorithm.anneal_frames=640")
+    run(tmp_path / "second", "frames=640", "algorithm.anneal_frames=640", f"resume={tmp_path / 'first'}")
+    rows = [
+        [
+            {k: v for k, v in row.items() if k != "seconds"}
+            for row in csv.DictReader((tmp_path / name / "metrics.csv").open())
+        ]
+        for name in ("whole", "second")
+    ]
+    assert rows[0] == rows[1]
+    assert [row["frames"] for row in rows[0]] == ["160", "320", "480", "640"]
+    assert report["schema"] == "dr_lab/train/1"
+    assert report == json.loads((tmp_path / "whole" / "report.json").read_text(encoding="utf-8"))
+    assert math.isfinite(report["final_return"])
+    for name in ("report.md", "review.rrd"):
+        assert (tmp_path / "whole" / name).stat().st_size > 0
+    assert load(tmp_path / "second" / "checkpoint.pt")["history"][-1]["frames"] == 640
+
+
+def test_a_run_that_cannot_be_continued_is_told(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"Cannot read the checkpoint .*nowhere"):
+        run(tmp_path / "run", "frames=160", f"resume={tmp_path / 'nowhere'}")
+
+
+def test_a_batch_smaller_than_the_slots_is_told(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="less than one control step"):
+        run(tmp_path / "run", "algorithm.batch_frames=7")
+    with pytest.raises(ConfigError, match=r"train\.frames is 0"):
+        run(tmp_path / "none", "frames=0")
+
+
+def test_metrics_leave_out_what_is_unknown() -> None:
+    text = metrics_csv([{"a": 1.0, "b": np.nan}, {"a": 2.5, "c": 1e-7}])
+    assert text == "a,b,c\n1,,\n2.5,,1e-07\n"
