@@ -14,6 +14,7 @@ from dr_lab.recorders.files import atomic
 
 # What arrays are made of when they are read; everything else that torch does not know by itself is refused.
 _ARRAYS = [
+    bytes,  # of an empty array
     np.ndarray,
     np.dtype,
     multiarray._reconstruct,
@@ -46,4 +47,5 @@ def load(path: Path) -> dict[str, Any]:
         with torch.serialization.safe_globals(_ARRAYS):
             return torch.load(path, weights_only=True)
     except (OSError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
-        raise DataError(f"Cannot read the checkpoint {path}: {error}. Give the folder of a training run.") from error
+        cause = str(error).partition("\n")[0]
+        raise DataError(f"Cannot read the checkpoint {path}: {cause} Give the folder of a training run.") from error

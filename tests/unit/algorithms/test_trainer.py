@@ -119,11 +119,18 @@ def test_episodes_are_followed_from_batch_to_batch() -> None:
 
 
 def test_checkpoints_hold_arrays_and_refuse_code(tmp_path: Path) -> None:
-    state = {"rng": np.random.default_rng(0).bit_generator.state, "array": np.eye(2), "n": [1, 2.5, None, "a"]}
+    state = {
+        "rng": np.random.default_rng(0).bit_generator.state,
+        "array": np.eye(2),
+        "empty": np.empty((3, 0)),
+        "flags": np.ones(2, bool),
+        "n": [1, 2.5, None, "a"],
+    }
     save(tmp_path / "c.pt", state)
     read = load(tmp_path / "c.pt")
     assert read["rng"] == state["rng"]
-    np.testing.assert_array_equal(read["array"], np.eye(2))
+    for name in ("array", "empty", "flags"):
+        np.testing.assert_array_equal(read[name], state[name])
     torch.save({"code": print}, tmp_path / "evil.pt")
     with pytest.raises(DataError, match="Cannot read the checkpoint"):
         load(tmp_path / "evil.pt")

@@ -35,17 +35,16 @@ def run(folder: Path, *more: str) -> dict[str, Any]:
     return train(**compose_arguments("train", [*OVERRIDES, *more], (shipped(),)), run_dir=folder)
 
 
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8") as file:
+        return [{k: v for k, v in row.items() if k != "seconds"} for row in csv.DictReader(file)]
+
+
 def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path) -> None:
     report = run(tmp_path / "whole", "frames=640", "algorithm.anneal_frames=640")
     run(tmp_path / "first", "frames=320", "algorithm.anneal_frames=640")
     run(tmp_path / "second", "frames=640", "algorithm.anneal_frames=640", f"resume={tmp_path / 'first'}")
-    rows = [
-        [
-            {k: v for k, v in row.items() if k != "seconds"}
-            for row in csv.DictReader((tmp_path / name / "metrics.csv").open())
-        ]
-        for name in ("whole", "second")
-    ]
+    rows = [rows_of(tmp_path / name / "metrics.csv") for name in ("whole", "second")]
     assert rows[0] == rows[1]
     assert [row["frames"] for row in rows[0]] == ["160", "320", "480", "640"]
     assert report["schema"] == "dr_lab/train/1"
