@@ -1,5 +1,6 @@
 """Settings of conf/env, built as `dr-lab train` would build them."""
 
+from functools import cache
 from pathlib import Path
 
 import hydra
@@ -19,6 +20,7 @@ def composed(*overrides: str) -> DictConfig:
         return hydra.compose(overrides=[f"+{name}", *rest]).env
 
 
+@cache
 def setting(name: str, *overrides: str) -> Setting:
     """A setting, e.g. ``setting("hopper", "env/context=hopper/friction")``."""
     return hydra.utils.instantiate(composed(f"env={name}", *overrides), _convert_="all")

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.envs.plain_signals import require_plain_signals
 from dr_lab.envs.task import Change, Task
 from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
@@ -72,7 +73,7 @@ class Episodes:
         infeasible: number of episodes that ended because their context was infeasible.
 
     Raises:
-        ModelError: an effect of the model transforms whole series of commands, which a policy does not give.
+        ModelError: an effect of the model transforms commands or readings, not physics.
     """
 
     def __init__(
@@ -90,7 +91,7 @@ class Episodes:
         self.model, self.task, self.source = model, task, source
         self.simulator = Simulator(model, nsim, threads, persistent=_FORCES in task.reads)
         compiled = self.simulator.compiled
-        _require_plain_commands(model, [compiled.actuator(i).name for i in range(compiled.nactuator)])
+        require_plain_signals(model, compiled)
         self.low, self.high = task.action_bounds(compiled)
         self.seconds = task.frame_skip * float(compiled.opt.timestep)
         self._show_context, self._infeasible_return = show_context, infeasible_return
@@ -195,14 +196,3 @@ class Episodes:
         if not self._show_context:
             return seen
         return np.concatenate([seen, self.model.space.to_unit(self.contexts[rows])], axis=1)
-
-
-def _require_plain_commands(model: Model, actuators: Sequence[str]) -> None:
-    series = np.zeros((1, 1, 2))
-    for actuator in actuators:
-        if model.command(model.space.nominal[None], actuator, series) is not series:
-            effects = ", ".join(effect.label for effect in model.effects)
-            raise ModelError(
-                f"Model {model.name!r}: one of its effects ({effects}) transforms the series of commands of "
-                f"{actuator!r}, which a policy gives one at a time. Leave that effect out for training."
-            )

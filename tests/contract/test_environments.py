@@ -1,10 +1,12 @@
 """What every environment keeps: gymnasium's physics, resets that touch nothing else, an exact state."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from effect_machines import placed
 from gymnasium_twins import twin
 from settings import setting
 from torchrl.envs.utils import check_env_specs
@@ -13,6 +15,7 @@ from dr_lab.cli.compose import options
 from dr_lab.cli.folders import shipped
 from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
+from dr_lab.errors import ModelError
 from dr_lab.trajectory import Array
 
 NAMES = sorted(options("env", (shipped(),)))
@@ -84,7 +87,7 @@ def test_steps_equal_gymnasium(name: str) -> None:
     ends, touched = 0, False
     for slot in range(2):
         pair(slot)
-    for k in range(120):
+    for k in range(80):
         action = actions(episodes, k)
         outcome = episodes.step(action)
         for slot, one in enumerate(twins):
@@ -221,3 +224,29 @@ def test_given_contexts_are_those_of_the_next_episodes_until_none_are_given() ->
     np.testing.assert_array_equal(env.reset()["context"], z.astype(np.float32))
     env.set_contexts(None)
     assert (env.reset()["context"].numpy() < 1.0).all()
+
+
+def corrected(effect: str, site: str) -> Setting:
+    plain = setting("furuta")
+    return replace(plain, model=plain.model.with_effect(placed(plain.model, effect, site)))
+
+
+@pytest.mark.parametrize("effect", ["coulomb_friction", "hysteresis"])  # MuJoCo's own element, a law between steps
+def test_effects_of_a_corrected_model_are_played_and_randomised(effect: str) -> None:
+    episodes = begun(corrected(effect, "arm"), nenv=2)
+    space = episodes.model.space
+    z = np.tile(space.nominal, (2, 1))
+    z[1, len(episodes.model.declared) :] = space.high[len(episodes.model.declared) :]
+    episodes.give_contexts(z)
+    episodes.begin(np.arange(2))
+    for name in ("qpos", "qvel"):
+        episodes.simulator.batch.bind(name)[1] = episodes.simulator.batch.bind(name)[0]
+    seen = [episodes.step(np.full((2, 1), 4.0)).observation for _ in range(10)][-1]
+    assert not np.allclose(seen[0], seen[1], atol=1e-4)
+    assert not episodes.simulator.infeasible.any()
+
+
+@pytest.mark.parametrize(("effect", "site"), [("dead_zone", "motor"), ("sensor_bias", "arm")])
+def test_effects_outside_of_the_physics_are_refused(effect: str, site: str) -> None:
+    with pytest.raises(ModelError, match=effect):
+        begun(corrected(effect, site))
