@@ -102,7 +102,7 @@ class RealVsSimEvaluator(Evaluator):
                 action = subject.policy(torch.from_numpy(seen.astype(np.float32)))
             return np.clip(action.double().numpy()[0], low, high).tolist()
 
-        time = seconds * np.arange(task.time_limit + 1)
+        time = np.arange(task.time_limit + 1, dtype=np.float64) * seconds
         states, actions = track(
             plant.nominal.machine(plant.nominal.true_values(self.machine)),
             plant.hidden,
