@@ -56,6 +56,12 @@ class Algorithm(ABC):
             Figures to be recorded, by name.
         """
 
+    def begin_schedules(self) -> None:  # noqa: B027 (few have one)
+        """Let what changes with the control steps seen begin anew; by default there is nothing of the kind.
+
+        A trained policy that is trained on would else be held by a learning rate that has fallen to 0.
+        """
+
     @abstractmethod
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs: networks, normalisers, optimisers, random numbers, counters."""

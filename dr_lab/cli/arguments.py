@@ -12,6 +12,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.check import check
 from dr_lab.cli.compose import compose_from, misplaced, options, register_resolvers
+from dr_lab.cli.provenance import CONFIG_FILE
 from dr_lab.errors import ConfigError
 
 # Keys of a configuration that are not a workflow's business, unless it asks for them.
@@ -22,19 +23,25 @@ COMPOSE = "compose"
 SUPPLIED = (RUN_DIR, COMPOSE)
 
 
-def compose_arguments(verb: str, overrides: Sequence[str], folders: Sequence[Path]) -> dict[str, Any]:
+def compose_arguments(
+    verb: str, overrides: Sequence[str], folders: Sequence[Path], recorded: Path | None = None
+) -> dict[str, Any]:
     """What a command line would call a verb's function with, its run folder apart.
 
     Args:
         verb: e.g. ``"diagnose"``.
         overrides: as on the command line.
         folders: configuration folders, first searched first; the last one ships with dr_lab.
+        recorded: run folder of that verb, whose configuration is taken instead of the verb's own.
 
     Raises:
         ConfigError: the configuration cannot be run.
         hydra.errors.ConfigCompositionException: an override names nothing.
     """
-    return arguments_of(verb, compose_from(folders, verb, overrides), folders)[1]
+    if recorded is None:
+        return arguments_of(verb, compose_from(folders, verb, overrides), folders)[1]
+    again = (recorded.absolute(), *folders)
+    return arguments_of(verb, compose_from(again, Path(CONFIG_FILE).stem, overrides), folders)[1]
 
 
 def arguments_of(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[Callable[..., Any], dict[str, Any]]:

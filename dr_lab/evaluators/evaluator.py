@@ -27,16 +27,19 @@ class Subject:
         policy: what is deployed: without exploration.
         again: gives a trainer that goes on from the trained state, on contexts from another source, with a random seed,
             and the policy that it trains; its checkpoint goes to the given file.
+        threads: C threads of the physics; None takes every core.
     """
 
     name: str
     setting: Setting
     policy: Policy
     again: Callable[[ContextSource, int, Path], tuple[Trainer[Any], Policy]]
+    threads: int | None = None
 
-    def rollouts(self, episodes: int, seed: int, threads: int | None = None) -> PolicyRollouts:
-        """Whole episodes of the policy, so many side by side."""
-        return play(self.setting, self.policy, episodes, seed, threads)
+    def rollouts(self, episodes: int, seed: int, policy: Policy | None = None) -> PolicyRollouts:
+        """Whole episodes, so many side by side, of the policy or of another one on the same task."""
+        slots = self.setting.make(None, episodes, seed, self.threads).episodes
+        return PolicyRollouts(slots, policy or self.policy)
 
 
 @dataclass(frozen=True)
@@ -68,8 +71,3 @@ class Evaluator(ABC):
             folder: for files of its own.
             progress: is told the share that is done, from 0 to 1.
         """
-
-
-def play(setting: Setting, policy: Policy, episodes: int, seed: int, threads: int | None = None) -> PolicyRollouts:
-    """Whole episodes of a policy in a setting, so many side by side."""
-    return PolicyRollouts(setting.make(None, episodes, seed, threads).episodes, policy)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from dr_lab.errors import require_numbers
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject, play
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import interquartile_mean
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.fixed import FixedRandomizer
@@ -65,7 +65,7 @@ class FineTuneEvaluator(Evaluator):
         trainer, policy = subject.again(
             FixedRandomizer(space, dict(zip(space.names, z.tolist(), strict=True))), self.seed + index, checkpoint
         )
-        rollouts = play(subject.setting, policy, self.episodes, self.seed)
+        rollouts = subject.rollouts(self.episodes, self.seed, policy)
         wanted, begun = np.repeat(z[None], self.episodes, axis=0), trainer.frames
         returns = [rollouts.returns(wanted).mean()]
         for done in range(1, self.rounds + 1):

@@ -15,32 +15,15 @@ from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class Span:
-    """Values of one parameter.
-
-    Attributes:
-        low: lowest; None for the parameter's own bound.
-        high: highest; None likewise.
-        count: values, both ends included.
-    """
-
-    low: float | None
-    high: float | None
-    count: int
-
-    def __post_init__(self) -> None:
-        require_numbers(self, "evaluator.axes", least={"count": 2})
-
-
-@dataclass(frozen=True)
 class GridEvaluator(Evaluator):
     """Episodes in every cell of a grid over one or two parameters; the others keep their nominal values.
 
     Source: Mozifian et al. 2020, figures 1 and 9 (10 rollouts a cell).
 
     Attributes:
-        axes: by parameter, its values; none takes all parameters of the model, which then must be one or two.
-        count: values of a parameter that `axes` leaves open.
+        axes: by parameter, [lowest, highest, number of values] in SI units; None takes all parameters of the model,
+            which then must be one or two, within their bounds.
+        count: values of a parameter where `axes` is None.
         episodes: in each cell.
         parallel: episodes side by side.
         seed: of the episodes' starts.
@@ -49,7 +32,7 @@ class GridEvaluator(Evaluator):
         ConfigError: a number is too small.
     """
 
-    axes: Mapping[str, Span]
+    axes: Mapping[str, Sequence[float]] | None
     count: int
     episodes: int
     parallel: int
@@ -79,19 +62,24 @@ class GridEvaluator(Evaluator):
         return summed_up(subject.name, axes, returns)
 
     def _axes(self, space: ContextSpace) -> list[ContextAxis]:
-        chosen = self.axes or dict.fromkeys(space.names, Span(None, None, self.count))
+        every = zip(space.names, space.low, space.high, strict=True)
+        chosen = self.axes if self.axes is not None else {name: (low, high, self.count) for name, low, high in every}
         if not 1 <= len(chosen) <= 2:
             raise ConfigError(
-                f"evaluator=grid draws one or two parameters; evaluator.axes asks for {len(chosen)}: "
-                f"{', '.join(chosen) or 'none'}. The model has {', '.join(space.names) or 'no parameters'}."
+                f"evaluator=grid draws one or two parameters; here it is {len(chosen)}: {', '.join(chosen) or 'none'}. "
+                "Choose with evaluator.axes={parameter: [lowest, highest, number of values]}; the model has "
+                f"{', '.join(space.names) or 'no parameters'}."
             )
-        axes = []
-        for name, span in chosen.items():
-            index = space.index(name)
-            low = space.low[index] if span.low is None else span.low
-            high = space.high[index] if span.high is None else span.high
-            axes.append(ContextAxis(name, space.parameters[index].unit, np.linspace(low, high, span.count)))
-        return axes
+        return [_axis(space, name, *given) for name, given in chosen.items()]
+
+
+def _axis(space: ContextSpace, name: str, *given: float) -> ContextAxis:
+    index = space.index(name)
+    if len(given) != 3 or not given[0] < given[1] or given[2] < 2 or given[2] != int(given[2]):
+        raise ConfigError(
+            f"evaluator.axes.{name} is {list(given)}; expected [lowest, highest, number of values], at least two."
+        )
+    return ContextAxis(name, space.parameters[index].unit, np.linspace(given[0], given[1], int(given[2])))
 
 
 def cells(space: ContextSpace, axes: Sequence[ContextAxis]) -> Array:

@@ -157,6 +157,10 @@ class PPO(Algorithm):
         ratio = log_ratio.exp()
         return (ratio - 1 - log_ratio).mean().item(), ((ratio - 1).abs() > self.surrogate.clip).float().mean().item()
 
+    def begin_schedules(self) -> None:
+        """The learning rates start at their full size again."""
+        self.frames = 0
+
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
         return {

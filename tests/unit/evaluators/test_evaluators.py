@@ -19,7 +19,7 @@ from dr_lab.envs.task import Change, Fields, Task
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.evaluator import Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
-from dr_lab.evaluators.grid import GridEvaluator, Span
+from dr_lab.evaluators.grid import GridEvaluator
 from dr_lab.evaluators.returns import ReturnsEvaluator
 from dr_lab.evaluators.statistics import iqm_interval, worst_decile
 from dr_lab.physics.model import from_spec
@@ -94,7 +94,7 @@ def expected(mass: Array | float, force: float = 1.0) -> Array:
 
 def test_a_grid_holds_the_return_of_every_cell(subject: Subject, tmp_path: Path) -> None:
     told: list[float] = []
-    evaluator = GridEvaluator(axes={"block.mass": Span(None, 3.5, 4)}, count=9, episodes=2, parallel=3, seed=0)
+    evaluator = GridEvaluator(axes={"block.mass": [0.5, 3.5, 4]}, count=9, episodes=2, parallel=3, seed=0)
     found = evaluator.evaluate(subject, tmp_path, told.append)
     (grid,) = found.grids
     np.testing.assert_allclose(grid.axes[0].values, [0.5, 1.5, 2.5, 3.5])
@@ -106,14 +106,20 @@ def test_a_grid_holds_the_return_of_every_cell(subject: Subject, tmp_path: Path)
 
 
 def test_a_grid_over_every_parameter_takes_their_bounds(subject: Subject, tmp_path: Path) -> None:
-    found = GridEvaluator(axes={}, count=3, episodes=1, parallel=2, seed=0).evaluate(subject, tmp_path, print)
+    found = GridEvaluator(axes=None, count=3, episodes=1, parallel=2, seed=0).evaluate(subject, tmp_path, print)
     np.testing.assert_allclose(found.grids[0].axes[0].values, [0.5, 2.25, 4.0])
 
 
 def test_three_axes_are_refused(subject: Subject, tmp_path: Path) -> None:
-    axes = {name: Span(0.0, 1.0, 2) for name in "abc"}
-    with pytest.raises(ConfigError, match=r"one or two parameters.*The model has block.mass"):
+    axes = {name: [0.0, 1.0, 2] for name in "abc"}
+    with pytest.raises(ConfigError, match=r"one or two parameters.*the model has block.mass"):
         GridEvaluator(axes=axes, count=2, episodes=1, parallel=1, seed=0).evaluate(subject, tmp_path, print)
+
+
+def test_an_axis_of_one_value_is_refused(subject: Subject, tmp_path: Path) -> None:
+    evaluator = GridEvaluator(axes={"block.mass": [1.0, 2.0, 1]}, count=2, episodes=1, parallel=1, seed=0)
+    with pytest.raises(ConfigError, match=r"evaluator\.axes\.block\.mass is \[1\.0, 2\.0, 1\]; expected \[lowest"):
+        evaluator.evaluate(subject, tmp_path, print)
 
 
 def test_returns_over_a_distribution_are_those_of_its_contexts(subject: Subject, tmp_path: Path) -> None:

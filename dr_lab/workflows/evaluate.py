@@ -1,0 +1,169 @@
+"""Verb `evaluate`: what a trained policy is worth, over contexts, on another machine, or as a beginning."""
+
+import csv
+import io
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import torch
+from rich.console import Console
+from rich.markdown import Markdown
+from rich.progress import Progress as Bar
+
+from dr_lab.algorithms.checkpoint import load
+from dr_lab.algorithms.trainer import Trainer
+from dr_lab.collectors.collector import Policy
+from dr_lab.distribution_learners.none import NoLearner
+from dr_lab.envs.episodes import ContextSource
+from dr_lab.errors import DataError
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
+from dr_lab.recorders.files import write_text
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.quantity import number
+from dr_lab.recorders.report import to_plain
+from dr_lab.recorders.tables import table
+from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.workflows.training import CHECKPOINT, Plan
+
+_SHOWN = 40  # rows of the table in the page; all are in returns.csv
+
+
+def evaluate(
+    run: str,
+    runs: str,
+    evaluator: Evaluator,
+    recorder: Look,
+    threads: int | None,
+    compose: Callable[..., Mapping[str, Any]],
+    run_dir: Path,
+) -> dict[str, Any]:
+    """Evaluate the policy that a training run left.
+
+    Files: ``returns.csv`` (the evaluator's table), ``report.json``, ``report.md``, ``review.rrd``.
+
+    Args:
+        run: folder of the training run, or ``latest`` for the newest below `runs`.
+        runs: folder that collects training runs.
+        evaluator: what is played and summed up.
+        recorder: how the recording looks.
+        threads: C threads of the physics; None takes every core.
+        compose: gives the arguments of a verb, built from its name, overrides and the folder that records them.
+        run_dir: the run folder.
+
+    Returns:
+        The report (schema dr_lab/evaluate/1).
+
+    Raises:
+        DataError: there is no such run, or it has no readable checkpoint.
+        ConfigError: the evaluator does not fit the task.
+    """
+    torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
+    folder = trained(run, Path(runs))
+    subject = subject_of(folder, compose, threads)
+    with _progress() as progress:
+        found = evaluator.evaluate(subject, run_dir, progress)
+    report = to_plain(
+        {
+            "schema": "dr_lab/evaluate/1",
+            "verb": "evaluate",
+            "trained": folder,
+            "env": subject.setting.name,
+            "evaluator": type(evaluator).__name__,
+            "figures": dict(found.figures),
+            "rows": [dict(row) for row in found.rows],
+            "run": run_dir,
+        }
+    )
+    assert isinstance(report, dict)
+    _write(run_dir, report, found, subject, recorder)
+    return report
+
+
+def trained(run: str, runs: Path) -> Path:
+    """Folder of a training run.
+
+    Raises:
+        DataError: there is none.
+    """
+    if run == "latest":
+        found = sorted(runs.rglob(CHECKPOINT), key=lambda path: path.stat().st_mtime)
+        if not found:
+            raise DataError(f"There is no training run below {runs}. Run dr-lab train first, or give run=FOLDER.")
+        return found[-1].parent
+    folder = Path(run).expanduser()
+    if not (folder / CHECKPOINT).is_file():
+        raise DataError(f"{folder} holds no {CHECKPOINT}. Give run=FOLDER of a training run, or run=latest.")
+    return folder
+
+
+def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads: int | None) -> Subject:
+    """The policy of a training run, and what it takes to play it and to train it on.
+
+    Args:
+        folder: the training run.
+        compose: gives the arguments of a verb, built from its name, overrides and the folder that records them.
+        threads: C threads of the physics; None takes every core.
+
+    Raises:
+        DataError: the checkpoint cannot be read.
+    """
+    arguments = compose("train", [], recorded=folder)
+    plan = Plan(**{field.name: arguments[field.name] for field in fields(Plan)} | {"threads": threads})
+    state = load(folder / CHECKPOINT)["algorithm"]
+    training = plan.assemble(folder / CHECKPOINT)  # nothing is trained, so nothing is written there
+    training.algorithm.load_state_dict(state)
+    training.collector.close()
+
+    def again(source: ContextSource, seed: int, checkpoint: Path) -> tuple[Trainer[Any], Policy]:
+        further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
+        fresh = further.assemble(checkpoint)
+        fresh.algorithm.load_state_dict(state)
+        fresh.algorithm.begin_schedules()
+        return fresh.trainer, fresh.algorithm.deployed
+
+    return Subject(folder.name, plan.env, training.algorithm.deployed, again, threads)
+
+
+def _write(run_dir: Path, report: Mapping[str, Any], found: Evaluation, subject: Subject, look: Look) -> None:
+    page = _page(report, subject)
+    write_text(run_dir / "returns.csv", _csv(found.rows))
+    write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
+    write_text(run_dir / "report.md", page)
+    record = TrainingRecord(
+        f"{subject.setting.name} · {subject.name}", found.curves, grids=found.grids, pages={"Report": page}
+    )
+    write_training_review(run_dir / "review.rrd", record, look)
+    Console().print(Markdown(page))
+
+
+def _page(report: Mapping[str, Any], subject: Subject) -> str:
+    figures = [[name.replace("_", " "), number(value)] for name, value in report["figures"].items()]
+    rows = report["rows"]
+    header = list(rows[0]) if rows else []
+    cells = [[_cell(row[key]) for key in header] for row in rows[:_SHOWN]]
+    more = f"\n\n… and {len(rows) - _SHOWN} more in returns.csv." if len(rows) > _SHOWN else ""
+    title = f"# {report['evaluator']}: {subject.setting.name}, {subject.name}"
+    return f"{title}\n\n{table(['figure', 'value'], figures)}\n\n{table(header, cells)}{more}\n"
+
+
+def _csv(rows: Sequence[Row]) -> str:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]) if rows else [], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def _cell(value: float | str | None) -> str:
+    return value if isinstance(value, str) else number(value)
+
+
+@contextmanager
+def _progress() -> Iterator[Progress]:
+    with Bar(transient=True) as bar:
+        task = bar.add_task("Evaluating", total=1.0)
+        yield lambda share: bar.update(task, completed=share)

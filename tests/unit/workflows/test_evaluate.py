@@ -1,0 +1,63 @@
+"""A short training run from the command line, evaluated in all ways."""
+
+import csv
+import functools
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_train import OVERRIDES
+
+from dr_lab.cli.arguments import compose_arguments
+from dr_lab.cli.compose import compose_from
+from dr_lab.cli.folders import shipped
+from dr_lab.cli.job import Job, run_job
+from dr_lab.errors import DataError
+from dr_lab.workflows.evaluate import evaluate, trained
+
+TRAIN = [*OVERRIDES, "env=furuta", "frames=320", "randomizer=fixed"]
+
+
+def job(verb: str, folder: Path, overrides: list[str]) -> None:
+    run_job(Job(verb, tuple(overrides), "run", folder, (shipped(),)), compose_from((shipped(),), verb, overrides))
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("runs") / "train"
+    job("train", folder, TRAIN)
+    return folder
+
+
+def evaluated(run: Path, folder: Path, *overrides: str) -> dict[str, Any]:
+    folder.mkdir()
+    arguments = compose_arguments("evaluate", [f"run={run}", *overrides], (shipped(),))
+    compose = functools.partial(compose_arguments, folders=(shipped(),))
+    return evaluate(**arguments, compose=compose, run_dir=folder)
+
+
+def test_a_grid_is_played_written_and_drawn(run: Path, tmp_path: Path) -> None:
+    cells = "evaluator.axes={arm.mass: [0.05, 0.15, 3]}"
+    report = evaluated(run, tmp_path / "grid", "evaluator=grid", cells, "evaluator.episodes=2", "evaluator.parallel=4")
+    assert report["schema"] == "dr_lab/evaluate/1"
+    assert report == json.loads((tmp_path / "grid" / "report.json").read_text(encoding="utf-8"))
+    with (tmp_path / "grid" / "returns.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["return"]) for row in rows] == pytest.approx([row["return"] for row in report["rows"]])
+    assert len(rows) == 3
+    assert (tmp_path / "grid" / "review.rrd").stat().st_size > 0
+
+
+def test_a_policy_is_trained_on_in_a_context(run: Path, tmp_path: Path) -> None:
+    few = ["evaluator.contexts=1", "evaluator.rounds=1", "evaluator.frames=160", "evaluator.episodes=2"]
+    report = evaluated(run, tmp_path / "tuned", "evaluator=fine_tune", *few)
+    assert np.isfinite([report["figures"]["jump_start"], report["figures"]["asymptote"]]).all()
+
+
+def test_a_run_without_a_checkpoint_is_told(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"holds no checkpoint\.pt"):
+        trained(str(tmp_path), tmp_path)
+    with pytest.raises(DataError, match=r"There is no training run below"):
+        trained("latest", tmp_path)
