@@ -112,7 +112,7 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
         DataError: the checkpoint cannot be read.
     """
     arguments = compose("train", [], recorded=folder)
-    plan = Plan(**{field.name: arguments[field.name] for field in fields(Plan)} | {"threads": threads})
+    plan = replace(Plan(**{field.name: arguments[field.name] for field in fields(Plan)}), threads=threads)
     state = load(folder / CHECKPOINT)["algorithm"]
     training = plan.assemble(folder / CHECKPOINT)  # nothing is trained, so nothing is written there
     training.algorithm.load_state_dict(state)
