@@ -17,7 +17,7 @@ def test_marginals_of_a_grid_are_exact_and_follow_it() -> None:
     snapshots.take(3)
     for axis, marginal in enumerate(snapshots.marginals()):
         np.testing.assert_allclose(marginal.prior, before.sum(1 - axis))
-        np.testing.assert_allclose(marginal.probability, [before.sum(1 - axis), [1 / 3] * 3])
+        np.testing.assert_allclose(marginal.probability, [before.sum(1 - axis).tolist(), [1 / 3] * 3])
         np.testing.assert_array_equal(marginal.iteration, [0, 3])
         assert (marginal.name, marginal.unit) == (SPACE.names[axis], SPACE.parameters[axis].unit)
         np.testing.assert_allclose(marginal.edges[[0, -1]], [SPACE.low[axis], SPACE.high[axis]])
