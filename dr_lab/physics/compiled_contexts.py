@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from mujoco.batch import MODEL_FIELDS, Batch
 
+from dr_lab.physics.stepper import CHANGED
 from dr_lab.trajectory import Array
 
 
@@ -13,7 +14,8 @@ class CompiledContexts:
     """Gives each simulation of a batch its own compiled model, field by field.
 
     `Batch.set_models` takes whole models but then lets no field be changed from step to step. Fields that a compiler
-    derives are among those written, so nothing is left to compute.
+    derives are among those written, so nothing is left to compute. What laws change from step to step is written anew
+    every time, whether the models differ in it or not.
 
     Args:
         batch: the simulations.
@@ -23,7 +25,7 @@ class CompiledContexts:
     def __init__(self, batch: Batch, compiled: mujoco.MjModel) -> None:
         self._batch = batch
         self._compiled = compiled
-        self._expanded: set[str] = set()
+        self._expanded = set(CHANGED)
 
     def write(self, models: Sequence[mujoco.MjModel]) -> None:
         """Write the models of all simulations, shape (nsim,); the same model may stand for many."""
