@@ -72,12 +72,18 @@ def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
         [
             str(place),
             f"`{candidate_name(row)}`",
-            row["status"].replace("_", " "),
+            _status(row),
             *_outcome(row),
         ]
         for place, row in enumerate(ranking, start=1)
     ]
     return table(["", "effect", "status", "χ²", "gain (interval)", "its parameters"], rows)
+
+
+def _status(row: Mapping[str, Any]) -> str:
+    """Status in words; what free parameters take the place of was not among the rivals that share the verdict."""
+    absorbed = row.get("absorbed_by_parameters") and row["status"] == "equivalent"
+    return "absorbed" if absorbed else row["status"].replace("_", " ")
 
 
 def _outcome(row: Mapping[str, Any]) -> tuple[str, str, str]:

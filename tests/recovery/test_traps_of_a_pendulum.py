@@ -6,6 +6,7 @@ large. A pendulum's joint holds more at rest than it brakes in motion: Coulomb a
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -75,7 +76,7 @@ def late(seed: int) -> Log:
     return log_of(f"log_{seed}", outputs, Signal("servo", "rad", edges, target))
 
 
-def study_of(model: Model, cfg: DictConfig, **parts: object) -> Study:
+def study_of(model: Model, cfg: DictConfig, **parts: Any) -> Study:  # noqa: ANN401 (parts of a study)
     """Logs and settings of a composed diagnosis, some of its parts given."""
     built = {key: instantiate(cfg[key], _convert_="all") for key in KEYS if key not in parts}
     return prepare(model=model, **(built | parts), threads=1)

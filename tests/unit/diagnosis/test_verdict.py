@@ -96,8 +96,20 @@ def test_a_richer_effect_that_explains_more_is_named() -> None:
 
 def test_what_the_data_do_not_excite_is_told() -> None:
     verdict = judged(1.0, ("coulomb_friction", 1.0), coulomb_friction=HIDDEN)
+    assert (verdict.kind, verdict.effects) == ("not_excited", ())
     assert verdict.status == {"coulomb_friction@rail": "not_excited"}
     assert verdict.absorbed == ()
+    assert "coulomb_friction@rail" in verdict.reason
+
+
+def test_where_other_effects_would_show_none_is_the_answer_and_the_silent_one_is_listed() -> None:
+    verdict = judged(1.0, ("coulomb_friction", 1.0), ("viscous_friction", 1.0), coulomb_friction=HIDDEN)
+    assert verdict.kind == "none"
+    assert "would not show: coulomb_friction@rail." in verdict.reason
+
+
+def test_a_gap_beside_silent_effects_stays_unexplained() -> None:
+    assert judged(20.0, ("coulomb_friction", 20.0), coulomb_friction=HIDDEN).kind == "unexplained"
 
 
 def test_what_free_parameters_can_replace_is_told() -> None:
