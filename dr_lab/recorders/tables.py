@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dr_lab.recorders.ladder import before_after, candidate_name, steps
+from dr_lab.recorders.ladder import before_after, candidate_name, status, steps
 from dr_lab.recorders.quantity import ABSENT, number, percent, uncertain
 
 # Tables that hold one column a channel stay readable up to here; machines with more get the table by channel alone.
@@ -72,18 +72,12 @@ def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
         [
             str(place),
             f"`{candidate_name(row)}`",
-            _status(row),
+            status(row),
             *_outcome(row),
         ]
         for place, row in enumerate(ranking, start=1)
     ]
     return table(["", "effect", "status", "χ²", "gain (interval)", "its parameters"], rows)
-
-
-def _status(row: Mapping[str, Any]) -> str:
-    """Status in words; what free parameters take the place of was not among the rivals that share the verdict."""
-    absorbed = row.get("absorbed_by_parameters") and row["status"] == "equivalent"
-    return "absorbed" if absorbed else row["status"].replace("_", " ")
 
 
 def _outcome(row: Mapping[str, Any]) -> tuple[str, str, str]:
