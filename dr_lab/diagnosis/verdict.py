@@ -82,7 +82,20 @@ def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> lis
         if not supported(paired_gain(c.explained.held_out, best.explained.held_out, settings), 0, settings)
     ]
     fewest = min(len(c.effect.parameters) for c in group)
-    return sorted((c for c in group if len(c.effect.parameters) == fewest), key=_nearness)
+    return sorted(_likeliest([c for c in group if len(c.effect.parameters) == fewest], settings), key=_nearness)
+
+
+def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
+    """Of effects with equally many parameters that leave noise alone, those that all logs hold as likely as the best.
+
+    At the noise floor Δχ² is the likelihood ratio, to which the logs that were fitted contribute as well; it needs no
+    interval, which few blocks of data make wide. Above the floor the models are wrong in ways that differ from log to
+    log, and the intervals decide.
+    """
+    if any(c.explained.held_out.chi2 > settings.floor for c in group):
+        return group
+    chi2 = [c.explained.fit.cost + float(c.explained.held_out.window_sum.sum()) for c in group]
+    return [c for c, each in zip(group, chi2, strict=True) if each < min(chi2) + settings.threshold]
 
 
 def _nearness(candidate: Candidate) -> tuple[int, float]:
