@@ -53,7 +53,7 @@ def finish(
         shown, notes = _export(models, run_dir)
         if estimate is not None:
             write_context(run_dir / "context.yaml", estimate)
-        logs = shown_logs(study)
+        logs = shown_logs(study, look.longest)
         played = [play_log(study, log, shown) for log in logs]
         overlays = [overlay(study, log, shown, p, look) for log, p in zip(logs, played, strict=True)]
         if AFTER in shown:
