@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from dr_lab.physics.law import History, Influence, Law, Moment
 from dr_lab.trajectory import Array
 
-CHANGED = ("dof_frictionloss", "dof_armature")  # fields of the model that laws change from step to step
+# Fields of the model that laws change from step to step. MuJoCo takes the mass matrix of simple joints from dof_M0.
+CHANGED = ("dof_frictionloss", "dof_armature", "dof_M0")
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
@@ -26,7 +27,7 @@ class Stepper:
     def __init__(self, batch: Batch, compiled: mujoco.MjModel, laws: Sequence[Law]) -> None:
         self._batch = batch
         self._laws = laws
-        self._friction, self._armature = (batch.expand(name).copy() for name in CHANGED)
+        self._friction, self._armature, self._inertia = (batch.expand(name).copy() for name in CHANGED)
         self._step = compiled.opt.timestep
         scalar = np.isin(compiled.jnt_type, _SCALAR)
         self._positions, self._dofs = compiled.jnt_qposadr[scalar], compiled.jnt_dofadr[scalar]
@@ -62,7 +63,9 @@ class Stepper:
             law.act(moment, influence)
         batch.bind("ctrl")[:] = influence.control
         batch.bind("qfrc_applied")[:] = influence.force
-        for name, values in zip(CHANGED, (np.maximum(influence.friction, 0.0), influence.armature), strict=True):
+        added = influence.armature - self._armature
+        changed = np.maximum(influence.friction, 0.0), influence.armature, self._inertia + added
+        for name, values in zip(CHANGED, changed, strict=True):
             batch.expand(name)[:] = values
         batch.step()
         return influence.control
