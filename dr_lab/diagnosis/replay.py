@@ -47,7 +47,7 @@ class Replay:
         self._controls = _widen(windows.controls, compiled.nu)
         self._past = _widen(windows.past, compiled.nu)
         before = windows.before
-        self._history = History(windows.begin, before.qpos, before.qvel, self._past)
+        self._history = History(windows.begin, before.qpos, before.qvel, _widen(before.controls, compiled.nu))
         self._require_margin()
         self._require_past()
         self.fitted = self._mask("fitted")

@@ -17,6 +17,7 @@ class WindowSettings:
         margin: simulated time before and after the scored part, which delayed outputs may reach into.
         run_in: time before the scored part whose samples alone estimate the start (0: the scored samples do).
         past: time before the start for which commands are kept, at least the longest delay of an actuator.
+        memory: time before the start of which laws that remember see motion and commands; before the log all rests.
         max_windows: most windows taken from one log, evenly spread.
         smoother: half-width of the local polynomial that gives a start its first estimate.
         prior_scale: standard deviations of the noise that the first estimate may be wrong by.
@@ -32,6 +33,7 @@ class WindowSettings:
     margin: float
     run_in: float
     past: float
+    memory: float
     max_windows: int
     smoother: float
     prior_scale: float
@@ -40,7 +42,7 @@ class WindowSettings:
 
     def __post_init__(self) -> None:
         positive = ("length", "smoother", "prior_scale", "unmeasured_position", "unmeasured_velocity")
-        least = {"margin": 0.0, "run_in": 0.0, "past": 0.0, "max_windows": 1.0}
+        least = {"margin": 0.0, "run_in": 0.0, "past": 0.0, "memory": 0.0, "max_windows": 1.0}
         require_numbers(self, "windows", positive=positive, least=least)
         if self.stride < self.length - _ROUNDING:
             raise ConfigError(
@@ -66,6 +68,8 @@ class SolverSettings:
         huber: residuals beyond this many robust standard deviations count linearly.
         prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
         start_iterations: steps spent on each further start before the best one goes on.
+        batch: most simulations at a time for the columns of a Jacobian, though all windows of one column; it bounds
+            the memory.
 
     Raises:
         ConfigError: a number is too small.
@@ -83,10 +87,11 @@ class SolverSettings:
     huber: float
     prior_spans: float
     start_iterations: int
+    batch: int
 
     def __post_init__(self) -> None:
         positive = ("damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
-        least = {"iterations": 1.0, "start_iterations": 1.0, "tolerance": 0.0, "refresh": 0.0}
+        least = {"iterations": 1.0, "start_iterations": 1.0, "batch": 1.0, "tolerance": 0.0, "refresh": 0.0}
         require_numbers(self, "solver", positive=positive, least={**least, "damping_up": 1.0, "damping_down": 1.0})
 
 

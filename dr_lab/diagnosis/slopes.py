@@ -54,7 +54,12 @@ def differences(
         deltas[i, :, i] += step
     for j, (column, step) in enumerate(zip(columns, unit_steps, strict=True)):
         units[len(state_steps) + j, column] += step
-    moved, infeasible = replay.residuals(space.from_unit(units), deltas)
+    most = max(1, settings.batch // len(point.residuals))
+    parts = [
+        replay.residuals(space.from_unit(units[first : first + most]), deltas[first : first + most])
+        for first in range(0, count, most)
+    ]
+    moved, infeasible = (np.concatenate(rows) for rows in zip(*parts, strict=True))
     slopes = (moved - point.residuals) / np.concatenate([state_steps, unit_steps])[:, None, None]
     slopes[infeasible] = 0.0
     return slopes.transpose(1, 2, 0)

@@ -39,14 +39,16 @@ class Before:
     Attributes:
         qpos: shape (w, p, nq).
         qvel: shape (w, p, nv).
+        controls: of the steps, in the nominal model's ctrl layout, shape (w, p, nu).
     """
 
     qpos: Array
     qvel: Array
+    controls: Array
 
 
 def motion_before(
-    logs: Sequence[Log], begins: Sequence[Array], model: mujoco.MjModel, steps: int, smoother: float
+    logs: Sequence[Log], begins: Sequence[Array], model: mujoco.MjModel, controls: Array, smoother: float
 ) -> Before:
     """Local polynomials through the measured positions before every start; before a log its first sample holds.
 
@@ -54,10 +56,10 @@ def motion_before(
         logs: the logs.
         begins: s on each log's clock at which its windows start.
         model: compiled nominal model.
-        steps: p.
+        controls: of the p steps before each start, shape (w, p, nu).
         smoother: half-width of the polynomials in s.
     """
-    count = sum(len(b) for b in begins)
+    count, steps = controls.shape[:2]
     qpos, qvel = np.tile(model.qpos0, (count, steps, 1)), np.zeros((count, steps, model.nv))
     ago = (np.arange(-steps, 0) + 0.5) * model.opt.timestep
     for name in logs[0].outputs:
@@ -69,7 +71,7 @@ def motion_before(
             ]
             qpos[..., channel.address] = np.concatenate([value for value, _ in fits])
             qvel[..., channel.dof] = np.concatenate([slope for _, slope in fits])
-    return Before(qpos, qvel)
+    return Before(qpos, qvel, controls)
 
 
 def _path(signal: Signal, times: Array, smoother: float) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""The verdict on one ranking: named, equivalent, none or unexplained, and the status of every candidate."""
+"""The verdict on one ranking (named, equivalent, not excited, none, unexplained) and the status of each candidate."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,8 +15,9 @@ class Verdict:
 
     Attributes:
         kind: ``named`` (one effect at one site beats all others), ``equivalent`` (several that the data cannot
-            separate), ``none`` (nothing supported, the model is at the noise floor) or ``unexplained`` (nothing
-            supported although a gap remains).
+            separate), ``not_excited`` (the model is at the noise floor, and of no effect would the data show anything),
+            ``none`` (nothing supported, the model is at the noise floor) or ``unexplained`` (nothing supported
+            although a gap remains).
         effects: labels of the named or equivalent effects, best first.
         status: label → ``named``, ``equivalent``, ``not_excited`` or ``rejected``.
         absorbed: labels of effects whose place the model's own free parameters can take on these data.
@@ -41,18 +42,33 @@ def decide(base: Explained, ranking: Sequence[Candidate], settings: EvidenceSett
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}
     labels = tuple(c.effect.label for c in group)
+    kind = _kind(base, group, status, settings)
+    return Verdict(kind, labels, status, absorbed, _reason(kind, base, group, status, settings))
+
+
+def _kind(base: Explained, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings) -> str:
+    if group:
+        return "named" if len(group) == 1 else "equivalent"
+    if base.held_out.chi2 > settings.floor:
+        return "unexplained"
+    return "not_excited" if status and set(status.values()) == {"not_excited"} else "none"
+
+
+def _reason(
+    kind: str, base: Explained, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings
+) -> str:
+    """The verdict in words, with the figures that it rests on."""
     chi2 = base.held_out.chi2
-    if not group:
-        kind = "none" if chi2 <= settings.floor else "unexplained"
-        place = "at the noise floor" if kind == "none" else f"above the noise floor ({settings.floor:g})"
-        reason = f"The model is {place}, held-out χ² {chi2:.3f}, and no effect of the catalogue lowers it credibly."
-    elif len(group) == 1:
-        kind, after = "named", group[0].explained.held_out.chi2
-        reason = f"{labels[0]} lowers the held-out χ² from {chi2:.3f} to {after:.3f}, beyond every other candidate."
-    else:
-        kind = "equivalent"
-        reason = f"{', '.join(labels)} explain the held-out logs equally well; these data cannot separate them."
-    return Verdict(kind, labels, status, absorbed, reason)
+    labels = ", ".join(c.effect.label for c in group)
+    if kind == "named":
+        after = group[0].explained.held_out.chi2
+        return f"{labels} lowers the held-out χ² from {chi2:.3f} to {after:.3f}, beyond every other candidate."
+    if kind == "equivalent":
+        return f"{labels} explain the held-out logs equally well; these data cannot separate them."
+    place = f"above the noise floor ({settings.floor:g})" if kind == "unexplained" else "at the noise floor"
+    told = f"The model is {place}, held-out χ² {chi2:.3f}, and no effect of the catalogue lowers it credibly."
+    silent = ", ".join(label for label, each in status.items() if each == "not_excited")
+    return f"{told} Over the whole width of their bounds these would not show: {silent}." if silent else told
 
 
 def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> list[Candidate]:
@@ -66,7 +82,20 @@ def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> lis
         if not supported(paired_gain(c.explained.held_out, best.explained.held_out, settings), 0, settings)
     ]
     fewest = min(len(c.effect.parameters) for c in group)
-    return sorted((c for c in group if len(c.effect.parameters) == fewest), key=_nearness)
+    return sorted(_likeliest([c for c in group if len(c.effect.parameters) == fewest], settings), key=_nearness)
+
+
+def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
+    """Of effects with equally many parameters that leave noise alone, those that all logs hold as likely as the best.
+
+    At the noise floor Δχ² is the likelihood ratio, to which the logs that were fitted contribute as well; it needs no
+    interval, which few blocks of data make wide. Above the floor the models are wrong in ways that differ from log to
+    log, and the intervals decide.
+    """
+    if any(c.explained.held_out.chi2 > settings.floor for c in group):
+        return group
+    chi2 = [c.explained.fit.cost + float(c.explained.held_out.window_sum.sum()) for c in group]
+    return [c for c, each in zip(group, chi2, strict=True) if each < min(chi2) + settings.threshold]
 
 
 def _nearness(candidate: Candidate) -> tuple[int, float]:

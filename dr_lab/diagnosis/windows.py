@@ -49,7 +49,7 @@ class Windows:
         samples: the channels' samples.
         controls: control of each step in the nominal model's ctrl layout, shape (w, s, nu).
         past: controls of the steps before the start, shape (w, p, nu).
-        before: measured motion in these steps.
+        before: motion and controls in the steps before the start that laws remember.
         commands: column in `ctrl` of each command.
         prior: first estimate of the start and how far it may be wrong.
         step: s, time step of the simulation.
@@ -88,8 +88,12 @@ def cut(logs: Sequence[Log], measured: MeasurementSet, model: mujoco.MjModel, se
     """
     logs, begins = _windowed(logs, measured.gaps, settings)
     step, total = model.opt.timestep, settings.run_in + settings.length + 2 * settings.margin
-    nstep, npast = int(np.ceil(total / step)) + 1, int(np.ceil(settings.past / step))
-    edges = step * np.arange(-npast, nstep + 1)
+    nstep, npast, nback = (
+        int(np.ceil(total / step)) + 1,
+        *(int(np.ceil(s / step)) for s in (settings.past, settings.memory)),
+    )
+    first = max(npast, nback)
+    edges = step * np.arange(-first, nstep + 1)
     columns = actuator_columns(model, logs)
     steps = np.concatenate(
         [averages(log.commands, columns, model.nu, b[:, None] + edges) for log, b in zip(logs, begins, strict=True)]
@@ -105,9 +109,9 @@ def cut(logs: Sequence[Log], measured: MeasurementSet, model: mujoco.MjModel, se
         logs=tuple(log.name for log in logs),
         begin=np.concatenate(begins),
         samples=samples,
-        controls=steps[:, npast:],
-        past=steps[:, :npast],
-        before=motion_before(logs, begins, model, npast, settings.smoother),
+        controls=steps[:, first:],
+        past=steps[:, first - npast : first],
+        before=motion_before(logs, begins, model, steps[:, first - nback : first], settings.smoother),
         commands=columns,
         prior=estimate_starts(logs, begins, model, measured.noise, settings),
         step=step,

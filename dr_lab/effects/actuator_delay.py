@@ -44,7 +44,7 @@ class ActuatorDelay(ActuatorEffect):
     family: ClassVar[str] = "actuator"
     law: ClassVar[str] = "tau(t) from u(t - delay)"
     fingerprint: ClassVar[str] = "residual proportional to the rate of the command; passes for damping, or for its lack"
-    confused_with: ClassVar[tuple[str, ...]] = ("sensor_time_offset", "viscous_friction")
+    confused_with: ClassVar[tuple[str, ...]] = ("sensor_time_offset", "viscous_friction", "joint_elasticity")
     lacks: ClassVar[str] = "a delay below one physics step (one and a half with RK4)"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

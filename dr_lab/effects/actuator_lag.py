@@ -42,7 +42,12 @@ class ActuatorLag(ActuatorEffect):
     family: ClassVar[str] = "actuator"
     law: ClassVar[str] = "tau y' = u - y"
     fingerprint: ClassVar[str] = "residual decays after every jump of the command; else like a delay of tau"
-    confused_with: ClassVar[tuple[str, ...]] = ("actuator_delay", "sensor_low_pass", "sensor_time_offset")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "actuator_delay",
+        "sensor_low_pass",
+        "sensor_time_offset",
+        "joint_elasticity",
+    )
     lacks: ClassVar[str] = "the lag, through which commands go before they reach the actuator"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

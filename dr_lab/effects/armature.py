@@ -31,7 +31,7 @@ class Armature(JointEffect):
     family: ClassVar[str] = "inertia"
     law: ClassVar[str] = "tau = -J q''"
     fingerprint: ClassVar[str] = "force residual proportional to acceleration; the joint answers too slowly"
-    confused_with: ClassVar[tuple[str, ...]] = ("payload", "torque_scale")
+    confused_with: ClassVar[tuple[str, ...]] = ("payload", "torque_scale", "joint_elasticity")
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The inertia."""

@@ -56,6 +56,7 @@ class Effect(ABC):
         fingerprint: what the residual looks like when the effect is missing.
         confused_with: names of effects that given data may not separate from it.
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
+        patience: times as many iterations as others get that a start away from absent needs to show its worth.
     """
 
     name: ClassVar[str]
@@ -64,6 +65,7 @@ class Effect(ABC):
     fingerprint: ClassVar[str]
     confused_with: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[str] = ""
+    patience: ClassVar[int] = 1
 
     @abstractmethod
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:

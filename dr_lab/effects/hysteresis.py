@@ -21,7 +21,7 @@ class Hysteresis(JointEffect):
 
     tau = −tau_y b/x_y; the displacement b follows the joint within ±x_y: b' = v, but 0 where that would leave ±x_y.
     For x_y → 0 it is dry friction; for small motions a spring. The force of a step is that of its middle.
-    Before a window's start b follows the measured motion of ``windows.past`` seconds, from b = 0.
+    Before a window's start b follows the measured motion of ``windows.memory`` seconds, from b = 0.
     MuJoCo's ``springyield`` has no such past: a window would begin at a place where the spring has not yielded yet.
 
     Parameters (nominal = absent): torque tau_y ≥ 0 [N·m, slide: N]; displacement x_y > 0 [rad, slide: m], which acts
@@ -50,7 +50,7 @@ class Hysteresis(JointEffect):
     family: ClassVar[str] = "transmission"
     law: ClassVar[str] = "tau = -tau_y b/x_y, b follows the joint within +-x_y"
     fingerprint: ClassVar[str] = "force residual that rises after every reversal over a fixed way, then stays"
-    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "spring")
+    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "spring", "backlash", "joint_elasticity")
     lacks: ClassVar[str] = "the spring that yields, whose displacement goes on from step to step"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
@@ -102,5 +102,5 @@ class _Yielding(Law):
     def memory(self) -> Array:
         return self.stretch[:, None]
 
-    def recall(self, memory: Array) -> None:
+    def remember(self, memory: Array) -> None:
         self.stretch = memory[:, 0].copy()

@@ -1,11 +1,12 @@
 """Compiled models written into a batch as per-simulation fields, beside which single fields may still be changed."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 from mujoco.batch import MODEL_FIELDS, Batch
 
+from dr_lab.physics.stepper import CHANGED
 from dr_lab.trajectory import Array
 
 
@@ -13,18 +14,18 @@ class CompiledContexts:
     """Gives each simulation of a batch its own compiled model, field by field.
 
     `Batch.set_models` takes whole models but then lets no field be changed from step to step. Fields that a compiler
-    derives are among those written, so nothing is left to compute.
+    derives are among those written, so nothing is left to compute. What laws change from step to step is written anew
+    every time, whether the models differ in it or not.
 
     Args:
         batch: the simulations.
         compiled: the batch's model.
-        changed: fields that somebody else changes from step to step; they are written every time.
     """
 
-    def __init__(self, batch: Batch, compiled: mujoco.MjModel, changed: Collection[str]) -> None:
+    def __init__(self, batch: Batch, compiled: mujoco.MjModel) -> None:
         self._batch = batch
         self._compiled = compiled
-        self._expanded = set(changed)
+        self._expanded = set(CHANGED)
 
     def write(self, models: Sequence[mujoco.MjModel]) -> None:
         """Write the models of all simulations, shape (nsim,); the same model may stand for many."""

@@ -18,6 +18,7 @@ class Moment:
         time: s on the log's clock, shape (n,).
         qpos: positions; of hinge and slide joints in the middle of the step, of others at its start, shape (n, nq).
         qvel: velocities in the middle of the step, shape (n, nv).
+        gained: velocities gained in the last step, zero where there was none, shape (n, nv).
         actuation: generalised forces of the actuators in the last step, shape (n, nv).
         bias: gravity, centrifugal and Coriolis forces of the last step as MuJoCo signs them, shape (n, nv).
     """
@@ -26,6 +27,7 @@ class Moment:
     time: Array
     qpos: Array
     qvel: Array
+    gained: Array
     actuation: Array
     bias: Array
 
@@ -55,11 +57,13 @@ class Influence:
         control: controls as MuJoCo gets them, shape (n, nu).
         force: generalised forces beside the model's own, shape (n, nv).
         friction: largest dry friction, MuJoCo's ``dof_frictionloss``, shape (n, nv).
+        armature: inertia beside that of the bodies, MuJoCo's ``dof_armature``, shape (n, nv).
     """
 
     control: Array
     force: Array
     friction: Array
+    armature: Array
 
 
 class Law(ABC):
@@ -68,6 +72,13 @@ class Law(ABC):
     @abstractmethod
     def act(self, moment: Moment, influence: Influence) -> None:
         """Change what acts in the coming step."""
+
+    def recall(self, moment: Moment, influence: Influence) -> None:
+        """See a step that was measured before the simulations began; forces of then are unknown and given as zero.
+
+        What the law writes has no effect. By default it does as in a step that is simulated.
+        """
+        self.act(moment, influence)
 
     def rest(self, rows: NDArray[np.intp]) -> None:
         """Forget what came before in these simulations; a law without memory has nothing to forget."""
@@ -78,6 +89,6 @@ class Law(ABC):
         """What the law remembers, shape (n, k) or (1, k); a law without memory has k = 0."""
         return np.empty((1, 0))
 
-    def recall(self, memory: Array) -> None:
-        """Remember what `memory` of an equal law was."""
+    def remember(self, memory: Array) -> None:
+        """Go on from what `memory` of an equal law was."""
         del memory

@@ -17,7 +17,7 @@ from dr_lab.physics.islands import skip_single_island
 from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
 from dr_lab.physics.pictures import without_pictures
-from dr_lab.physics.stepper import WRITTEN, Stepper
+from dr_lab.physics.stepper import Stepper
 from dr_lab.physics.timers import stop_timers
 from dr_lab.trajectory import Array
 
@@ -72,7 +72,7 @@ class Simulator:
         self._uncompiled = np.zeros(nsim, bool)
         nominal = np.tile(model.space.nominal, (nsim, 1))
         self._lawful = bool(model.laws(nominal, self.compiled))
-        self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled, WRITTEN)
+        self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled)
         self._stepper: Stepper | None = None
         # Fields are copied from compiled models with laws alone, so that only then all need the same pictures.
         self._source = model if self._lawful else replace(model, spec=without_pictures(model.spec))

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from dr_lab.physics.law import History, Influence, Law, Moment
 from dr_lab.trajectory import Array
 
-WRITTEN = ("dof_frictionloss",)  # model fields that a stepper changes
+# Fields of the model that laws change from step to step. MuJoCo takes the mass matrix of simple joints from dof_M0.
+CHANGED = ("dof_frictionloss", "dof_armature", "dof_M0")
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
@@ -26,7 +27,7 @@ class Stepper:
     def __init__(self, batch: Batch, compiled: mujoco.MjModel, laws: Sequence[Law]) -> None:
         self._batch = batch
         self._laws = laws
-        self._friction = batch.expand("dof_frictionloss").copy()
+        self._friction, self._armature, self._inertia = (batch.expand(name).copy() for name in CHANGED)
         self._step = compiled.opt.timestep
         scalar = np.isin(compiled.jnt_type, _SCALAR)
         self._positions, self._dofs = compiled.jnt_qposadr[scalar], compiled.jnt_dofadr[scalar]
@@ -54,7 +55,7 @@ class Stepper:
         self._before[:], self._new[:], actuation, bias = memory[:4]
         self._forces = (actuation.copy(), bias.copy())
         for law, remembered in zip(self._laws, memory[4:], strict=True):
-            law.recall(remembered)
+            law.remember(remembered)
 
     def step(self, control: Array, begin: Array | float = 0.0) -> Array:
         """Advance all simulations by one step.
@@ -74,10 +75,16 @@ class Stepper:
                 if force is not computed:
                     force[self._new] = computed[self._new]
             self._new[:] = False
-        influence = self._act(self._moment(begin), control)
+        influence = self._influence(control)
+        moment = self._moment(begin)
+        for law in self._laws:
+            law.act(moment, influence)
         batch.bind("ctrl")[:] = influence.control
         batch.bind("qfrc_applied")[:] = influence.force
-        batch.expand("dof_frictionloss")[:] = np.maximum(influence.friction, 0.0)
+        added = influence.armature - self._armature
+        changed = np.maximum(influence.friction, 0.0), influence.armature, self._inertia + added
+        for name, values in zip(CHANGED, changed, strict=True):
+            batch.expand(name)[:] = values
         batch.step()
         self._forces = self._computed
         return influence.control
@@ -113,17 +120,19 @@ class Stepper:
         for k in range(count):
             time = begin + (k - count + 0.5) * self._step
             qpos, qvel = self._each(history.qpos[:, k]), self._each(history.qvel[:, k])
-            self._act(Moment(self._step, time, qpos, qvel, still, still), self._each(history.controls[:, k]))
+            gained = qvel - self._each(history.qvel[:, max(k - 1, 0)])
+            influence = self._influence(self._each(history.controls[:, k]))
+            moment = Moment(self._step, time, qpos, qvel, gained, still, still)
+            for law in self._laws:
+                law.recall(moment, influence)
 
     def _each(self, rows: Array) -> Array:
         """Rows of w windows for all simulations."""
         return np.tile(rows, (self._batch.nsim // len(rows), *[1] * (rows.ndim - 1)))
 
-    def _act(self, moment: Moment, control: Array) -> Influence:
-        influence = Influence(control.copy(), np.zeros_like(self._friction), self._friction.copy())
-        for law in self._laws:
-            law.act(moment, influence)
-        return influence
+    def _influence(self, control: Array) -> Influence:
+        """What acts without any law."""
+        return Influence(control.copy(), np.zeros_like(self._friction), self._friction.copy(), self._armature.copy())
 
     def _moment(self, begin: Array | float) -> Moment:
         batch, half = self._batch, self._step / 2
@@ -136,6 +145,7 @@ class Stepper:
             time=np.ravel(batch.bind("time")) + begin + half,
             qpos=qpos,
             qvel=qvel + change / 2,
+            gained=change,
             actuation=self._forces[0],
             bias=self._forces[1],
         )

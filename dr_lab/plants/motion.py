@@ -61,7 +61,7 @@ def simulate(
 
     Returns:
         Positions, then velocities, at each time in rad, m, rad/s and m/s, shape (n, 2 · degrees of freedom); those of a
-        hidden oscillator come after the joints'.
+        hidden oscillator or motor come after the joints'.
 
     Raises:
         DataError: `time` is empty or decreases, or the integration fails.
@@ -162,9 +162,9 @@ def _end_of_phase(dense: DenseOutput, phase: Phase, command: Vector) -> float | 
 
 
 def _whole(body: Body, start: State | None) -> State:
-    """The start state with every hidden oscillator at rest behind its joint."""
+    """The start state with every hidden oscillator and motor as its joint."""
     own = len(body.machine.joints)
     joints = (0.0,) * (2 * own) if start is None else start
     position, velocity = joints[:own], joints[own:]
-    inside = [joint for joint, _ in body.oscillators]
+    inside = [joint for joint, _ in body.inside]
     return (*position, *(position[j] for j in inside), *velocity, *(velocity[j] for j in inside))

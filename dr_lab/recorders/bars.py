@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Axis, Canvas, Chart, decade_axis, linear_axis
-from dr_lab.recorders.ladder import Step, candidate_name
+from dr_lab.recorders.ladder import Step, candidate_name, status
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import SIMULATED
 from dr_lab.recorders.quantity import number
@@ -52,7 +52,7 @@ def log_ranking(root: Branch, ranking: Sequence[Mapping[str, Any]], look: Look) 
             f"{candidate_name(row)} · χ² {number(row['held_out_chi2'])}",
             _as_percent(row["gain"]),
             (_as_percent(row["gain_ci"][0]), _as_percent(row["gain_ci"][1])),
-            look.colour(colours.get(row["status"], "noise")),
+            look.colour(colours.get(status(row), "noise")),
         )
         for row in ranking[:_MOST]
     ]

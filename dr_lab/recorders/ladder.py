@@ -50,3 +50,9 @@ def before_after(report: Mapping[str, Any]) -> list[Step]:
 def candidate_name(row: Mapping[str, Any]) -> str:
     """Name of a candidate of the ranking, ``effect@site``."""
     return f"{row['effect']}@{row['site']}"
+
+
+def status(row: Mapping[str, Any]) -> str:
+    """Status of a candidate in words; one whose place free parameters take is not among the rivals of the verdict."""
+    absorbed = row.get("absorbed_by_parameters") and row["status"] == "equivalent"
+    return "absorbed" if absorbed else row["status"].replace("_", " ")

@@ -14,6 +14,7 @@ class Look:
     """Settings of `review.rrd`.
 
     Attributes:
+        longest: of a log, s that are shown, from its first sample on.
         pose_rate: highest rate of body poses, Hz.
         colours: ``#RRGGBB`` for each of `COLOURS`.
         ghost_alpha: opacity of simulated robots, 0 … 255.
@@ -31,6 +32,7 @@ class Look:
         ConfigError: a colour is missing or not ``#RRGGBB``, or a number is too small.
     """
 
+    longest: float
     pose_rate: float
     colours: Mapping[str, str]
     ghost_alpha: int
@@ -45,7 +47,7 @@ class Look:
     margin: float
 
     def __post_init__(self) -> None:
-        positive = ("pose_rate", "ghost_swell", "line_width", "measured_width", "margin")
+        positive = ("longest", "pose_rate", "ghost_swell", "line_width", "measured_width", "margin")
         least = {"ghost_alpha": 0.0, "scatter_points": 1.0, "scatter_bins": 1.0, "overview_channels": 0.0}
         require_numbers(self, "recorder", positive=positive, least=least)
         for name in COLOURS:

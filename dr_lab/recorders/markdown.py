@@ -118,7 +118,13 @@ def _next_experiment(proposal: Mapping[str, Any] | None) -> str:
     if not proposal:
         return ""
     pair = " from ".join(f"`{effect}`" for effect in proposal["separates"][:2])
-    return f"Play `{proposal['command_file']}`: it separates {pair} by {number(proposal['sigma'], 2)} σ."
+    apart = f"{number(proposal['sigma'], 2)} σ"
+    if proposal["sigma"] < proposal.get("needed", 0.0):
+        return (
+            f"No command that was tried separates {pair}: `{proposal['command_file']}` comes farthest, with {apart}. "
+            "To these sensors they may be the same; a further channel would tell them apart."
+        )
+    return f"Play `{proposal['command_file']}`: it separates {pair} by {apart}."
 
 
 def notes_list(notes: Sequence[Mapping[str, Any]]) -> str:

@@ -50,7 +50,7 @@ def percent(share: float | None) -> str:
     """
     if share is None or not math.isfinite(share):
         return ABSENT
-    return f"{100 * share:.0f} %" if abs(share) >= 0.1 else f"{100 * share:.1f} %"
+    return f"{100 * share:.0f} %" if abs(share) >= 0.1 else f"{100 * share:z.1f} %"
 
 
 def titled(name: str, unit: str) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dr_lab.recorders.ladder import before_after, candidate_name, steps
+from dr_lab.recorders.ladder import before_after, candidate_name, status, steps
 from dr_lab.recorders.quantity import ABSENT, number, percent, uncertain
 
 # Tables that hold one column a channel stay readable up to here; machines with more get the table by channel alone.
@@ -72,7 +72,7 @@ def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
         [
             str(place),
             f"`{candidate_name(row)}`",
-            row["status"].replace("_", " "),
+            status(row),
             *_outcome(row),
         ]
         for place, row in enumerate(ranking, start=1)

@@ -45,6 +45,7 @@ def deciding_experiment(
     return {
         "separates": list(found.separates),
         "sigma": found.sigma,
+        "needed": study.bench.evidence.threshold**0.5,
         "excitation": found.excitation,
         "duration": settings.duration,
         "command_file": FILE,

@@ -9,8 +9,9 @@ from dr_lab.diagnosis import trust
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
 from dr_lab.diagnosis.localise import Region
-from dr_lab.diagnosis.rank import Candidate, Explained
+from dr_lab.diagnosis.rank import Bench, Candidate, Explained
 from dr_lab.diagnosis.score import Score
+from dr_lab.diagnosis.trade import trades
 from dr_lab.diagnosis.unit_suspicion import suspect_degrees
 from dr_lab.diagnosis.verdict import Verdict
 from dr_lab.physics.context import ContextEstimate
@@ -116,6 +117,14 @@ def _replaced_by(candidate: Candidate) -> dict[str, float]:
 def worst_direction(explained: Explained) -> dict[str, float]:
     """Combination of parameters that the logs know least about, in widths of their bounds."""
     return trust.worst_direction(explained.model.space, explained.fit)
+
+
+def trade(label: str, first: Explained, rival: str, second: Explained, bench: Bench) -> str:
+    """One sentence on what the rest of the model makes up for where a rival takes an effect's place."""
+    moved = [
+        f"{t.name} {t.second:.4g} instead of {t.first:.4g} {t.unit}" for t in trades(first, second, bench.evidence)
+    ]
+    return f"{rival} in place of {label}: {', '.join(moved) if moved else 'all other parameters keep their values'}."
 
 
 def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:

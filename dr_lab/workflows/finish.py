@@ -14,7 +14,7 @@ from dr_lab.recorders.markdown import ladder_table, notes_list, ranking_table, r
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.recorders.report import to_plain, write_report
 from dr_lab.recorders.review import write_review
-from dr_lab.trajectory import Array
+from dr_lab.trajectory import Array, Log
 from dr_lab.workflows.export import mjcf, write_context, write_model, write_rollout
 from dr_lab.workflows.overlays import overlay, play_log, shown_logs
 from dr_lab.workflows.study import Study
@@ -53,7 +53,8 @@ def finish(
         shown, notes = _export(models, run_dir)
         if estimate is not None:
             write_context(run_dir / "context.yaml", estimate)
-        logs = shown_logs(study)
+        logs = shown_logs(study, look.longest)
+        notes = [*notes, *_shortened(study, logs)]
         played = [play_log(study, log, shown) for log in logs]
         overlays = [overlay(study, log, shown, p, look) for log, p in zip(logs, played, strict=True)]
         if AFTER in shown:
@@ -69,6 +70,21 @@ def finish(
 def _plain(report: Mapping[str, Any], notes: Sequence[Mapping[str, Any]], run_dir: Path) -> dict[str, Any]:
     more = {"notes": [*report.get("notes", []), *notes], "run": str(run_dir)}
     return cast(dict[str, Any], to_plain({**report, **more}))
+
+
+def _shortened(study: Study, shown: Sequence[Log]) -> list[dict[str, Any]]:
+    """Notes on logs of which the recordings show the beginning alone."""
+    whole = {log.name: log for log in (*study.measurements.fit, *study.measurements.held_out)}
+    seconds = [
+        (log.name, *(max(s.time[-1] for s in each.outputs.values()) for each in (log, whole[log.name])))
+        for log in shown
+    ]
+    message = "The recordings show it up to {:.0f} s of {:.0f} s; recorder.longest=… shows more."
+    return [
+        {"kind": "shown", "log": name, "message": message.format(end, last)}
+        for name, end, last in seconds
+        if end < last
+    ]
 
 
 def _summary(report: Mapping[str, Any]) -> str:

@@ -43,7 +43,7 @@ def report_ladder(
         **header,
         "notes": [*header["notes"], *entries.refused(ladder.refused), *entries.dropped(ladder.dropped)],
         "verdict": _verdict(ladder),
-        "reason": first.verdict.reason,
+        "reason": _reason(study, first),
         "as_given": as_given(study),
         "ladder": [
             {**d.rung, "rivals": [c.effect.label for c in rivals]}
@@ -70,12 +70,20 @@ def _verdict(ladder: Ladder) -> str:
     return ladder.verdict
 
 
+def _reason(study: Study, rung: Rung) -> str:
+    """The verdict's reason; of effects that cannot be separated, also what the other parameters make up for."""
+    found = {c.effect.label: c.explained for c in rung.ranking}
+    labels = rung.verdict.effects
+    told = [entries.trade(labels[0], found[labels[0]], rival, found[rival], study.bench) for rival in labels[1:]]
+    return " ".join([rung.verdict.reason, *told])
+
+
 def _rung(study: Study, rung: Rung) -> dict[str, Any]:
     return {
         "effects": [effect.label for effect in rung.base.model.effects],
         "verdict": rung.verdict.kind,
         "chosen": list(rung.verdict.effects),
         "absorbed_by_parameters": list(rung.verdict.absorbed),
-        "reason": rung.verdict.reason,
+        "reason": _reason(study, rung),
         "ranking": entries.ranking(study, rung.ranking, rung.verdict),
     }

@@ -22,10 +22,13 @@ from dr_lab.workflows.study import Study
 _EVERY_WINDOW = 10**9
 
 
-def shown_logs(study: Study) -> tuple[Log, ...]:
-    """Logs that recordings show: the held-out ones, or the fit logs where none is held out, if they hold a window."""
+def shown_logs(study: Study, longest: float) -> tuple[Log, ...]:
+    """Logs that recordings show: the held-out ones, or the fit logs where none is held out, if they hold a window.
+
+    Of longer logs their first `longest` seconds, so that a recording of hours takes no more memory than one of minutes.
+    """
     logs = study.measurements.held_out or study.measurements.fit
-    return tuple(log for log in logs if log.name in study.predicted.logs)
+    return tuple(_beginning(log, longest) for log in logs if log.name in study.predicted.logs)
 
 
 def play_log(study: Study, log: Log, models: Mapping[str, tuple[Model, Array]]) -> dict[str, Played]:
@@ -83,13 +86,22 @@ def residuals(log: Log, study: Study, simulated: Mapping[str, Array]) -> dict[st
     return found
 
 
-def _consecutive(study: Study, log: Log, length: float) -> Windows:
-    settings = replace(study.prediction, length=length, stride=length, max_windows=_EVERY_WINDOW)
+def _beginning(log: Log, seconds: float) -> Log:
+    end = min(signal.time[0] for signal in log.outputs.values()) + seconds
+    outputs, commands = (
+        {name: replace(s, time=s.time[s.time <= end], value=s.value[s.time <= end]) for name, s in signals.items()}
+        for signals in (log.outputs, log.commands)
+    )
+    return replace(log, outputs=outputs, commands=commands)
+
+
+def _consecutive(study: Study, log: Log, length: float, most: int = _EVERY_WINDOW) -> Windows:
+    settings = replace(study.prediction, length=length, stride=length, max_windows=most)
     return cut([log], study.measurements, study.compiled, settings)
 
 
 def _forces(study: Study, log: Log, model: Model, z: Array) -> dict[str, ResidualForce]:
-    short = _consecutive(study, log, study.local.length)
+    short = _consecutive(study, log, study.local.length, study.local.max_windows)
     replay, fit = fit_states(model, z, short, study.bench.solver, study.bench.threads)
     return residual_forces(replay, fit)
 

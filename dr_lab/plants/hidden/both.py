@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from dr_lab.plants.command import Command
 from dr_lab.plants.dry_friction import DryFriction
-from dr_lab.plants.hidden.effect import HiddenEffect, Law, Oscillator
+from dr_lab.plants.hidden.effect import HiddenEffect, Law, Motor, Oscillator
 from dr_lab.plants.machine import Machine
 
 
@@ -49,6 +49,10 @@ class Both(HiddenEffect):
     def oscillators(self) -> tuple[Oscillator, ...]:
         """What swings in either."""
         return self.first.oscillators() + self.second.oscillators()
+
+    def motors(self) -> tuple[Motor, ...]:
+        """The motors of both, which sit at two joints."""
+        return self.first.motors() + self.second.motors()
 
     def command(self, actuator: str, command: Command) -> Command:
         """What the second makes of what the first makes of the command."""

@@ -31,6 +31,29 @@ class Oscillator:
     stiffness: float
     damping: float
 
+    def pull(self, ahead: float, faster: float) -> float:
+        """τ at the rotor's angle (rad or m) and speed relative to its joint."""
+        return self.stiffness * ahead + self.damping * faster
+
+
+@dataclass(frozen=True)
+class Motor:
+    """A joint's motor behind its transmission: one more degree of freedom, which the joint's drive turns.
+
+    With φ its angle seen at the joint: inertia φ'' = drive − pull(φ − q, φ' − q'), and the joint feels the pull instead
+    of the drive.
+
+    Attributes:
+        joint: name of the joint.
+        inertia: kg·m² or kg, seen at the joint.
+        pull: torque in N·m or force in N that the transmission passes on, from the motor's angle (rad or m) and speed
+            relative to its joint.
+    """
+
+    joint: str
+    inertia: float
+    pull: Callable[[float, float], float]
+
 
 class HiddenEffect:
     """A phenomenon the nominal machine lacks; every method here is the machine without it.
@@ -67,6 +90,10 @@ class HiddenEffect:
 
     def oscillators(self) -> tuple[Oscillator, ...]:
         """What swings unseen inside of links."""
+        return ()
+
+    def motors(self) -> tuple[Motor, ...]:
+        """Motors that do not turn as their joints do."""
         return ()
 
     def command(self, actuator: str, command: Command) -> Command:

@@ -116,6 +116,16 @@ def test_known_slopes_change_the_work_but_not_the_answer() -> None:
     assert misled.cost == pytest.approx(plain.cost, rel=1e-6)
 
 
+def test_small_batches_change_nothing_but_the_memory() -> None:
+    model, logs = pendulum(), logs_of(pendulum(), TRUTH, 2)
+    whole, parts = (
+        Fitter(Replay(model, windows_of(model, logs), 1), solver_settings(batch=batch)).run(model.space.nominal)
+        for batch in (4096, 30)
+    )
+    np.testing.assert_array_equal(whole.z, parts.z)
+    np.testing.assert_array_equal(whole.slopes.state, parts.slopes.state)
+
+
 def test_the_equations_are_those_at_the_solution() -> None:
     model = pendulum()
     fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 2)), 1), solver_settings())

@@ -1,3 +1,4 @@
+from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
@@ -27,13 +28,20 @@ def score(level: float, seed: int = 0) -> Score:
     )
 
 
-def model(level: float | Score) -> Explained:
+@dataclass(frozen=True)
+class Fitted:
+    """A fit of which only the cost is known."""
+
+    cost: float
+
+
+def model(level: float | Score, cost: float = 0.0) -> Explained:
     nothing = cast(Any, None)
-    return Explained(nothing, nothing, nothing, level if isinstance(level, Score) else score(level))
+    return Explained(nothing, cast(Any, Fitted(cost)), nothing, level if isinstance(level, Score) else score(level))
 
 
-def candidate(base: Explained, name: str, level: float | Score, known: Identifiability) -> Candidate:
-    explained = model(level)
+def candidate(base: Explained, name: str, level: float | Score, known: Identifiability, cost: float = 0.0) -> Candidate:
+    explained = model(level, cost)
     gain = paired_gain(base.held_out, explained.held_out, SETTINGS)
     site = "drive" if name in ("actuator_delay", "saturation", "torque_scale") else "rail"
     return Candidate(placed(block(), name, site), explained, gain, known, predicted=1.0)
@@ -83,6 +91,26 @@ def test_effects_that_explain_equally_well_are_equivalent() -> None:
     assert verdict.status["actuator_delay@drive"] == "equivalent"
 
 
+def rivals(level: float, cost: float) -> Verdict:
+    """The verdict on two effects that bring a χ² of 20 down to a level, one of them at a higher cost on fitted logs."""
+    base = model(20.0)
+    ranking = [
+        candidate(base, "coulomb_friction", level, CLEAR, 9000.0),
+        candidate(base, "constant_offset", level, CLEAR, 9000.0 + cost),
+    ]
+    return decide(base, ranking, SETTINGS)
+
+
+def test_at_the_noise_floor_the_fitted_logs_tell_rivals_apart_too() -> None:
+    assert SETTINGS.threshold == 25
+    assert rivals(1.0, 24.0).kind == "equivalent"
+    assert rivals(1.0, 26.0).effects == ("coulomb_friction@rail",)
+
+
+def test_above_the_noise_floor_the_fitted_logs_do_not_decide() -> None:
+    assert rivals(2.0, 500.0).kind == "equivalent"
+
+
 def test_a_richer_effect_that_explains_no_more_is_no_rival() -> None:
     verdict = judged(20.0, ("stribeck_friction", 1.0), ("coulomb_friction", 1.0005))
     assert verdict.effects == ("coulomb_friction@rail",)
@@ -96,8 +124,20 @@ def test_a_richer_effect_that_explains_more_is_named() -> None:
 
 def test_what_the_data_do_not_excite_is_told() -> None:
     verdict = judged(1.0, ("coulomb_friction", 1.0), coulomb_friction=HIDDEN)
+    assert (verdict.kind, verdict.effects) == ("not_excited", ())
     assert verdict.status == {"coulomb_friction@rail": "not_excited"}
     assert verdict.absorbed == ()
+    assert "coulomb_friction@rail" in verdict.reason
+
+
+def test_where_other_effects_would_show_none_is_the_answer_and_the_silent_one_is_listed() -> None:
+    verdict = judged(1.0, ("coulomb_friction", 1.0), ("viscous_friction", 1.0), coulomb_friction=HIDDEN)
+    assert verdict.kind == "none"
+    assert "would not show: coulomb_friction@rail." in verdict.reason
+
+
+def test_a_gap_beside_silent_effects_stays_unexplained() -> None:
+    assert judged(20.0, ("coulomb_friction", 20.0), coulomb_friction=HIDDEN).kind == "unexplained"
 
 
 def test_what_free_parameters_can_replace_is_told() -> None:

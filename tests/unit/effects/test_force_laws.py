@@ -46,6 +46,17 @@ def test_friction_follows_the_load() -> None:
     np.testing.assert_allclose(rollout.qpos[0, :, 0], expected, atol=1e-4)
 
 
+def test_the_load_of_one_replay_is_forgotten_in_the_next() -> None:
+    extended = block().with_effect(placed(block(), "load_dependent_friction", "rail"))
+    simulator, rest, controls = Simulator(extended, 1, threads=1), np.zeros((1, 1, 1)), np.full((1, 20, 1), 4.0)
+    first, again, free = (
+        simulator.replay(np.array([[share]]), rest, rest, controls, controls[:, :1]).qvel[0, -1, 0]
+        for share in (0.2, 0.2, 0.0)
+    )
+    assert first == again
+    assert free == pytest.approx(4.0 / MASS * 20 * 0.002)
+
+
 def test_a_motor_that_holds_a_weight_presses_twice() -> None:
     """At 90° gravity asks for 0.5·9.81·0.3 N·m; the motor gives it, and the gear bears both."""
     model, weight = hanging(), 0.5 * 9.81 * 0.3

@@ -115,3 +115,15 @@ def test_tables_parse_with_bars_in_names(close_report: dict[str, Any]) -> None:
     html = MarkdownIt("commonmark").enable("table").render(report_markdown(close_report))
     assert '<td style="text-align:left"><code>a|b</code></td>' in html
     assert "3.4 %" in html
+
+
+def test_an_experiment_that_decides_nothing_is_not_recommended(close_report: dict[str, Any]) -> None:
+    close_report["next_experiment"] |= {"sigma": 0.25, "needed": 5.0}
+    text = report_markdown(close_report)
+    assert "Play `next_experiment.csv`" not in text
+    assert "No command that was tried separates `coulomb_friction@arm` from `stribeck_friction@arm`" in text
+
+
+def test_what_free_parameters_absorb_is_no_rival(close_report: dict[str, Any]) -> None:
+    close_report["ranking"][1] |= {"status": "equivalent", "absorbed_by_parameters": True}
+    assert _cells(report_markdown(close_report), "2")[2] == "absorbed"

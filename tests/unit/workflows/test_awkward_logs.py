@@ -22,6 +22,7 @@ from diagnosis_machines import (
     windows_settings,
 )
 from hydra.utils import instantiate
+from recorder_samples import read_recording
 
 from dr_lab.cli.compose import compose
 from dr_lab.errors import ModelError
@@ -39,7 +40,7 @@ BLIND = """<mujoco model="blind"><compiler angle="radian"/><option timestep="0.0
 DAMPING = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 0.5}}
 
 
-def fitted(model: Model, data: MeasurementSet, folder: Path) -> dict[str, Any]:
+def fitted(model: Model, data: MeasurementSet, folder: Path, *look: str) -> dict[str, Any]:
     return fit(
         model,
         data,
@@ -48,7 +49,7 @@ def fitted(model: Model, data: MeasurementSet, folder: Path) -> dict[str, Any]:
         solver_settings(),
         evidence_settings(),
         localise_settings(),
-        instantiate(compose("fit", []).recorder),
+        instantiate(compose("fit", list(look)).recorder),
         1,
         folder,
     )
@@ -85,6 +86,14 @@ def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> Non
     assert set(values["rod.mass"]["per_log"]) <= {"log_0", "log_1"}
     assert (tmp_path / "report.json").is_file()
     assert (tmp_path / "review.rrd").is_file()
+
+
+def test_of_a_long_log_the_beginning_is_shown_and_the_note_says_so(tmp_path: Path) -> None:
+    report = fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path, "recorder.longest=1.0")
+    (note,) = [note for note in report["notes"] if note["kind"] == "shown"]
+    assert (note["log"], note["message"][:45]) == ("log_1", "The recordings show it up to 1 s of 3 s; reco")
+    path = read_recording(tmp_path / "review.rrd")["/log_1/signal/hinge.position/measured"]
+    assert max(path["t"]) == pytest.approx(1.0)
 
 
 def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:

@@ -1,0 +1,126 @@
+"""A shaft, belt or harmonic drive that twists between motor and link."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.effect import Scales
+from dr_lab.effects.joint_drive import JointDrive
+from dr_lab.effects.joint_effect import slides
+from dr_lab.effects.motor_side import MotorSide, MotorSideEffect
+from dr_lab.physics.law import Law
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+_STIFFEST = 1e-6  # steps; the shortest period that rounding lets the closed forms tell from none
+
+
+@dataclass(frozen=True)
+class JointElasticity(MotorSideEffect):
+    """Two inertias with a spring in between: motor and link swing against each other.
+
+    T = (δ + eta δ')/C with the distance δ of the motor before the link; J δ'' = tau_m − T − J q'', and the link, which
+    carries the rest of the model's inertia, feels T. Without damping they swing at ω² = (1/J + 1/J_link)/C. For C → 0
+    the motor is rigid with its link: the model itself.
+
+    Each step is the exact solution for its mean tau_m and q'', so that no stiffness is too high for it. Before a
+    window's start the motor follows the measured motion and commands of ``windows.memory`` seconds, from its balance;
+    oscillations that outlast those, or are too fast for the smoothed measurement, begin wrong.
+
+    Parameters (nominal = absent): compliance C ≥ 0 [rad/(N·m), slide: m/N]; rotor J > 0 [kg·m², slide: kg] and
+    retardation eta > 0 [s], which act only where C > 0 (fits start away from absent).
+    Limits: driven hinge and slide joints whose encoder sits at the link; the motor's back-EMF and friction stay with
+    the link; only J C tells itself where the logs hold nothing near the resonance.
+    Source: Spong, Modeling and control of elastic joint robots, ASME J. Dyn. Sys. Meas. Control 109 (1987), whose
+    rotor turns about the joint's axis without gyroscopic coupling; damping after Kelvin and Voigt.
+
+    Attributes:
+        deflection: largest twist under the joint's torque in the logs, share of the joint's range there.
+        largest: bound of that twist for joints that turn far [rad or m].
+        least: smallest torque and range that are believed [N·m or N, rad or m].
+        retardations: smallest, nominal and largest eta [s].
+        start_deflections: twists of the fits that start away from absent, shares of the largest.
+    """
+
+    deflection: float
+    largest: float
+    least: tuple[float, float]
+    retardations: tuple[float, float, float]
+    start_deflections: tuple[float, ...]
+
+    name: ClassVar[str] = "joint_elasticity"
+    family: ClassVar[str] = "transmission"
+    law: ClassVar[str] = "J delta'' = tau_m - T - J q'', T = (delta + eta delta')/C"
+    fingerprint: ClassVar[str] = (
+        "residual that rings at one frequency after jumps of the command; the link answers late"
+    )
+    confused_with: ClassVar[tuple[str, ...]] = ("backlash", "actuator_delay", "actuator_lag", "armature")
+    lacks: ClassVar[str] = "the motor that turns against its link on a spring; the file holds them rigid"
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """Compliance, rotor and damping."""
+        torque, moved = (
+            max(scale.get(site, 0.0), least)
+            for scale, least in zip((scales.torque, scales.position), self.least, strict=True)
+        )
+        high = min(self.deflection * moved, self.largest) / torque
+        low, nominal, far = self.retardations
+        return (
+            Parameter("compliance", "m/N" if slides(model, site) else "rad/(N·m)", 0.0, 0.0, high),
+            self.rotor(model, site),
+            Parameter("retardation", "s", nominal, low, far),
+        )
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Nothing: the motor moves between the steps."""
+
+    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """The motor on its spring."""
+        drive, step = JointDrive.of(compiled, site), float(compiled.opt.timestep)
+        return (_Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"]),)
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """Springs from stiff to soft."""
+        compliance = parameters[0]
+        return tuple({"compliance": share * compliance.high} for share in self.start_deflections)
+
+
+@dataclass
+class _Twisting(MotorSide):
+    """Spring and damper between rotor and link; compliance and retardation of shape (n,) or (1,)."""
+
+    compliance: Array
+    retardation: Array
+
+    def __post_init__(self) -> None:
+        """Responses of δ and δ' over one step to an offset and to a rate at its start.
+
+        δ'' + eta ω² δ' + ω² δ = 0 with ω² = 1/(C J); roots −a ± r with a = eta ω²/2.
+        """
+        square = 1.0 / np.maximum(self.compliance * self.inertia, (_STIFFEST * self.step) ** 2)
+        a = 0.5 * self.retardation * square
+        r = np.sqrt((a**2 - square).astype(complex))
+        r = np.where(np.abs(r) < _STIFFEST * a, _STIFFEST * a, r)  # equal roots
+        slow, fast = -square / (a + r), -(a + r)
+        ends = np.exp(slow * self.step), np.exp(fast * self.step)
+        elastic = self.compliance > 0
+        self._offset_of_offset = np.where(elastic, ((slow * ends[1] - fast * ends[0]) / (2 * r)).real, 0.0)
+        self._offset_of_rate = np.where(elastic, ((ends[0] - ends[1]) / (2 * r)).real, 0.0)
+        self._rate_of_offset = -square * self._offset_of_rate
+        self._rate_of_rate = np.where(elastic, ((slow * ends[0] - fast * ends[1]) / (2 * r)).real, 0.0)
+
+    def balance(self, load: Array) -> Array:
+        return self.compliance * load
+
+    def plan(self, load: Array) -> tuple[Array, Array]:
+        kick = self._rate_of_offset * self.offset + (self._rate_of_rate - 1.0) * self.rate
+        return self._offset_of_rate / self.step, kick
+
+    def advance(self, load: Array) -> None:
+        centre = self.compliance * load
+        off, rate = self.offset - centre, self.rate
+        self.offset = centre + self._offset_of_offset * off + self._offset_of_rate * rate
+        self.rate = self._rate_of_offset * off + self._rate_of_rate * rate

@@ -1,0 +1,153 @@
+"""A motor that does not turn as its joint does: the hidden half of a joint whose transmission gives way."""
+
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.effects.joint_drive import JointDrive
+from dr_lab.effects.joint_effect import JointEffect, driven, slides
+from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+_FLAGS = ("_known", "_under_way", "_free")
+
+
+@dataclass(frozen=True)
+class MotorSideEffect(JointEffect):
+    """An effect between a motor and the link that it drives, which encoders at the joint do not see directly.
+
+    The model's joint is the link's side, where the encoder sits. Of the inertia that the model gives the joint the
+    share `rotor` turns with the motor, at a distance δ before the link: J δ'' = tau_m − T − J q'' with the actuators'
+    torque tau_m and the torque T(δ, δ') that is passed on. Rotor and link together have the model's inertia, so that a
+    transmission without play leaves the model as it is, whatever the rotor's share.
+
+    Attributes:
+        inertias: smallest, nominal and largest rotor inertia, in units of the joint's effective inertia in the model's
+            initial position.
+    """
+
+    inertias: tuple[float, float, float]
+
+    patience: ClassVar[int] = 3  # the states of windows that begin amid an oscillation have to follow
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """Names of the hinge and slide joints that an actuator drives."""
+        return tuple(joint for joint in super().sites(model) if driven(model, joint))
+
+    def rotor(self, model: mujoco.MjModel, site: str) -> Parameter:
+        """The inertia on the motor's side."""
+        dof = int(model.joint(site).dofadr[0])
+        low, nominal, high = (share / float(model.dof_invweight0[dof]) for share in self.inertias)
+        return Parameter("rotor", "kg" if slides(model, site) else "kg·m²", nominal, low, high)
+
+
+@dataclass
+class MotorSide(Law):
+    """The rotor of n simulations, as seen from the link.
+
+    With the rotor glued to it the link would feel all of tau_m and carry J. What it feels differs by −J δ''. Through
+    one step tau_m and q'' are taken for constant; then the change of the rate δ' is kick + share h (tau_m − J q'')/J,
+    with what a law of its own says of both. Its part with q'' takes inertia off the joint, so that the coupling is
+    implicit and stays stable for rotors that outweigh their link; the rest is an applied force. What tau_m turns out to
+    have been (a clipped or late command) is made up for in the next step.
+
+    Attributes:
+        drive: what the joint's actuators give.
+        step: s.
+        inertia: J, kg·m² or kg, shape (n,) or (1,).
+        offset: δ, rad or m, shape (n,).
+        rate: δ', rad/s or m/s, shape (n,).
+        kept: names of what the next step depends on.
+    """
+
+    drive: JointDrive
+    step: float
+    inertia: Array
+    offset: Array = field(default_factory=lambda: np.zeros(0), init=False)
+    rate: Array = field(default_factory=lambda: np.zeros(0), init=False)
+    kept: ClassVar[tuple[str, ...]] = ("offset", "rate", "_known", "_under_way", "_asked", "_expected", "_share")
+    _known: NDArray[np.bool_] = field(init=False)
+    _under_way: NDArray[np.bool_] = field(init=False)
+    _asked: Array = field(init=False)
+    _expected: Array = field(init=False)
+    _share: Array = field(init=False)
+
+    @abstractmethod
+    def balance(self, load: Array) -> Array:
+        """δ where the rotor rests under a load tau_m − J q'', shape (n,)."""
+
+    @abstractmethod
+    def plan(self, load: Array) -> tuple[Array, Array]:
+        """Share and kick of the coming step, which bears about this load, shapes (n,) or (1,)."""
+
+    @abstractmethod
+    def advance(self, load: Array) -> None:
+        """Move offset and rate to the end of the planned step, which has borne this load."""
+
+    def act(self, moment: Moment, influence: Influence) -> None:
+        """End the last step with what it turned out to bear, and plan the coming one."""
+        dof = self.drive.dof
+        given, inertial = moment.actuation[:, dof], self._inertial(moment)
+        asked = self.drive.force(moment.qpos, moment.qvel, influence.control)
+        self._meet(given - inertial)
+        self._go(given - inertial, self._under_way)
+        late = np.where(self._under_way, self._share * (given - self._expected), 0.0)
+        expected = given + np.where(self._under_way, asked - self._asked, 0.0)
+        share, kick = self.plan(expected - inertial)
+        influence.armature[:, dof] -= share * self.inertia
+        influence.force[:, dof] -= share * expected + self.inertia * kick / self.step + late
+        self._asked, self._expected, self._share = asked, expected, share
+        self._under_way = np.ones(len(asked), bool)
+
+    def recall(self, moment: Moment, influence: Influence) -> None:
+        """Follow the measured motion under what the actuators give at its commands."""
+        given = self.drive.force(moment.qpos, moment.qvel, influence.control)
+        load = given - self._inertial(moment)
+        self._meet(load)
+        self.plan(load)
+        self._go(load, self._known)
+
+    def rest(self, rows: NDArray[np.intp]) -> None:
+        """Forget where the motor is; it begins in balance."""
+        if len(self.offset) > rows.max(initial=0):
+            self._known[rows] = self._under_way[rows] = False
+
+    @property
+    def memory(self) -> Array:
+        """Where the motors are and what the step under way was planned for."""
+        count = len(self.offset)
+        if count == 0:
+            return np.empty((1, 0))
+        return np.stack([np.broadcast_to(getattr(self, name), count) for name in self.kept], axis=1).astype(float)
+
+    def remember(self, memory: Array) -> None:
+        """Go on from the `memory` of an equal law."""
+        for name, column in zip(self.kept if memory.shape[1] else (), memory.T, strict=True):
+            setattr(self, name, column.astype(bool) if name in _FLAGS else column.copy())
+
+    def _inertial(self, moment: Moment) -> Array:
+        """J q'' in the last step."""
+        return self.inertia * moment.gained[:, self.drive.dof] / self.step
+
+    def _go(self, load: Array, rows: NDArray[np.bool_]) -> None:
+        """Advance where a step has passed."""
+        before = self.offset, self.rate
+        self.advance(load)
+        after = self.offset, self.rate
+        self.offset, self.rate = (np.where(rows, *pair) for pair in zip(after, before, strict=True))
+
+    def _meet(self, load: Array) -> None:
+        """Let simulations of which nothing is known begin at rest under their load."""
+        if len(self.offset) != len(load):
+            self.offset, self.rate, self._asked, self._expected, self._share = np.zeros((5, len(load)))
+            self._known, self._under_way = np.zeros((2, len(load)), bool)
+        if not self._known.all():
+            self.offset = np.where(self._known, self.offset, self.balance(load))
+            self.rate = np.where(self._known, self.rate, 0.0)
+            self.plan(load)
+            self._known = np.ones(len(load), bool)

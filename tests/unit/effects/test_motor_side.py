@@ -1,0 +1,112 @@
+"""A motor that turns apart from its link: two masses on a spring, and teeth across a gap, against closed forms."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from effect_machines import block, placed, scales_of
+
+from dr_lab.effects.joint_drive import JointDrive
+from dr_lab.physics.law import History
+from dr_lab.physics.model import Model
+from dr_lab.physics.simulator import Simulator
+from dr_lab.trajectory import Array
+
+MASS, ROTOR, FORCE = 2.0, 0.5, 4.0  # kg of both, kg of them with the motor, N
+STEP, SECONDS = 0.002, 0.6
+LINK = MASS - ROTOR
+AMID = 200  # steps that were measured before
+
+
+def pushed(name: str, before: float, values: Mapping[str, float], speeding: float = 0.0) -> tuple[Array, Array]:
+    """Times, and places of the link under a force, after it was seen under another one with some acceleration."""
+    model = block()
+    extended = model.with_effect(placed(model, name, "rail"))
+    z = extended.space.vector({f"{name}@rail.{key}": value for key, value in values.items()})
+    speed = speeding * STEP * (np.arange(-AMID, 0) + 0.5)[None, :, None]
+    history = History(np.zeros(1), np.zeros((1, AMID, 1)), speed, np.full((1, AMID, 1), before))
+    controls, rest = np.full((1, round(SECONDS / STEP), 1), FORCE), np.zeros((1, 1, 1))
+    rollout = Simulator(extended, 1, threads=1).replay(z[None], rest, rest, controls, controls[:, :1], history)
+    return np.arange(rollout.qpos.shape[1]) * STEP, rollout.qpos[0, :, 0]
+
+
+def spring(frequency: float, rotor: float = ROTOR, retardation: float = 1e-9) -> dict[str, float]:
+    """Values for ω² = (1/J + 1/J_link)/C."""
+    return {"compliance": (1 / rotor + 1 / (MASS - rotor)) / frequency**2, "rotor": rotor, "retardation": retardation}
+
+
+@pytest.mark.parametrize("rotor", [0.02, ROTOR, 1.6])
+def test_two_masses_swing_at_their_frequency(rotor: float) -> None:
+    """A step of the force winds the spring by d = F C J_link/M (1 − cos ωt); the centre of mass does not know of it."""
+    frequency = 40.0
+    values = spring(frequency, rotor)
+    time, place = pushed("joint_elasticity", 0.0, values)
+    twist = FORCE * values["compliance"] * (MASS - rotor) / MASS
+    behind = rotor / MASS * twist * (1 - np.cos(frequency * time))
+    expected = 0.5 * FORCE / MASS * time**2 - behind
+    np.testing.assert_allclose(place, expected, rtol=0, atol=0.03 * behind.max())
+
+
+def test_a_damped_spring_comes_to_rest() -> None:
+    values = spring(40.0, retardation=0.02)
+    time, place = pushed("joint_elasticity", 0.0, values)
+    behind = ROTOR / MASS * FORCE * values["compliance"] * LINK / MASS
+    np.testing.assert_allclose(place[-20:], (0.5 * FORCE / MASS * time**2 - behind)[-20:], rtol=0, atol=1e-3 * behind)
+
+
+@pytest.mark.parametrize("compliance", [1e-12, 1e-9, 1e-7])
+@pytest.mark.parametrize("rotor", [0.02, 1.6])
+def test_a_stiff_spring_is_none(compliance: float, rotor: float) -> None:
+    """The rotor's inertia is then the joint's armature."""
+    values = {"compliance": compliance, "rotor": rotor, "retardation": 2e-3}
+    time, place = pushed("joint_elasticity", 0.0, values)
+    np.testing.assert_allclose(place, 0.5 * FORCE / MASS * time**2, rtol=0, atol=max(FORCE * compliance, 1e-12))
+
+
+def test_what_was_measured_before_has_wound_the_spring() -> None:
+    """Where force and acceleration were steady nothing swings."""
+    time, place = pushed("joint_elasticity", FORCE, spring(40.0, retardation=0.02), speeding=FORCE / MASS)
+    np.testing.assert_allclose(place, 0.5 * FORCE / MASS * time**2, rtol=0, atol=5e-5)
+
+
+@pytest.mark.parametrize("gap", [0.002, 0.02, 0.1])
+def test_the_motors_way_is_the_gap(gap: float) -> None:
+    """The link rests while the motor flies √(2 J gap/F); then both move, and J/M of the gap is missing in its way."""
+    time, place = pushed("backlash", -FORCE, {"gap": gap, "rotor": ROTOR})
+    flight = np.sqrt(2 * ROTOR * gap / FORCE)
+    assert np.abs(place[time < flight - 2 * STEP]).max(initial=0.0) < 1e-12
+    settled = time > flight + 20 * STEP
+    missing = 0.5 * FORCE / MASS * time**2 - place
+    np.testing.assert_allclose(missing[settled], ROTOR / MASS * gap, rtol=1e-6)
+
+
+def test_teeth_in_contact_are_rigid() -> None:
+    time, place = pushed("backlash", FORCE, {"gap": 0.02, "rotor": ROTOR})
+    np.testing.assert_allclose(place, 0.5 * FORCE / MASS * time**2, rtol=0, atol=1e-12)
+
+
+def drive(actuator: str) -> tuple[Model, JointDrive]:
+    model = block(actuator)
+    return model, JointDrive.of(model.nominal(), "rail")
+
+
+def test_a_drive_is_what_its_actuators_give() -> None:
+    _, motor = drive('<motor name="drive" joint="rail" gear="3"/>')
+    at = np.array([[0.2]]), np.array([[0.5]]), np.array([[2.0]])
+    np.testing.assert_allclose(motor.force(*at), [6.0], rtol=1e-9)
+    _, servo = drive('<position name="drive" joint="rail" kp="10" kv="2"/>')
+    np.testing.assert_allclose(servo.force(*at), [10 * (2.0 - 0.2) - 2 * 0.5], rtol=1e-9)
+
+
+def test_a_clipped_command_is_made_up_for() -> None:
+    """The drive asks for twice of what arrives; the centre of mass moves under what does."""
+    model = block('<motor name="drive" joint="rail" ctrlrange="-2 2" ctrllimited="true"/>')
+    extended = model.with_effect(placed(model, "joint_elasticity", "rail", scales_of(model)))
+    values = {f"joint_elasticity@rail.{key}": value for key, value in spring(40.0, retardation=0.02).items()}
+    controls, rest = np.full((1, 300, 1), FORCE), np.zeros((1, 1, 1))
+    history = History(np.zeros(1), *(np.zeros((1, 5, 1)) for _ in range(3)))
+    rollout = Simulator(extended, 1, threads=1).replay(
+        extended.space.vector(values)[None], rest, rest, controls, controls[:, :1], history
+    )
+    gained = np.diff(rollout.qvel[0, 240:, 0]) / STEP
+    np.testing.assert_allclose(gained, 2.0 / MASS, rtol=1e-3)
