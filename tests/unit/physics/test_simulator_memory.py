@@ -1,6 +1,9 @@
 """Simulations with laws between steps: given new contexts, stopped and gone on with."""
 
+from collections.abc import Sequence
+
 import numpy as np
+import pytest
 from effect_machines import hanging, placed
 
 from dr_lab.physics.model import Model
@@ -10,9 +13,12 @@ from dr_lab.trajectory import Array
 COMMAND = 0.8  # N·m
 
 
-def lawful() -> Model:
+LAWS = [("load_dependent_friction", "hysteresis"), ("joint_elasticity",), ("backlash",)]
+
+
+def lawful(effects: Sequence[str] = LAWS[0]) -> Model:
     model = hanging()
-    for effect in ("load_dependent_friction", "hysteresis"):
+    for effect in effects:
         model = model.with_effect(placed(hanging(), effect, "hinge"))
     return model
 
@@ -38,8 +44,9 @@ def test_friction_of_laws_does_not_add_up_over_contexts() -> None:
     np.testing.assert_array_equal(ends[0], ends[2])
 
 
-def test_a_new_context_leaves_what_the_others_remember() -> None:
-    model = lawful()
+@pytest.mark.parametrize("effects", LAWS)
+def test_a_new_context_leaves_what_the_others_remember(effects: Sequence[str]) -> None:
+    model = lawful(effects)
     one, other = Simulator(model, 2), Simulator(model, 2)
     for simulator in (one, other):
         simulator.set_contexts(contexts(model))
@@ -49,8 +56,9 @@ def test_a_new_context_leaves_what_the_others_remember() -> None:
     np.testing.assert_array_equal(moved(one)[1], moved(other)[1])
 
 
-def test_recalled_simulations_go_on_as_if_never_stopped() -> None:
-    model = lawful()
+@pytest.mark.parametrize("effects", LAWS)
+def test_recalled_simulations_go_on_as_if_never_stopped(effects: Sequence[str]) -> None:
+    model = lawful(effects)
     one, other = Simulator(model, 2), Simulator(model, 2)
     one.set_contexts(contexts(model))
     other.set_contexts(contexts(model))
