@@ -82,8 +82,12 @@ def _passes(edits: list[tuple[int, FieldEdit, float]], nominal: Array) -> list[_
             start = values[entry] if edit.relative and not onto else 1.0
             gathered[position].append((entry, column, start / reference if edit.relative else 1.0, onto))
         written |= dict.fromkeys(entries, position + 1)
-    columns = [[np.array(column) for column in zip(*each, strict=True)] for each in gathered]
-    return [_Pass(*others, onto if onto.any() else None) for *others, onto in columns]
+    return [_gather(each) for each in gathered]
+
+
+def _gather(entries: list[tuple[int, int, float, bool]]) -> _Pass:
+    place, column, factor, onto = (np.array(values) for values in zip(*entries, strict=True))
+    return _Pass(place, column, factor, onto if onto.any() else None)
 
 
 def _field(compiled: mujoco.MjModel, name: str) -> Array:
