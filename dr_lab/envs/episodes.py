@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.envs.plain_signals import require_plain_signals
-from dr_lab.envs.task import Change, Task
+from dr_lab.envs.task import Change, Fields, Task
 from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
@@ -106,7 +106,7 @@ class Episodes:
         self.infeasible = 0
         self.contexts = np.tile(model.space.nominal, (nsim, 1))
         self._marker = task.marker(self._fields)
-        self.observation = self._seen(slice(None))
+        self.observation = self._seen(self._fields, self.contexts)
         self.begin(np.arange(nsim))
 
     @property
@@ -133,9 +133,10 @@ class Episodes:
         if self._forces is not None:
             self._forces.rest(rows)
         self._steps[rows], self._returns[rows] = 0, 0.0
-        self._marker[rows] = self.task.marker({name: field[rows] for name, field in self._fields.items()})
+        fields = {name: field[rows] for name, field in self._fields.items()}
+        self._marker[rows] = self.task.marker(fields)
         self.observation = self.observation.copy()
-        self.observation[rows] = self._seen(rows)
+        self.observation[rows] = self._seen(fields, self.contexts[rows])
 
     def step(self, action: Array) -> Outcome:
         """One control step of all episodes; those that end stay where they are until `begin`.
@@ -147,9 +148,10 @@ class Episodes:
         self.simulator.step(action, self.task.frame_skip)
         if self._forces is not None:
             self._forces.update()
-        observation, marker = self._seen(slice(None)), self.task.marker(self._fields)
-        reward = self.task.reward(Change(self._marker, marker, self._fields, action, self.seconds))
-        terminated = self.task.terminated(self._fields)
+        fields = self._fields
+        observation, marker = self._seen(fields, self.contexts), self.task.marker(fields)
+        terminated = self.task.terminated(fields)
+        reward = self.task.reward(Change(self._marker, marker, fields, terminated, action, self.seconds))
         failed = self.simulator.infeasible
         if failed.any():
             self.infeasible += int(failed.sum())
@@ -191,8 +193,6 @@ class Episodes:
             return self._given[rows]
         return self.model.space.nominal[None] if self.source is None else self.source.sample(streams)
 
-    def _seen(self, rows: Rows | slice) -> Array:
-        seen = self.task.observe({name: field[rows] for name, field in self._fields.items()})
-        if not self._show_context:
-            return seen
-        return np.concatenate([seen, self.model.space.to_unit(self.contexts[rows])], axis=1)
+    def _seen(self, fields: Fields, contexts: Array) -> Array:
+        seen = self.task.observe(fields)
+        return np.concatenate([seen, self.model.space.to_unit(contexts)], axis=1) if self._show_context else seen

@@ -25,6 +25,7 @@ class Change:
         before: the task's marker before the step, shape (n, k).
         after: the marker after it, shape (n, k).
         fields: fields after it.
+        terminated: where the step has ended the episode, shape (n,).
         action: what the policy did, within its bounds, shape (n, nu).
         seconds: length of the step.
     """
@@ -32,6 +33,7 @@ class Change:
     before: Array
     after: Array
     fields: Fields
+    terminated: NDArray[np.bool_]
     action: Array
     seconds: float
 

@@ -16,12 +16,12 @@ Columns = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class _Pass:
-    """Entries of one field that one write reaches, as value · factor, times what an earlier pass left if `onto`."""
+    """Entries of one field that one write reaches, as value · factor, times what an earlier pass left where `onto`."""
 
     entries: Columns
     columns: Columns
     factor: Array
-    onto: NDArray[np.bool_]
+    onto: NDArray[np.bool_] | None
 
 
 class FieldContexts:
@@ -60,7 +60,7 @@ class FieldContexts:
             field = batch.expand(name).reshape(batch.nsim, -1)
             for each in passes:
                 value = z[:, each.columns] * each.factor
-                if each.onto.any():
+                if each.onto is not None:
                     value = np.where(each.onto, field[rows, each.entries] * value, value)
                 field[rows, each.entries] = value
         if self.needs_constants:
@@ -82,7 +82,12 @@ def _passes(edits: list[tuple[int, FieldEdit, float]], nominal: Array) -> list[_
             start = values[entry] if edit.relative and not onto else 1.0
             gathered[position].append((entry, column, start / reference if edit.relative else 1.0, onto))
         written |= dict.fromkeys(entries, position + 1)
-    return [_Pass(*(np.array(column) for column in zip(*each, strict=True))) for each in gathered]
+    return [_gather(each) for each in gathered]
+
+
+def _gather(entries: list[tuple[int, int, float, bool]]) -> _Pass:
+    place, column, factor, onto = (np.array(values) for values in zip(*entries, strict=True))
+    return _Pass(place, column, factor, onto if onto.any() else None)
 
 
 def _field(compiled: mujoco.MjModel, name: str) -> Array:

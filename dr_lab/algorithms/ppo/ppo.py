@@ -140,8 +140,8 @@ class PPO(Algorithm):
             learning = learning and (self.max_kl is None or self._divergence(samples)[0] < self.max_kl)
         divergence, clipped = self._divergence(samples)
         return {
-            "objective": float(objective) / steps,
-            "critic_loss": float(error) / steps,
+            "objective": float(objective) / max(steps, 1),
+            "critic_loss": float(error) / max(steps, 1),
             "kl": divergence,
             "clipped": clipped,
             "std": self.actor.log_std.exp().mean().item(),

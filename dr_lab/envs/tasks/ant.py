@@ -53,7 +53,7 @@ class AntWithoutContacts(Task):
 
     def reward(self, change: Change) -> Array:
         """Forward, alive, effort."""
-        alive = self.healthy_reward * ~self.terminated(change.fields)
+        alive = self.healthy_reward * ~change.terminated
         effort = self.control_weight * np.square(change.action).sum(1)
         return self.forward_weight * change.velocity[:, 0] + alive - effort
 

@@ -56,7 +56,7 @@ class Hopper(Task):
 
     def reward(self, change: Change) -> Array:
         """Forward, alive, effort."""
-        alive = self.healthy_reward * ~self.terminated(change.fields)
+        alive = self.healthy_reward * ~change.terminated
         return (
             self.forward_weight * change.velocity[:, 0] + alive - self.control_weight * np.square(change.action).sum(1)
         )

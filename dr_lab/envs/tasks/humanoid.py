@@ -60,7 +60,7 @@ class Humanoid(Task):
 
     def reward(self, change: Change) -> Array:
         """Forward, alive, effort, contacts."""
-        alive = self.healthy_reward * ~self.terminated(change.fields)
+        alive = self.healthy_reward * ~change.terminated
         effort = self.control_weight * np.square(change.action).sum(1)
         contacts = self.contact_weight * np.square(change.fields["cfrc_ext"]).sum((1, 2))
         forward = self.forward_weight * change.velocity[:, 0]

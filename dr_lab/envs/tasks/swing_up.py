@@ -56,7 +56,7 @@ class SwingUp(Task):
         fields = change.fields
         error = np.concatenate([fields["qpos"], fields["qvel"]], axis=1)
         error[:, _POLE] = error[:, _POLE] % (2.0 * np.pi) - np.pi
-        return self.reward_of(error, change.action) - self.failure_cost * self.terminated(fields)
+        return self.reward_of(error, change.action) - self.failure_cost * change.terminated
 
     def terminated(self, fields: Fields) -> NDArray[np.bool_]:
         """Where a position or velocity is beyond its limit."""

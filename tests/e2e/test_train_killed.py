@@ -1,0 +1,45 @@
+"""A training run that is killed at random moments and continued each time ends as if nothing had happened."""
+
+import csv
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+KILLS = 10
+COMMAND = [
+    *(sys.executable, "-m", "dr_lab", "train", "experiment=lsdr_hopper_torso_small"),
+    *("frames=20480", "algorithm.batch_frames=256", "algorithm.minibatch=64", "algorithm.epochs=2", "episodes=8"),
+    *("rollout_episodes=4", "distribution_learner.contexts=4", "checkpoint_every=1", "threads=1"),
+]
+
+
+def start(folder: Path, *more: str) -> "subprocess.Popen[bytes]":
+    return subprocess.Popen([*COMMAND, f"hydra.run.dir={folder}", *more], stdout=subprocess.DEVNULL)
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / "metrics.csv").open(encoding="utf-8") as file:
+        return [{k: v for k, v in row.items() if k != "seconds"} for row in csv.DictReader(file)]
+
+
+@pytest.mark.slow
+def test_ends_as_if_nothing_had_happened(tmp_path: Path) -> None:
+    assert start(tmp_path / "whole").wait() == 0
+    moments, last = random.Random(0), None
+    for number in range(KILLS):
+        folder = tmp_path / f"part_{number}"
+        run = start(folder, *([] if last is None else [f"resume={last}"]))
+        while run.poll() is None and not (folder / "checkpoint.pt").is_file():
+            time.sleep(0.01)
+        time.sleep(moments.uniform(0.0, 0.5))
+        run.send_signal(signal.SIGKILL)
+        run.wait()
+        last = folder
+    end = tmp_path / "end"
+    assert start(end, f"resume={last}").wait() == 0
+    assert rows(end) == rows(tmp_path / "whole")
