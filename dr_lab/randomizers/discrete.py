@@ -37,7 +37,7 @@ class DiscreteRandomizer(Randomizer):
     low: Tensor
     high: Tensor
 
-    def __init__(self, space: ContextSpace, ranges: Mapping[str, Sequence[float]], bins: int) -> None:
+    def __init__(self, space: ContextSpace, ranges: Mapping[str, Sequence[float]] | None, bins: int) -> None:
         super().__init__(space)
         n = len(space.names)
         if bins < 1 or bins**n > _MOST_CELLS:

@@ -26,9 +26,9 @@ class FixedRandomizer(Randomizer):
 
     z: Tensor
 
-    def __init__(self, space: ContextSpace, values: Mapping[str, float]) -> None:
+    def __init__(self, space: ContextSpace, values: Mapping[str, float] | None) -> None:
         super().__init__(space)
-        self.register_buffer("z", torch.from_numpy(space.vector(values)))
+        self.register_buffer("z", torch.from_numpy(space.vector(values or {})))
 
     def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
         """The context, once for each stream."""

@@ -76,7 +76,11 @@ def uniform_std(space: ContextSpace) -> Array:
 
 
 def gaussian(
-    space: ContextSpace, mean: Mapping[str, float], std: Mapping[str, float], relative_std: float, clip: bool
+    space: ContextSpace,
+    mean: Mapping[str, float] | None,
+    std: Mapping[str, float] | None,
+    relative_std: float,
+    clip: bool,
 ) -> GaussianRandomizer:
     """An uncorrelated Gaussian to begin with.
 
@@ -91,8 +95,8 @@ def gaussian(
         UnknownNameError: a name is not a parameter.
     """
     centre, spread = (space.low + space.high) / 2, relative_std * uniform_std(space)
-    for name, value in mean.items():
+    for name, value in (mean or {}).items():
         centre[space.index(name)] = value
-    for name, value in std.items():
+    for name, value in (std or {}).items():
         spread[space.index(name)] = value
     return GaussianRandomizer(space, centre, np.diag(spread**2), clip)

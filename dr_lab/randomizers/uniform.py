@@ -22,7 +22,7 @@ class UniformBox(Independent):
         self.high = high
 
 
-def box(space: ContextSpace, ranges: Mapping[str, Sequence[float]]) -> tuple[Tensor, Tensor]:
+def box(space: ContextSpace, ranges: Mapping[str, Sequence[float]] | None) -> tuple[Tensor, Tensor]:
     """Lower and upper corner of the bounds, some of them replaced, each shape (n,).
 
     Args:
@@ -34,7 +34,7 @@ def box(space: ContextSpace, ranges: Mapping[str, Sequence[float]]) -> tuple[Ten
         ConfigError: a range is not two ordered numbers.
     """
     low, high = space.low, space.high
-    for name, limits in ranges.items():
+    for name, limits in (ranges or {}).items():
         index = space.index(name)
         if len(limits) != 2 or not limits[0] < limits[1]:
             raise ConfigError(f"randomizer.ranges.{name} is {list(limits)}; expected [low, high] with low < high.")
@@ -57,7 +57,7 @@ class UniformRandomizer(Randomizer):
     low: Tensor
     high: Tensor
 
-    def __init__(self, space: ContextSpace, ranges: Mapping[str, Sequence[float]]) -> None:
+    def __init__(self, space: ContextSpace, ranges: Mapping[str, Sequence[float]] | None) -> None:
         super().__init__(space)
         low, high = box(space, ranges)
         self.register_buffer("low", low)
