@@ -23,7 +23,7 @@ def pushed(name: str, before: float, values: Mapping[str, float], speeding: floa
     model = block()
     extended = model.with_effect(placed(model, name, "rail"))
     z = extended.space.vector({f"{name}@rail.{key}": value for key, value in values.items()})
-    speed = speeding * STEP * (np.arange(-AMID, 0) + 0.5)[None, :, None]
+    speed = (speeding * STEP * (np.arange(-AMID, 0.0) + 0.5))[None, :, None]
     history = History(np.zeros(1), np.zeros((1, AMID, 1)), speed, np.full((1, AMID, 1), before))
     controls, rest = np.full((1, round(SECONDS / STEP), 1), FORCE), np.zeros((1, 1, 1))
     rollout = Simulator(extended, 1, threads=1).replay(z[None], rest, rest, controls, controls[:, :1], history)
