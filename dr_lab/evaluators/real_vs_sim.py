@@ -128,8 +128,9 @@ def episode_return(task: Task, qpos: Array, qvel: Array, actions: Array, seconds
         seconds: length of a control step.
     """
     before, after = _fields(qpos[:-1], qvel[:-1]), _fields(qpos[1:], qvel[1:])
-    change = Change(task.marker(before), task.marker(after), after, actions, seconds)
-    ended = np.flatnonzero(task.terminated(after))
+    terminated = task.terminated(after)
+    change = Change(task.marker(before), task.marker(after), after, terminated, actions, seconds)
+    ended = np.flatnonzero(terminated)
     last = ended[0] + 1 if len(ended) else len(actions)
     return float(task.reward(change)[:last].sum())
 
