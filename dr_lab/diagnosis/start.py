@@ -1,13 +1,14 @@
 """First estimates of the windows' initial states, and how far they may be wrong."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.diagnosis.channels import available
+from dr_lab.diagnosis.channels import Channel, available
+from dr_lab.diagnosis.free_start import FreeBody, continuous, free_bodies, turn_between, turning
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.trajectory import Array, Log, Noise, Signal
@@ -92,8 +93,8 @@ def estimate_starts(
 
     The prior's standard deviation is `prior_scale` times the larger of two errors: the noise (for a velocity divided
     by the smoother's half-width), and what the polynomial misses of the motion, told by how much it changes at half
-    the width (root mean square over the windows). A joint whose velocity alone is measured takes that; joints without
-    a channel start at the model's reference.
+    the width (root mean square over the windows). A joint whose velocity alone is measured takes that; a free body is
+    placed by the sensors of its frame; joints without a channel start at the model's reference.
 
     Returns:
         The prior of all windows, in the order of `begins`.
@@ -114,7 +115,38 @@ def estimate_starts(
             means, wrong = _fits(logs, name, begins, settings)
             qvel[:, channel.dof], qacc[:, channel.dof] = means[:2]
             std[nv + channel.dof] = settings.prior_scale * max(floor[0], wrong[0])
-    return StartPrior(qpos, qvel, qacc, std)
+    prior = StartPrior(qpos, qvel, qacc, std)
+    for body in free_bodies(model, logs[0].outputs):
+        _place(prior, body, logs, begins, noise, settings)
+    return prior
+
+
+def _place(
+    prior: StartPrior,
+    body: FreeBody,
+    logs: Sequence[Log],
+    begins: Sequence[Array],
+    noise: Mapping[str, Noise],
+    settings: WindowSettings,
+) -> None:
+    """Write a free body's place, orientation and velocities into the prior, as far as sensors show them."""
+    widths, nv = (settings.smoother, settings.smoother / 2), prior.qvel.shape[1]
+    for channel, address, dof in (
+        (body.position, body.address, body.dof),
+        (body.orientation, body.address + 3, body.dof + 3),
+    ):
+        if channel is None:
+            continue
+        wide, narrow = (_vectors(logs, channel, begins, width, settings) for width in widths)
+        missed, error = wide[0] - narrow[0], noise[channel.name].std
+        if channel is body.orientation:
+            wide, narrow = turning(*wide), turning(*narrow)
+            missed, error = turn_between(narrow[0], wide[0]), 2.0 * error  # a turn by φ moves a unit quaternion by φ/2
+        dofs = np.arange(dof, dof + 3)
+        prior.qpos[:, address : address + wide[0].shape[1]] = wide[0]
+        prior.qvel[:, dofs], prior.qacc[:, dofs] = wide[1:]
+        for first, wrong, floor in ((0, missed, error), (nv, wide[1] - narrow[1], error / settings.smoother)):
+            prior.std[first + dofs] = settings.prior_scale * np.maximum(floor, np.sqrt((wrong**2).mean(0)))
 
 
 def starts_known(signal: Signal, begins: Array, settings: WindowSettings) -> NDArray[np.bool_]:
@@ -134,9 +166,21 @@ def _fits(logs: Sequence[Log], name: str, begins: Sequence[Array], settings: Win
     return wide, np.sqrt(((wide - narrow) ** 2).mean(1))
 
 
-def _local(signal: Signal, begin: float, width: float, settings: WindowSettings) -> tuple[float, float, float]:
-    """Value, slope and curvature at a start, from samples that it may know of."""
+def _vectors(
+    logs: Sequence[Log], channel: Channel, begins: Sequence[Array], width: float, settings: WindowSettings
+) -> tuple[Array, Array, Array]:
+    """Value, slope and curvature of a vector channel at each start, shape (w, size) each."""
+    signals = [log.outputs[channel.name] for log in logs]
+    if channel.kind == "orientation":
+        signals = [replace(signal, value=continuous(signal.value)) for signal in signals]
+    rows = [(signal, begin) for signal, part in zip(signals, begins, strict=True) for begin in part]
+    value, slope, curvature = np.array([_local(*row, width, settings) for row in rows]).transpose(1, 0, 2)
+    return value, slope, curvature
+
+
+def _local(signal: Signal, begin: float, width: float, settings: WindowSettings) -> Array:
+    """Value, slope and curvature at a start, from samples that it may know of, shape (3,) or (3, size)."""
     # A sample at the end of the run-in belongs to the scored part.
     known = np.nextafter(begin + (settings.margin + settings.run_in), -np.inf) if settings.run_in > 0 else np.inf
     fit = local_polynomial(signal, begin, width, until=known, degree=_DEGREE)
-    return float(fit.value), float(fit.slope), float(fit.curvature)
+    return np.array([fit.value, fit.slope, fit.curvature])

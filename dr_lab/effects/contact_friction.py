@@ -30,10 +30,12 @@ class ContactFriction(ContactEffect):
     Attributes:
         low: smallest s.
         high: largest s.
+        start_factors: s of the fits that start away from absent: a contact that sticks shows nothing of its limit.
     """
 
     low: float
     high: float
+    start_factors: tuple[float, ...]
 
     name: ClassVar[str] = "contact_friction"
     family: ClassVar[str] = "environment"
@@ -59,3 +61,8 @@ class ContactFriction(ContactEffect):
         factor = values["factor"]
         for pair in explicit_pairs(spec, site) if factor != 1 else ():
             pair.friction = np.asarray(pair.friction) * [factor, factor, 1.0, 1.0, 1.0]
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """Several factors."""
+        del parameters
+        return tuple({"factor": factor} for factor in self.start_factors)
