@@ -69,7 +69,8 @@ def turning(quaternion: Array, slope: Array, curvature: Array) -> tuple[Array, A
     """
     length = np.linalg.norm(quaternion, axis=1, keepdims=True)
     unit = quaternion / length
-    return unit, *(2.0 * _conjugate_product(unit, rate / length) for rate in (slope, curvature))
+    velocity, acceleration = (2.0 * _conjugate_product(unit, rate / length) for rate in (slope, curvature))
+    return unit, velocity, acceleration
 
 
 def continuous(quaternion: Array) -> Array:

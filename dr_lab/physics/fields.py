@@ -16,10 +16,14 @@ Columns = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class _Pass:
-    """Entries of one field that one write reaches, as value · factor, times what an earlier pass left where `onto`."""
+    """Entries of one field that one write reaches, as value / reference · factor, times what was there where `onto`.
+
+    In this order a value that is its reference leaves the nominal entry to the last bit.
+    """
 
     entries: Columns
     columns: Columns
+    reference: Array
     factor: Array
     onto: NDArray[np.bool_] | None
 
@@ -59,7 +63,7 @@ class FieldContexts:
         for name, passes in self._passes.items():
             field = batch.expand(name).reshape(batch.nsim, -1)
             for each in passes:
-                value = z[:, each.columns] * each.factor
+                value = z[:, each.columns] / each.reference * each.factor
                 if each.onto is not None:
                     value = np.where(each.onto, field[rows, each.entries] * value, value)
                 field[rows, each.entries] = value
@@ -70,7 +74,7 @@ class FieldContexts:
 def _passes(edits: list[tuple[int, FieldEdit, float]], nominal: Array) -> list[_Pass]:
     """The edits of one field, gathered so that no pass writes an entry twice."""
     place, values = np.arange(nominal.size).reshape(nominal.shape), nominal.ravel()
-    gathered: list[list[tuple[int, int, float, bool]]] = []
+    gathered: list[list[tuple[int, int, float, float, bool]]] = []
     written: dict[int, int] = {}  # entry -> first pass that has it no more
     for column, edit, reference in edits:
         entries = [int(entry) for entry in np.ravel(place[edit.index])]
@@ -80,14 +84,14 @@ def _passes(edits: list[tuple[int, FieldEdit, float]], nominal: Array) -> list[_
         for entry in entries:
             onto = edit.relative and entry in written
             start = values[entry] if edit.relative and not onto else 1.0
-            gathered[position].append((entry, column, start / reference if edit.relative else 1.0, onto))
+            gathered[position].append((entry, column, reference if edit.relative else 1.0, start, onto))
         written |= dict.fromkeys(entries, position + 1)
     return [_gather(each) for each in gathered]
 
 
-def _gather(entries: list[tuple[int, int, float, bool]]) -> _Pass:
-    place, column, factor, onto = (np.array(values) for values in zip(*entries, strict=True))
-    return _Pass(place, column, factor, onto if onto.any() else None)
+def _gather(entries: list[tuple[int, int, float, float, bool]]) -> _Pass:
+    place, column, reference, factor, onto = (np.array(values) for values in zip(*entries, strict=True))
+    return _Pass(place, column, reference, factor, onto if onto.any() else None)
 
 
 def _field(compiled: mujoco.MjModel, name: str) -> Array:
