@@ -1,7 +1,8 @@
 """Composing a verb's configuration: search path, resolvers, and whole groups as one option."""
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar
 
@@ -89,7 +90,7 @@ def compose_from(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -
     """
     prepare(folders)
     typed = list(overrides)
-    with hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(folders[-1])):
+    with _beside_a_job(), hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(folders[-1])):
         while True:
             try:
                 return hydra.compose(config_name=verb, overrides=typed)
@@ -99,6 +100,17 @@ def compose_from(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -
                 if respelt is None:
                     raise
                 typed = respelt
+
+
+@contextmanager
+def _beside_a_job() -> Iterator[None]:
+    """Let a job that Hydra runs compose another configuration: Hydra allows one composer at a time."""
+    place = GlobalHydra.instance()
+    running, place.hydra = place.hydra, None
+    try:
+        yield
+    finally:
+        place.hydra = running
 
 
 def compose_with_hydra(config_name: str, overrides: Sequence[str], folders: Sequence[Path]) -> DictConfig:

@@ -40,6 +40,11 @@ class DiscreteRandomizer(Randomizer):
     def __init__(self, space: ContextSpace, ranges: Mapping[str, Sequence[float]] | None, bins: int) -> None:
         super().__init__(space)
         n = len(space.names)
+        if n == 0:
+            raise ConfigError(
+                "randomizer=discrete has nothing to divide into cells: the machine varies no parameter. Choose some, e.g. "
+                "env/context=hopper/torso_size, or take randomizer=fixed."
+            )
         if bins < 1 or bins**n > _MOST_CELLS:
             raise ConfigError(
                 f"randomizer.bins is {bins}: {n} parameters make {bins**n:g} cells; expected 1 to {_MOST_CELLS:g}. "

@@ -3,6 +3,8 @@
 import csv
 import functools
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +56,14 @@ def test_a_policy_is_trained_on_in_a_context(run: Path, tmp_path: Path) -> None:
     few = ["evaluator.contexts=1", "evaluator.rounds=1", "evaluator.frames=160", "evaluator.episodes=2"]
     report = evaluated(run, tmp_path / "tuned", "evaluator=fine_tune", *few)
     assert np.isfinite([report["figures"]["jump_start"], report["figures"]["asymptote"]]).all()
+
+
+def test_the_command_line_evaluates_what_it_has_trained(run: Path, tmp_path: Path) -> None:
+    program = Path(sys.executable).with_name("dr-lab")
+    asked = [f"run={run}", "evaluator=returns", "evaluator.contexts=3", "hydra.run.dir=run"]
+    done = subprocess.run([program, "evaluate", *asked], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "uniform" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
 
 
 def test_a_run_without_a_checkpoint_is_told(tmp_path: Path) -> None:
