@@ -42,7 +42,7 @@ class DiscreteRandomizer(Randomizer):
         n = len(space.names)
         if n == 0:
             raise ConfigError(
-                "randomizer=discrete has nothing to divide into cells: the machine varies no parameter. Choose some, e.g. "
+                "randomizer=discrete has no cells: the machine varies no parameter. Choose some, e.g. "
                 "env/context=hopper/torso_size, or take randomizer=fixed."
             )
         if bins < 1 or bins**n > _MOST_CELLS:
