@@ -39,7 +39,7 @@ from dr_lab.cli.compose import HYDRA_VERSION, prepare
 from dr_lab.cli.folders import shipped
 from dr_lab.collectors.collector import Collector
 from dr_lab.collectors.lean import LeanCollector
-from dr_lab.collectors.torchrl import TorchRLCollector
+from dr_lab.collectors.torchrl import Acting, TorchRLCollector
 from dr_lab.envs.gymnasium_model import load
 from dr_lab.envs.setting import Setting
 from dr_lab.networks.gaussian_actor import GaussianActor
@@ -123,25 +123,12 @@ def peer(name: str) -> EnvBase:
     return GymEnv(name, **contacts)
 
 
-class PeerPolicy:
-    """The policy as TorchRL calls it, on gymnasium's double precision.
-
-    Args:
-        policy: what acts.
-    """
-
-    def __init__(self, policy: GaussianActor) -> None:
-        self._policy = policy
-
-    def __call__(self, tensordict: TensorDictBase) -> TensorDictBase:
-        """Set ``action``."""
-        return tensordict.set("action", self._policy(tensordict["observation"].float()))
-
-
 def plain(name: str, policy: GaussianActor, frames: int, stack: ExitStack) -> Arm:
     """TorchRL's collector on its own environments."""
     environments = ParallelEnv(WORKERS, partial(peer, PEERS[name]))
-    collector = PlainCollector(environments, PeerPolicy(policy), frames_per_batch=frames, total_frames=-1)
+    collector = PlainCollector(
+        environments, Acting(lambda observation: policy(observation.float())), frames_per_batch=frames, total_frames=-1
+    )
     stack.callback(collector.shutdown)
     batches: Iterator[TensorDictBase] = iter(collector)
     return lambda: next(batches).numel()

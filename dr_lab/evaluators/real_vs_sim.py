@@ -13,6 +13,7 @@ from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import iqm_interval
 from dr_lab.plants.bench import Bench
 from dr_lab.plants.machine import Vector
+from dr_lab.plants.operator import Experiment
 from dr_lab.plants.tracking import track
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
@@ -103,16 +104,17 @@ class RealVsSimEvaluator(Evaluator):
             return np.clip(action.double().numpy()[0], low, high).tolist()
 
         time = np.arange(task.time_limit + 1, dtype=np.float64) * seconds
-        states, actions = track(
-            plant.nominal.machine(plant.nominal.true_values(self.machine)),
-            plant.hidden,
-            controller,
-            time[:-1],
-            0.0,
-            time,
-            accuracy=plant.accuracy,
+        experiment = Experiment(
+            machine=plant.nominal.machine(plant.nominal.true_values(self.machine)),
+            effect=plant.hidden,
+            documented=plant.documented,
+            issued=time[:-1],
+            latency=0.0,
+            instants=time,
             start=(*qpos.tolist(), *qvel.tolist()),
+            accuracy=plant.accuracy,
         )
+        states, actions = track(experiment, controller)
         joints, degrees = len(plant.joints), states.shape[1] // 2
         return episode_return(task, states[:, :joints], states[:, degrees : degrees + joints], actions, seconds)
 

@@ -38,13 +38,4 @@ class Servo:
             pull = stiffness * (target[instant] - np.asarray(position)) - damping * np.asarray(velocity)
             return (pull - np.asarray(weight)).tolist()
 
-        return track(
-            experiment.machine,
-            experiment.effect,
-            controller,
-            experiment.issued,
-            experiment.latency,
-            experiment.instants,
-            accuracy=experiment.accuracy,
-            start=experiment.start,
-        )
+        return track(experiment, controller)

@@ -5,9 +5,9 @@ import io
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import torch
 from rich.console import Console
@@ -66,19 +66,8 @@ def evaluate(
     subject = subject_of(folder, compose, threads)
     with _progress() as progress:
         found = evaluator.evaluate(subject, run_dir, progress)
-    report = to_plain(
-        {
-            "schema": "dr_lab/evaluate/1",
-            "verb": "evaluate",
-            "trained": folder,
-            "env": subject.setting.name,
-            "evaluator": type(evaluator).__name__,
-            "figures": dict(found.figures),
-            "rows": [dict(row) for row in found.rows],
-            "run": run_dir,
-        }
-    )
-    assert isinstance(report, dict)
+    values = {"trained": folder, "env": subject.setting.name, "evaluator": type(evaluator).__name__, "run": run_dir}
+    report = _report(values, found)
     _write(run_dir, report, found, subject, recorder)
     return report
 
@@ -111,8 +100,8 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
     Raises:
         DataError: the checkpoint cannot be read.
     """
-    arguments = compose("train", [], recorded=folder)
-    plan = replace(Plan(**{field.name: arguments[field.name] for field in fields(Plan)}), threads=threads)
+    recorded: Plan = compose("train", [], recorded=folder)["plan"]
+    plan = replace(recorded, threads=threads)
     state = load(folder / CHECKPOINT)["algorithm"]
     training = plan.assemble(folder / CHECKPOINT)  # nothing is trained, so nothing is written there
     training.algorithm.load_state_dict(state)
@@ -126,6 +115,11 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
         return fresh.trainer, fresh.algorithm.deployed
 
     return Subject(folder.name, plan.env, training.algorithm.deployed, again, threads)
+
+
+def _report(values: Mapping[str, Any], found: Evaluation) -> dict[str, Any]:
+    own = {"figures": dict(found.figures), "rows": [dict(row) for row in found.rows]}
+    return cast(dict[str, Any], to_plain({"schema": "dr_lab/evaluate/1", "verb": "evaluate", **values, **own}))
 
 
 def _write(run_dir: Path, report: Mapping[str, Any], found: Evaluation, subject: Subject, look: Look) -> None:

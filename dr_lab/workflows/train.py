@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,14 +14,9 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from dr_lab.algorithms.algorithm import Algorithm
 from dr_lab.algorithms.episode_log import Finished
 from dr_lab.algorithms.trainer import Watch
-from dr_lab.collectors.collector import Collector
-from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.envs.setting import Setting
-from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.report import to_plain
@@ -34,63 +29,25 @@ _LAST = 0.1  # share of the iterations that the final return is the mean of
 _NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
 
 
-def train(
-    env: Setting,
-    algorithm: Callable[..., Algorithm],
-    randomizer: Callable[[ContextSpace], Randomizer],
-    distribution_learner: Callable[..., DistributionLearner],
-    collector: Callable[..., Collector],
-    recorder: Look,
-    frames: int,
-    episodes: int,
-    rollout_episodes: int,
-    checkpoint_every: int,
-    resume: str | None,
-    seed: int,
-    threads: int | None,
-    run_dir: Path,
-) -> dict[str, Any]:
+def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path) -> dict[str, Any]:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
     Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt``, ``report.json``, ``report.md``, ``review.rrd``. An
     interrupted run is continued by the same command with ``resume=<run folder>``, as if it had never stopped.
 
     Args:
-        env: machine and task.
-        algorithm: makes the algorithm.
-        randomizer: makes p(z).
-        distribution_learner: makes what shapes p(z).
-        collector: makes the collector.
+        plan: what is trained, and on what.
         recorder: how the recording looks.
-        frames: control steps of training in all.
-        episodes: that run side by side.
-        rollout_episodes: the same of those that a distribution learner plays.
-        checkpoint_every: iterations between two checkpoints.
         resume: run folder of an interrupted training run with the same settings.
-        seed: of every random draw.
-        threads: C threads of the physics; None takes every core.
         run_dir: the run folder.
 
     Returns:
         The report (schema dr_lab/train/1).
 
     Raises:
-        ConfigError: a number is too small, or the parts do not fit.
+        ConfigError: the parts do not fit.
         DataError: the run to be resumed has no readable checkpoint, or other settings.
     """
-    plan = Plan(
-        env=env,
-        algorithm=algorithm,
-        randomizer=randomizer,
-        distribution_learner=distribution_learner,
-        collector=collector,
-        episodes=episodes,
-        rollout_episodes=rollout_episodes,
-        frames=frames,
-        checkpoint_every=checkpoint_every,
-        seed=seed,
-        threads=threads,
-    )
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
     training = plan.assemble(run_dir / CHECKPOINT)
     snapshots = Snapshots(training.randomizer)
@@ -100,7 +57,7 @@ def train(
     else:
         training.trainer.resume(Path(resume).expanduser() / CHECKPOINT)
     _run(training, snapshots, plan, run_dir)
-    return _finish(training, snapshots, env, recorder, run_dir)
+    return _finish(training, snapshots, plan.env, recorder, run_dir)
 
 
 def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
