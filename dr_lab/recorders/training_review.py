@@ -103,8 +103,15 @@ def _blueprint(record: TrainingRecord) -> rrb.Blueprint:
         rrb.Tabs(*pages, name="Review"),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
-        rrb.TimePanel(state="collapsed", timeline=ITERATIONS, play_state="paused"),
+        _time(record),
     )
+
+
+def _time(record: TrainingRecord) -> rrb.TimePanel:
+    """The slider over iterations, where anything changes with them."""
+    if record.curves or record.marginals or record.pairs:
+        return rrb.TimePanel(state="collapsed", timeline=ITERATIONS, play_state="paused")
+    return rrb.TimePanel(state="hidden")
 
 
 def _curves(record: TrainingRecord) -> list[rrb.View]:

@@ -140,7 +140,7 @@ def _page(report: Mapping[str, Any], subject: Subject) -> str:
     header = list(rows[0]) if rows else []
     cells = [[_cell(row[key]) for key in header] for row in rows[:_SHOWN]]
     more = f"\n\n… and {len(rows) - _SHOWN} more in returns.csv." if len(rows) > _SHOWN else ""
-    title = f"# {report['evaluator']}: {subject.setting.name}, {subject.name}"
+    title = f"# What {subject.name} on {subject.setting.name} returns"
     return f"{title}\n\n{table(['figure', 'value'], figures)}\n\n{table(header, cells)}{more}\n"
 
 
