@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from dr_lab.diagnosis.blocks import blocks
 from dr_lab.diagnosis.score import Score
@@ -66,6 +67,21 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
 def _typical(sums: Array, count: Array) -> float:
     """χ² of a typical window."""
     return float(np.expm1((count * np.log1p(sums / count)).sum() / count.sum()))
+
+
+def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
+    """Largest χ² per degree of freedom at which a model counts as right.
+
+    The noise is known to `settings.floor`; on few samples, moreover, the χ² of a right model scatters, and exceeds this
+    quantile of its distribution only with probability 1 − confidence.
+
+    Args:
+        freedom: degrees of freedom of the χ².
+        settings: floor and confidence.
+    """
+    if freedom <= 0:
+        return settings.floor
+    return max(settings.floor, float(chi2.ppf(settings.confidence, freedom)) / freedom)
 
 
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

@@ -38,6 +38,11 @@ class Score:
     log: NDArray[np.intp]
     infeasible: int
 
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom in all."""
+        return float(self.window_count.sum())
+
 
 def score_of(replay: Replay, fit: StateFit) -> Score:
     """Score of a fit on the scored samples of its own windows."""

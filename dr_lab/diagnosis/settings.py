@@ -112,7 +112,7 @@ class EvidenceSettings:
         threshold: least evidence on the held-out windows, as Δχ², that separates two models.
         least_gap: share of the χ² above the noise floor that an effect must close to count.
         penalty: Δχ² that each added parameter must earn on top.
-        floor: largest χ² per sample that counts as the noise floor.
+        floor: largest χ² per sample that counts as the noise floor, where samples are many.
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
 
     Raises:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from dr_lab.diagnosis.evidence import paired_gain, supported
+from dr_lab.diagnosis.evidence import noise_floor, paired_gain, supported
 from dr_lab.diagnosis.rank import Candidate, Explained
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
@@ -49,7 +49,7 @@ def decide(base: Explained, ranking: Sequence[Candidate], settings: EvidenceSett
 def _kind(base: Explained, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings) -> str:
     if group:
         return "named" if len(group) == 1 else "equivalent"
-    if base.held_out.chi2 > settings.floor:
+    if base.held_out.chi2 > noise_floor(base.held_out.freedom, settings):
         return "unexplained"
     return "not_excited" if status and set(status.values()) == {"not_excited"} else "none"
 
@@ -65,7 +65,8 @@ def _reason(
         return f"{labels} lowers the held-out χ² from {chi2:.3f} to {after:.3f}, beyond every other candidate."
     if kind == "equivalent":
         return f"{labels} explain the held-out logs equally well; these data cannot separate them."
-    place = f"above the noise floor ({settings.floor:g})" if kind == "unexplained" else "at the noise floor"
+    floor = noise_floor(base.held_out.freedom, settings)
+    place = f"above the noise floor ({floor:.3g})" if kind == "unexplained" else "at the noise floor"
     told = f"The model is {place}, held-out χ² {chi2:.3f}, and no effect of the catalogue lowers it credibly."
     silent = ", ".join(label for label, each in status.items() if each == "not_excited")
     return f"{told} Over the whole width of their bounds these would not show: {silent}." if silent else told
@@ -92,7 +93,7 @@ def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candi
     interval, which few blocks of data make wide. Above the floor the models are wrong in ways that differ from log to
     log, and the intervals decide.
     """
-    if any(c.explained.held_out.chi2 > settings.floor for c in group):
+    if any(c.explained.held_out.chi2 > noise_floor(c.explained.held_out.freedom, settings) for c in group):
         return group
     chi2 = [c.explained.fit.cost + float(c.explained.held_out.window_sum.sum()) for c in group]
     return [c for c, each in zip(group, chi2, strict=True) if each < min(chi2) + settings.threshold]

@@ -155,14 +155,14 @@ class Model:
         return {name: z[:, i, None, None] for i, name in enumerate(self.space.names)}
 
 
-def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, object]]) -> Model:
+def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, object]] | None) -> Model:
     """Read an MJCF file and declare its free parameters.
 
     Args:
         name: model name.
         mjcf: path of the MJCF file.
         parameters: parameter name → ``target`` (or a list of them, for a value that several places share), ``unit``,
-            ``low``, ``high``; nominal is read from the file.
+            ``low``, ``high``; nominal is read from the file. None: every value of the file stands.
 
     Raises:
         ModelError: the file is missing or does not compile (MuJoCo's message is kept), or a parameter changes nothing.
@@ -176,7 +176,7 @@ def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, obje
         compiled(spec.copy())
     except ValueError as error:
         raise ModelError(f"Model {name!r} does not compile ({path.name}): {error}") from error
-    return from_spec(name, spec, parameters)
+    return from_spec(name, spec, parameters or {})
 
 
 def from_spec(name: str, spec: mujoco.MjSpec, parameters: Mapping[str, Mapping[str, object]]) -> Model:

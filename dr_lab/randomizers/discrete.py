@@ -57,7 +57,8 @@ class DiscreteRandomizer(Randomizer):
 
     def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
         """One cell a stream by the inverse of the cumulated probabilities, then a point within it."""
-        unit = np.array([rng.random(1 + len(self.low)) for rng in rngs]).reshape(len(rngs), 1 + len(self.low))
+        width = 1 + len(self.low)
+        unit = np.array([rng.random(width) for rng in rngs]).reshape(len(rngs), width)
         grid = self.distribution()
         cumulated = grid.log_probabilities.detach().exp().flatten().cumsum(0).numpy()
         picked = np.searchsorted(cumulated, unit[:, 0] * cumulated[-1], side="right")

@@ -54,7 +54,8 @@ class GaussianRandomizer(Randomizer):
     def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
         """μ + Λε, one ε ~ N(0, I) a stream."""
         normal = self.distribution()
-        epsilon = np.array([rng.standard_normal(len(self.width)) for rng in rngs]).reshape(len(rngs), len(self.width))
+        width = len(self.width)
+        epsilon = np.array([rng.standard_normal(width) for rng in rngs]).reshape(len(rngs), width)
         z = normal.loc.detach().numpy() + epsilon @ normal.scale_tril.detach().numpy().T
         return self.space.clip(z) if self.clip else z
 

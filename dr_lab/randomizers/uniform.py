@@ -65,7 +65,8 @@ class UniformRandomizer(Randomizer):
 
     def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
         """One uniform draw a stream."""
-        unit = np.array([rng.random(len(self.low)) for rng in rngs]).reshape(len(rngs), len(self.low))
+        width = len(self.low)
+        unit = np.array([rng.random(width) for rng in rngs]).reshape(len(rngs), width)
         return self.low.numpy() + unit * (self.high - self.low).numpy()
 
     def log_prob(self, z: Tensor) -> Tensor:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dr_lab.diagnosis.rank import Explained, explain
-from dr_lab.diagnosis.score import score_of
+from dr_lab.diagnosis.score import Score, score_of
 from dr_lab.diagnosis.states import fit_states
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.workflows import entries
@@ -40,9 +40,9 @@ def describe(study: Study, explained: Explained) -> Described:
     return Described(explained, estimate, entries.rung(labels, explained.held_out, predicted, table))
 
 
-def as_given(study: Study) -> dict[str, Any]:
-    """Ladder-like entry of the model before any fit."""
+def as_given(study: Study) -> tuple[Score, dict[str, Any]]:
+    """Held-out score and ladder-like entry of the model before any fit."""
     z, bench = study.model.space.nominal, study.bench
     refitted = score_of(*fit_states(study.model, z, bench.held_out, bench.solver, bench.threads))
     nominal = {p.name: {"value": p.nominal, "std": None, "unit": p.unit} for p in study.model.space.parameters}
-    return entries.rung((), refitted, predicted_score(study, study.model, z), nominal)
+    return refitted, entries.rung((), refitted, predicted_score(study, study.model, z), nominal)

@@ -34,12 +34,12 @@ def compare(
         The report (schema dr_lab/gap/1) whose ladder holds the one model.
     """
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
-    z, rung = model.space.nominal, as_given(study)
+    z, (score, rung) = model.space.nominal, as_given(study)
     report = {
         **entries.header("compare", study),
         "verdict": None,
         "ladder": [rung],
-        "remaining": entries.remaining(rung["held_out"]["chi2"], evidence.floor),
+        "remaining": entries.remaining(score.chi2, score.freedom, evidence),
         **failure(study, model, z),
     }
     return finish(study, report, {BEFORE: (model, z)}, run_dir, recorder)

@@ -8,9 +8,11 @@ import numpy as np
 from dr_lab.diagnosis import trust
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
+from dr_lab.diagnosis.evidence import noise_floor
 from dr_lab.diagnosis.localise import Region
 from dr_lab.diagnosis.rank import Bench, Candidate, Explained
 from dr_lab.diagnosis.score import Score
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.trade import trades
 from dr_lab.diagnosis.unit_suspicion import suspect_degrees
 from dr_lab.diagnosis.verdict import Verdict
@@ -52,6 +54,7 @@ def rung(labels: Sequence[str], refitted: Score, predicted: Score, parameters: M
         "effects": list(labels),
         "held_out": {
             "chi2": refitted.chi2,
+            "degrees_of_freedom": refitted.freedom,
             "rmse": refitted.rmse,
             "nrmse": refitted.nrmse,
             "fit_percent": refitted.fit_percent,
@@ -161,9 +164,9 @@ def where(regions: Sequence[Region]) -> list[dict[str, Any]]:
     ]
 
 
-def remaining(chi2: float, floor: float) -> dict[str, Any]:
-    """What the last model leaves."""
-    return {"status": "at_floor" if chi2 <= floor else "unexplained", "chi2": chi2}
+def remaining(chi2: float, freedom: float, evidence: EvidenceSettings) -> dict[str, Any]:
+    """What the last model leaves, by its χ² over that many degrees of freedom."""
+    return {"status": "at_floor" if chi2 <= noise_floor(freedom, evidence) else "unexplained", "chi2": chi2}
 
 
 def _own(candidate: Candidate, study: Study) -> dict[str, Any]:

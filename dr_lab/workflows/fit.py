@@ -35,13 +35,13 @@ def fit(
     """
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
     found = describe(study, calibrate(study))
-    z = found.explained.fit.z
+    z, score = found.explained.fit.z, found.explained.held_out
     report = {
         **entries.header("fit", study),
         "verdict": None,
-        "as_given": as_given(study),
+        "as_given": as_given(study)[1],
         "ladder": [found.rung],
-        "remaining": entries.remaining(found.explained.held_out.chi2, evidence.floor),
+        "remaining": entries.remaining(score.chi2, score.freedom, evidence),
         **failure(study, model, z),
     }
     models = {BEFORE: (model, model.space.nominal), AFTER: (model, z)}

@@ -44,7 +44,7 @@ def report_ladder(
         "notes": [*header["notes"], *entries.refused(ladder.refused), *entries.dropped(ladder.dropped)],
         "verdict": _verdict(ladder),
         "reason": _reason(study, first),
-        "as_given": as_given(study),
+        "as_given": as_given(study)[1],
         "ladder": [
             {**d.rung, "rivals": [c.effect.label for c in rivals]}
             for d, rivals in zip(described, [(), *(step.rivals for step in ladder.steps)], strict=True)
@@ -52,7 +52,7 @@ def report_ladder(
         "ranking": entries.ranking(study, first.ranking, first.verdict),
         "rungs": [_rung(study, rung) for rung in ladder.rungs],
         "next_experiment": next_experiment,
-        "remaining": entries.remaining(last.held_out.chi2, study.bench.evidence.floor),
+        "remaining": entries.remaining(last.held_out.chi2, last.held_out.freedom, study.bench.evidence),
         "worst_direction": entries.worst_direction(last),
         "missing_force": missing_forces(study, ladder.models),
         **failure(study, base.model, base.fit.z),

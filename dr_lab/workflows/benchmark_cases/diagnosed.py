@@ -48,7 +48,7 @@ def diagnose_case(case: Case, compose: Compose) -> Outcome:
         fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
         chi2_base=base.held_out.chi2,
         chi2=last.held_out.chi2,
-        remaining=remaining(last.held_out.chi2, study.bench.evidence.floor)["status"],
+        remaining=remaining(last.held_out.chi2, last.held_out.freedom, study.bench.evidence)["status"],
         cpu=cpu,
         wall=wall,
     )

@@ -1,6 +1,7 @@
 import numpy as np
+import pytest
 
-from dr_lab.diagnosis.evidence import paired_gain, supported
+from dr_lab.diagnosis.evidence import noise_floor, paired_gain, supported
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 
@@ -37,6 +38,11 @@ def test_a_constant_share_is_known_exactly() -> None:
     assert np.allclose([gain.share, gain.low, gain.high], 0.75)
     assert gain.wins == 1
     assert supported(gain, 1, SETTINGS)
+
+
+@pytest.mark.parametrize(("freedom", "floor"), [(1.0, 6.635), (30.0, 50.892 / 30), (1e6, SETTINGS.floor), (0.0, 1.1)])
+def test_few_samples_scatter_above_the_noise_floor(freedom: float, floor: float) -> None:
+    assert noise_floor(freedom, SETTINGS) == pytest.approx(floor, abs=1e-3)  # upper 1 % points of χ², by table
 
 
 def test_evidence_near_the_noise_floor_is_the_difference_of_chi2() -> None:

@@ -82,3 +82,10 @@ def test_unknown_elements_are_listed() -> None:
     entry = {"target": "joint.hing.damping", "unit": "1", "low": 0.0, "high": 1.0}
     with pytest.raises(UnknownNameError, match="hinge"):
         from_spec("toy", mujoco.MjSpec.from_string(XML), {"d": entry})
+
+
+def test_without_parameters_every_value_of_the_file_stands(tmp_path: Path) -> None:
+    (tmp_path / "toy.xml").write_text(XML)
+    fixed = load("toy", tmp_path / "toy.xml", None)
+    assert fixed.space.names == ()
+    assert fixed.compile(fixed.space.nominal).body("arm").mass[0] == 2.0
