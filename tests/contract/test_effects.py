@@ -65,7 +65,15 @@ def every() -> Iterator[tuple[str, str, str]]:
                 yield model, effect, site
 
 
-PLACES = pytest.mark.parametrize(("model", "effect", "site"), list(every()))
+def parameters() -> Iterator[object]:
+    """Every place; what an effect does at a model's second site and further ones is left to the slow tests."""
+    seen = set[tuple[str, str]]()
+    for model, effect, site in every():
+        yield pytest.param(model, effect, site, marks=[pytest.mark.slow] if (model, effect) in seen else [])
+        seen.add((model, effect))
+
+
+PLACES = pytest.mark.parametrize(("model", "effect", "site"), list(parameters()))
 
 
 def put(model: str, effect: str, site: str) -> tuple[Model, PlacedEffect]:
