@@ -4,7 +4,7 @@ import collections.abc
 import inspect
 import types
 import typing
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 from omegaconf import DictConfig, OmegaConf
@@ -36,7 +36,7 @@ def check(
         UnknownNameError: a key is no parameter of what it configures.
         omegaconf.errors.OmegaConfBaseException: an interpolation leads nowhere.
     """
-    missing = sorted(OmegaConf.missing_keys(cfg))
+    missing = sorted(_missing(OmegaConf.to_container(cfg, resolve=False), ""))
     if missing:
         given = " ".join(f"{key}=…" for key in missing)
         raise ConfigError(f"No value for {', '.join(missing)}. Give one: dr-lab {verb} {given}")
@@ -46,6 +46,18 @@ def check(
     plain = {str(key): value for key, value in values.items() if key not in unused}
     _check_call(plain, workflow, f"dr-lab {verb}", "", supplied)
     _walk(plain, "")
+
+
+def _missing(value: object, path: str) -> Iterator[str]:
+    """Keys that wait for a value; `OmegaConf.missing_keys` fails where a resolver would be given one of them."""
+    if isinstance(value, Mapping):
+        for key, child in value.items():
+            yield from _missing(child, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list):
+        for index, child in enumerate(value):
+            yield from _missing(child, f"{path}[{index}]")
+    elif value == "???":
+        yield path
 
 
 def _walk(value: object, path: str) -> None:

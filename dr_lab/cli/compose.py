@@ -18,6 +18,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli import folders as places
 from dr_lab.cli.overrides import refused_key, respell
+from dr_lab.cli.recorded import recorded
 from dr_lab.errors import ConfigError
 
 HYDRA_VERSION = "1.3"
@@ -41,13 +42,14 @@ class UserFoldersFirst(SearchPathPlugin):
 
 
 def register_resolvers(folders: Sequence[Path]) -> None:
-    """Make ``${conf:…}`` and ``${examples:…}`` known to OmegaConf; needed in every process that reads a config.
+    """Make ``${conf:…}``, ``${examples:…}`` and ``${recorded:…}`` known to OmegaConf, in every process that needs them.
 
     Args:
         folders: configuration folders, first searched first.
     """
     OmegaConf.register_new_resolver("conf", functools.partial(places.find, tuple(folders)), replace=True)
     OmegaConf.register_new_resolver("examples", places.example, replace=True)
+    OmegaConf.register_new_resolver("recorded", recorded, replace=True)
 
 
 def prepare(folders: Sequence[Path]) -> None:

@@ -6,14 +6,17 @@ from pathlib import Path
 
 import pytest
 from omegaconf import OmegaConf
+from omegaconf.errors import InterpolationResolutionError
 
 from dr_lab.cli.arguments import SUPPLIED, not_passed, workflow_of
 from dr_lab.cli.check import check
 from dr_lab.cli.compose import compose, options
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.verbs import verbs
+from dr_lab.errors import ConfigError
 
 FOLDERS = (shipped(),)
+NEEDS_RUN = {"from_run": "model.run", "sim2real_furuta": "run"}
 NEEDED = {"add": ["effect=coulomb_friction", "effect.joint=arm"]}
 
 
@@ -35,14 +38,26 @@ def check_verb(verb: str, overrides: list[str], monkeypatch: pytest.MonkeyPatch)
     check(cfg, workflow, verb, supplied=SUPPLIED, unused=unused)
 
 
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What a run of ``dr-lab close`` was configured with, in its folder."""
+    folder = tmp_path_factory.mktemp("run")
+    OmegaConf.save(compose("close"), folder / "config.yaml")
+    return folder
+
+
+def run_given(option: str, run: Path) -> list[str]:
+    return [f"{NEEDS_RUN[option]}={run}"] if option in NEEDS_RUN else []
+
+
 @pytest.mark.parametrize("verb", verbs())
 def test_verb_fits_its_workflow(verb: str, monkeypatch: pytest.MonkeyPatch) -> None:
     check_verb(verb, [], monkeypatch)
 
 
 @pytest.mark.parametrize(("verb", "experiment"), list(experiments()))
-def test_experiment_composes(verb: str, experiment: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    check_verb(verb, [f"experiment={experiment}"], monkeypatch)
+def test_experiment_composes(verb: str, experiment: str, run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb(verb, [f"experiment={experiment}", *run_given(experiment, run)], monkeypatch)
 
 
 def options_of(group: str) -> list[str]:
@@ -50,8 +65,25 @@ def options_of(group: str) -> list[str]:
 
 
 @pytest.mark.parametrize("model", options_of("model"))
-def test_model_composes(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    check_verb("compare", [f"model={model}"], monkeypatch)
+def test_model_composes(model: str, run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb("compare", [f"model={model}", *run_given(model, run)], monkeypatch)
+
+
+def test_the_model_of_a_run_asks_for_the_run_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ConfigError, match=r"^No value for model\.run\. Give one"):
+        check_verb("compare", ["model=from_run"], monkeypatch)
+    with pytest.raises(InterpolationResolutionError, match=r"run=/nowhere holds no config\.yaml"):
+        check_verb("compare", ["model=from_run", "model.run=/nowhere"], monkeypatch)
+
+
+def test_what_a_run_recorded_is_checked_like_the_rest(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = OmegaConf.load(run / "config.yaml")
+    OmegaConf.update(config, "model._target_", "os.system")
+    OmegaConf.save(config, tmp_path / "config.yaml")
+    with pytest.raises(ConfigError, match=r"'os\.system' is outside the trusted packages"):
+        check_verb("compare", ["model=from_run", f"model.run={tmp_path}"], monkeypatch)
 
 
 @pytest.mark.parametrize("measurements", options_of("measurements"))

@@ -1,4 +1,4 @@
-"""A driven joint swings a pole up that hangs from it."""
+"""A driven joint swings a pole up that hangs from it, or holds it there."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -22,19 +22,23 @@ class SwingUp(Task):
     Attributes:
         reward_of: of the error from there and of the voltage.
         voltage: largest, in V.
-        start_position: half widths of the uniform start about hanging at 0, in m or rad, shape (2,).
+        start_centre: middle of the uniform start, from the model's initial position, in m or rad, shape (2,).
+        start_position: its half widths, in m or rad, shape (2,).
         start_velocity: of the velocities about 0, in m/s or rad/s, shape (2,).
         position_limit: beyond which an episode ends, in m or rad, shape (2,).
         velocity_limit: in m/s or rad/s, shape (2,).
+        tilt_limit: likewise of the pole's distance from upright, in rad; ``inf`` where it has to swing up first.
         failure_cost: taken off the reward where it ends so.
     """
 
     reward_of: ErrorReward
     voltage: float
+    start_centre: Sequence[float]
     start_position: Sequence[float]
     start_velocity: Sequence[float]
     position_limit: Sequence[float]
     velocity_limit: Sequence[float]
+    tilt_limit: float
     failure_cost: float
 
     def action_bounds(self, compiled: mujoco.MjModel) -> tuple[Array, Array]:
@@ -43,9 +47,10 @@ class SwingUp(Task):
         return -high, high
 
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
-        """Hanging, nearly at rest."""
+        """Uniform about the middle, the velocities about rest."""
         position, velocity = np.array(self.start_position), np.array(self.start_velocity)
-        return compiled.qpos0 + rng.uniform(-position, position), rng.uniform(-velocity, velocity)
+        middle = compiled.qpos0 + self.start_centre
+        return middle + rng.uniform(-position, position), rng.uniform(-velocity, velocity)
 
     @abstractmethod
     def observe(self, fields: Fields) -> Array:
@@ -53,12 +58,16 @@ class SwingUp(Task):
 
     def reward(self, change: Change) -> Array:
         """Of the error and the voltage, less a failure's cost."""
-        fields = change.fields
-        error = np.concatenate([fields["qpos"], fields["qvel"]], axis=1)
-        error[:, _POLE] = error[:, _POLE] % (2.0 * np.pi) - np.pi
+        error = np.concatenate([change.fields["qpos"], change.fields["qvel"]], axis=1)
+        error[:, _POLE] = _tilt(change.fields)
         return self.reward_of(error, change.action) - self.failure_cost * change.terminated
 
     def terminated(self, fields: Fields) -> NDArray[np.bool_]:
-        """Where a position or velocity is beyond its limit."""
-        size = np.abs(np.concatenate([fields["qpos"], fields["qvel"]], axis=1))
-        return np.any(size > [*self.position_limit, *self.velocity_limit], axis=1)
+        """Where a position, a velocity or the tilt is beyond its limit."""
+        size = np.abs(np.column_stack([fields["qpos"], fields["qvel"], _tilt(fields)]))
+        return np.any(size > [*self.position_limit, *self.velocity_limit, self.tilt_limit], axis=1)
+
+
+def _tilt(fields: Fields) -> Array:
+    """Angle of the pole from upright within ±π, in rad, shape (n,)."""
+    return fields["qpos"][:, _POLE] % (2.0 * np.pi) - np.pi

@@ -63,3 +63,12 @@ def test_voltage_is_cut_off_and_the_rail_ends() -> None:
 def test_rewards_and_models_are_options() -> None:
     assert isinstance(setting("furuta", "env/reward=furuta/shared").task.reward_of, SharedReward)  # pyright: ignore
     assert setting("furuta", "model@env.model=qube").model.name == "qube"
+
+
+def test_a_pole_to_be_balanced_starts_upright_and_ends_where_it_leans_too_far() -> None:
+    one = episodes("furuta_balance")
+    qpos = one.simulator.batch.bind("qpos")
+    assert (np.abs(qpos - [0.0, np.pi]) < [0.2, 0.1]).all()
+    qpos[:] = [[0.0, 3 * np.pi + 0.49], [0.0, -np.pi - 0.51]]
+    one.simulator.batch.bind("qvel")[:] = 0.0
+    assert list(one.step(np.zeros((2, 1))).terminated) == [False, True]

@@ -13,7 +13,7 @@ from dr_lab.physics.model import Model
 
 FOLDER = shipped() / "model"
 FILES = sorted(FOLDER.glob("*.xml"))
-NAMES = sorted(options("model", (shipped(),)))
+NAMES = sorted(set(options("model", (shipped(),))) - {"from_run"})  # which is whatever model the run began with
 TOUCHING = ("bouncer", "cube", "hopper")  # machines whose shapes touch the ground
 FINE = 1e-3  # s; at which RK4 keeps the energy of the fastest machine
 MASSES = {  # kg, sums of the documented values

@@ -37,7 +37,7 @@ def test_draws_stay_admissible_where_asked(tmp_path: Path) -> None:
 
 
 def test_an_effect_that_the_model_lacks_is_named(tmp_path: Path) -> None:
-    with pytest.raises(UnknownNameError, match=r"coulomb_friction@arm\.torque.*effect missing"):
+    with pytest.raises(UnknownNameError, match=r"coulomb_friction@arm\.torque.*model@env\.model=from_run"):
         from_run(ContextSpace((MASS,)), str(run_folder(tmp_path)), clip=True)
 
 

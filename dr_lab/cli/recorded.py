@@ -1,0 +1,30 @@
+"""A part of an earlier run's configuration as a part of a new one."""
+
+from pathlib import Path
+
+from omegaconf import DictConfig, ListConfig, OmegaConf
+
+from dr_lab.cli.provenance import CONFIG_FILE
+from dr_lab.errors import ConfigError
+
+
+def recorded(run: str, key: str) -> DictConfig | ListConfig:
+    """A group of what a run was configured with; the resolver ``${recorded:FOLDER,model}``.
+
+    It is checked like what stands in the new configuration itself.
+
+    Args:
+        run: the run folder.
+        key: of its configuration.
+
+    Returns:
+        The group, its own interpolations resolved; an empty one where the run has no such key.
+
+    Raises:
+        ConfigError: the folder is not that of a run.
+    """
+    path = Path(run).expanduser() / CONFIG_FILE
+    if not path.is_file():
+        raise ConfigError(f"run={run} holds no {CONFIG_FILE}. Give the folder of a run of dr-lab close, add or fit.")
+    found = OmegaConf.select(OmegaConf.load(path), key, default=OmegaConf.create({}))
+    return OmegaConf.create(OmegaConf.to_container(found, resolve=True))
