@@ -1,14 +1,53 @@
 """Whole episodes of a policy in contexts of one's choice."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import torch
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.episodes import Episodes, Flags, Outcome
 from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Step:
+    """One control step of all slots.
+
+    Attributes:
+        going: slots whose episode had not ended before, shape (n,).
+        action: as the policy gave it, shape (n, nu).
+        outcome: what it led to.
+        infeasible: slots whose context does not compile or diverged, shape (n,).
+    """
+
+    going: Flags
+    action: Array
+    outcome: Outcome
+    infeasible: Flags
+
+
+def begin(episodes: Episodes, z: Array) -> None:
+    """Begin an episode in each context (k, n), k being at most the number of slots; the other slots repeat the last."""
+    spare = np.repeat(z[-1:], episodes.nsim - len(z), axis=0)
+    episodes.give_contexts(np.concatenate([z, spare]))
+    episodes.begin(np.arange(episodes.nsim))
+
+
+def play(episodes: Episodes, policy: Policy, count: int) -> Iterator[Step]:
+    """Play what was begun, step by step, until the episodes of the first `count` slots have ended.
+
+    Slots whose episode has ended are stepped along with the others; what happens to them means nothing.
+    """
+    going = np.ones(episodes.nsim, bool)
+    while going[:count].any():
+        with torch.no_grad():
+            action = policy(torch.from_numpy(episodes.observation.astype(np.float32))).numpy()
+        outcome = episodes.step(action)
+        yield Step(going, action, outcome, episodes.simulator.infeasible)
+        going = going & ~outcome.done
 
 
 class PolicyRollouts:
@@ -37,17 +76,10 @@ class PolicyRollouts:
         """Continue from what `state_dict` gave."""
         self._episodes.load_state_dict(state)
 
-    @torch.no_grad()
     def _play(self, z: Array) -> Array:
-        episodes = self._episodes
-        spare = np.repeat(z[-1:], episodes.nsim - len(z), axis=0)
-        episodes.give_contexts(np.concatenate([z, spare]))
-        episodes.begin(np.arange(episodes.nsim))
-        returns, going = np.zeros(episodes.nsim), np.ones(episodes.nsim, bool)
-        while going[: len(z)].any():
-            observation = torch.from_numpy(episodes.observation.astype(np.float32))
-            outcome = episodes.step(self._policy(observation).numpy())
-            returns[going] += outcome.reward[going]
-            returns[going & episodes.simulator.infeasible] = np.nan
-            going &= ~outcome.done
+        returns = np.zeros(self._episodes.nsim)
+        begin(self._episodes, z)
+        for step in play(self._episodes, self._policy, len(z)):
+            returns[step.going] += step.outcome.reward[step.going]
+            returns[step.going & step.infeasible] = np.nan
         return returns[: len(z)]

@@ -114,6 +114,11 @@ class Episodes:
         """Number of episodes that run side by side."""
         return len(self._steps)
 
+    @property
+    def state(self) -> tuple[Array, Array]:
+        """Copies of the positions (n, nq) and velocities (n, nv)."""
+        return self._qpos.copy(), self._qvel.copy()
+
     def give_contexts(self, z: Array | None) -> None:
         """Let slot i begin every further episode with context z[i], shape (n, parameters); None draws again."""
         if z is not None and z.shape != self.contexts.shape:

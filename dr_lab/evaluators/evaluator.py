@@ -11,6 +11,7 @@ from dr_lab.algorithms.trainer import Trainer
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.setting import Setting
+from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid
 
 Row = Mapping[str, float | str]
@@ -28,6 +29,7 @@ class Subject:
         again: gives a trainer that goes on from the trained state, on contexts from another source, with a random seed,
             and the policy that it trains; its checkpoint goes to the given file.
         threads: C threads of the physics; None takes every core.
+        trained_on: distribution of the contexts, as training left it; None for the nominal context alone.
     """
 
     name: str
@@ -35,6 +37,7 @@ class Subject:
     policy: Policy
     again: Callable[[ContextSource, int, Path], tuple[Trainer[Any], Policy]]
     threads: int | None = None
+    trained_on: ContextSource | None = None
 
     def rollouts(self, episodes: int, seed: int, policy: Policy | None = None) -> PolicyRollouts:
         """Whole episodes, so many side by side, of the policy or of another one on the same task."""
@@ -51,12 +54,14 @@ class Evaluation:
         rows: the table behind them, one row a context, policy or whatever the evaluator compares; same keys in each.
         grids: returns over contexts.
         curves: figures over iterations of further training.
+        episodes: that are worth being looked at.
     """
 
     figures: Mapping[str, float]
     rows: Sequence[Row]
     grids: Sequence[Grid] = field(default_factory=tuple)
     curves: Sequence[Curve] = field(default_factory=tuple)
+    episodes: Sequence[Episode] = field(default_factory=tuple)
 
 
 class Evaluator(ABC):

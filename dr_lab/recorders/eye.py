@@ -1,6 +1,7 @@
 """Where the eye stands, so that a moving robot just fills its view."""
 
 import numpy as np
+import rerun as rr
 import rerun.blueprint as rrb
 
 from dr_lab.recorders.look import Look
@@ -10,12 +11,34 @@ from dr_lab.trajectory import Array
 _FIELD_OF_VIEW = np.deg2rad(55.0)
 # Width over height of the narrowest view that a robot is shown in.
 _ASPECT = 0.85
+# Rerun's eye begins to follow a thing from this many times the half diagonal of its bounding box.
+_BEGINNING = 1.5
+_UNSEEN = (0, 0, 0, 0)
 
 
-def eye_controls(points: Array, look: Look) -> rrb.EyeControls3D:
-    """An orbiting eye that sees all points; see `stand`."""
+def eye_controls(points: Array, look: Look, followed: str | None = None) -> rrb.EyeControls3D:
+    """An orbiting eye that sees all points; see `stand`.
+
+    Args:
+        points: what must be seen, m, shape (k, 3), k ≥ 1.
+        look: direction of the eye and the margin.
+        followed: path of an entity that the eye goes along with; None lets it stand.
+    """
     position, target = stand(points, look)
-    return rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=target, eye_up=[0, 0, 1])
+    return rrb.EyeControls3D(
+        kind=rrb.Eye3DKind.Orbital,
+        position=position,
+        look_target=target,
+        eye_up=[0, 0, 1],
+        tracking_entity=followed,
+    )
+
+
+def followed_box(points: Array, look: Look) -> rr.Boxes3D:
+    """A box that is not seen about what `stand` looks at, so large that an eye that follows it stands there, too."""
+    position, target = stand(points, look)
+    half = np.linalg.norm(position - target) / (_BEGINNING * np.sqrt(3.0))
+    return rr.Boxes3D(half_sizes=[[half] * 3], centers=[target], fill_mode="solid", colors=[_UNSEEN])
 
 
 def stand(points: Array, look: Look) -> tuple[Array, Array]:

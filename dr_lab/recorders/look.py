@@ -14,7 +14,8 @@ class Look:
     """Settings of `review.rrd`.
 
     Attributes:
-        longest: of a log, s that are shown, from its first sample on.
+        longest: of a log or an episode, s that are shown, from its first sample on.
+        episodes: of a trained policy that are played to be shown; 0 for none.
         pose_rate: highest rate of body poses, Hz.
         colours: ``#RRGGBB`` for each of `COLOURS`.
         ghost_alpha: opacity of simulated robots, 0 … 255.
@@ -33,6 +34,7 @@ class Look:
     """
 
     longest: float
+    episodes: int
     pose_rate: float
     colours: Mapping[str, str]
     ghost_alpha: int
@@ -48,7 +50,13 @@ class Look:
 
     def __post_init__(self) -> None:
         positive = ("longest", "pose_rate", "ghost_swell", "line_width", "measured_width", "margin")
-        least = {"ghost_alpha": 0.0, "scatter_points": 1.0, "scatter_bins": 1.0, "overview_channels": 0.0}
+        least = {
+            "ghost_alpha": 0.0,
+            "scatter_points": 1.0,
+            "scatter_bins": 1.0,
+            "episodes": 0.0,
+            "overview_channels": 0.0,
+        }
         require_numbers(self, "recorder", positive=positive, least=least)
         for name in COLOURS:
             given = self.colours.get(name, "nothing")

@@ -1,6 +1,7 @@
 """A MuJoCo model as Rerun geometry: static shapes below one moving frame a body."""
 
 import itertools
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -57,13 +58,41 @@ def send_poses(root: Branch, model: mujoco.MjModel, time: Array, pose: tuple[Arr
         pose: world positions in m, shape (n, nbody, 3), and orientations wxyz, shape (n, nbody, 4); rows with a value
             that is not finite are skipped.
     """
-    geoms = [geom for geom in _visible_geoms(model) if not _is_fixed(model, geom)]
-    for body in sorted({int(model.geom_bodyid[geom]) for geom in geoms}):
+    for body in _moving_bodies(model):
         position, quaternion = pose[0][:, body], np.roll(pose[1][:, body], -1, axis=-1)
         finite = np.isfinite(position).all(axis=-1) & np.isfinite(quaternion).all(axis=-1)
         columns = rr.Transform3D.columns(translation=position[finite], quaternion=quaternion[finite])
         if finite.any():
             (root / _body_name(model, body)).over_time(time[finite], columns)
+
+
+def send_start(root: Branch, model: mujoco.MjModel, pose: tuple[Array, Array]) -> None:
+    """Put the moving bodies into the first of the poses on the timeline of iterations; arguments as `send_poses`."""
+    for body in _moving_bodies(model):
+        translation, quaternion = pose[0][:1, body], np.roll(pose[1][:1, body], -1, axis=-1)
+        columns = rr.Transform3D.columns(translation=translation, quaternion=quaternion)
+        (root / _body_name(model, body)).over_iterations(np.zeros(1, int), columns)
+
+
+def body_poses(model: mujoco.MjModel, qpos: Array, bodies: Sequence[int] | None = None) -> tuple[Array, Array]:
+    """World poses of bodies at the given positions.
+
+    Args:
+        model: the machine.
+        qpos: shape (n, nq).
+        bodies: k of the model's bodies; None takes all.
+
+    Returns:
+        Positions in m, shape (n, k, 3), and orientations wxyz, shape (n, k, 4).
+    """
+    data = mujoco.MjData(model)
+    chosen = np.arange(model.nbody) if bodies is None else np.asarray(bodies)
+    position, orientation = np.empty((len(qpos), len(chosen), 3)), np.empty((len(qpos), len(chosen), 4))
+    for row, values in enumerate(qpos):
+        data.qpos[:] = values
+        mujoco.mj_kinematics(model, data)
+        position[row], orientation[row] = data.xpos[chosen], data.xquat[chosen]
+    return position, orientation
 
 
 def thin(time: Array, rate: float) -> np.ndarray:
@@ -101,6 +130,11 @@ def _placed_corners(model: mujoco.MjModel, geom: int, position: Array, quaternio
 def _visible_geoms(model: mujoco.MjModel) -> list[int]:
     opaque = (model.geom_rgba[:, 3] > 0) | (model.geom_matid >= 0)
     return np.flatnonzero(opaque & (model.geom_group < _SHOWN_GROUPS)).tolist()
+
+
+def _moving_bodies(model: mujoco.MjModel) -> list[int]:
+    """Those that have visible shapes."""
+    return sorted({int(model.geom_bodyid[geom]) for geom in _visible_geoms(model) if not _is_fixed(model, geom)})
 
 
 def _is_fixed(model: mujoco.MjModel, geom: int) -> bool:

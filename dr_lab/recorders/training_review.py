@@ -1,4 +1,4 @@
-"""`review.rrd` of a training run or an evaluation: curves, learned distribution, returns over contexts, report."""
+"""`review.rrd` of a training run or an evaluation: curves, learned distribution, returns, episodes, report."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -8,7 +8,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from dr_lab.recorders import distributions, grids
-from dr_lab.recorders.branch import ITERATIONS, Branch
+from dr_lab.recorders.branch import ITERATIONS, TIMELINE, Branch
+from dr_lab.recorders.episode import Episode
+from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
 from dr_lab.recorders.files import atomic
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.quantity import titled
@@ -29,6 +31,7 @@ class TrainingRecord:
         pairs: two parameters' ellipses each.
         grids: returns over contexts.
         pages: Markdown by title; the first stands on the first page.
+        episodes: of the trained policy.
     """
 
     name: str
@@ -37,13 +40,15 @@ class TrainingRecord:
     pairs: Sequence[Pair] = ()
     grids: Sequence[Grid] = ()
     pages: Mapping[str, str] = field(default_factory=dict)
+    episodes: Sequence[Episode] = ()
 
 
 def write_training_review(path: Path, record: TrainingRecord, look: Look) -> None:
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<name>``, ``/distribution/<parameter>``, ``/distribution/<parameter>, <parameter>``,
-    ``/grid/<title>``, ``/pages/<title>``; timeline ``iteration``.
+    ``/grid/<title>``, ``/pages/<title>`` on the timeline ``iteration``, ``/episode/<name>/{world,reward,action}`` on
+    ``t``, the time since the episode's start.
 
     Args:
         path: the file, by custom ``review.rrd``.
@@ -56,7 +61,7 @@ def write_training_review(path: Path, record: TrainingRecord, look: Look) -> Non
     with atomic(path) as temporary:
         recording = rr.RecordingStream(APPLICATION)
         try:
-            recording.save(temporary, default_blueprint=_blueprint(record))
+            recording.save(temporary, default_blueprint=_blueprint(record, look))
             recording.send_recording_name(record.name)
             _log(Branch(recording), record, look)
         finally:
@@ -80,11 +85,15 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
     span = grids.return_span(record.grids)
     for grid in record.grids:
         grids.log_grid(root / "grid" / grid.title, grid, look, span)
+    if record.episodes:
+        log_episodes(root / ROOT, record.episodes, look)
+    if _over_iterations(record):
+        log_starts(root / ROOT, record.episodes, look)
     for title, text in record.pages.items():
         (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
 
 
-def _blueprint(record: TrainingRecord) -> rrb.Blueprint:
+def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=rr.new_entity_path(["pages", title]), name=title) for title in record.pages]
     # A view stands in one place only: the overview has its own.
     plots = [*_curves(record)[:1], *(_learned(record) or _maps(record))[:1]]
@@ -97,6 +106,7 @@ def _blueprint(record: TrainingRecord) -> rrb.Blueprint:
     pages: list[rrb.Container | rrb.View] = [
         *([overview] if text or plots else []),
         *(rrb.Grid(*views, name=name) for name, views in sheets.items() if views),
+        *([episodes_page(record.episodes, look)] if record.episodes else []),
         *text[1:],
     ]
     return rrb.Blueprint(
@@ -108,10 +118,16 @@ def _blueprint(record: TrainingRecord) -> rrb.Blueprint:
 
 
 def _time(record: TrainingRecord) -> rrb.TimePanel:
-    """The slider over iterations, where anything changes with them."""
-    if record.curves or record.marginals or record.pairs:
+    """The slider over iterations, where anything changes with them, else over the time of episodes."""
+    if _over_iterations(record):
         return rrb.TimePanel(state="collapsed", timeline=ITERATIONS, play_state="paused")
+    if record.episodes:
+        return rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="playing", loop_mode="all")
     return rrb.TimePanel(state="hidden")
+
+
+def _over_iterations(record: TrainingRecord) -> bool:
+    return bool(record.curves or record.marginals or record.pairs)
 
 
 def _curves(record: TrainingRecord) -> list[rrb.View]:

@@ -27,6 +27,7 @@ from dr_lab.recorders.quantity import number
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.tables import table
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.workflows.episodes import described, keep_episodes, play_episodes
 from dr_lab.workflows.training import CHECKPOINT, Plan
 
 _SHOWN = 40  # rows of the table in the page; all are in returns.csv
@@ -37,19 +38,22 @@ def evaluate(
     runs: str,
     evaluator: Evaluator,
     recorder: Look,
+    seed: int,
     threads: int | None,
     compose: Callable[..., Mapping[str, Any]],
     run_dir: Path,
 ) -> dict[str, Any]:
     """Evaluate the policy that a training run left.
 
-    Files: ``returns.csv`` (the evaluator's table), ``report.json``, ``report.md``, ``review.rrd``.
+    Files: ``returns.csv`` (the evaluator's table), ``report.json``, ``report.md``, ``review.rrd``, ``episodes.mcap``.
+    The latter two hold the evaluator's episodes or, where it keeps none, a few in contexts that were trained on.
 
     Args:
         run: folder of the training run, or ``latest`` for the newest below `runs`.
         runs: folder that collects training runs.
         evaluator: what is played and summed up.
         recorder: how the recording looks.
+        seed: of the episodes that are shown.
         threads: C threads of the physics; None takes every core.
         compose: gives the arguments of a verb, built from its name, overrides and the folder that records them.
         run_dir: the run folder.
@@ -66,6 +70,9 @@ def evaluate(
     subject = subject_of(folder, compose, threads)
     with _progress() as progress:
         found = evaluator.evaluate(subject, run_dir, progress)
+    if not found.episodes:
+        setting, policy, contexts = subject.setting, subject.policy, subject.trained_on
+        found = replace(found, episodes=play_episodes(setting, policy, contexts, recorder.episodes, seed, threads))
     values = {"trained": folder, "env": subject.setting.name, "evaluator": type(evaluator).__name__, "run": run_dir}
     report = _report(values, found)
     _write(run_dir, report, found, subject, recorder)
@@ -102,9 +109,11 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
     """
     recorded: Plan = compose("train", [], recorded=folder)["plan"]
     plan = replace(recorded, threads=threads)
-    state = load(folder / CHECKPOINT)["algorithm"]
+    saved = load(folder / CHECKPOINT)
+    state = saved["algorithm"]
     training = plan.assemble(folder / CHECKPOINT)  # nothing is trained, so nothing is written there
     training.algorithm.load_state_dict(state)
+    training.learner.load_state_dict(saved["learner"])
     training.collector.close()
 
     def again(source: ContextSource, seed: int, checkpoint: Path) -> tuple[Trainer[Any], Policy]:
@@ -114,11 +123,12 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
         fresh.algorithm.begin_schedules()
         return fresh.trainer, fresh.algorithm.deployed
 
-    return Subject(folder.name, plan.env, training.algorithm.deployed, again, threads)
+    return Subject(folder.name, plan.env, training.algorithm.deployed, again, threads, training.randomizer)
 
 
 def _report(values: Mapping[str, Any], found: Evaluation) -> dict[str, Any]:
-    own = {"figures": dict(found.figures), "rows": [dict(row) for row in found.rows]}
+    rows = [dict(row) for row in found.rows]
+    own = {"figures": dict(found.figures), "rows": rows, "episodes": described(found.episodes)}
     return cast(dict[str, Any], to_plain({"schema": "dr_lab/evaluate/1", "verb": "evaluate", **values, **own}))
 
 
@@ -127,9 +137,9 @@ def _write(run_dir: Path, report: Mapping[str, Any], found: Evaluation, subject:
     write_text(run_dir / "returns.csv", _csv(found.rows))
     write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
     write_text(run_dir / "report.md", page)
-    record = TrainingRecord(
-        f"{subject.setting.name} · {subject.name}", found.curves, grids=found.grids, pages={"Report": page}
-    )
+    keep_episodes(run_dir, subject.setting, found.episodes)
+    name = f"{subject.setting.name} · {subject.name}"
+    record = TrainingRecord(name, found.curves, grids=found.grids, episodes=found.episodes, pages={"Report": page})
     write_training_review(run_dir / "review.rrd", record, look)
     Console().print(Markdown(page))
 

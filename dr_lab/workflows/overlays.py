@@ -15,6 +15,7 @@ from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import MEASURED, Overlay
+from dr_lab.recorders.scene import body_poses
 from dr_lab.trajectory import Array, Log
 from dr_lab.workflows.export import Played, play
 from dr_lab.workflows.study import Study
@@ -133,11 +134,4 @@ def _poses(
 
 def _kinematics(model: mujoco.MjModel, geometry: mujoco.MjModel, qpos: Array) -> tuple[Array, Array]:
     """World poses of the geometry's bodies, positions (n, nbody, 3) and quaternions (n, nbody, 4)."""
-    data = mujoco.MjData(model)
-    bodies = [model.body(geometry.body(i).name).id for i in range(geometry.nbody)]
-    position, orientation = np.empty((len(qpos), len(bodies), 3)), np.empty((len(qpos), len(bodies), 4))
-    for i, q in enumerate(qpos):
-        data.qpos[:] = q
-        mujoco.mj_kinematics(model, data)
-        position[i], orientation[i] = data.xpos[bodies], data.xquat[bodies]
-    return position, orientation
+    return body_poses(model, qpos, [model.body(geometry.body(i).name).id for i in range(geometry.nbody)])

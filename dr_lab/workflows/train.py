@@ -17,11 +17,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from dr_lab.algorithms.episode_log import Finished
 from dr_lab.algorithms.trainer import Watch
 from dr_lab.envs.setting import Setting
+from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.training import Curve
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.workflows.episodes import described, keep_episodes, play_episodes
 from dr_lab.workflows.snapshots import Snapshots
 from dr_lab.workflows.training import CHECKPOINT, Plan, Training
 
@@ -32,8 +34,9 @@ _NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
 def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path) -> dict[str, Any]:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
-    Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt``, ``report.json``, ``report.md``, ``review.rrd``. An
-    interrupted run is continued by the same command with ``resume=<run folder>``, as if it had never stopped.
+    Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt``, ``report.json``, ``report.md``, ``review.rrd`` and
+    ``episodes.mcap`` (a few episodes of the trained policy). An interrupted run is continued by the same command with
+    ``resume=<run folder>``, as if it had never stopped.
 
     Args:
         plan: what is trained, and on what.
@@ -57,7 +60,7 @@ def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path) -> dict
     else:
         training.trainer.resume(Path(resume).expanduser() / CHECKPOINT)
     _run(training, snapshots, plan, run_dir)
-    return _finish(training, snapshots, plan.env, recorder, run_dir)
+    return _finish(training, snapshots, plan, recorder, run_dir)
 
 
 def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
@@ -79,25 +82,28 @@ def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) ->
         raise
 
 
-def _finish(training: Training, snapshots: Snapshots, env: Setting, look: Look, run_dir: Path) -> dict[str, Any]:
-    history = training.trainer.history
-    report = to_plain(_report(training, env, run_dir))
+def _finish(training: Training, snapshots: Snapshots, plan: Plan, look: Look, run_dir: Path) -> dict[str, Any]:
+    history, env = training.trainer.history, plan.env
+    policy, contexts = training.algorithm.deployed, training.randomizer
+    episodes = play_episodes(env, policy, contexts, look.episodes, plan.seed, plan.threads)
+    report = to_plain(_report(training, env, episodes, run_dir))
     assert isinstance(report, dict)
     page = _page(report)
     write_text(run_dir / "metrics.csv", metrics_csv(history))
     write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
     write_text(run_dir / "report.md", page)
-    marginals, pairs = snapshots.marginals(), snapshots.pairs()
-    record = TrainingRecord(env.name, _curves(history), marginals, pairs, pages={"Report": page})
+    keep_episodes(run_dir, env, episodes)
+    marginals, pairs, pages = snapshots.marginals(), snapshots.pairs(), {"Report": page}
+    record = TrainingRecord(env.name, _curves(history), marginals, pairs, episodes=episodes, pages=pages)
     write_training_review(run_dir / "review.rrd", record, look)
     Console().print(Markdown(page))
     return report
 
 
-def _report(training: Training, env: Setting, run_dir: Path) -> dict[str, Any]:
+def _report(training: Training, env: Setting, episodes: Sequence[Episode], run_dir: Path) -> dict[str, Any]:
     history = training.trainer.history
     last = history[-max(1, round(_LAST * len(history))) :]
-    episodes = sum(row["episodes"] for row in last)
+    count = sum(row["episodes"] for row in last)
     total = sum(row["episodes"] * row["episode_return"] for row in last if row["episodes"])
     z = training.randomizer.sample([np.random.default_rng(0)] * 1000)
     context = {
@@ -112,9 +118,10 @@ def _report(training: Training, env: Setting, run_dir: Path) -> dict[str, Any]:
         "iterations": len(history),
         "frames": training.trainer.frames,
         "seconds": history[-1]["seconds"],
-        "final_return": total / episodes if episodes else None,
+        "final_return": total / count if count else None,
         "final": history[-1],
         "context": context,
+        "episodes": described(episodes),
         "checkpoint": CHECKPOINT,
         "run": run_dir,
     }

@@ -82,7 +82,7 @@ class Plan:
         trainer = Trainer(
             collector, algorithm, learner, PolicyRollouts(played, policy), checkpoint, self.checkpoint_every, more
         )
-        return Training(trainer, algorithm, randomizer, collector, more)
+        return Training(trainer, algorithm, randomizer, learner, collector, more)
 
     def _seed_of_rollouts(self) -> int:
         """Another seed than that of the slots, whose starts would otherwise be the same."""
@@ -97,6 +97,7 @@ class Training:
         trainer: the loop.
         algorithm: what learns the policy.
         randomizer: p(z).
+        learner: what shapes it.
         collector: to be closed at the end.
         more: what else the checkpoint holds, by name; may be added to before the loop starts.
     """
@@ -104,5 +105,6 @@ class Training:
     trainer: Trainer[PolicyRollouts]
     algorithm: Algorithm
     randomizer: Randomizer
+    learner: DistributionLearner
     collector: Collector
     more: dict[str, Stateful]

@@ -49,7 +49,9 @@ def test_a_grid_is_played_written_and_drawn(run: Path, tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     assert [float(row["return"]) for row in rows] == pytest.approx([row["return"] for row in report["rows"]])
     assert len(rows) == 3
-    assert (tmp_path / "grid" / "review.rrd").stat().st_size > 0
+    for name in ("review.rrd", "episodes.mcap"):
+        assert (tmp_path / "grid" / name).stat().st_size > 0
+    assert len(report["episodes"]) == 3
 
 
 def test_a_policy_is_trained_on_in_a_context(run: Path, tmp_path: Path) -> None:

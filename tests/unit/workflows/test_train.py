@@ -51,7 +51,8 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
     assert report["schema"] == "dr_lab/train/1"
     assert report == json.loads((tmp_path / "whole" / "report.json").read_text(encoding="utf-8"))
     assert math.isfinite(report["final_return"])
-    for name in ("report.md", "review.rrd"):
+    assert [episode["ended"] for episode in report["episodes"]] == ["truncated"] * 3
+    for name in ("report.md", "review.rrd", "episodes.mcap"):
         assert (tmp_path / "whole" / name).stat().st_size > 0
     assert load(tmp_path / "second" / "checkpoint.pt")["history"][-1]["frames"] == 640
 
