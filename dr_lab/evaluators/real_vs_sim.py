@@ -1,30 +1,61 @@
 """What a policy is worth on a machine that its model does not know everything of."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import torch
 
+from dr_lab.algorithms.recorded import record
 from dr_lab.envs.task import Change, Task
 from dr_lab.errors import ConfigError, require_numbers
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
 from dr_lab.evaluators.statistics import iqm_interval
 from dr_lab.plants.bench import Bench
 from dr_lab.plants.machine import Vector
 from dr_lab.plants.operator import Experiment
 from dr_lab.plants.tracking import track
-from dr_lab.seeding import stream
+from dr_lab.recorders.episode import Episode
 from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One start played twice.
+
+    Attributes:
+        real: on the machine.
+        simulated: in the model.
+    """
+
+    real: Episode
+    simulated: Episode
+
+    @property
+    def difference(self) -> float:
+        """Return on the machine less that in the model."""
+        return self.real.undiscounted - self.simulated.undiscounted
+
+    @property
+    def rmse(self) -> Array:
+        """Root mean square difference of the positions for as long as both episodes last, rad or m, shape (nq,)."""
+        steps = min(len(self.real.qpos), len(self.simulated.qpos))
+        return np.sqrt(np.mean((self.real.qpos[:steps] - self.simulated.qpos[:steps]) ** 2, axis=0))
 
 
 @dataclass(frozen=True)
 class RealVsSimEvaluator(Evaluator):
     """Plays a policy on another simulator's machine, with its own true values and a hidden effect, and in the model.
 
-    Episodes begin in states of the task's one distribution. The policy sees positions and velocities as they are; the
-    bench's encoders and latencies play no part.
+    Every episode is played twice from one start: on the machine, and in the model at its nominal context, which of the
+    model of a run (``model@env.model=from_run``) is what the run fitted. Differences are therefore paired, episode by
+    episode. The policy sees positions and velocities as they are; encoders and latencies of the bench, and effects of
+    the model at sensors, play no part. A policy that sees the context is told the nominal one.
+
+    Both loops are closed, so that a small gap may grow into another course. Recorded commands of measured logs are
+    played in a model by ``dr-lab compare``, that of a run by ``dr-lab compare model=from_run model.run=FOLDER``.
 
     Attributes:
         plant: the machine, what is hidden in it and how closely it is followed.
@@ -55,25 +86,32 @@ class RealVsSimEvaluator(Evaluator):
             ConfigError: the task needs more than positions and velocities, or the machine has other joints, actuators.
         """
         del folder
-        compiled = subject.setting.model.nominal()
-        self._require_same(subject.setting.task, compiled)
-        real = []
-        for episode in range(self.episodes):
-            start = subject.setting.task.start(stream(self.seed, "start", str(episode)), compiled)
-            real.append(self._on_plant(subject, compiled, *start))
-            progress((episode + 1) / (self.episodes + 1))
-        nominal = np.tile(subject.setting.space.nominal, (self.episodes, 1))
-        simulated = subject.rollouts(self.episodes, self.seed).returns(nominal)
-        progress(1.0)
-        rows = [
-            {"episode": float(k), "real": float(r), "simulated": float(s)}
-            for k, (r, s) in enumerate(zip(real, simulated, strict=True))
-        ]
+        setting = subject.setting
+        self._require_same(setting.task, setting.model.nominal())
+        slots = setting.make(None, self.episodes, self.seed, subject.threads).episodes
+        simulated = record(slots, subject.policy, np.tile(setting.space.nominal, (self.episodes, 1)))
+        pairs = []
+        for number, twin in enumerate(simulated, start=1):
+            real = self._on_plant(subject, twin, f"real_{number}")
+            pairs.append(Pair(real, replace(twin, name=f"simulated_{number}")))
+            progress(number / self.episodes)
+        widest = max(pairs, key=lambda pair: abs(pair.difference))
+        return Evaluation(
+            self._figures(pairs), [_row(pair) for pair in pairs], episodes=[widest.real, widest.simulated]
+        )
+
+    def _figures(self, pairs: Sequence[Pair]) -> dict[str, float]:
+        """Interquartile means with their intervals; the difference is that of pairs."""
+        columns = {
+            "real": [pair.real.undiscounted for pair in pairs],
+            "simulated": [pair.simulated.undiscounted for pair in pairs],
+            "difference": [pair.difference for pair in pairs],
+        }
         figures = {}
-        for name, returns in (("real", np.array(real)), ("simulated", simulated)):
-            found = iqm_interval(returns, self.confidence, self.resamples, self.seed)
+        for name, values in columns.items():
+            found = iqm_interval(np.array(values), self.confidence, self.resamples, self.seed)
             figures |= {name: found.value, f"{name}.low": found.low, f"{name}.high": found.high}
-        return Evaluation(figures, rows)
+        return figures
 
     def _require_same(self, task: Task, compiled: mujoco.MjModel) -> None:
         joints = [compiled.joint(i).name for i in range(compiled.njnt)]
@@ -90,19 +128,21 @@ class RealVsSimEvaluator(Evaluator):
                 "alone. Take a task that reads no more."
             )
 
-    def _on_plant(self, subject: Subject, compiled: mujoco.MjModel, qpos: Array, qvel: Array) -> float:
-        """Return of one episode on the plant, up to its end."""
-        task, plant = subject.setting.task, self.plant
-        low, high = task.action_bounds(compiled)
-        seconds = task.frame_skip * float(compiled.opt.timestep)
+    def _on_plant(self, subject: Subject, twin: Episode, name: str) -> Episode:
+        """The episode on the plant that begins as its twin in the model."""
+        setting, plant = subject.setting, self.plant
+        task, space = setting.task, setting.space
+        low, high = task.action_bounds(twin.geometry)
+        told = space.to_unit(space.nominal)[None] if setting.show_context else np.empty((1, 0))
 
         def controller(instant: int, position: Vector, velocity: Vector) -> Vector:
             del instant
-            seen = task.observe(_fields(np.array([position]), np.array([velocity])))
+            seen = np.concatenate([task.observe(_fields(np.array([position]), np.array([velocity]))), told], axis=1)
             with torch.no_grad():
                 action = subject.policy(torch.from_numpy(seen.astype(np.float32)))
             return np.clip(action.double().numpy()[0], low, high).tolist()
 
+        seconds = task.frame_skip * float(twin.geometry.opt.timestep)
         time = np.arange(task.time_limit + 1, dtype=np.float64) * seconds
         experiment = Experiment(
             machine=plant.nominal.machine(plant.nominal.true_values(self.machine)),
@@ -111,16 +151,28 @@ class RealVsSimEvaluator(Evaluator):
             issued=time[:-1],
             latency=0.0,
             instants=time,
-            start=(*qpos.tolist(), *qvel.tolist()),
+            start=(*twin.qpos[0].tolist(), *twin.qvel[0].tolist()),
             accuracy=plant.accuracy,
         )
         states, actions = track(experiment, controller)
         joints, degrees = len(plant.joints), states.shape[1] // 2
-        return episode_return(task, states[:, :joints], states[:, degrees : degrees + joints], actions, seconds)
+        qpos, qvel = states[:, :joints], states[:, degrees : degrees + joints]
+        reward = rewards(task, qpos, qvel, actions, seconds)
+        last = len(reward)
+        return replace(
+            twin,
+            name=name,
+            time=time[: last + 1],
+            qpos=qpos[: last + 1],
+            qvel=qvel[: last + 1],
+            action=actions[:last],
+            reward=reward,
+            ended="terminated" if task.terminated(_fields(qpos[[last]], qvel[[last]])).any() else "truncated",
+        )
 
 
-def episode_return(task: Task, qpos: Array, qvel: Array, actions: Array, seconds: float) -> float:
-    """Undiscounted return of a trajectory up to where the task ends it.
+def rewards(task: Task, qpos: Array, qvel: Array, actions: Array, seconds: float) -> Array:
+    """Reward of each control step of a trajectory up to where the task ends it, shape (≤ t,).
 
     Args:
         task: what rewards.
@@ -133,8 +185,19 @@ def episode_return(task: Task, qpos: Array, qvel: Array, actions: Array, seconds
     terminated = task.terminated(after)
     change = Change(task.marker(before), task.marker(after), after, terminated, actions, seconds)
     ended = np.flatnonzero(terminated)
-    last = ended[0] + 1 if len(ended) else len(actions)
-    return float(task.reward(change)[:last].sum())
+    return task.reward(change)[: ended[0] + 1 if len(ended) else len(actions)]
+
+
+def _row(pair: Pair) -> Row:
+    model = pair.real.geometry
+    names = [model.joint(i).name for i in range(model.njnt)]
+    return {
+        "episode": pair.real.name.removeprefix("real_"),
+        "real": pair.real.undiscounted,
+        "simulated": pair.simulated.undiscounted,
+        "difference": pair.difference,
+        **{f"{name}.rmse": float(error) for name, error in zip(names, pair.rmse, strict=True)},
+    }
 
 
 def _fields(qpos: Array, qvel: Array) -> dict[str, Array]:

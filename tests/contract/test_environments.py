@@ -246,7 +246,28 @@ def test_effects_of_a_corrected_model_are_played_and_randomised(effect: str) -> 
     assert not episodes.simulator.infeasible.any()
 
 
-@pytest.mark.parametrize(("effect", "site"), [("dead_zone", "motor"), ("sensor_bias", "arm")])
-def test_effects_outside_of_the_physics_are_refused(effect: str, site: str) -> None:
-    with pytest.raises(ModelError, match=effect):
-        begun(corrected(effect, site))
+@pytest.mark.parametrize("effect", ["dead_zone", "actuator_lag"])
+def test_effects_on_the_way_to_an_actuator_are_refused(effect: str) -> None:
+    with pytest.raises(ModelError, match=rf"{effect}@motor.* commands of motor"):
+        begun(corrected(effect, "motor"))
+
+
+def test_effects_at_sensors_have_no_part() -> None:
+    plain, biased = begun(setting("furuta")), begun(corrected("sensor_bias", "arm"))
+    np.testing.assert_array_equal(played(biased, 5), played(plain, 5))
+    assert "sensor_bias@arm.bias" in biased.model.space.names
+
+
+def test_an_actuators_delay_acts() -> None:
+    """A driver that is 30 ms late answers three control steps later, but for an edge within a physics step."""
+    late = placed(setting("furuta").model, "actuator_delay", "motor")
+    late = replace(late, parameters=(replace(late.parameters[0], nominal=0.03),))
+    model = setting("furuta").model.with_effect(late)
+    speeds = []
+    for of in (setting("furuta"), replace(setting("furuta"), model=model)):
+        episodes = begun(of)
+        for name in ("qpos", "qvel"):
+            episodes.simulator.batch.bind(name)[:] = 0.0
+        speeds.append([episodes.step(np.full((3, 1), 4.0)).observation[0, 4] for _ in range(8)])
+    prompt, delayed = np.array(speeds)
+    np.testing.assert_allclose(delayed, [0.0, 0.0, 0.0, *prompt[:5]], atol=0.02 * prompt.max())
