@@ -4,7 +4,8 @@ The candidates are those of `dr-lab diagnose model=furuta measurements=furuta`, 
 the catalogue at its first site, then at its second, and so on, up to `--count`. So 14 of them hold every effect once,
 the slowest included, and the first effect in the alphabet with a second site. The calibration that precedes the
 ranking is timed beside it. CPU times of a candidate are those of the thread that fits it; simulation is what
-`mujoco.batch.Batch.rollout` takes of them, the rest is compiling models, reading samples and solving.
+`mujoco.batch.Batch.rollout` takes of them, the rest is compiling models, reading samples, solving, and for effects
+that act through laws the simulation as well.
 
     python benchmarks/rank_furuta.py
     python benchmarks/rank_furuta.py --count 22
@@ -137,7 +138,7 @@ def main() -> None:
         "calibration": {"wall_s": calibration[0], "cpu_s": calibration[1]},
         "ranking": {"wall_s": ranked[0], "cpu_s": ranked[1]},
         "simulation_share": simulation / ranked[1],
-        "steps_per_cpu_s": steps / simulation,
+        "steps_per_cpu_s": steps / simulation if simulation else None,  # none where every candidate acts through laws
         "cpu_s": {label: s.cpu for label, s in meter.spent.items()},
     }
     print(json.dumps(summary))
