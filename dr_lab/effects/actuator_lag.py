@@ -8,8 +8,9 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
-from dr_lab.effects.command_filter import filtered
+from dr_lab.effects.command_filter import Advance, Driver, column_of, filtered
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -64,12 +65,22 @@ class ActuatorLag(ActuatorEffect):
         """Step averages behind the lag."""
         if actuator != site:
             return series
-        tau, step = values["tau"][..., 0], option.timestep
-        end = np.exp(-step / np.maximum(tau, _SHORTEST))
-        mean = tau / step * (1.0 - end)
+        tau = values["tau"][..., 0]
+        return filtered(series, len(tau), _lagging(tau, option.timestep))
 
-        def advance(level: Array, asked: Array) -> tuple[Array, Array]:
-            gap = level - asked
-            return asked + mean * gap, asked + end * gap
+    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """The lag, step by step."""
+        advance = _lagging(values["tau"], compiled.opt.timestep)
+        return (Driver(column_of(compiled, site), advance),)
 
-        return filtered(series, len(tau), advance)
+
+def _lagging(tau: Array, step: float) -> Advance:
+    """Average and end of a step, exact for a command that is held through it."""
+    end = np.exp(-step / np.maximum(tau, _SHORTEST))
+    mean = tau / step * (1.0 - end)
+
+    def advance(level: Array, asked: Array) -> tuple[Array, Array]:
+        gap = level - asked
+        return asked + mean * gap, asked + end * gap
+
+    return advance

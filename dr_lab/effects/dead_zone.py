@@ -8,7 +8,9 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
+from dr_lab.effects.command_filter import Driver, column_of
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -54,4 +56,12 @@ class DeadZone(ActuatorEffect):
     ) -> Array:
         """Commands less the width, towards zero."""
         del option
-        return np.sign(series) * np.maximum(np.abs(series) - values["width"], 0.0) if actuator == site else series
+        return _beyond(series, values["width"]) if actuator == site else series
+
+    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """The same at every step."""
+        return (Driver(column_of(compiled, site), lambda _, asked: (_beyond(asked, values["width"]), asked)),)
+
+
+def _beyond(command: Array, width: Array) -> Array:
+    return np.sign(command) * np.maximum(np.abs(command) - width, 0.0)

@@ -111,6 +111,17 @@ class Effect(ABC):
         del site, values, actuator, option
         return series
 
+    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What `command` does, step by step, for commands that are not known ahead.
+
+        Args:
+            site: the element the effect sits at.
+            values: by short parameter name, one for each simulation, shape (n,).
+            compiled: the compiled model with the effect.
+        """
+        del site, values, compiled
+        return ()
+
     def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
         """What acts from step to step beside the edit, where MJCF has no element for it.
 
@@ -166,6 +177,10 @@ class PlacedEffect:
     def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
         """What becomes of an actuator's commands; `values` by full name."""
         return self.effect.command(self.site, self._short(values), actuator, series, option)
+
+    def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What `command` does, step by step; `values` by full name."""
+        return self.effect.drivers(self.site, self._short(values), compiled)
 
     def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
         """What acts from step to step; `values` by full name."""

@@ -8,8 +8,9 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
-from dr_lab.effects.command_filter import filtered
+from dr_lab.effects.command_filter import Advance, Driver, column_of, filtered
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -62,18 +63,28 @@ class RateLimit(ActuatorEffect):
         """Step averages behind the limit."""
         if actuator != site:
             return series
-        inverse, step = values["inverse_rate"][..., 0], option.timestep
+        inverse = values["inverse_rate"][..., 0]
+        return filtered(series, len(inverse), _limited(inverse, option.timestep))
 
-        def advance(level: Array, asked: Array) -> tuple[Array, Array]:
-            gap = asked - level
-            time = inverse * np.abs(gap)
-            share = step / np.maximum(time, step)
-            end = asked - (1.0 - share) * gap
-            return end - share * gap * np.minimum(time, step) / (2.0 * step), end
-
-        return filtered(series, len(inverse), advance)
+    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """The limit, step by step."""
+        advance = _limited(values["inverse_rate"], compiled.opt.timestep)
+        return (Driver(column_of(compiled, site), advance),)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Limits within the commands of the logs."""
         (inverse,) = parameters
         return tuple({"inverse_rate": inverse.high * time / self.slowest} for time in self.start_times)
+
+
+def _limited(inverse: Array, step: float) -> Advance:
+    """Average and end of a step through which a command is held."""
+
+    def advance(level: Array, asked: Array) -> tuple[Array, Array]:
+        gap = asked - level
+        time = inverse * np.abs(gap)
+        share = step / np.maximum(time, step)
+        end = asked - (1.0 - share) * gap
+        return end - share * gap * np.minimum(time, step) / (2.0 * step), end
+
+    return advance

@@ -8,7 +8,9 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
+from dr_lab.effects.command_filter import Driver, column_of
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -54,4 +56,12 @@ class VoltageSag(ActuatorEffect):
     ) -> Array:
         """Commands less what the supply loses."""
         del option
-        return series * (1.0 - values["slope"] * np.abs(series)) if actuator == site else series
+        return _sagging(series, values["slope"]) if actuator == site else series
+
+    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """The same at every step."""
+        return (Driver(column_of(compiled, site), lambda _, asked: (_sagging(asked, values["slope"]), asked)),)
+
+
+def _sagging(command: Array, slope: Array) -> Array:
+    return command * (1.0 - slope * np.abs(command))

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.envs.plain_signals import require_plain_signals
+from dr_lab.envs.drivers import stepwise
 from dr_lab.envs.task import Change, Fields, Task
 from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
@@ -73,7 +73,7 @@ class Episodes:
         infeasible: number of episodes that ended because their context was infeasible.
 
     Raises:
-        ModelError: an effect of the model transforms commands or readings, not physics.
+        ModelError: an effect of the model does something to commands that cannot be done step by step.
     """
 
     def __init__(
@@ -89,9 +89,8 @@ class Episodes:
         threads: int | None = None,
     ) -> None:
         self.model, self.task, self.source = model, task, source
-        self.simulator = Simulator(model, nsim, threads, persistent=_FORCES in task.reads)
+        self.simulator = Simulator(stepwise(model), nsim, threads, persistent=_FORCES in task.reads)
         compiled = self.simulator.compiled
-        require_plain_signals(model, compiled)
         self.low, self.high = task.action_bounds(compiled)
         self.seconds = task.frame_skip * float(compiled.opt.timestep)
         self._show_context, self._infeasible_return = show_context, infeasible_return

@@ -62,6 +62,10 @@ class ModelEffect(Protocol):
         """
         ...
 
+    def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What `command` does, step by step; `values` by name, one for each simulation, shape (n,)."""
+        ...
+
     def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
         """What acts from step to step beside the edit; `values` by name, one for each simulation, shape (n,)."""
         ...

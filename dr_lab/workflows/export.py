@@ -69,6 +69,12 @@ class Beside:
             series = effect.command(self._columns, actuator, series, option)
         return series
 
+    def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+        """What the effects' drivers do with commands, the same in all simulations."""
+        del values
+        fixed = {name: np.array([value]) for name, value in self.values.items()}
+        return tuple(law for effect in self.effects for law in effect.drivers(fixed, compiled))
+
     def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
         """What acts from step to step, the same in all simulations."""
         del values

@@ -16,6 +16,7 @@ from dr_lab.cli.folders import shipped
 from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ModelError
+from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
 
 NAMES = sorted(options("env", (shipped(),)))
@@ -246,10 +247,27 @@ def test_effects_of_a_corrected_model_are_played_and_randomised(effect: str) -> 
     assert not episodes.simulator.infeasible.any()
 
 
-@pytest.mark.parametrize("effect", ["dead_zone", "actuator_lag"])
-def test_effects_on_the_way_to_an_actuator_are_refused(effect: str) -> None:
-    with pytest.raises(ModelError, match=rf"{effect}@motor.* commands of motor"):
-        begun(corrected(effect, "motor"))
+@pytest.mark.parametrize("effect", ["dead_zone", "actuator_lag", "rate_limit", "voltage_sag"])
+def test_drivers_act_as_in_a_replay_of_the_same_commands(effect: str) -> None:
+    of, steps = corrected(effect, "motor"), 12
+    z = 0.5 * (of.space.nominal + of.space.high)[None]
+    episodes = of.make(None, 1, 0, threads=1).episodes
+    episodes.give_contexts(z)
+    episodes.begin(np.arange(1))
+    qpos, qvel = episodes.state
+    wanted = actions(episodes, seed=3) * np.sin(np.arange(1, steps + 1))[:, None]
+    moved = [(episodes.step(action[None]), episodes.state[0][0])[1] for action in wanted]
+    held = np.repeat(wanted, of.task.frame_skip, axis=0)[None]
+    rollout = Simulator(of.model, 1, 1).replay(z, qpos[None], qvel[None], held, held[:, :1])
+    np.testing.assert_allclose(moved, rollout.qpos[0, of.task.frame_skip :: of.task.frame_skip], rtol=1e-9)
+    plain = Simulator(setting("furuta").model, 1, 1)
+    without = plain.replay(plain.model.space.nominal[None], qpos[None], qvel[None], held, held[:, :1])
+    assert not np.allclose(moved[-1], without.qpos[0, -1], rtol=1e-3)
+
+
+def test_an_effect_without_a_driver_is_refused() -> None:
+    with pytest.raises(ModelError, match=r"actuator_delay@motor.* commands of motor"):
+        begun(corrected("actuator_delay", "motor"))
 
 
 def test_effects_at_sensors_have_no_part() -> None:
