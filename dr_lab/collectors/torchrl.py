@@ -9,7 +9,7 @@ from tensordict import TensorDict, TensorDictBase
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.envs.mujoco_env import MujocoEnv
 
-_KEPT = ("observation", "context", "action", "next")
+KEPT = ("observation", "context", "action", "next")
 
 
 class TorchRLCollector(Collector):
@@ -50,7 +50,7 @@ class TorchRLCollector(Collector):
         self._collector.shutdown()
 
     def _collect(self) -> TensorDict:
-        return next(self._batches).select(*_KEPT)
+        return next(self._batches).select(*KEPT)
 
 
 class Acting:

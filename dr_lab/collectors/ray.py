@@ -1,0 +1,159 @@
+"""Collecting on several machines with Ray."""
+
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from importlib.util import find_spec
+from typing import Any, cast
+
+import torch
+import torchrl.collectors
+from hydra.utils import instantiate
+from tensordict import TensorDict
+from tensordict.nn import TensorDictModule
+from torchrl.collectors.distributed import RayCollector as TorchRLRayCollector
+
+from dr_lab.collectors.collector import Collector, Policy
+from dr_lab.collectors.shares import joined, shares
+from dr_lab.collectors.torchrl import KEPT
+from dr_lab.envs.episodes import ContextSource
+from dr_lab.envs.mujoco_env import MujocoEnv
+from dr_lab.errors import ConfigError, require_numbers
+
+
+class RayCollector(Collector):
+    """`torchrl.collectors.distributed.RayCollector`: each worker, on whatever machine, plays a share of the episodes.
+
+    Slots keep their random streams, so that contexts and starts are those of the other collectors. The noise of a
+    stochastic policy is drawn on each worker, from a seed that this side's random numbers give anew for every batch: a
+    run can be repeated and resumed exactly, and differs from one with another number of workers. p(z) is sent with the
+    policy before each batch.
+
+    Args:
+        env: the episodes as they begin; they go on at the workers.
+        policy: what acts.
+        steps: control steps of each episode slot in a batch.
+        setting: configuration of the environment. MuJoCo's models cannot be sent, so every worker builds its own.
+        workers: that share the episodes; their number divides that of the slots.
+        cores: of each worker, for its physics.
+        address: of a running Ray cluster, whose machines must have dr_lab; None starts Ray on this one.
+
+    Raises:
+        ConfigError: the workers cannot share the episodes equally.
+    """
+
+    def __init__(
+        self,
+        env: MujocoEnv,
+        policy: Policy,
+        steps: int,
+        setting: Mapping[str, Any],
+        workers: int,
+        cores: int,
+        address: str | None,
+    ) -> None:
+        super().__init__(policy)
+        self._env, self._steps, self._setting = env, steps, setting
+        self.workers, self.cores, self.address = workers, cores, address
+        require_numbers(self, "collector", least={"workers": 1, "cores": 1})
+        if env.episodes.nsim % workers:
+            raise ConfigError(
+                f"collector.workers is {workers}, which does not divide {env.episodes.nsim} episodes. "
+                "Change one of them: collector.workers=… episodes=…"
+            )
+        self._ray: TorchRLRayCollector | None = None
+        self._batches: Iterator[TensorDict] = iter(())
+
+    def state_dict(self) -> dict[str, Any]:
+        """The episodes, wherever they are."""
+        if self._ray is None:
+            return self._env.state_dict()
+        return joined(self._ray.map_fn("slots"), self._env.episodes.nsim)
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Go on with the episodes."""
+        self._env.load_state_dict(state)
+        if self._ray is not None:
+            self._deal_out(self._ray)
+
+    def close(self) -> None:
+        """End the workers, and Ray where it was started here."""
+        if self._ray is not None:
+            self._ray.shutdown()
+            self._ray = None
+
+    def _collect(self) -> TensorDict:
+        ray = self._begin() if self._ray is None else self._ray
+        seeds = torch.randint(2**62, (self.workers,), generator=_generator(self._policy)).tolist()
+        source = self._env.episodes.source
+        ray.map_fn("renew", [(self._policy, source, seed) for seed in seeds])
+        with warnings.catch_warnings():
+            # The policy has just been sent, together with p(z), which TorchRL's own schemes would not take along.
+            warnings.filterwarnings("ignore", "RayCollector iteration started before weight sync")
+            batch = next(self._batches)
+        return cast(TensorDict, batch.flatten(0, 1)).select(*KEPT)
+
+    def _begin(self) -> TorchRLRayCollector:
+        if find_spec("ray") is None:
+            raise ConfigError(
+                "collector=ray needs Ray, which is not installed: pip install -e '.[ray]', on every machine. On one "
+                "machine collector=lean is faster and needs nothing."
+            )
+        episodes = self._env.episodes
+        make = partial(_make, self._setting, episodes.nsim // self.workers, self.cores)
+        here = {"num_cpus": self.workers * self.cores} if self.address is None else {"address": self.address}
+        self._ray = TorchRLRayCollector(
+            [cast(Callable[[], MujocoEnv], make)] * self.workers,
+            TensorDictModule(self._policy, ["observation"], ["action"]),
+            trust_policy=True,
+            frames_per_batch=self._steps * episodes.nsim,
+            total_frames=sys.maxsize,
+            sync=True,
+            collector_class=cast(Any, Worker),  # TorchRL's annotation means something else
+            collector_kwargs={"track_traj_ids": False},
+            weight_sync_schemes={},
+            remote_configs={"num_cpus": self.cores},
+            ray_init_config={**here, "include_dashboard": False, "log_to_driver": False, "logging_level": "error"},
+        )
+        self._deal_out(self._ray)
+        self._batches = cast(Iterator[TensorDict], iter(self._ray))
+        return self._ray
+
+    def _deal_out(self, ray: TorchRLRayCollector) -> None:
+        ray.map_fn("go_on", [(each,) for each in shares(self._env.state_dict(), self._env.episodes.nsim, self.workers)])
+
+
+class Worker(torchrl.collectors.Collector):
+    """What Ray runs: TorchRL's collector on a share of the episodes."""
+
+    policy: TensorDictModule
+
+    def slots(self) -> dict[str, Any]:
+        """The state of the episodes."""
+        return self._played.state_dict()
+
+    def go_on(self, state: Mapping[str, Any]) -> None:
+        """Play on from a state of the episodes."""
+        self._played.load_state_dict(state)
+        self._carrier.update(self._played.current())
+
+    def renew(self, policy: Policy, source: ContextSource | None, seed: int) -> None:
+        """Play on with another policy, contexts from another source, and the noise of this seed."""
+        self.policy.module = policy
+        self._played.episodes.source = source
+        (_generator(policy) or torch.default_generator).manual_seed(seed)
+
+    @property
+    def _played(self) -> MujocoEnv:
+        return cast(MujocoEnv, self.env)
+
+
+def _make(setting: Mapping[str, Any], slots: int, cores: int) -> MujocoEnv:
+    torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
+    return instantiate(setting, _convert_="all").make(None, slots, 0, cores)
+
+
+def _generator(policy: Policy) -> torch.Generator | None:
+    """The policy's own random numbers; None where it draws from torch's."""
+    return getattr(policy, "generator", None)

@@ -1,0 +1,125 @@
+"""Workers of Ray gather what one process gathers, and go on where they stopped. Without Ray the first parts remain."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+import test_collectors
+import torch
+from omegaconf import OmegaConf
+from point_mass import actor
+from settings import composed, setting
+from test_collectors import LAYOUT, Deterministic, Gaussian
+from torch import nn
+
+from dr_lab.collectors.lean import LeanCollector
+from dr_lab.collectors.ray import RayCollector
+from dr_lab.collectors.shares import joined, shares
+from dr_lab.envs.mujoco_env import MujocoEnv
+from dr_lab.errors import ConfigError
+from dr_lab.physics.context import ContextSpace
+from dr_lab.randomizers.fixed import FixedRandomizer
+
+CHOICE = ("env/context=hopper/friction", "env.task.time_limit=8")
+NENV, STEPS, WORKERS = 4, 20, 2
+
+
+def env(nenv: int = NENV) -> MujocoEnv:
+    found = setting("hopper", *CHOICE)
+    return found.make(at(found.space, 1.0), nenv, 0, threads=1)
+
+
+def at(space: ContextSpace, friction: float) -> FixedRandomizer:
+    return FixedRandomizer(space, {space.names[0]: friction})
+
+
+def collector(policy: nn.Module, workers: int = WORKERS) -> RayCollector:
+    recipe = OmegaConf.to_container(composed("env=hopper", *CHOICE), resolve=True)
+    assert isinstance(recipe, dict)
+    recipe = {str(key): value for key, value in recipe.items()}
+    return RayCollector(env(), policy, STEPS, setting=recipe, workers=workers, cores=1, address=None)
+
+
+@pytest.fixture(scope="module")
+def runtime() -> Iterator[None]:
+    """One Ray for all tests: it takes seconds to start."""
+    ray = pytest.importorskip("ray", reason="Ray is not installed: pip install -e '.[ray]'")
+    ray.cloudpickle.register_pickle_by_value(test_collectors)  # workers do not know the tests' folder
+    ray.init(num_cpus=2 * WORKERS, include_dashboard=False, log_to_driver=False, logging_level="error")
+    yield
+    ray.shutdown()
+
+
+def test_states_are_shared_and_joined_without_loss() -> None:
+    episodes = env().episodes
+    for _ in range(3):
+        episodes.step(np.ones((NENV, 3)))
+    before: dict[str, Any] = episodes.state_dict() | {"infeasible": 5}
+    parts = shares(before, NENV, WORKERS)
+    assert [part["contexts"].shape[0] for part in parts] == [2, 2]
+    assert parts[1]["streams"] == before["streams"][2:]
+    after = joined(parts, NENV)
+    for key in ("contexts", "steps", "returns", "marker", "observation"):
+        np.testing.assert_array_equal(after[key], before[key])
+    for one, other in zip(after["simulator"], before["simulator"], strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert after["streams"] == before["streams"]
+    assert (after["infeasible"], after["given"]) == (5, None)
+
+
+def test_workers_that_cannot_share_equally_are_told() -> None:
+    with pytest.raises(ConfigError, match=r"collector\.workers is 3, which does not divide 4 episodes"):
+        collector(Deterministic(), workers=3)
+
+
+def test_a_machine_without_ray_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dr_lab.collectors.ray.find_spec", lambda name: None)
+    with collector(Deterministic()) as one, pytest.raises(ConfigError, match=r"pip install -e '\.\[ray\]'"):
+        next(one)
+
+
+@pytest.mark.usefixtures("runtime")
+def test_workers_gather_what_one_process_gathers() -> None:
+    policy, lean = Deterministic(), LeanCollector(env(), Deterministic(), STEPS)
+    with collector(policy) as one:
+        for _ in range(2):
+            found, expected = next(one), next(lean)
+            assert set(found.keys(True, True)) == LAYOUT - {"action_log_prob"}
+            assert found.batch_size == (NENV, STEPS)
+            for key in LAYOUT - {"action_log_prob"}:
+                torch.testing.assert_close(found[key], expected[key], rtol=0, atol=0)
+
+
+@pytest.mark.usefixtures("runtime")
+def test_workers_follow_the_policy_and_the_distribution_and_draw_their_own_noise() -> None:
+    policy = Gaussian(11, 3)
+    with collector(policy) as one:
+        first = next(one)
+        noise = first["action"] - policy.mean(first["observation"])
+        assert (noise[:2] != noise[2:]).all()
+        with torch.no_grad():
+            policy.mean.bias.add_(100.0)
+        source = one._env.episodes.source
+        assert isinstance(source, FixedRandomizer)
+        one._env.episodes.source = at(source.space, 2.0)
+        second = next(one)
+    torch.testing.assert_close(second["action_log_prob"], policy.log_prob(second["observation"], second["action"]))
+    assert second["action"].mean() > 90.0
+    assert set(first["context"].unique().tolist()) == {1.0}
+    assert set(second["context"].unique().tolist()) == {1.0, 2.0}
+
+
+@pytest.mark.usefixtures("runtime")
+def test_resumed_equals_uninterrupted() -> None:
+    policy = actor()(11, -np.ones(3), np.ones(3), seed=0)
+    with collector(policy) as one:
+        next(one)
+        state, noise = one.state_dict(), policy.get_extra_state()
+        expected = next(one)
+    with collector(policy) as other:
+        other.load_state_dict(state)
+        policy.set_extra_state(noise)
+        found = next(other)
+    for key in LAYOUT:
+        assert torch.equal(found[key], expected[key])
