@@ -5,6 +5,7 @@ from threading import Event
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from dr_lab.diagnosis.point import Point, huber_weights
 from dr_lab.diagnosis.replay import Replay
@@ -15,6 +16,7 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 _NO_PARAMETER = np.zeros(0, np.intp)
+_PLAUSIBLE = 0.999  # probability below which a window's χ² passes for noise
 
 
 @dataclass(frozen=True)
@@ -64,11 +66,35 @@ class _Search:
         self.precision = replay.windows.prior.std**-2.0
 
     def run(self, near: StateFit | None) -> StateFit:
+        """The best states, from the prior's mean or from near; where near led to poor ones, from the mean as well."""
+        mean = self._point(np.zeros((len(self.replay.windows), self.replay.nstate)))
+        if near is None:
+            return self._descend(mean, None, ~mean.infeasible)
+        first = self._start(mean, near.delta)
+        found = self._descend(first, near.slopes, ~first.infeasible)
+        poor = self._poor(found) & ~mean.infeasible
+        return self._better(found, self._descend(mean, None, poor)) if poor.any() else found
+
+    def _poor(self, found: StateFit) -> NDArray[np.bool_]:
+        """Windows whose χ² noise alone would hardly leave."""
+        fitted = self.replay.fitted
+        return np.where(fitted, found.residuals**2, 0.0).sum(1) > chi2.ppf(_PLAUSIBLE, np.maximum(fitted.sum(1), 1))
+
+    def _better(self, one: StateFit, other: StateFit) -> StateFit:
+        """The better of two fits in each window."""
+        weight = self._weights(one)
+        chosen = one.infeasible | (self._costs(other, weight) < self._costs(one, weight))
+        chosen &= ~other.infeasible
+        point = replace(_take(one, other, chosen), infeasible=one.infeasible & ~chosen)
+        slopes = np.where(chosen[:, None, None], other.slopes, one.slopes)
+        total = float(self._costs(point, self._weights(point)).sum())
+        return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
+
+    def _descend(self, point: Point, known: Array | None, active: NDArray[np.bool_]) -> StateFit:
+        """Levenberg–Marquardt in the active windows, from slopes that may be those of a point nearby."""
         settings, count = self.settings, len(self.replay.windows)
-        point = self._start(None if near is None else near.delta)
-        slopes = self._slopes(point) if near is None else near.slopes
-        stale, damping = np.full(count, near is not None), np.full(count, settings.damping)
-        active = ~point.infeasible
+        slopes = self._slopes(point) if known is None else known
+        stale, damping = np.full(count, known is not None), np.full(count, settings.damping)
         for _ in range(settings.iterations):
             weight = self._weights(point)
             cost = self._costs(point, weight)
@@ -89,14 +115,11 @@ class _Search:
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
 
-    def _start(self, near: Array | None) -> Point:
+    def _start(self, mean: Point, near: Array) -> Point:
         """The prior's mean, or in each window states that are near where they fit better.
 
         States that made up for what another model lacks may lie behind a barrier from the best ones.
         """
-        mean = self._point(np.zeros((len(self.replay.windows), self.replay.nstate)))
-        if near is None:
-            return mean
         other = self._point(near)
         weight = self._weights(mean)
         worse = mean.infeasible | (self._costs(mean, weight) > self._costs(other, weight))
