@@ -1,5 +1,6 @@
 """The arguments of a verb's function: its configuration composed, checked and built."""
 
+import copy
 import importlib
 import inspect
 import re
@@ -62,8 +63,9 @@ def arguments_of(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[C
     unused = not_passed(cfg, inspect.signature(workflow).parameters)
     _require_placed(cfg, folders)
     check(cfg, workflow, verb, supplied=SUPPLIED, unused=unused)
-    # One key at a time: what only feeds another key is built there, and only there.
-    wanted = {str(key): value for key, value in cfg.items() if key not in unused}
+    # One key at a time: what only feeds another key is built there, and only there. Building resolves interpolations in
+    # place, which are still to be recorded as they are.
+    wanted = {str(key): value for key, value in copy.deepcopy(cfg).items() if key not in unused}
     return workflow, {k: instantiate(v, _convert_="all") if OmegaConf.is_config(v) else v for k, v in wanted.items()}
 
 

@@ -33,6 +33,12 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def test_what_was_trained_on_is_recorded_as_it_was_composed(run: Path) -> None:
+    text = (run / "config.yaml").read_text(encoding="utf-8")
+    assert "mjcf: ${conf:model/furuta.xml}" in text
+    assert "env: ${env}" in text
+
+
 def evaluated(run: Path, folder: Path, *overrides: str) -> dict[str, Any]:
     folder.mkdir()
     arguments = compose_arguments("evaluate", [f"run={run}", *overrides], (shipped(),))
