@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis_machines import model_of, pendulum, predicted_settings, solver_settings, swinging, windows_of
@@ -46,6 +48,16 @@ def test_starts_from_a_bad_neighbour_end_where_cold_starts_do() -> None:
     _, warm = fit_states(model, WRONG, windows, EXACT, 1, near)
     np.testing.assert_allclose((warm.delta - cold.delta) / windows.prior.std, 0.0, atol=1e-3)
     assert warm.cost == pytest.approx(cold.cost, rel=1e-6)
+
+
+def test_poor_states_are_looked_for_again_from_the_priors_mean() -> None:
+    model, once = pendulum(), replace(solver_settings(), iterations=1)
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)])
+    _, cold = fit_states(model, WRONG, windows, once, 1)
+    misleading = np.random.default_rng(0).normal(size=cold.slopes.shape)
+    near = replace(cold, delta=np.zeros_like(cold.delta), slopes=misleading)  # one step along them gains nothing
+    _, warm = fit_states(model, WRONG, windows, once, 1, near)
+    np.testing.assert_array_equal(warm.delta, cold.delta)
 
 
 def test_the_default_settings_come_close_to_the_best_states() -> None:
