@@ -100,10 +100,22 @@ class RayCollector(Collector):
                 "collector=ray needs Ray, which is not installed: pip install -e '.[ray]', on every machine. On one "
                 "machine collector=lean is faster and needs nothing."
             )
+        try:
+            self._ray = self._workers()
+        except ConnectionError as error:
+            raise ConfigError(
+                f"No Ray cluster answers at {self.address}: {error} Start one (ray start --head), or leave "
+                "collector.address out to start Ray on this machine."
+            ) from error
+        self._deal_out(self._ray)
+        self._batches = cast(Iterator[TensorDict], iter(self._ray))
+        return self._ray
+
+    def _workers(self) -> TorchRLRayCollector:
         episodes = self._env.episodes
         make = partial(_make, self._setting, episodes.nsim // self.workers, self.cores)
         here = {"num_cpus": self.workers * self.cores} if self.address is None else {"address": self.address}
-        self._ray = TorchRLRayCollector(
+        return TorchRLRayCollector(
             [cast(Callable[[], MujocoEnv], make)] * self.workers,
             TensorDictModule(self._policy, ["observation"], ["action"]),
             trust_policy=True,
@@ -116,9 +128,6 @@ class RayCollector(Collector):
             remote_configs={"num_cpus": self.cores},
             ray_init_config={**here, "include_dashboard": False, "log_to_driver": False, "logging_level": "error"},
         )
-        self._deal_out(self._ray)
-        self._batches = cast(Iterator[TensorDict], iter(self._ray))
-        return self._ray
 
     def _deal_out(self, ray: TorchRLRayCollector) -> None:
         ray.map_fn("go_on", [(each,) for each in shares(self._env.state_dict(), self._env.episodes.nsim, self.workers)])

@@ -11,6 +11,7 @@ import yaml
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.states import StateFit, fit_states
 from dr_lab.diagnosis.windows import Windows
+from dr_lab.physics.compiling import written
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.law import Law
 from dr_lab.physics.model import Model, ModelEffect
@@ -100,8 +101,7 @@ def mjcf(model: Model, z: Array) -> str:
     """The model at context z as MJCF text; meshes and pictures stay where they are, and the text says where that is."""
     spec = model.spec_at(z)
     _keep_assets(spec)
-    spec.compile()
-    return spec.to_xml()
+    return written(spec)
 
 
 def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:

@@ -79,6 +79,16 @@ def test_a_machine_without_ray_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         next(one)
 
 
+def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise ConnectionError("timed out.")
+
+    monkeypatch.setattr("dr_lab.collectors.ray.find_spec", lambda name: name)
+    monkeypatch.setattr("dr_lab.collectors.ray.TorchRLRayCollector", refuse)
+    with collector(Deterministic()) as one, pytest.raises(ConfigError, match=r"No Ray cluster answers at .*timed out"):
+        next(one)
+
+
 @pytest.mark.usefixtures("runtime")
 def test_workers_gather_what_one_process_gathers() -> None:
     policy, lean = Deterministic(), LeanCollector(env(), Deterministic(), STEPS)
