@@ -110,7 +110,8 @@ class EvidenceSettings:
         resamples: number of bootstrap resamples.
         seed: of the resampling.
         threshold: least evidence on the held-out windows, as Δχ², that separates two models.
-        least_gap: share of the χ² above the noise floor that an effect must close to count.
+        least_gap: share of the worse model's χ² above the noise floor that separates two models.
+        least_explained: share of the χ² above the noise floor that an effect must close to be named.
         penalty: Δχ² that each added parameter must earn on top.
         floor: largest χ² per sample that counts as the noise floor, where samples are many.
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
@@ -129,6 +130,7 @@ class EvidenceSettings:
     seed: int
     threshold: float
     least_gap: float
+    least_explained: float
     penalty: float
     floor: float
     absorbed: float
@@ -137,7 +139,9 @@ class EvidenceSettings:
         least: dict[str, float] = dict.fromkeys(
             ("most_fits", "block", "least_blocks", "least_trusted", "resamples"), 1.0
         )
-        least |= dict.fromkeys(("least_promise", "seed", "threshold", "least_gap", "penalty", "absorbed"), 0.0)
+        least |= dict.fromkeys(
+            ("least_promise", "seed", "threshold", "least_gap", "least_explained", "penalty", "absorbed"), 0.0
+        )
         require_numbers(self, "evidence", positive=("floor",), least=least)
         if not 0 < self.confidence < 1:
             raise ConfigError(f"evidence.confidence is {self.confidence:g}; expected a share between 0 and 1, as 0.99.")

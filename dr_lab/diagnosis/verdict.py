@@ -37,13 +37,19 @@ def decide(base: Explained, ranking: Sequence[Candidate], settings: EvidenceSett
     Among supported candidates that the best one does not beat beyond its interval, those with the fewest parameters
     stand: a richer effect that explains nothing more is not a rival.
     """
-    backed = [c for c in ranking if supported(c.gain, len(c.effect.parameters), settings)]
+    backed = [c for c in ranking if _backed(c, settings)]
     group = _inseparable(backed, settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}
     labels = tuple(c.effect.label for c in group)
     kind = _kind(base, group, status, settings)
     return Verdict(kind, labels, status, absorbed, _reason(kind, base, group, status, settings))
+
+
+def _backed(candidate: Candidate, settings: EvidenceSettings) -> bool:
+    """Whether the evidence holds and a fair part of the gap is explained: far from the floor, much helps a bit."""
+    held = supported(candidate.gain, len(candidate.effect.parameters), settings)
+    return held and candidate.gain.gap >= settings.least_explained
 
 
 def _kind(base: Explained, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings) -> str:

@@ -16,6 +16,7 @@ SETTINGS = EvidenceSettings(
     seed=0,
     threshold=25.0,
     least_gap=0.1,
+    least_explained=0.25,
     penalty=2.0,
     floor=1.1,
     absorbed=1e-3,

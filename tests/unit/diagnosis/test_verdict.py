@@ -66,6 +66,12 @@ def test_the_one_effect_that_closes_the_gap_is_named() -> None:
     assert "20" in verdict.reason
 
 
+def test_what_explains_but_little_of_a_gap_is_not_named() -> None:
+    little, enough = judged(20.0, ("coulomb_friction", 17.0)), judged(20.0, ("coulomb_friction", 14.0))
+    assert (little.kind, little.effects) == ("unexplained", ())
+    assert enough.effects == ("coulomb_friction@rail",)
+
+
 def test_nothing_is_named_at_the_noise_floor() -> None:
     verdict = judged(1.0, ("coulomb_friction", 1.0), ("viscous_friction", 1.0))
     assert (verdict.kind, verdict.effects) == ("none", ())
