@@ -9,7 +9,7 @@ matched  dr_lab, algorithm=ppo_sb3: the same settings
 tuned    dr_lab, algorithm=ppo
 
     python benchmarks/ppo.py
-    python benchmarks/ppo.py --arms tuned --seeds 0,1 --frames 200000 --results /tmp/ppo.jsonl
+    python benchmarks/ppo.py --arms tuned --seeds 0,1 --frames 200000 --results outputs/short.jsonl
 """
 
 import argparse
