@@ -162,6 +162,7 @@ class RealVsSimEvaluator(Evaluator):
         return replace(
             twin,
             name=name,
+            context={},
             time=time[: last + 1],
             qpos=qpos[: last + 1],
             qvel=qvel[: last + 1],

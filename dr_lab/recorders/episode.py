@@ -16,7 +16,7 @@ class Episode:
 
     Attributes:
         name: short, unique among those that are recorded together.
-        context: z, value and unit by parameter.
+        context: z, value and unit by parameter; empty where it is not known, as of a real machine.
         geometry: the machine in this context.
         time: s since the start, shape (t + 1,).
         qpos: positions before the first and after every control step, shape (t + 1, nq).

@@ -12,7 +12,7 @@ from dr_lab.recorders.branch import Branch, entity_path
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.eye import eye_controls, followed_box
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.quantity import number, titled
+from dr_lab.recorders.quantity import ABSENT, number, titled
 from dr_lab.recorders.scene import (
     body_poses,
     log_bodies,
@@ -61,15 +61,15 @@ def log_starts(root: Branch, episodes: Sequence[Episode], look: Look) -> None:
 
 def episodes_table(episodes: Sequence[Episode]) -> str:
     """Return, length, end and context of each episode, as Markdown."""
-    parameters = episodes[0].context if episodes else {}
-    header = ["episode", "return", "time [s]", "ended", *(titled(name, unit) for name, (_, unit) in parameters.items())]
+    parameters = {name: unit for each in episodes for name, (_, unit) in each.context.items()}
+    header = ["episode", "return", "time [s]", "ended", *(titled(name, unit) for name, unit in parameters.items())]
     rows = [
         [
             each.name.removeprefix("episode_"),
             number(each.undiscounted),
             number(each.time[-1]),
             each.ended,
-            *(number(value) for value, _ in each.context.values()),
+            *(number(each.context[name][0]) if name in each.context else ABSENT for name in parameters),
         ]
         for each in episodes
     ]

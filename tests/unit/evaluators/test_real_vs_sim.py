@@ -75,6 +75,8 @@ def test_pairs_begin_alike_and_their_differences_are_paired() -> None:
     found = evaluated(bench("furuta", "plant.nominal.spread=0.0"), subject(start="[0.1,0.1]"), episodes=2)
     real, simulated = found.episodes
     np.testing.assert_array_equal(real.qpos[0], simulated.qpos[0])
+    assert not real.context  # the model's is not the machine's
+    assert simulated.context
     starts = {float(row["real"]) for row in found.rows}
     assert len(starts) == 2
     for row in found.rows:
