@@ -29,6 +29,16 @@ SIGTERM = (signal.SIGTERM, 143, "terminated")
 PROMPT = 5.0  # s; a fifth of it on a quiet machine
 LOGS = ["measurements.fit=[log_1]", "measurements.held_out=[log_5]"]
 SMALL = [*LOGS, "windows.max_windows=2"]
+PRESSES_ITSELF = """
+import os, signal, sys
+_, moment, part, *sys.argv[1:] = sys.argv
+def press(event, arguments):
+    if event == moment and os.path.basename(str(arguments[0])).startswith(part):
+        os.kill(os.getpid(), signal.SIGINT)
+from dr_lab.__main__ import main
+sys.addaudithook(press)
+sys.exit(main())
+"""
 READERS: dict[str, Callable[[Path], object]] = {
     ".yaml": lambda path: yaml.safe_load(path.read_text(encoding="utf-8")),
     ".json": lambda path: json.loads(path.read_text(encoding="utf-8")),
@@ -45,15 +55,25 @@ def interrupted(
     folder: Path, *arguments: str, when: Callable[[], bool], sent: tuple[signal.Signals, int, str] = CTRL_C
 ) -> set[str]:
     """Start `dr-lab`, press Ctrl-C when told so; gives the names of the files that are left, all of them whole."""
-    number, code, told = sent
-    command = [PROGRAM, *arguments, f"hydra.run.dir={folder}"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = start([PROGRAM], folder, *arguments)
     while process.poll() is None and not when():
         time.sleep(0.001)
-    process.send_signal(number)
+    process.send_signal(sent[0])
     pressed = time.monotonic()
-    out, error = process.communicate(timeout=60)
+    left = left_by(process, folder, sent)
     assert time.monotonic() - pressed < PROMPT
+    return left
+
+
+def start(program: list[str | Path], folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    command = [*program, *arguments, f"hydra.run.dir={folder}"]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def left_by(process: subprocess.Popen[str], folder: Path, sent: tuple[signal.Signals, int, str] = CTRL_C) -> set[str]:
+    """Wait for a run that a signal ends; gives the names of the files that are left, all of them whole."""
+    _, code, told = sent
+    out, error = process.communicate(timeout=60)
     assert process.returncode == code, error
     assert error.strip() == f"dr-lab: {told}."
     assert "Run folder" not in out
@@ -63,10 +83,13 @@ def interrupted(
     return {path.name for path in left}
 
 
+@pytest.mark.parametrize("moment", ["open", "os.rename"])
 @pytest.mark.parametrize("part", ["report", "review"])
-def test_while_a_file_is_written(tmp_path: Path, part: str) -> None:
+def test_while_a_file_is_written(tmp_path: Path, part: str, moment: str) -> None:
+    """The run presses Ctrl-C itself, just as it makes the temporary file and just before that takes its name."""
     folder = tmp_path / "run"
-    left = interrupted(folder, "compare", *SMALL, when=lambda: any(folder.glob(f".{part}.*")))
+    process = start([sys.executable, "-c", PRESSES_ITSELF, moment, f".{part}."], folder, "compare", *SMALL)
+    left = left_by(process, folder)
     assert "config.yaml" in left
     assert "simulated.mcap" not in left
     assert not [name for name in left if name.startswith(".")]
