@@ -7,6 +7,7 @@ import mujoco
 
 from dr_lab.diagnosis.evidence import paired_gain, supported
 from dr_lab.diagnosis.rank import Bench, Candidate, Explained, explain, rank
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.verdict import Verdict, decide
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import Effect, Scales
@@ -65,12 +66,25 @@ class Ladder:
         """The ladder's models, the calibrated one first."""
         return (self.base, *(step.explained for step in self.steps))
 
-    @property
-    def verdict(self) -> str:
-        """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone."""
+    def closed(self, settings: EvidenceSettings) -> float:
+        """Share of the calibrated model's gap that all added effects close together; `Gain.gap` of the last model."""
+        return paired_gain(self.base.held_out, self.models[-1].held_out, settings).gap
+
+    def verdict(self, settings: EvidenceSettings) -> str:
+        """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.
+
+        Effects that leave much of the gap are what the catalogue has nearest to the cause rather than the cause:
+        ``unexplained``.
+        """
         if not self.steps:
             return self.rungs[0].verdict.kind
+        if self.closed(settings) < settings.least_named:
+            return "unexplained"
         return "equivalent" if any(step.rivals for step in self.steps) else "named"
+
+    def with_first_step(self) -> "Ladder":
+        """The ladder with the effect that its first rung names, where it names one."""
+        return replace(self, steps=(step_from(self.rungs[0]),) if self.rungs[0].verdict.effects else ())
 
 
 def climb(

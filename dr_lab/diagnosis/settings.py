@@ -111,7 +111,8 @@ class EvidenceSettings:
         seed: of the resampling.
         threshold: least evidence on the held-out windows, as Δχ², that separates two models.
         least_gap: share of the worse model's χ² above the noise floor that separates two models.
-        least_explained: share of the χ² above the noise floor that an effect must close to be named.
+        least_explained: share of the χ² above the noise floor that an effect must close to be added.
+        least_named: the same of all added effects together, for them to be named as what was missing.
         penalty: Δχ² that each added parameter must earn on top.
         floor: largest χ² per sample that counts as the noise floor, where samples are many.
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
@@ -131,6 +132,7 @@ class EvidenceSettings:
     threshold: float
     least_gap: float
     least_explained: float
+    least_named: float
     penalty: float
     floor: float
     absorbed: float
@@ -140,7 +142,17 @@ class EvidenceSettings:
             ("most_fits", "block", "least_blocks", "least_trusted", "resamples"), 1.0
         )
         least |= dict.fromkeys(
-            ("least_promise", "seed", "threshold", "least_gap", "least_explained", "penalty", "absorbed"), 0.0
+            (
+                "least_promise",
+                "seed",
+                "threshold",
+                "least_gap",
+                "least_explained",
+                "least_named",
+                "penalty",
+                "absorbed",
+            ),
+            0.0,
         )
         require_numbers(self, "evidence", positive=("floor",), least=least)
         if not 0 < self.confidence < 1:

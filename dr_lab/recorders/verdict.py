@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from dr_lab.recorders.ladder import candidate_name, steps
-from dr_lab.recorders.quantity import number
+from dr_lab.recorders.quantity import number, percent
 
 
 def verdict_markdown(report: Mapping[str, Any]) -> str:
@@ -18,12 +18,22 @@ def _found(report: Mapping[str, Any]) -> str:
         "named": f"**The missing effect is named:** {named}.",
         "equivalent": _equivalent(report),
         "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
-        "unexplained": "**Unexplained:** a gap remains that no effect of the catalogue explains.",
+        "unexplained": _unexplained(report),
         "none": "**No missing effect:** the logs support no effect beyond the plain model.",
     }
     added = report["ladder"][-1]["effects"]
     done = "**Calibrated on the logs.**" if len(steps(report)) > 1 else "**Measured against the model.**"
     return sentences.get(report.get("verdict") or "", f"**Added:** {_listed(added)}." if added else done)
+
+
+def _unexplained(report: Mapping[str, Any]) -> str:
+    """That nothing explains the gap, and how much of it closes all the same."""
+    added = report["ladder"][-1]["effects"]
+    if not added:
+        return "**Unexplained:** a gap remains that no effect of the catalogue explains."
+    closes = "closes" if len(added) == 1 else "together close"
+    share = percent(report.get("gap_closed"))
+    return f"**Unexplained:** {_listed(added)} {closes} {share} of the gap, too little to be the cause."
 
 
 def _equivalent(report: Mapping[str, Any]) -> str:

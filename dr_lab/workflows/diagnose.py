@@ -1,11 +1,10 @@
 """Verb `diagnose`: rank the catalogue on held-out logs and say which effect is missing."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from dr_lab.diagnosis.ladder import climb, step_from
+from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
@@ -44,8 +43,6 @@ def diagnose(
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
     with candidate_progress() as watch:
         ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=watch)
-    rung = ladder.rungs[0]
-    steps = (step_from(rung),) if rung.verdict.effects else ()
-    ladder = replace(ladder, steps=steps)
+    ladder = ladder.with_first_step()
     proposal = deciding_experiment(study, ladder, next_experiment, run_dir)
     return report_ladder("diagnose", study, ladder, run_dir, recorder, proposal)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.diagnosis.ladder import Ladder, Rung
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.workflows import entries
@@ -42,7 +43,8 @@ def report_ladder(
     report = {
         **header,
         "notes": [*header["notes"], *entries.refused(ladder.refused), *entries.dropped(ladder.dropped)],
-        "verdict": _verdict(ladder),
+        "verdict": _verdict(ladder, study.bench.evidence),
+        "gap_closed": ladder.closed(study.bench.evidence),
         "reason": _reason(study, first),
         "as_given": as_given(study)[1],
         "ladder": [
@@ -62,12 +64,12 @@ def report_ladder(
     return finish(study, report, shown, run_dir, look, described[-1].estimate)
 
 
-def _verdict(ladder: Ladder) -> str:
-    """``equivalent`` or ``named`` for what was added with support, else the verdict of the rung that gave none."""
+def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:
+    """The ladder's verdict where all was added with support, else that of the rung that gave none."""
     for rung, _ in zip(ladder.rungs, ladder.steps, strict=False):
         if not rung.verdict.effects:  # an effect that a user added without support
             return rung.verdict.kind
-    return ladder.verdict
+    return ladder.verdict(settings)
 
 
 def _reason(study: Study, rung: Rung) -> str:

@@ -4,8 +4,8 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dr_lab.diagnosis.ladder import Ladder, climb, step_from
-from dr_lab.diagnosis.rank import Candidate, Explained
+from dr_lab.diagnosis.ladder import Ladder, climb
+from dr_lab.diagnosis.rank import Candidate
 from dr_lab.workflows.benchmark_cases.case import Case
 from dr_lab.workflows.benchmark_cases.equivalence import equivalence_class
 from dr_lab.workflows.benchmark_cases.observed import Compose, Observed, observe, observe_exactly
@@ -33,12 +33,14 @@ def diagnose_case(case: Case, compose: Compose) -> Outcome:
         study.bench, base, observed.effects, study.scales, study.compiled, most=most, watch=lambda _: lambda _: None
     )
     cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
-    first, last = ladder.rungs[0], _last(ladder)
-    found = _found(ladder)
+    ladder = ladder if most else ladder.with_first_step()
+    first, last = ladder.rungs[0], ladder.models[-1]
+    verdict = ladder.verdict(study.bench.evidence)
+    found = _found(ladder) if verdict != "unexplained" else []
     return Outcome(
         case=case,
         truths=observed.truths,
-        verdict=ladder.verdict,
+        verdict=verdict,
         found=found,
         absorbed=list(ladder.rungs[-1].verdict.absorbed),
         ranking=[c.effect.label for c in _ordered(first.ranking, first.verdict.effects)],
@@ -56,19 +58,9 @@ def diagnose_case(case: Case, compose: Compose) -> Outcome:
 
 def _found(ladder: Ladder) -> list[list[str]]:
     """What was found, each with what the data cannot separate from it."""
-    if ladder.steps:
-        labels = [step.explained.model.effects[-1].label for step in ladder.steps]
-        rivals = [[c.effect.label for c in step.rivals] for step in ladder.steps]
-        return [[label, *others] for label, others in zip(labels, rivals, strict=True)]
-    answer = ladder.rungs[0].verdict.effects
-    return [list(answer)] if answer else []
-
-
-def _last(ladder: Ladder) -> Explained:
-    """The model that the answer leads to."""
-    if ladder.steps or not ladder.rungs[0].verdict.effects:
-        return ladder.models[-1]
-    return step_from(ladder.rungs[0]).explained
+    labels = [step.explained.model.effects[-1].label for step in ladder.steps]
+    rivals = [[c.effect.label for c in step.rivals] for step in ladder.steps]
+    return [[label, *others] for label, others in zip(labels, rivals, strict=True)]
 
 
 def _ordered(ranking: Sequence[Candidate], answer: Sequence[str]) -> list[Candidate]:
@@ -97,10 +89,8 @@ def _standing(ladder: Ladder, truth: str) -> dict[str, Any]:
 
 def _own_values(ladder: Ladder, truth: str) -> dict[str, float]:
     """Fitted parameters of a truth, by short name, in the model that the answer leads to; empty if it is not found."""
-    models = [ladder.models[-1]] if ladder.steps else []
-    answer = ladder.rungs[0].verdict.effects
-    models += [c.explained for c in ladder.rungs[0].ranking if c.effect.label in answer and not ladder.steps]
-    for explained in models:
+    rivals = [c.explained for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
+    for explained in (ladder.models[-1], *rivals):
         values = explained.model.space.mapping(explained.fit.z)
         own = {k.removeprefix(f"{truth}."): float(v) for k, v in values.items() if k.startswith(f"{truth}.")}
         if own:

@@ -19,7 +19,8 @@ class Outcome:
         case: what was asked.
         truths: what is hidden, as ``effect@site``.
         verdict: ``named``, ``equivalent``, ``none`` or ``unexplained``.
-        found: for each effect that was found its label and those that the data cannot separate from it, best first.
+        found: for each effect that was found its label and those that the data cannot separate from it, best first;
+            empty where the verdict is ``unexplained``.
         absorbed: labels of effects whose place the model's own parameters can take.
         ranking: labels of the first ranking, best first.
         standing: how each truth stood in the ranking it was last part of: ``place``, ``fitted``, ``promised``,

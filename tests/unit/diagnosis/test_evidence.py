@@ -17,6 +17,7 @@ SETTINGS = EvidenceSettings(
     threshold=25.0,
     least_gap=0.1,
     least_explained=0.25,
+    least_named=0.7,
     penalty=2.0,
     floor=1.1,
     absorbed=1e-3,

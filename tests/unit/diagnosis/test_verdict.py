@@ -8,6 +8,7 @@ from effect_machines import block, placed
 
 from dr_lab.diagnosis.evidence import paired_gain
 from dr_lab.diagnosis.identifiability import Identifiability
+from dr_lab.diagnosis.ladder import Ladder, Rung, Step
 from dr_lab.diagnosis.rank import Candidate, Explained
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.verdict import Verdict, decide
@@ -70,6 +71,27 @@ def test_what_explains_but_little_of_a_gap_is_not_named() -> None:
     little, enough = judged(20.0, ("coulomb_friction", 17.0)), judged(20.0, ("coulomb_friction", 14.0))
     assert (little.kind, little.effects) == ("unexplained", ())
     assert enough.effects == ("coulomb_friction@rail",)
+
+
+@pytest.mark.parametrize(
+    ("left", "rivals", "kind"), [(1.0, 0, "named"), (1.0, 1, "equivalent"), (9.0, 1, "unexplained")]
+)
+def test_what_is_named_closes_most_of_the_gap(left: float, rivals: int, kind: str) -> None:
+    base, last = model(20.0), model(left)
+    rival = candidate(base, "constant_offset", left, CLEAR)
+    ladder = Ladder((), base, (Step(model(14.0), ()), Step(last, (rival,) * rivals)))
+    assert ladder.verdict(SETTINGS) == kind
+    closed = (base.held_out.chi2 - last.held_out.chi2) / (base.held_out.chi2 - 1)
+    np.testing.assert_allclose(ladder.closed(SETTINGS), closed, rtol=0.05)
+
+
+def test_the_first_step_is_what_the_first_rung_names() -> None:
+    base = model(20.0)
+    ranking = (candidate(base, "coulomb_friction", 9.0, CLEAR),)
+    ladder = Ladder((Rung(base, ranking, decide(base, ranking, SETTINGS)),), base, ())
+    assert ladder.verdict(SETTINGS) == "named"  # of the first ranking, which is judged alone
+    assert ladder.with_first_step().models == (base, ranking[0].explained)
+    assert ladder.with_first_step().verdict(SETTINGS) == "unexplained"
 
 
 def test_nothing_is_named_at_the_noise_floor() -> None:

@@ -40,7 +40,7 @@ def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None
     [
         ("equivalent", "cannot tell apart `coulomb_friction@arm`, `stribeck_friction@arm`"),
         ("not_excited", "Not excited"),
-        ("unexplained", "no effect of the catalogue explains"),
+        ("unexplained", "too little to be the cause"),
         ("none", "No missing effect"),
         (None, "**Added:** `coulomb_friction@arm`."),
     ],
@@ -49,6 +49,14 @@ def test_each_verdict_has_its_sentence(close_report: dict[str, Any], verdict: st
     close_report["verdict"] = verdict
     close_report["ladder"][1]["rivals"] = ["stribeck_friction@arm"]
     assert words in report_markdown(close_report)
+
+
+def test_effects_that_close_too_little_are_not_the_cause(close_report: dict[str, Any]) -> None:
+    close_report |= {"verdict": "unexplained", "gap_closed": 0.47}
+    told = "**Unexplained:** `coulomb_friction@arm` closes 47 % of the gap, too little to be the cause."
+    assert told in report_markdown(close_report)
+    close_report["ladder"] = close_report["ladder"][:1]
+    assert "**Unexplained:** a gap remains that no effect of the catalogue explains." in report_markdown(close_report)
 
 
 def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_report: dict[str, Any]) -> None:
