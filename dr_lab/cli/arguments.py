@@ -18,6 +18,8 @@ from dr_lab.errors import ConfigError
 
 # Keys of a configuration that are not a workflow's business, unless it asks for them.
 COMMAND_LINE_KEYS = ("outputs", "made_with")
+# Parameter of a workflow that can go on with an earlier run's folder.
+RESUME = "resume"
 # Parameters of a workflow that the command line gives, not the configuration.
 RUN_DIR = "run_dir"
 COMPOSE = "compose"
@@ -58,15 +60,30 @@ def arguments_of(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[C
     Raises:
         ConfigError: the configuration cannot be run.
     """
+    workflow, passed = checked(verb, cfg, folders)
+    # One key at a time: what only feeds another key is built there, and only there. Building resolves interpolations in
+    # place, which are still to be recorded as they are.
+    wanted = {str(key): value for key, value in copy.deepcopy(cfg).items() if key in passed}
+    return workflow, {k: instantiate(v, _convert_="all") if OmegaConf.is_config(v) else v for k, v in wanted.items()}
+
+
+def checked(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[Callable[..., Any], set[str]]:
+    """A verb's function and the keys that it is given, when the configuration is found sound; nothing is built.
+
+    Args:
+        verb: its name.
+        cfg: its composed configuration without Hydra's node.
+        folders: configuration folders, first searched first.
+
+    Raises:
+        ConfigError: the configuration cannot be run.
+    """
     register_resolvers(folders)
     workflow = workflow_of(verb)
     unused = not_passed(cfg, inspect.signature(workflow).parameters)
     _require_placed(cfg, folders)
     check(cfg, workflow, verb, supplied=SUPPLIED, unused=unused)
-    # One key at a time: what only feeds another key is built there, and only there. Building resolves interpolations in
-    # place, which are still to be recorded as they are.
-    wanted = {str(key): value for key, value in copy.deepcopy(cfg).items() if key not in unused}
-    return workflow, {k: instantiate(v, _convert_="all") if OmegaConf.is_config(v) else v for k, v in wanted.items()}
+    return workflow, {str(key) for key in cfg} - unused
 
 
 def workflow_of(verb: str) -> Callable[..., Any]:

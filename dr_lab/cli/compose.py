@@ -20,6 +20,7 @@ from dr_lab.cli import folders as places
 from dr_lab.cli.overrides import refused_key, respell
 from dr_lab.cli.recorded import recorded
 from dr_lab.errors import ConfigError
+from dr_lab.sweeps.sweep import sweep_name
 
 HYDRA_VERSION = "1.3"
 WHOLE_GROUP = "all"
@@ -42,7 +43,7 @@ class UserFoldersFirst(SearchPathPlugin):
 
 
 def register_resolvers(folders: Sequence[Path]) -> None:
-    """Make ``${conf:…}``, ``${examples:…}`` and ``${recorded:…}`` known to OmegaConf, in every process that needs them.
+    """Make ``${conf:…}`` and our other resolvers known to OmegaConf, in every process that needs them.
 
     Args:
         folders: configuration folders, first searched first.
@@ -50,6 +51,7 @@ def register_resolvers(folders: Sequence[Path]) -> None:
     OmegaConf.register_new_resolver("conf", functools.partial(places.find, tuple(folders)), replace=True)
     OmegaConf.register_new_resolver("examples", places.example, replace=True)
     OmegaConf.register_new_resolver("recorded", recorded, replace=True)
+    OmegaConf.register_new_resolver("sweep_name", sweep_name, replace=True)
 
 
 def prepare(folders: Sequence[Path]) -> None:

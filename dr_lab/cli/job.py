@@ -4,6 +4,7 @@ import contextlib
 import functools
 import inspect
 import itertools
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 
 from omegaconf import DictConfig
 
-from dr_lab.cli.arguments import COMPOSE, RUN_DIR, arguments_of, compose_arguments
+from dr_lab.cli.arguments import COMPOSE, RESUME, RUN_DIR, arguments_of, compose_arguments, workflow_of
 from dr_lab.cli.provenance import CONFIG_FILE, write_config
 from dr_lab.errors import ConfigError
 
@@ -26,6 +27,7 @@ class Job:
         base: option of the group ``base`` that its root configuration builds on, or None.
         output_dir: the folder that Hydra made for it.
         folders: configuration folders, first searched first.
+        resume: run folder of an earlier attempt to go on with, or None; comes before what the configuration says.
     """
 
     verb: str
@@ -33,6 +35,24 @@ class Job:
     base: str | None
     output_dir: Path
     folders: tuple[Path, ...]
+    resume: Path | None = None
+
+
+def can_go_on(job: Job) -> bool:
+    """Whether a job's folder holds enough of an earlier attempt for its verb to go on with.
+
+    A workflow that takes `resume` says in `RESUMES_FROM`, beside it, which file or folder that is.
+
+    Args:
+        job: which one.
+
+    Raises:
+        ConfigError: there is no such verb.
+    """
+    workflow = workflow_of(job.verb)
+    if RESUME not in inspect.signature(workflow).parameters:
+        return False
+    return (job.output_dir / sys.modules[workflow.__module__].RESUMES_FROM).exists()
 
 
 def run_job(job: Job, cfg: DictConfig) -> None:
@@ -71,6 +91,8 @@ def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]
     """
     workflow, arguments = arguments_of(job.verb, cfg, job.folders)
     parameters = inspect.signature(workflow).parameters
+    if job.resume is not None:
+        arguments[RESUME] = str(job.resume)
     if COMPOSE in parameters:
         arguments[COMPOSE] = functools.partial(compose_arguments, folders=job.folders)
     if RUN_DIR in parameters:

@@ -2,26 +2,21 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import hydra
-from hydra.core.hydra_config import HydraConfig
 from hydra.errors import ConfigCompositionException
-from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.compose import HYDRA_VERSION, prepare
 from dr_lab.cli.explain import explain
 from dr_lab.cli.flags import require_known_flags
-from dr_lab.cli.job import Job, run_job
 from dr_lab.cli.overrides import refused_key, respell
+from dr_lab.cli.task import Task
 from dr_lab.cli.verb_help import verb_help
-from dr_lab.errors import DrLabError
 
 TRACEBACK_VARIABLE = "HYDRA_FULL_ERROR"
-Task = Callable[[DictConfig], None]
 
 
 def run(verb: str, arguments: list[str], folders: tuple[Path, ...]) -> int:
@@ -60,8 +55,7 @@ def run(verb: str, arguments: list[str], folders: tuple[Path, ...]) -> int:
 def _hand_to_hydra(verb: str, arguments: list[str], folders: tuple[Path, ...], traceback_wanted: bool) -> None:
     """Let Hydra read the arguments; what it refuses for a name with a dot is respelt once for each such name."""
     prepare(folders)
-    failures: list[Exception] = []
-    task = _task(verb, folders, traceback_wanted, failures)
+    task = Task(verb, folders, traceback_wanted)
     main = hydra.main(version_base=HYDRA_VERSION, config_path=str(folders[-1]), config_name=verb)(task)
     while True:
         sys.argv = [sys.argv[0], *arguments]
@@ -77,41 +71,8 @@ def _hand_to_hydra(verb: str, arguments: list[str], folders: tuple[Path, ...], t
             arguments = respelt
         else:
             break
-    for failure in failures:
+    for failure in task.failures:
         raise failure
-
-
-def _task(verb: str, folders: tuple[Path, ...], traceback_wanted: bool, failures: list[Exception]) -> Task:
-    """The function that Hydra calls for every job.
-
-    A single job leaves its exception in `failures`, because Hydra would announce it in words of its own. A job of a
-    sweep may run in another process: it raises, the text alone travelling back, and the other jobs go on.
-    """
-
-    def task(cfg: DictConfig) -> None:
-        state = HydraConfig.get()
-        typed = tuple(map(str, OmegaConf.to_container(state.overrides.task, resolve=False) or ()))
-        output_dir = Path(state.runtime.output_dir)
-        job = Job(verb, typed, state.runtime.choices.get("base"), output_dir, folders)
-        single = state.mode != RunMode.MULTIRUN
-        label = "" if single else f"job {state.job.num} ({' '.join(typed)})"
-        if label:
-            print(f"\n{label}")
-        try:
-            run_job(job, cfg)
-        except Exception as error:
-            if single:
-                failures.append(error)
-                return
-            if traceback_wanted:
-                raise
-            message = f"{label} failed: {explain(error, verb, folders)[0]}"
-            print(message, file=sys.stderr)
-            raise DrLabError(message) from None
-
-    # Hydra names the job after the module of its function.
-    task.__module__ = f"dr_lab.workflows.{verb}"
-    return task
 
 
 @contextmanager

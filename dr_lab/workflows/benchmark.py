@@ -28,6 +28,7 @@ from dr_lab.workflows.benchmark_cases.score import mark
 from dr_lab.workflows.benchmark_cases.summary import Goals, answers, cases_csv, summary
 
 CASES = "cases"
+RESUMES_FROM = CASES  # what a run folder must hold to be resumed
 
 
 def benchmark(

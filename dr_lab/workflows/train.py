@@ -27,6 +27,7 @@ from dr_lab.workflows.episodes import described, keep_episodes, play_episodes
 from dr_lab.workflows.snapshots import Snapshots
 from dr_lab.workflows.training import CHECKPOINT, Plan, Training
 
+RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 _LAST = 0.1  # share of the iterations that the final return is the mean of
 _NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
 

@@ -13,7 +13,8 @@ from dr_lab.cli import folders
 @pytest.fixture
 def dr_lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> CommandLine:
     """The command line over a temporary configuration, standing in an empty working folder."""
-    shutil.copytree(folders.shipped() / "base", tmp_path / "conf" / "base")
+    for group in ("base", "hydra"):
+        shutil.copytree(folders.shipped() / group, tmp_path / "conf" / group)
     for name, text in FILES.items():
         write(tmp_path / "conf" / name, text)
     line = CommandLine()

@@ -1,0 +1,55 @@
+"""What the user is told when a sweep's command ends."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from dr_lab.errors import DrLabError
+from dr_lab.sweeps.job_folder import FINAL, Status
+from dr_lab.sweeps.sweep import SweepJob
+from dr_lab.sweeps.table import TABLE_FILE, first_line, log_of
+
+_DIED = "its process ended without a word: killed, out of memory or out of its time limit"
+
+
+class SweepError(DrLabError):
+    """Jobs of a sweep failed, or were not run to their end; the others are kept."""
+
+
+def require_completed(
+    sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int, Status], ended_early: str = ""
+) -> None:
+    """Tell of every job that is not completed.
+
+    Args:
+        sweep_dir: folder of the sweep.
+        jobs: those that the command was about.
+        standing: how they stand, by number.
+        ended_early: why the engine that runs them gave up, if it did.
+
+    Raises:
+        SweepError: there are such jobs.
+    """
+    states = [standing[job.number].state for job in jobs]
+    if all(state in FINAL for state in states):
+        return
+    counts = {
+        "failed": states.count("failed"),
+        "died": states.count("unfinished"),
+        "still run elsewhere": states.count("running"),
+        "were not begun": states.count("waiting"),
+    }
+    told = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    lines = [f"Of {len(jobs)} jobs, {told}.", *_listed(sweep_dir, jobs, standing)]
+    if ended_early:
+        lines.append(f"What runs the jobs gave up: {first_line(ended_early)}")
+    lines.append(f"Table: {sweep_dir / TABLE_FILE}. The same command goes on with these jobs; the others are kept.")
+    raise SweepError("\n".join(lines))
+
+
+def _listed(sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int, Status]) -> Iterator[str]:
+    for job in jobs:
+        status = standing[job.number]
+        if status.state in ("failed", "unfinished"):
+            why = first_line(status.error) if status.state == "failed" else _DIED
+            yield f"  job {job.number} ({' '.join(job.overrides)}): {why}"
+            yield f"    {log_of(sweep_dir, job)}"

@@ -1,0 +1,57 @@
+"""Hydra sweeper that the same command continues: completed jobs are kept, the others run again."""
+
+from collections.abc import Sequence
+
+from hydra_plugins._dr_lab_sweeper import Composed, DrLabSweeper
+
+from dr_lab.sweeps.job_folder import FINAL
+from dr_lab.sweeps.report import require_completed
+from dr_lab.sweeps.sweep import SweepJob, add_jobs, only_driver, read_jobs
+from dr_lab.sweeps.table import TABLE_FILE, statuses
+
+
+class ResumeSweeper(DrLabSweeper):
+    """Every combination of the given values, one job each.
+
+    A job is known by the hash of its configuration. It keeps its number and its folder, and once completed it is never
+    run again. Values that are given later join under the next numbers.
+    """
+
+    def sweep(self, arguments: list[str]) -> None:
+        """Run the jobs that are not completed yet.
+
+        Args:
+            arguments: overrides as typed, those of Hydra's own node apart.
+
+        Raises:
+            ConfigError: a job cannot be run, or another command drives the sweep.
+            SweepError: jobs failed or died; the others are kept.
+        """
+        [combinations] = self.split_arguments(self.parsed(arguments), None)
+        asked = [self.composed(overrides) for overrides in combinations]
+        self.check(asked)
+        with only_driver(self.folder):
+            jobs = self._enrolled(asked)
+            standing = statuses(self.folder, jobs)
+            left = [job for job in jobs if standing[job.number].state not in FINAL]
+            print(f"Sweep of {len(jobs)} jobs, {len(jobs) - len(left)} of them completed before: {self.shown}")
+            now, ended_early = self.launch(left)
+            require_completed(self.shown, jobs, standing | now, ended_early)
+        print(f"\nAll {len(jobs)} jobs are completed: {self.shown / TABLE_FILE}")
+        if not left:
+            print("Nothing was left to do. To run them anew, choose another folder: hydra.sweep.dir=…")
+
+    def _enrolled(self, asked: Sequence[Composed]) -> list[SweepJob]:
+        """The jobs with their numbers, in order; those that are new to the sweep are written down."""
+        known = read_jobs(self.folder)
+        by_identity = {job.identity: job for job in known}
+        new: list[SweepJob] = []
+        for job in asked:
+            if job.identity not in by_identity:
+                by_identity[job.identity] = job.numbered(len(known) + len(new))
+                new.append(by_identity[job.identity])
+        if new:
+            assert self.task is not None
+            add_jobs(self.folder, self.task.verb, new)
+        wanted = dict.fromkeys(job.identity for job in asked)
+        return sorted((by_identity[identity] for identity in wanted), key=lambda job: job.number)
