@@ -68,7 +68,7 @@ def write_config(run_dir: Path, verb: str, overrides: Sequence[str], base: str |
     values = OmegaConf.to_container(cfg, resolve=False)
     if not isinstance(values, dict):
         return
-    made_with: dict[str, Any] = {"versions": versions(), "git": git_state()}
+    made_with: dict[str, Any] = {"overrides": list(overrides), "versions": versions(), "git": git_state()}
     defaults = ["_self_"] if base is None else [{"base": base}, "_self_"]
     body = {"defaults": defaults, **values, "made_with": made_with}
     typed = shlex.join(["dr-lab", verb, *overrides])

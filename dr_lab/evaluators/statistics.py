@@ -7,6 +7,8 @@ from scipy.stats import bootstrap, trim_mean
 
 from dr_lab.trajectory import Array
 
+_BATCH = 100  # resamples at a time, which bounds the memory that long curves take
+
 
 @dataclass(frozen=True)
 class Interval:
@@ -43,18 +45,39 @@ def iqm_interval(values: Array, confidence: float, resamples: int, seed: int) ->
     known = values[np.isfinite(values)]
     if len(known) == 0:
         return Interval(np.nan, np.nan, np.nan)
-    value = float(interquartile_mean(known))
-    if len(known) < 2:
-        return Interval(value, np.nan, np.nan)
+    value, low, high = iqm_band(known[:, None], confidence, resamples, seed)
+    return Interval(float(value[0]), float(low[0]), float(high[0]))
+
+
+def iqm_band(values: Array, confidence: float, resamples: int, seed: int) -> tuple[Array, Array, Array]:
+    """Interquartile mean of independent curves, point by point, with a percentile bootstrap interval.
+
+    Args:
+        values: independent curves, one at least, shape (k, n); where one is NaN, so is the result.
+        confidence: of the interval, below 1.
+        resamples: of the bootstrap, which takes whole curves.
+        seed: of the bootstrap.
+
+    Returns:
+        The mean and the interval's ends, shape (n,) each; the ends are NaN where there is but one curve.
+    """
+    known = np.isfinite(values).all(axis=0)
+    value, low, high = (np.full(values.shape[1], np.nan) for _ in range(3))
+    value[known] = interquartile_mean(values[:, known], axis=0)
+    if len(values) < 2 or not known.any():
+        return value, low, high
     found = bootstrap(
-        (known,),
+        (values[:, known],),
         interquartile_mean,
+        axis=0,
         n_resamples=resamples,
+        batch=_BATCH,
         confidence_level=confidence,
         method="percentile",
         rng=np.random.default_rng(seed),
     ).confidence_interval
-    return Interval(value, float(found.low), float(found.high))
+    low[known], high[known] = found.low, found.high
+    return value, low, high
 
 
 def worst_decile(values: Array) -> float:

@@ -10,6 +10,7 @@ from dr_lab.trajectory import Array
 
 TIMELINE = "t"
 ITERATIONS = "iteration"
+FRAMES = "frames"
 
 
 @dataclass(frozen=True)
@@ -40,8 +41,14 @@ class Branch:
 
     def over_iterations(self, iteration: NDArray[np.integer], columns: rr.ComponentColumnList) -> None:
         """Write columns over iterations of training, shape (n,), in one go."""
-        count = rr.TimeColumn(ITERATIONS, sequence=iteration)
-        self.recording.send_columns(entity_path(*self.parts), [count], columns)
+        self._over(ITERATIONS, iteration, columns)
+
+    def over_frames(self, frames: NDArray[np.integer], columns: rr.ComponentColumnList) -> None:
+        """Write columns over control steps of training, shape (n,), in one go."""
+        self._over(FRAMES, frames, columns)
+
+    def _over(self, timeline: str, count: NDArray[np.integer], columns: rr.ComponentColumnList) -> None:
+        self.recording.send_columns(entity_path(*self.parts), [rr.TimeColumn(timeline, sequence=count)], columns)
 
 
 def entity_path(*parts: str) -> str:

@@ -1,6 +1,6 @@
 """An x–y chart drawn in a 2-D view, because Rerun plots only against time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,7 @@ from dr_lab.trajectory import Array
 GRID, DOTS, LINES, TEXT = 0.0, 10.0, 20.0, 30.0
 # Rerun writes a label below its point; this many canvas units lift it to the point's height.
 _LIFT = 3.2
+_LETTER, _NARROWEST = 1.6, 16.0  # room in a legend for a letter, and for a label
 
 
 @dataclass(frozen=True)
@@ -143,6 +144,14 @@ class Chart:
     def line(self, name: str, x: ArrayLike, y: ArrayLike, colour: Colour, radius: float) -> None:
         """Draw a line of half-width `radius` points on the screen through data points."""
         self._strips(name, [self.place(x, y)], colour, radius, LINES)
+
+    def legend(self, colours: Mapping[str, Colour]) -> None:
+        """Write what the lines are, each in its colour, above the box from its right end on."""
+        right = self.canvas.width
+        for index, (label, colour) in reversed(list(enumerate(colours.items()))):
+            room = max(_LETTER * len(label), _NARROWEST)
+            self.words(f"legend_{index}", [(np.array([right - room / 2, -7.0]), label)], colour, lift=0.0)
+            right -= room
 
     def _strips(self, name: str, strips: Sequence[ArrayLike], colour: Colour, radius: float, layer: float) -> None:
         shape = rr.LineStrips2D(strips, colors=[colour], radii=rr.Radius.ui_points(radius), draw_order=layer)

@@ -1,6 +1,6 @@
 """Learned distributions of contexts: histograms over iterations, and ellipses of two parameters."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import rerun as rr
@@ -38,7 +38,7 @@ def log_marginal(root: Branch, marginal: Marginal, look: Look) -> None:
     outlines = [chart.place(*_stairs(marginal.edges, each)) for each in density]
     _log_lines(root / "learned", marginal.iteration, [outlines], [look.colour("after")], look.measured_width)
     legend = {"prior": look.colour("noise"), "learned": look.colour("after")}
-    _log_legend(chart, legend)
+    chart.legend(legend)
 
 
 def log_pair(root: Branch, pair: Pair, look: Look) -> None:
@@ -66,7 +66,7 @@ def log_pair(root: Branch, pair: Pair, look: Look) -> None:
     )
     (root / "mean").static(style)
     (root / "mean").over_iterations(pair.iteration, middle)
-    _log_legend(chart, {percent(content): colour for content, colour in zip(CONTENTS, colours, strict=True)})
+    chart.legend({percent(content): colour for content, colour in zip(CONTENTS, colours, strict=True)})
 
 
 def ellipse(mean: Array, covariance: Array, content: float) -> tuple[Array, Array]:
@@ -85,6 +85,30 @@ def ellipse(mean: Array, covariance: Array, content: float) -> tuple[Array, Arra
     circle = np.sqrt(chi2.ppf(content, df=2)) * np.stack([np.cos(angle), np.sin(angle)])
     x, y = mean[:, None] + vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * circle)
     return x, y
+
+
+def log_marginals(root: Branch, learned: Mapping[str, Marginal], look: Look) -> None:
+    """Draw what several runs learnt of one parameter, as it was at their end, over the first one's prior.
+
+    Args:
+        root: where to.
+        learned: the histograms by what the legend calls them, one at least.
+        look: colours and line widths.
+    """
+    first = next(iter(learned.values()))
+    density = {label: _density(each.probability[-1], each.edges) for label, each in learned.items()}
+    prior = _density(first.prior, first.edges)
+    top = 1.05 * max(float(each.max(initial=0.0)) for each in (prior, *density.values()))
+    low, high = (float(f(each.edges[end] for each in learned.values())) for f, end in ((min, 0), (max, -1)))
+    x = linear_axis(titled(first.name, first.unit), low, high, 8)
+    chart = Chart(root, CANVAS, x, linear_axis("probability density", 0.0, top))
+    chart.frame(look.colour("axis"), look.colour("text"))
+    chart.line("prior", *_stairs(first.edges, prior), look.colour("noise"), look.line_width)
+    legend = {"prior": look.colour("noise")}
+    for index, (label, each) in enumerate(learned.items()):
+        legend[label] = look.series(index)
+        chart.line(f"learned_{index}", *_stairs(each.edges, density[label]), legend[label], look.measured_width / 2)
+    chart.legend(legend)
 
 
 def _density(probability: Array, edges: Array) -> Array:
@@ -106,9 +130,3 @@ def _log_lines(
             rr.LineStrips2D.from_fields(colors=[colour], radii=rr.Radius.ui_points(width / 2), draw_order=LINES)
         )
         line.over_iterations(np.asarray(iteration), rr.LineStrips2D.columns(strips=list(strips)))
-
-
-def _log_legend(chart: Chart, colours: dict[str, Colour]) -> None:
-    for index, (label, colour) in enumerate(colours.items()):
-        corner = np.array([CANVAS.width - 16.0 * (len(colours) - index), -7.0])
-        chart.words(f"legend_{index}", [(corner, label)], colour, lift=0.0)

@@ -1,6 +1,6 @@
 """Returns over a grid of contexts: a line over one parameter, a heat map over two."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import rerun as rr
@@ -59,17 +59,47 @@ def heat_map(value: Array, low: float, high: float, look: Look) -> np.ndarray:
     return np.where(np.isfinite(value)[..., None], colour, look.colour("ground")[:3]).astype(np.uint8)
 
 
+def log_lines(root: Branch, lines: Mapping[str, Grid], look: Look, span: tuple[float, float]) -> None:
+    """Draw returns over one parameter of several runs in one chart.
+
+    Args:
+        root: where to.
+        lines: grids over one parameter by what the legend calls them, one at least.
+        look: colours and line widths.
+        span: lowest and highest return shown.
+    """
+    axes = [grid.axes[0] for grid in lines.values()]
+    across = [linear_axis("", float(a.values[0]) - _half_cell(a), float(a.values[-1]) + _half_cell(a)) for a in axes]
+    low, high = min(axis.low for axis in across), max(axis.high for axis in across)
+    chart = Chart(root, CANVAS, linear_axis(titled(axes[0].name, axes[0].unit), low, high), _returns(*span))
+    chart.frame(look.colour("axis"), look.colour("text"))
+    for index, grid in enumerate(lines.values()):
+        _log_cells(Chart(root / str(index), CANVAS, chart.x, chart.y), grid, look, look.series(index))
+    chart.legend({label: look.series(index) for index, label in enumerate(lines)})
+
+
 def _log_line(root: Branch, grid: Grid, low: float, high: float, look: Look) -> None:
     (axis,) = grid.axes
-    room = 0.05 * (high - low)
-    chart = Chart(root, CANVAS, _axis(axis, _half_cell(axis)), linear_axis("return", low - room, high + room))
+    chart = Chart(root, CANVAS, _axis(axis, _half_cell(axis)), _returns(low, high))
     chart.frame(look.colour("axis"), look.colour("text"))
+    _log_cells(chart, grid, look, look.colour("after"))
+
+
+def _log_cells(chart: Chart, grid: Grid, look: Look, colour: Colour) -> None:
+    """The mean as a line with dots, and thin lines a standard deviation off."""
+    (axis,) = grid.axes
     known = np.isfinite(grid.mean)
+    faint = (*colour[:3], look.ghost_alpha)
     for side, sign in (("below", -1.0), ("above", 1.0)):
         edge = (grid.mean + sign * grid.spread)[known]
-        chart.line(side, axis.values[known], edge, look.colour("after", look.ghost_alpha), look.line_width / 2)
-    chart.line("mean", axis.values[known], grid.mean[known], look.colour("after"), look.measured_width / 2)
-    chart.dots("cells", axis.values[known], grid.mean[known], look.colour("after"), look.measured_width)
+        chart.line(side, axis.values[known], edge, faint, look.line_width / 2)
+    chart.line("mean", axis.values[known], grid.mean[known], colour, look.measured_width / 2)
+    chart.dots("cells", axis.values[known], grid.mean[known], colour, look.measured_width)
+
+
+def _returns(low: float, high: float) -> Axis:
+    room = 0.05 * (high - low)
+    return linear_axis("return", low - room, high + room)
 
 
 def _log_map(root: Branch, grid: Grid, low: float, high: float, look: Look) -> None:

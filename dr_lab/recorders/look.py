@@ -1,7 +1,7 @@
 """How a recording looks: rates, colours and the eye, read from `conf/recorder/`."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dr_lab.errors import ConfigError, require_numbers
@@ -18,6 +18,7 @@ class Look:
         episodes: of a trained policy that are played to be shown; 0 for none.
         pose_rate: highest rate of body poses, Hz.
         colours: ``#RRGGBB`` for each of `COLOURS`.
+        palette: ``#RRGGBB`` of what is told apart by nothing but its colour, in turn.
         ghost_alpha: opacity of simulated robots, 0 … 255.
         ghost_swell: factor on their size, a little above 1; see `shape.Paint`.
         line_width: of plotted signals, points on the screen.
@@ -37,6 +38,7 @@ class Look:
     episodes: int
     pose_rate: float
     colours: Mapping[str, str]
+    palette: Sequence[str]
     ghost_alpha: int
     ghost_swell: float
     line_width: float
@@ -58,12 +60,21 @@ class Look:
             "overview_channels": 0.0,
         }
         require_numbers(self, "recorder", positive=positive, least=least)
-        for name in COLOURS:
-            given = self.colours.get(name, "nothing")
-            if not re.fullmatch(r"#[0-9A-Fa-f]{6}", given):
-                raise ConfigError(f"recorder.colours.{name} is {given!r}; expected a colour as '#RRGGBB'.")
+        given = {f"colours.{name}": self.colours.get(name, "nothing") for name in COLOURS}
+        given |= {f"palette[{index}]": colour for index, colour in enumerate(self.palette or ["nothing"])}
+        for name, colour in given.items():
+            if not re.fullmatch(r"#[0-9A-Fa-f]{6}", colour):
+                raise ConfigError(f"recorder.{name} is {colour!r}; expected a colour as '#RRGGBB'.")
 
     def colour(self, name: str, alpha: int = 255) -> tuple[int, int, int, int]:
         """Colour `name` as red, green, blue, alpha, each 0 … 255."""
-        red, green, blue = bytes.fromhex(self.colours[name][1:])
-        return red, green, blue, alpha
+        return _rgba(self.colours[name], alpha)
+
+    def series(self, index: int, alpha: int = 255) -> tuple[int, int, int, int]:
+        """Colour of the line with this number, from the palette over and over."""
+        return _rgba(self.palette[index % len(self.palette)], alpha)
+
+
+def _rgba(colour: str, alpha: int) -> tuple[int, int, int, int]:
+    red, green, blue = bytes.fromhex(colour[1:])
+    return red, green, blue, alpha

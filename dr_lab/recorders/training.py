@@ -71,6 +71,27 @@ class Pair:
 
 
 @dataclass(frozen=True)
+class Band:
+    """One figure of several like runs over control steps.
+
+    Attributes:
+        group: what the runs have in common.
+        name: of the figure.
+        frames: control steps, shape (k,), increasing.
+        value: their interquartile mean, shape (k,); NaN where it is unknown.
+        low: lower end of its interval, likewise.
+        high: upper end, likewise.
+    """
+
+    group: str
+    name: str
+    frames: NDArray[np.integer]
+    value: Array
+    low: Array
+    high: Array
+
+
+@dataclass(frozen=True)
 class ContextAxis:
     """One parameter of a grid of contexts.
 

@@ -87,7 +87,7 @@ def _finish(training: Training, snapshots: Snapshots, plan: Plan, look: Look, ru
     history, env = training.trainer.history, plan.env
     policy, contexts = training.algorithm.deployed, training.randomizer
     episodes = play_episodes(env, policy, contexts, look.episodes, plan.seed, plan.threads)
-    report = to_plain(_report(training, env, episodes, run_dir))
+    report = to_plain(_report(training, snapshots, env, episodes, run_dir))
     assert isinstance(report, dict)
     page = _page(report)
     write_text(run_dir / "metrics.csv", metrics_csv(history))
@@ -101,7 +101,9 @@ def _finish(training: Training, snapshots: Snapshots, plan: Plan, look: Look, ru
     return report
 
 
-def _report(training: Training, env: Setting, episodes: Sequence[Episode], run_dir: Path) -> dict[str, Any]:
+def _report(
+    training: Training, snapshots: Snapshots, env: Setting, episodes: Sequence[Episode], run_dir: Path
+) -> dict[str, Any]:
     history = training.trainer.history
     last = history[-max(1, round(_LAST * len(history))) :]
     count = sum(row["episodes"] for row in last)
@@ -111,6 +113,9 @@ def _report(training: Training, env: Setting, episodes: Sequence[Episode], run_d
         p.name: {"unit": p.unit, "low": p.low, "high": p.high, "mean": column.mean(), "std": column.std()}
         for p, column in zip(env.space.parameters, z.T, strict=True)
     }
+    for learned in snapshots.marginals():
+        end = {"edges": learned.edges, "prior": learned.prior, "probability": learned.probability[-1]}
+        context[learned.name] |= end
     return {
         "schema": "dr_lab/train/1",
         "verb": "train",

@@ -1,0 +1,138 @@
+"""`review.rrd` of a sweep: tables, and what its runs learnt and earned, drawn over one another."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from dr_lab.recorders import distributions, grids
+from dr_lab.recorders.branch import FRAMES, Branch, entity_path
+from dr_lab.recorders.files import atomic
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.training import Band, Grid, Marginal
+
+# Rerun keeps one layout an application: every recording of a sweep shares this one.
+APPLICATION = "dr_lab_sweep"
+_RETURNS = "returns"  # where lines over one parameter are drawn over one another
+
+
+@dataclass(frozen=True)
+class SweepRecord:
+    """What a recording of a sweep holds; what is empty gets no page.
+
+    Attributes:
+        name: of the recording.
+        groups: what the runs are told apart by, which gives each its colour.
+        bands: figures over control steps, those of the first page first.
+        marginals: by parameter, what each group learnt of it.
+        grids: returns over contexts, by group; over one parameter they share one chart.
+        pages: Markdown by title; the first stands on the first page.
+    """
+
+    name: str
+    groups: Sequence[str]
+    bands: Sequence[Band] = ()
+    marginals: Mapping[str, Mapping[str, Marginal]] = field(default_factory=dict)
+    grids: Mapping[str, Grid] = field(default_factory=dict)
+    pages: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def lines(self) -> dict[str, Grid]:
+        """The grids over one parameter."""
+        return {group: grid for group, grid in self.grids.items() if len(grid.axes) == 1}
+
+    @property
+    def maps(self) -> dict[str, Grid]:
+        """The grids over two."""
+        return {group: grid for group, grid in self.grids.items() if len(grid.axes) == 2}
+
+
+def write_sweep_review(path: Path, record: SweepRecord, look: Look) -> None:
+    """Write the recording with its layout, atomically.
+
+    Entities: ``/curve/<figure>/<group>``, with the interval's ends, on the timeline ``frames``,
+    ``/distribution/<parameter>``, ``/returns`` and ``/grid/<group>``, ``/pages/<title>``.
+
+    Args:
+        path: the file, by custom ``review.rrd``.
+        record: what it shows.
+        look: colours and line widths.
+
+    Raises:
+        DrLabError: the folder cannot be written to.
+    """
+    with atomic(path) as temporary:
+        recording = rr.RecordingStream(APPLICATION)
+        try:
+            recording.save(temporary, default_blueprint=_blueprint(record))
+            recording.send_recording_name(record.name)
+            _log(Branch(recording), record, look)
+        finally:
+            # Also closes the file, which would otherwise lack its end.
+            recording.disconnect()
+
+
+def _log(root: Branch, record: SweepRecord, look: Look) -> None:
+    for band in record.bands:
+        _log_band(root / "curve" / band.name / band.group, band, record.groups.index(band.group), look)
+    for name, learned in record.marginals.items():
+        distributions.log_marginals(root / "distribution" / name, learned, look)
+    span = grids.return_span(list(record.grids.values()))
+    if record.lines:
+        grids.log_lines(root / _RETURNS, record.lines, look, span)
+    for group, grid in record.maps.items():
+        grids.log_grid(root / "grid" / group, grid, look, span)
+    for title, text in record.pages.items():
+        (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
+
+
+def _log_band(place: Branch, band: Band, index: int, look: Look) -> None:
+    """The mean as a line, and thinner ones at the interval's ends, where they are known."""
+    lines, widths = [band.value], [look.line_width]
+    if np.isfinite(band.low).any():
+        lines, widths = [*lines, band.low, band.high], [*widths, look.line_width / 2, look.line_width / 2]
+    colours = [look.series(index), *([look.series(index, look.ghost_alpha)] * (len(lines) - 1))]
+    names = [band.group, *["interval"] * (len(lines) - 1)]
+    place.static(rr.SeriesLines(colors=colours, names=names, widths=widths))
+    values = np.stack(lines, axis=1)
+    known = np.isfinite(values).all(axis=1)
+    columns = rr.Scalars.columns(scalars=values[known].ravel()).partition([len(lines)] * int(known.sum()))
+    place.over_frames(band.frames[known], columns)
+
+
+def _blueprint(record: SweepRecord) -> rrb.Blueprint:
+    text = [rrb.TextDocumentView(origin=entity_path("pages", title), name=title) for title in record.pages]
+    names = dict.fromkeys(band.name for band in record.bands)
+    learned = [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in record.marginals]
+    maps = [grids.CANVAS.view(["grid", group], f"returns, {group}") for group in record.maps]
+    if record.lines:
+        maps.insert(0, grids.CANVAS.view([_RETURNS], "returns over contexts"))
+    # A view stands in one place only: the overview has its own.
+    plots = [*[_plot(name) for name in names][:1], *(learned or maps)[:1]]
+    overview = rrb.Horizontal(*text[:1], *([rrb.Vertical(*plots)] if plots else []), name="Overview")
+    sheets = {
+        "Curves": [_plot(name) for name in names],
+        "Learned distributions": learned,
+        "Returns over contexts": maps,
+    }
+    pages = [overview, *(rrb.Grid(*views, name=name) for name, views in sheets.items() if views), *text[1:]]
+    return rrb.Blueprint(
+        rrb.Tabs(*pages, name="Review"),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.TimePanel(state="collapsed", timeline=FRAMES, play_state="paused")
+        if record.bands
+        else rrb.TimePanel(state="hidden"),
+    )
+
+
+def _plot(name: str) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin=entity_path("curve", name),
+        name=f"{name} over control steps",
+        axis_x=rrb.TimeAxis(link="LinkToGlobal"),
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=True),
+    )

@@ -1,0 +1,92 @@
+"""Verb `summarize`: one table and one recording of many runs."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.markdown import Markdown
+
+from dr_lab.evaluators.statistics import Interval
+from dr_lab.recorders.files import write_text
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.report import to_plain
+from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
+from dr_lab.workflows.sweep_summary.groups import Cells, Group, Statistics, grouped, summed_up
+from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
+from dr_lab.workflows.sweep_summary.runs import SUMMARY_SCHEMA, find_runs
+from dr_lab.workflows.sweep_summary.tables import groups_csv, runs_csv, runs_page, summary_page
+
+
+def summarize(
+    sweep: str,
+    aggregate: Sequence[str],
+    figures: Mapping[str, Sequence[str]],
+    statistics: Statistics,
+    recorder: Look,
+    run_dir: Path,
+) -> dict[str, Any]:
+    """Compare the finished runs below a folder; those that differ in nothing but the seed are taken together.
+
+    Files: ``runs.csv`` (a row a run), ``groups.csv`` (a row a group), ``report.json``, ``report.md``, ``review.rrd``.
+
+    Args:
+        sweep: folder that holds the runs, at any depth.
+        aggregate: overrides over which runs are taken together.
+        figures: paths into a report that are compared, by its schema.
+        statistics: how runs of a group are summed up.
+        recorder: how the recording looks.
+        run_dir: the run folder.
+
+    Returns:
+        The report (schema dr_lab/summarize/1).
+
+    Raises:
+        DataError: no run is finished, or one cannot be read.
+    """
+    folder = Path(sweep).expanduser()
+    runs, unfinished = find_runs(folder)
+    groups = grouped(runs, aggregate)
+    cells = [summed_up(group, figures, statistics) for group in groups]
+    page = summary_page(folder, groups, cells, unfinished, statistics)
+    report = _report(folder, groups, cells, unfinished, run_dir)
+    write_text(run_dir / "runs.csv", runs_csv(runs, figures))
+    write_text(run_dir / "groups.csv", groups_csv(groups, cells))
+    write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
+    write_text(run_dir / "report.md", page)
+    labels, pages = [group.label for group in groups], {"Summary": page, "Runs": runs_page(runs, figures)}
+    record = SweepRecord(folder.name, labels, bands(groups, statistics), marginals(groups), grids(groups), pages)
+    write_sweep_review(run_dir / "review.rrd", record, recorder)
+    Console().print(Markdown(page))
+    return report
+
+
+def _report(
+    folder: Path, groups: Sequence[Group], cells: Sequence[Cells], unfinished: Sequence[str], run_dir: Path
+) -> dict[str, Any]:
+    entries = [
+        {
+            "settings": dict(group.settings),
+            "runs": [run.name for run in group.runs],
+            "figures": {
+                name: {"iqm": cell.value, "low": cell.low, "high": cell.high}
+                if isinstance(cell, Interval)
+                else dict(cell)
+                for name, cell in row.items()
+            },
+        }
+        for group, row in zip(groups, cells, strict=True)
+    ]
+    plain = to_plain(
+        {
+            "schema": SUMMARY_SCHEMA,
+            "verb": "summarize",
+            "sweep": folder,
+            "groups": entries,
+            "unfinished": list(unfinished),
+            "run": run_dir,
+        }
+    )
+    assert isinstance(plain, dict)
+    return plain

@@ -1,0 +1,93 @@
+"""Runs that differ in nothing but the seed, taken together."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.evaluators.statistics import Interval, iqm_interval
+from dr_lab.workflows.sweep_summary.runs import Figure, Run, picked
+
+Cells = Mapping[str, Interval | Mapping[str, int]]
+"""Figures of several runs by path: a mean with its interval, or how often each word came up."""
+
+ABSENT = ""  # in place of an override that was not given
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """How figures of several runs are summed up: interquartile mean and percentile bootstrap.
+
+    Attributes:
+        confidence: of the interval, below 1.
+        resamples: of the bootstrap.
+        seed: of the bootstrap.
+    """
+
+    confidence: float
+    resamples: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Group:
+    """Runs with the same settings.
+
+    Attributes:
+        settings: the overrides that differ between groups, value by key.
+        runs: they.
+    """
+
+    settings: Mapping[str, str]
+    runs: Sequence[Run]
+
+    @property
+    def label(self) -> str:
+        """What tells it from the others, in short."""
+        told = (f"{_short(key)}={value}" for key, value in self.settings.items() if value != ABSENT)
+        return ", ".join(told) or ("as configured" if self.settings else "all runs")
+
+
+def differing(runs: Sequence[Run]) -> list[str]:
+    """Overrides that not all runs have alike, in the order in which they were typed."""
+    keys = dict.fromkeys(key for run in runs for key in run.overrides)
+    return [key for key in keys if len({run.overrides.get(key) for run in runs}) > 1]
+
+
+def grouped(runs: Sequence[Run], aggregate: Sequence[str]) -> list[Group]:
+    """Runs by what differs between them apart from `aggregate`, groups in the order of their first runs."""
+    keys = [key for key in differing(runs) if key not in aggregate]
+    found: dict[tuple[str, ...], list[Run]] = {}
+    for run in runs:
+        found.setdefault(tuple(run.overrides.get(key, ABSENT) for key in keys), []).append(run)
+    return [Group(dict(zip(keys, values, strict=True)), members) for values, members in found.items()]
+
+
+def figures_of(run: Run, figures: Mapping[str, Sequence[str]]) -> dict[str, Figure]:
+    """What of a run's report is compared.
+
+    Args:
+        run: the run.
+        figures: paths into a report, by its schema.
+    """
+    return picked(run.report, figures.get(str(run.report.get("schema")), ()))
+
+
+def summed_up(group: Group, figures: Mapping[str, Sequence[str]], statistics: Statistics) -> Cells:
+    """Interquartile mean with its interval of every number, and how often every word came up, by path."""
+    each = [figures_of(run, figures) for run in group.runs]
+    found: dict[str, Interval | Mapping[str, int]] = {}
+    for name in dict.fromkeys(name for row in each for name in row):
+        values = [row[name] for row in each if name in row]
+        numbers = [value for value in values if not isinstance(value, str)]
+        if len(numbers) == len(values):
+            settings = (statistics.confidence, statistics.resamples, statistics.seed)
+            found[name] = iqm_interval(np.array(numbers), *settings)
+        else:
+            found[name] = Counter(str(value) for value in values)
+    return found
+
+
+def _short(key: str) -> str:
+    return key.rpartition("/")[2].rpartition(".")[2]

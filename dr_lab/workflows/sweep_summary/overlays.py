@@ -1,0 +1,92 @@
+"""What the groups of a sweep show together: curves with intervals, learned distributions, returns over contexts."""
+
+import functools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from dr_lab.evaluators.statistics import iqm_band
+from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
+from dr_lab.trajectory import Array
+from dr_lab.workflows.sweep_summary.groups import Group, Statistics
+from dr_lab.workflows.sweep_summary.runs import Run, history
+
+_COUNTS = ("iteration", "frames", "seconds", "episodes")
+_FIRST = "episode_return"
+_CELL = ("return", "std")
+
+
+def bands(groups: Sequence[Group], statistics: Statistics) -> list[Band]:
+    """Every figure of training over control steps, the return first; runs of a group count where all of them are.
+
+    Args:
+        groups: of runs; those that were not trained are left out.
+        statistics: how runs are summed up.
+    """
+    found = [band for group in groups for band in _of_group(group, statistics)]
+    return sorted(found, key=lambda band: (band.name != _FIRST, band.name))
+
+
+def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
+    """By parameter and group, what was learnt of it in the end, averaged over the group's runs."""
+    found: dict[str, dict[str, Marginal]] = {}
+    for group in groups:
+        contexts = [run.report.get("context", {}) for run in group.runs if run.report["schema"] == "dr_lab/train/1"]
+        for name in contexts[0] if contexts else ():
+            entries = [context[name] for context in contexts if "edges" in context.get(name, {})]
+            alike = [entry for entry in entries if entry["edges"] == entries[0]["edges"]]
+            if alike:
+                found.setdefault(name, {})[group.label] = _mean_marginal(name, alike)
+    return found
+
+
+def grids(groups: Sequence[Group]) -> dict[str, Grid]:
+    """By group, returns over contexts, averaged over its runs cell by cell."""
+    found: dict[str, Grid] = {}
+    for group in groups:
+        tables = [run.report["rows"] for run in group.runs if run.report.get("evaluator") == "GridEvaluator"]
+        if tables:
+            found[group.label] = _mean_grid(group.label, tables)
+    return found
+
+
+def _of_group(group: Group, statistics: Statistics) -> Iterator[Band]:
+    tables = [columns for columns in map(_by_frames, group.runs) if columns]
+    if not tables:
+        return
+    shared = functools.reduce(np.intersect1d, [np.array(list(table)) for table in tables])
+    names = [name for name in next(iter(tables[0].values())) if name not in _COUNTS]
+    for name in names:
+        values = np.array([[table[frames].get(name, np.nan) for frames in shared.tolist()] for table in tables])
+        if np.isfinite(values).any():
+            settings = (statistics.confidence, statistics.resamples, statistics.seed)
+            yield Band(group.label, name, shared.astype(int), *iqm_band(values, *settings))
+
+
+def _by_frames(run: Run) -> dict[float, dict[str, float]]:
+    """Rows of a run's history by the control steps they stand at."""
+    columns = history(run)
+    if "frames" not in columns:
+        return {}
+    rows = zip(*columns.values(), strict=True)
+    return {row["frames"]: row for row in (dict(zip(columns, map(float, values), strict=True)) for values in rows)}
+
+
+def _mean_marginal(name: str, entries: Sequence[Mapping[str, Any]]) -> Marginal:
+    first = entries[0]
+    learned = np.mean([entry["probability"] for entry in entries], axis=0)
+    prior, edges = np.array(first["prior"]), np.array(first["edges"])
+    return Marginal(name, first["unit"], edges, prior, np.zeros(1, int), learned[None])
+
+
+def _mean_grid(title: str, tables: Sequence[Sequence[Mapping[str, Any]]]) -> Grid:
+    names = [name for name in tables[0][0] if name not in _CELL]
+    axes = [ContextAxis(name, "", np.unique([row[name] for row in tables[0]])) for name in names]
+    shape = tuple(len(axis.values) for axis in axes)
+    mean, spread = (np.array([_column(table, key) for table in tables]).mean(axis=0).reshape(shape) for key in _CELL)
+    return Grid(title, axes, mean, spread)
+
+
+def _column(table: Sequence[Mapping[str, Any]], name: str) -> Array:
+    return np.array([np.nan if row[name] is None else row[name] for row in table])

@@ -1,0 +1,121 @@
+"""The runs below a folder, and what of their reports is compared."""
+
+import csv
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from dr_lab.errors import DataError
+from dr_lab.trajectory import Array
+
+SUMMARY_SCHEMA = "dr_lab/summarize/1"
+_REPORT, _CONFIG, _METRICS = "report.json", "config.yaml", "metrics.csv"
+_ANY = "*"
+
+Figure = float | str
+"""A number, or a word such as a verdict."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished run.
+
+    Attributes:
+        name: its folder, seen from the sweep's.
+        folder: the same from here.
+        overrides: what was typed for it, value by key.
+        report: its ``report.json``.
+    """
+
+    name: str
+    folder: Path
+    overrides: Mapping[str, str]
+    report: Mapping[str, Any]
+
+
+def find_runs(sweep: Path) -> tuple[list[Run], list[str]]:
+    """Runs at any depth below a folder, in the order of their numbers.
+
+    Args:
+        sweep: the folder.
+
+    Returns:
+        The finished runs, and the names of those without a report.
+
+    Raises:
+        DataError: there is no such folder, no finished run below it, or a file that cannot be read.
+    """
+    if not sweep.is_dir():
+        raise DataError(f"There is no folder {sweep}. Give sweep=FOLDER, which a run with -m printed at its end.")
+    folders = sorted((path.parent for path in sweep.rglob(_CONFIG)), key=lambda folder: _place(folder, sweep))
+    finished = [folder for folder in folders if (folder / _REPORT).is_file()]
+    runs = [_read(folder, sweep) for folder in finished]
+    runs = [run for run in runs if run.report.get("schema") != SUMMARY_SCHEMA]
+    if not runs:
+        raise DataError(f"Below {sweep} no run is finished: no folder holds a {_CONFIG} and a {_REPORT}.")
+    return runs, [str(folder.relative_to(sweep)) for folder in folders if folder not in finished]
+
+
+def picked(report: Mapping[str, Any], paths: Sequence[str]) -> dict[str, Figure]:
+    """Numbers and words of a report.
+
+    Args:
+        report: what to pick from.
+        paths: keys joined by dots, numbers for places in lists, ``*`` for every key.
+
+    Returns:
+        By their full path; what is not there, or is null, is left out.
+    """
+    return {name: value for path in paths for name, value in _walk(report, path.split("."), ())}
+
+
+def history(run: Run) -> dict[str, Array]:
+    """Columns of a run's ``metrics.csv`` that are numbers, NaN where empty; nothing where there is no such file.
+
+    Raises:
+        DataError: a value is no number.
+    """
+    path = run.folder / _METRICS
+    if not path.is_file():
+        return {}
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    try:
+        return {name: np.array([float(row[name] or "nan") for row in rows]) for name in (rows[0] if rows else ())}
+    except ValueError as error:
+        raise DataError(f"{path}: {error}. Expected the {_METRICS} of a training run.") from None
+
+
+def _walk(value: object, parts: Sequence[str], done: tuple[str, ...]) -> Iterator[tuple[str, Figure]]:
+    if not parts:
+        if isinstance(value, int | float | str) and not isinstance(value, bool):
+            yield ".".join(done), value if isinstance(value, str) else float(value)
+        return
+    first, rest = parts[0], parts[1:]
+    if isinstance(value, Mapping):
+        for key in value if first == _ANY else [first] if first in value else []:
+            yield from _walk(value[key], rest, (*done, key))
+    elif isinstance(value, list) and first.isdigit() and int(first) < len(value):
+        yield from _walk(value[int(first)], rest, (*done, first))
+
+
+def _read(folder: Path, sweep: Path) -> Run:
+    try:
+        report = json.loads((folder / _REPORT).read_text(encoding="utf-8"))
+        made_with = yaml.safe_load((folder / _CONFIG).read_text(encoding="utf-8"))["made_with"]
+        typed = made_with.get("overrides", [])
+    except (OSError, ValueError, yaml.YAMLError, TypeError, KeyError) as error:
+        raise DataError(f"{folder} cannot be read as a run: {error}. Take it out of {sweep}.") from error
+    pairs = (override.lstrip("+").partition("=") for override in typed)
+    return Run(str(folder.relative_to(sweep)), folder, {key: value for key, _, value in pairs}, report)
+
+
+def _place(folder: Path, sweep: Path) -> list[tuple[bool, int, str]]:
+    """Numbers by size and before names, level by level."""
+    parts = folder.relative_to(sweep).parts
+    return [(not part.isdigit(), int(part) if part.isdigit() else 0, part) for part in parts]

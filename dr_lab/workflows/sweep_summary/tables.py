@@ -1,0 +1,100 @@
+"""The tables of a sweep: Markdown to be read, CSV to be worked with."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from dr_lab.evaluators.statistics import Interval
+from dr_lab.recorders.quantity import number
+from dr_lab.recorders.tables import table
+from dr_lab.workflows.sweep_summary.groups import Cells, Group, Statistics, differing, figures_of
+from dr_lab.workflows.sweep_summary.runs import Run
+
+
+def summary_page(
+    folder: Path, groups: Sequence[Group], cells: Sequence[Cells], unfinished: Sequence[str], statistics: Statistics
+) -> str:
+    """What differs between groups, and their figures.
+
+    Args:
+        folder: the sweep's.
+        groups: of runs.
+        cells: the figures of each.
+        unfinished: names of runs without a report.
+        statistics: how the runs of a group were summed up.
+    """
+    keys = list(groups[0].settings)
+    names = list(dict.fromkeys(name for row in cells for name in row))
+    rows = [
+        [*(group.settings[key] for key in keys), str(len(group.runs)), *(_cell(row.get(name)) for name in names)]
+        for group, row in zip(groups, cells, strict=True)
+    ]
+    count = sum(len(group.runs) for group in groups)
+    lines = [
+        f"# {count} runs of {folder.name}",
+        "",
+        f"Interquartile mean over the runs of a row, with a {100 * statistics.confidence:g} % bootstrap interval.",
+        "",
+        table([*keys, "runs", *names], rows),
+    ]
+    if unfinished:
+        lines += ["", f"Without a report: {', '.join(unfinished)}."]
+    return "\n".join(lines) + "\n"
+
+
+def _cell(cell: Interval | Mapping[str, int] | None) -> str:
+    if cell is None:
+        return ""
+    if not isinstance(cell, Interval):
+        return ", ".join(f"{word} ({count})" for word, count in cell.items())
+    if cell.low != cell.low:  # one run has no interval
+        return number(cell.value)
+    return f"{number(cell.value)} ({number(cell.low)} … {number(cell.high)})"
+
+
+def _runs_table(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> list[dict[str, Any]]:
+    keys = differing(runs)
+    picked = [figures_of(run, figures) for run in runs]
+    names = list(dict.fromkeys(name for row in picked for name in row))
+    return [
+        {"run": run.name}
+        | {key: run.overrides.get(key, "") for key in keys}
+        | {name: row.get(name, "") for name in names}
+        for run, row in zip(runs, picked, strict=True)
+    ]
+
+
+def runs_page(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> str:
+    """Every run with what differs, as Markdown."""
+    rows = _runs_table(runs, figures)
+    cells = [[value if isinstance(value, str) else number(value) for value in row.values()] for row in rows]
+    return table(list(rows[0]), cells) + "\n"
+
+
+def runs_csv(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> str:
+    """Every run with what differs, one row each."""
+    return _csv(_runs_table(runs, figures))
+
+
+def groups_csv(groups: Sequence[Group], cells: Sequence[Cells]) -> str:
+    """Every group with its figures, one row each; a number has columns for its interval."""
+    rows = []
+    for group, row in zip(groups, cells, strict=True):
+        entry: dict[str, Any] = {**group.settings, "runs": len(group.runs)}
+        for name, cell in row.items():
+            if isinstance(cell, Interval):
+                entry |= {name: cell.value, f"{name} low": cell.low, f"{name} high": cell.high}
+            else:
+                entry[name] = _cell(cell)
+        rows.append(entry)
+    return _csv(rows)
+
+
+def _csv(rows: Sequence[Mapping[str, Any]]) -> str:
+    text, header = io.StringIO(), list(dict.fromkeys(name for row in rows for name in row))
+    writer = csv.DictWriter(text, header, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()

@@ -1,0 +1,152 @@
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rerun as rr
+import yaml
+
+from dr_lab.__main__ import main
+from dr_lab.errors import DataError
+from dr_lab.workflows.sweep_summary.groups import Statistics, differing, figures_of, grouped, summed_up
+from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
+from dr_lab.workflows.sweep_summary.runs import find_runs, picked
+
+STATISTICS = Statistics(confidence=0.95, resamples=200, seed=0)
+FIGURES = {"dr_lab/train/1": ["final_return", "context.*.mean"], "dr_lab/gap/1": ["verdict", "remaining.chi2"]}
+EDGES = [0.0, 0.1, 0.2]
+
+
+def write_run(folder: Path, report: dict[str, Any] | None, *overrides: str) -> None:
+    folder.mkdir(parents=True)
+    (folder / "config.yaml").write_text(yaml.safe_dump({"made_with": {"overrides": list(overrides)}}), "utf-8")
+    if report is not None:
+        (folder / "report.json").write_text(json.dumps(report), "utf-8")
+
+
+def trained(folder: Path, final: float, learned: list[float], *overrides: str) -> None:
+    entry = {"unit": "m", "mean": 0.05, "edges": EDGES, "prior": [0.5, 0.5], "probability": learned}
+    report = {"schema": "dr_lab/train/1", "final_return": final, "context": {"torso.size": entry}}
+    write_run(folder, report, *overrides)
+    rows = [["iteration", "frames", "seconds", "episodes", "episode_return"]]
+    rows += [[str(k), str(100 * k), "0", "2", str(final * k / 4) if k > 1 else ""] for k in range(1, 5)]
+    (folder / "metrics.csv").write_text("\n".join(",".join(row) for row in rows) + "\n", "utf-8")
+
+
+@pytest.fixture
+def sweep(tmp_path: Path) -> Path:
+    """Two kinds of training with three seeds each, in numbered folders, and a run that was stopped."""
+    folder = tmp_path / "sweep"
+    for seed in range(3):
+        trained(folder / str(seed), 10.0 + seed, [0.2, 0.8], "env=hopper", f"seed={seed}", "learner=lsdr")
+        trained(folder / str(10 + seed), 4.0, [0.5, 0.5], "env=hopper", f"seed={seed}", "+learner=none")
+    write_run(folder / "20", None, "env=hopper")
+    return folder
+
+
+def test_runs_come_in_the_order_of_their_numbers_and_the_unfinished_are_named(sweep: Path) -> None:
+    runs, unfinished = find_runs(sweep)
+    assert [run.name for run in runs] == ["0", "1", "2", "10", "11", "12"]
+    assert unfinished == ["20"]
+    assert differing(runs) == ["seed", "learner"]
+
+
+def test_seeds_are_taken_together_by_their_interquartile_mean(sweep: Path) -> None:
+    groups = grouped(find_runs(sweep)[0], ["seed"])
+    assert [(group.label, len(group.runs)) for group in groups] == [("learner=lsdr", 3), ("learner=none", 3)]
+    cell: Any = summed_up(groups[0], FIGURES, STATISTICS)["final_return"]
+    assert cell.value == 11.0  # a quarter of three values is none: their mean
+    assert 10.0 <= cell.low < 11.0 < cell.high <= 12.0
+    same: Any = summed_up(groups[1], FIGURES, STATISTICS)["final_return"]
+    assert (same.value, same.low, same.high) == (4.0, 4.0, 4.0)
+
+
+def test_runs_that_differ_in_nothing_are_one_group(tmp_path: Path) -> None:
+    trained(tmp_path / "a", 1.0, [1.0, 0.0], "seed=0")
+    (group,) = grouped(find_runs(tmp_path)[0], ["seed"])
+    assert (group.label, dict(group.settings)) == ("all runs", {})
+    cell: Any = summed_up(group, FIGURES, STATISTICS)["final_return"]
+    assert cell.value == 1.0
+    assert np.isnan(cell.low)
+
+
+def test_words_are_counted(tmp_path: Path) -> None:
+    for seed, verdict in enumerate(["named", "named", "none"]):
+        report = {"schema": "dr_lab/gap/1", "verdict": verdict, "remaining": {"chi2": 1.0}}
+        write_run(tmp_path / str(seed), report, f"seed={seed}")
+    (group,) = grouped(find_runs(tmp_path)[0], ["seed"])
+    assert summed_up(group, FIGURES, STATISTICS)["verdict"] == {"named": 2, "none": 1}
+    assert figures_of(group.runs[2], FIGURES) == {"verdict": "none", "remaining.chi2": 1.0}
+
+
+def test_paths_pick_from_a_report() -> None:
+    report = {"a": {"b": 1, "c": None, "d": True}, "ladder": [{"chi2": 2.5}], "word": "yes"}
+    assert picked(report, ["a.*", "ladder.0.chi2", "ladder.1.chi2", "word", "missing"]) == {
+        "a.b": 1.0,
+        "ladder.0.chi2": 2.5,
+        "word": "yes",
+    }
+
+
+def test_bands_hold_the_mean_of_the_seeds_at_every_control_step(sweep: Path) -> None:
+    first, second = bands(grouped(find_runs(sweep)[0], ["seed"]), STATISTICS)
+    assert (first.group, first.name) == ("learner=lsdr", "episode_return")
+    np.testing.assert_array_equal(first.frames, [100, 200, 300, 400])
+    np.testing.assert_allclose(first.value, [np.nan, 5.5, 8.25, 11.0])
+    assert (first.low[1:] < first.value[1:]).all()
+    np.testing.assert_allclose(second.high[1:], [2.0, 3.0, 4.0])
+
+
+def test_learned_distributions_are_averaged_over_seeds(sweep: Path) -> None:
+    found = marginals(grouped(find_runs(sweep)[0], ["seed"]))
+    assert list(found["torso.size"]) == ["learner=lsdr", "learner=none"]
+    np.testing.assert_allclose(found["torso.size"]["learner=lsdr"].probability, [[0.2, 0.8]])
+
+
+def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
+    for seed in range(2):
+        rows: list[dict[str, Any]] = [
+            {"size": s, "mass": m, "return": s + m + seed, "std": 1.0} for s in (1.0, 2.0) for m in (3.0, 4.0, 5.0)
+        ]
+        rows[0]["return"] = None  # infeasible
+        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "rows": rows}
+        write_run(tmp_path / str(seed), report, f"seed={seed}")
+    (grid,) = grids(grouped(find_runs(tmp_path)[0], ["seed"])).values()
+    assert [axis.name for axis in grid.axes] == ["size", "mass"]
+    np.testing.assert_allclose(grid.mean, [[np.nan, 5.5, 6.5], [5.5, 6.5, 7.5]])
+
+
+def test_the_verb_writes_tables_and_a_recording(sweep: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "summary"
+    assert main(["summarize", f"sweep={sweep}", f"hydra.run.dir={folder}"]) == 0
+    with (folder / "runs.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["seed"] for row in rows] == ["0", "1", "2", "0", "1", "2"]
+    assert [float(row["final_return"]) for row in rows] == [10.0, 11.0, 12.0, 4.0, 4.0, 4.0]
+    with (folder / "groups.csv").open(encoding="utf-8", newline="") as file:
+        groups = list(csv.DictReader(file))
+    assert [(row["learner"], row["runs"], row["final_return"]) for row in groups] == [
+        ("lsdr", "3", "11.0"),
+        ("none", "3", "4.0"),
+    ]
+    page = (folder / "report.md").read_text("utf-8")
+    assert "| lsdr | 3 | 11 (10 … 12) |" in page
+    assert "Without a report: 20." in page
+    entities = {str(chunk.entity_path) for chunk in rr.chunk.RrdReader(folder / "review.rrd").stream()}
+    assert any(path.startswith("/curve/episode_return/") for path in entities)
+    assert any(path.startswith("/distribution/torso") for path in entities)
+
+
+def test_a_folder_without_runs_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(DataError, match="no run is finished"):
+        find_runs(tmp_path)
+    assert main(["summarize", f"sweep={tmp_path / 'nowhere'}", f"hydra.run.dir={tmp_path / 'summary'}"]) == 2
+    assert "There is no folder" in capsys.readouterr().err
+
+
+def test_a_broken_report_is_named(sweep: Path) -> None:
+    (sweep / "0" / "report.json").write_text("{", "utf-8")
+    with pytest.raises(DataError, match="0 cannot be read as a run"):
+        find_runs(sweep)
