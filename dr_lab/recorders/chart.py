@@ -17,7 +17,7 @@ from dr_lab.trajectory import Array
 GRID, DOTS, LINES, TEXT = 0.0, 10.0, 20.0, 30.0
 # Rerun writes a label below its point; this many canvas units lift it to the point's height.
 _LIFT = 3.2
-_LETTER, _NARROWEST = 1.6, 16.0  # room in a legend for a letter, and for a label
+_LETTER, _NARROWEST, _ROW = 1.6, 16.0, 6.0  # room in a legend for a letter and a label, and between its rows
 
 
 @dataclass(frozen=True)
@@ -146,12 +146,15 @@ class Chart:
         self._strips(name, [self.place(x, y)], colour, radius, LINES)
 
     def legend(self, colours: Mapping[str, Colour]) -> None:
-        """Write what the lines are, each in its colour, above the box from its right end on."""
-        right = self.canvas.width
-        for index, (label, colour) in reversed(list(enumerate(colours.items()))):
-            room = max(_LETTER * len(label), _NARROWEST)
-            self.words(f"legend_{index}", [(np.array([right - room / 2, -7.0]), label)], colour, lift=0.0)
-            right -= room
+        """Write what the lines are, side by side above the box, or below one another in it where they do not fit."""
+        rooms = np.array([max(_LETTER * len(label), _NARROWEST) for label in colours])
+        if rooms.sum() <= self.canvas.width / 2:  # the other half is the vertical axis's title's
+            across, down = self.canvas.width - rooms.sum() + np.cumsum(rooms), np.full(len(rooms), -7.0)
+        else:
+            across, down = np.full(len(rooms), self.canvas.width), _ROW * np.arange(1, len(rooms) + 1)
+        for index, (label, colour) in enumerate(colours.items()):
+            at = np.array([across[index] - rooms[index] / 2, down[index]])
+            self.words(f"legend_{index}", [(at, label)], colour, lift=0.0)
 
     def _strips(self, name: str, strips: Sequence[ArrayLike], colour: Colour, radius: float, layer: float) -> None:
         shape = rr.LineStrips2D(strips, colors=[colour], radii=rr.Radius.ui_points(radius), draw_order=layer)

@@ -106,15 +106,16 @@ def _log_band(place: Branch, band: Band, index: int, look: Look) -> None:
 def _blueprint(record: SweepRecord) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=entity_path("pages", title), name=title) for title in record.pages]
     names = dict.fromkeys(band.name for band in record.bands)
+    last = max((int(band.frames[-1]) for band in record.bands if len(band.frames)), default=0)
     learned = [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in record.marginals]
     maps = [grids.CANVAS.view(["grid", group], f"returns, {group}") for group in record.maps]
     if record.lines:
         maps.insert(0, grids.CANVAS.view([_RETURNS], "returns over contexts"))
     # A view stands in one place only: the overview has its own.
-    plots = [*[_plot(name) for name in names][:1], *(learned or maps)[:1]]
+    plots = [*[_plot(name, last, legend=True) for name in names][:1], *(learned or maps)[:1]]
     overview = rrb.Horizontal(*text[:1], *([rrb.Vertical(*plots)] if plots else []), name="Overview")
     sheets = {
-        "Curves": [_plot(name) for name in names],
+        "Curves": [_plot(name, last, legend=not k) for k, name in enumerate(names)],
         "Learned distributions": learned,
         "Returns over contexts": maps,
     }
@@ -129,10 +130,11 @@ def _blueprint(record: SweepRecord) -> rrb.Blueprint:
     )
 
 
-def _plot(name: str) -> rrb.TimeSeriesView:
+def _plot(name: str, last: int, legend: bool) -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin=entity_path("curve", name),
-        name=f"{name} over control steps",
-        axis_x=rrb.TimeAxis(link="LinkToGlobal"),
-        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=True),
+        name=name,
+        # Left to itself the viewer shows but a part of few points.
+        axis_x=rrb.TimeAxis(view_range=rr.TimeRange(*(rr.TimeRangeBoundary.absolute(seq=at) for at in (0, last)))),
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
     )

@@ -45,7 +45,7 @@ class Group:
     @property
     def label(self) -> str:
         """What tells it from the others, in short."""
-        told = (f"{_short(key)}={value}" for key, value in self.settings.items() if value != ABSENT)
+        told = (_told(key, value) for key, value in self.settings.items() if value != ABSENT)
         return ", ".join(told) or ("as configured" if self.settings else "all runs")
 
 
@@ -89,5 +89,6 @@ def summed_up(group: Group, figures: Mapping[str, Sequence[str]], statistics: St
     return found
 
 
-def _short(key: str) -> str:
-    return key.rpartition("/")[2].rpartition(".")[2]
+def _told(key: str, value: str) -> str:
+    """The option of a group says enough by itself, a value only with the last part of its key."""
+    return value if value.isidentifier() and "." not in key else f"{key.rpartition('.')[2]}={value}"

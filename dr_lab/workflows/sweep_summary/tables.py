@@ -26,27 +26,26 @@ def summary_page(
         statistics: how the runs of a group were summed up.
     """
     keys = list(groups[0].settings)
-    names = list(dict.fromkeys(name for row in cells for name in row))
     rows = [
-        [*(group.settings[key] for key in keys), str(len(group.runs)), *(_cell(row.get(name)) for name in names)]
+        [name, *(group.settings[key] for key in keys), str(len(group.runs)), _cell(row[name])]
+        for name in dict.fromkeys(name for row in cells for name in row)
         for group, row in zip(groups, cells, strict=True)
+        if name in row
     ]
     count = sum(len(group.runs) for group in groups)
     lines = [
         f"# {count} runs of {folder.name}",
         "",
-        f"Interquartile mean over the runs of a row, with a {100 * statistics.confidence:g} % bootstrap interval.",
+        f"Interquartile means over the runs of a row, with {100 * statistics.confidence:g} % bootstrap intervals.",
         "",
-        table([*keys, "runs", *names], rows),
+        table(["figure", *keys, "runs", "mean (interval)"], rows),
     ]
     if unfinished:
         lines += ["", f"Without a report: {', '.join(unfinished)}."]
     return "\n".join(lines) + "\n"
 
 
-def _cell(cell: Interval | Mapping[str, int] | None) -> str:
-    if cell is None:
-        return ""
+def _cell(cell: Interval | Mapping[str, int]) -> str:
     if not isinstance(cell, Interval):
         return ", ".join(f"{word} ({count})" for word, count in cell.items())
     if cell.low != cell.low:  # one run has no interval

@@ -55,7 +55,7 @@ def test_runs_come_in_the_order_of_their_numbers_and_the_unfinished_are_named(sw
 
 def test_seeds_are_taken_together_by_their_interquartile_mean(sweep: Path) -> None:
     groups = grouped(find_runs(sweep)[0], ["seed"])
-    assert [(group.label, len(group.runs)) for group in groups] == [("learner=lsdr", 3), ("learner=none", 3)]
+    assert [(group.label, len(group.runs)) for group in groups] == [("lsdr", 3), ("none", 3)]
     cell: Any = summed_up(groups[0], FIGURES, STATISTICS)["final_return"]
     assert cell.value == 11.0  # a quarter of three values is none: their mean
     assert 10.0 <= cell.low < 11.0 < cell.high <= 12.0
@@ -92,7 +92,7 @@ def test_paths_pick_from_a_report() -> None:
 
 def test_bands_hold_the_mean_of_the_seeds_at_every_control_step(sweep: Path) -> None:
     first, second = bands(grouped(find_runs(sweep)[0], ["seed"]), STATISTICS)
-    assert (first.group, first.name) == ("learner=lsdr", "episode_return")
+    assert (first.group, first.name) == ("lsdr", "episode_return")
     np.testing.assert_array_equal(first.frames, [100, 200, 300, 400])
     np.testing.assert_allclose(first.value, [np.nan, 5.5, 8.25, 11.0])
     assert (first.low[1:] < first.value[1:]).all()
@@ -101,8 +101,8 @@ def test_bands_hold_the_mean_of_the_seeds_at_every_control_step(sweep: Path) -> 
 
 def test_learned_distributions_are_averaged_over_seeds(sweep: Path) -> None:
     found = marginals(grouped(find_runs(sweep)[0], ["seed"]))
-    assert list(found["torso.size"]) == ["learner=lsdr", "learner=none"]
-    np.testing.assert_allclose(found["torso.size"]["learner=lsdr"].probability, [[0.2, 0.8]])
+    assert list(found["torso.size"]) == ["lsdr", "none"]
+    np.testing.assert_allclose(found["torso.size"]["lsdr"].probability, [[0.2, 0.8]])
 
 
 def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
@@ -132,7 +132,7 @@ def test_the_verb_writes_tables_and_a_recording(sweep: Path, tmp_path: Path) -> 
         ("none", "3", "4.0"),
     ]
     page = (folder / "report.md").read_text("utf-8")
-    assert "| lsdr | 3 | 11 (10 … 12) |" in page
+    assert "| final_return | lsdr | 3 | 11 (10 … 12) |" in page
     assert "Without a report: 20." in page
     entities = {str(chunk.entity_path) for chunk in rr.chunk.RrdReader(folder / "review.rrd").stream()}
     assert any(path.startswith("/curve/episode_return/") for path in entities)
