@@ -1,18 +1,15 @@
 """A block that is pushed by a constant force: v = F t/m, exactly so for an explicit step, and x' one step behind."""
 
-from typing import ClassVar
-
 import mujoco
 import numpy as np
 import pytest
-import torch
+from block_on_rail import BlockOnRail, constant
 from numpy.typing import NDArray
-from torch import Tensor
 
 from dr_lab.algorithms.recorded import record
 from dr_lab.algorithms.rollouts import PolicyRollouts
 from dr_lab.envs.episodes import Episodes
-from dr_lab.envs.task import Change, Fields, Task
+from dr_lab.envs.task import Change, Fields
 from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array
 
@@ -23,14 +20,8 @@ XML = f"""<mujoco><option timestep="{DT}" integrator="Euler"/><worldbody><body n
 PARAMETERS = {"cube.mass": {"target": "geom.cube.mass", "unit": "kg", "low": -1.0, "high": 4.0}}
 
 
-class Push(Task):
+class Push(BlockOnRail):
     """Velocity is rewarded; the episode ends beyond 1 m/s."""
-
-    reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel")
-
-    def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
-        del rng, compiled
-        return np.zeros(1), np.zeros(1)
 
     def observe(self, fields: Fields) -> Array:
         return fields["qvel"].copy()
@@ -42,8 +33,7 @@ class Push(Task):
         return fields["qvel"][:, 0] > 1.0
 
 
-def push(observation: Tensor) -> Tensor:
-    return torch.full((len(observation), 1), 10.0 * FORCE)  # cut off at FORCE
+push = constant(10.0 * FORCE)  # cut off at FORCE
 
 
 def episodes(count: int) -> Episodes:

@@ -3,19 +3,19 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, cast
+from typing import Any, cast
 
 import mujoco
 import numpy as np
 import pytest
-import torch
+from block_on_rail import BlockOnRail, constant
 from torch import Tensor
 
 from dr_lab.algorithms.trainer import Trainer
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.setting import Setting
-from dr_lab.envs.task import Change, Fields, Task
+from dr_lab.envs.task import Change, Fields
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.evaluator import Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
@@ -33,14 +33,8 @@ XML = f"""<mujoco model="block"><option timestep="{STEP}" integrator="Euler"/><w
 MASS = {"block.mass": {"target": "body.block.mass", "unit": "kg", "low": 0.5, "high": 4.0}}
 
 
-class Push(Task):
+class Push(BlockOnRail):
     """The mean velocity of every step is rewarded."""
-
-    reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel")
-
-    def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
-        del rng, compiled
-        return np.zeros(1), np.zeros(1)
 
     def observe(self, fields: Fields) -> Array:
         return np.concatenate([fields["qpos"], fields["qvel"]], axis=1)
@@ -50,13 +44,6 @@ class Push(Task):
 
     def reward(self, change: Change) -> Array:
         return change.velocity[:, 0]
-
-
-def constant(force: float) -> Policy:
-    def act(observation: Tensor) -> Tensor:
-        return torch.full((len(observation), 1), force)
-
-    return act
 
 
 class Stronger:
