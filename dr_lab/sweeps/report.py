@@ -35,18 +35,25 @@ def require_completed(
     counts = {
         "failed": states.count("failed"),
         "died": states.count("unfinished"),
-        "still run elsewhere": states.count("running"),
-        "were not begun": states.count("waiting"),
+        "running elsewhere": states.count("running"),
+        "not begun": states.count("waiting"),
     }
     told = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-    lines = [f"Of {len(jobs)} jobs, {told}.", *_listed(sweep_dir, jobs, standing)]
+    lines = [f"Of {len(jobs)} jobs: {told}.", *listed(sweep_dir, jobs, standing)]
     if ended_early:
         lines.append(f"What runs the jobs gave up: {first_line(ended_early)}")
     lines.append(f"Table: {sweep_dir / TABLE_FILE}. The same command goes on with these jobs; the others are kept.")
     raise SweepError("\n".join(lines))
 
 
-def _listed(sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int, Status]) -> Iterator[str]:
+def listed(sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int, Status]) -> Iterator[str]:
+    """Of the jobs that failed or died: which, why, and where to read more.
+
+    Args:
+        sweep_dir: folder of the sweep.
+        jobs: of it.
+        standing: how they stand, by number.
+    """
     for job in jobs:
         status = standing[job.number]
         if status.state in ("failed", "unfinished"):

@@ -10,6 +10,7 @@ from pathlib import Path
 from dr_lab.errors import DrLabError
 from dr_lab.recorders.files import write_text
 from dr_lab.sweeps.job_folder import ERROR_FILE, FINAL, Status, read_status
+from dr_lab.sweeps.objective import objectives
 from dr_lab.sweeps.sweep import SweepJob, read_jobs
 
 TABLE_FILE = "sweep.csv"
@@ -50,16 +51,19 @@ def differing(jobs: Sequence[SweepJob]) -> dict[str, dict[int, str]]:
     return {key: of for key, of in values.items() if len(of) < len(jobs) or len(set(of.values())) > 1}
 
 
-def write_table(sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int, Status]) -> None:
+def write_table(
+    sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int, Status], figures: Sequence[str] = ()
+) -> None:
     """Write ``sweep.csv``.
 
-    Columns: number, folder, status, the overrides that differ, seconds, the error's first line, and its log. Paths are
-    relative to the sweep's folder.
+    Columns: number, folder, status, the overrides that differ, figures, seconds, the error's first line, and its log.
+    Paths are relative to the sweep's folder.
 
     Args:
         sweep_dir: folder of the sweep.
         jobs: of it, in order of their numbers.
         standing: how they stand, by number.
+        figures: keys of the reports of completed jobs.
 
     Raises:
         DrLabError: the file cannot be written.
@@ -67,14 +71,26 @@ def write_table(sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int
     keys = differing(jobs)
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["number", "folder", "status", *keys, "seconds", "error", "log"])
+    rows.writerow(["number", "folder", "status", *keys, *figures, "seconds", "error", "log"])
     for job in jobs:
         status = standing[job.number]
         overrides = [keys[key].get(job.number, "") for key in keys]
         log = log_of(sweep_dir, job).relative_to(sweep_dir) if status.state == "failed" else ""
+        reached = _reached(sweep_dir / job.folder, status, figures)
         seconds = "" if status.seconds is None else f"{status.seconds:.3f}"
-        rows.writerow([job.number, job.folder, status.state, *overrides, seconds, first_line(status.error), log])
+        row = [job.number, job.folder, status.state, *overrides, *reached, seconds, first_line(status.error), log]
+        rows.writerow(row)
     write_text(sweep_dir / TABLE_FILE, text.getvalue())
+
+
+def _reached(folder: Path, status: Status, figures: Sequence[str]) -> Sequence[float | str]:
+    """Figures of a job, empty ones where it has none."""
+    if status.state != "completed":
+        return [""] * len(figures)
+    try:
+        return objectives(folder, figures) if figures else ()
+    except DrLabError:  # who needs the figures says what is wrong with them
+        return [""] * len(figures)
 
 
 def first_line(text: str) -> str:
@@ -83,19 +99,20 @@ def first_line(text: str) -> str:
 
 
 @contextmanager
-def kept_up_to_date(sweep_dir: Path, every: float) -> Iterator[None]:
+def kept_up_to_date(sweep_dir: Path, every: float, figures: Sequence[str] = ()) -> Iterator[None]:
     """Keep ``sweep.csv`` true while jobs run, here or elsewhere, and once more at the end.
 
     Args:
         sweep_dir: folder of the sweep.
         every: s between two looks.
+        figures: keys of the reports of completed jobs.
 
     Raises:
         DrLabError: the last table cannot be written.
     """
     jobs = read_jobs(sweep_dir)
     standing = statuses(sweep_dir, jobs)
-    write_table(sweep_dir, jobs, standing)
+    write_table(sweep_dir, jobs, standing, figures)
     ended = threading.Event()
 
     def look() -> None:
@@ -104,7 +121,7 @@ def kept_up_to_date(sweep_dir: Path, every: float) -> Iterator[None]:
             now = standing | statuses(sweep_dir, open_jobs)
             if now != standing:
                 try:
-                    write_table(sweep_dir, jobs, now)
+                    write_table(sweep_dir, jobs, now, figures)
                 except DrLabError:  # a full disk may have room again at the next look; the last table must be written
                     continue
                 standing.update(now)
@@ -116,4 +133,4 @@ def kept_up_to_date(sweep_dir: Path, every: float) -> Iterator[None]:
     finally:
         ended.set()
         looking.join()
-        write_table(sweep_dir, jobs, statuses(sweep_dir, jobs))
+        write_table(sweep_dir, jobs, statuses(sweep_dir, jobs), figures)

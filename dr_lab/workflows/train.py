@@ -23,6 +23,7 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.training import Curve
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.sweeps.progress import tell
 from dr_lab.workflows.episodes import described, keep_episodes, play_episodes
 from dr_lab.workflows.snapshots import Snapshots
 from dr_lab.workflows.training import CHECKPOINT, Plan, Training
@@ -75,6 +76,7 @@ def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) ->
                 if int(figures["iteration"]) % plan.checkpoint_every == 0:
                     write_text(run_dir / "metrics.csv", metrics_csv(trainer.history))
                 show(figures, finished)
+                tell(int(figures["iteration"]), figures)
 
             trainer.run(plan.frames, watch)
     except KeyboardInterrupt:

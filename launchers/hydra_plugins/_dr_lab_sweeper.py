@@ -1,8 +1,10 @@
 """What dr_lab's sweepers share: jobs composed and checked before any of them begins, then run by any launcher."""
 
 import copy
+import time
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,11 +50,14 @@ class DrLabSweeper(BasicSweeper):
         params: sweeps that a configuration asks for, beside those on the command line: key → values.
         fail_fast: let no further job begin once one has failed.
         refresh: time between two looks at the jobs for ``sweep.csv`` [s].
+        columns: figures of the jobs' reports that it shows.
     """
 
-    def __init__(self, params: Mapping[str, str] | None, fail_fast: bool, refresh: float) -> None:
+    def __init__(
+        self, params: Mapping[str, str] | None, fail_fast: bool, refresh: float, columns: Sequence[str] = ()
+    ) -> None:
         super().__init__(max_batch_size=None, params=dict(params or {}))
-        self.fail_fast, self.refresh = fail_fast, refresh
+        self.fail_fast, self.refresh, self.columns = fail_fast, refresh, columns
         self.task: Task | None = None
         self.shown = self.folder = Path()
 
@@ -131,21 +136,39 @@ class DrLabSweeper(BasicSweeper):
         Raises:
             DrLabError: the launcher cannot be used, or the table cannot be written.
         """
-        assert self.launcher is not None
-        ended_early = ""
-        with kept_up_to_date(self.folder, self.refresh):
+        left, ended_early = list(jobs), ""
+        with kept_up_to_date(self.folder, self.refresh, self.columns):
             try:
-                if jobs:
-                    batch = [[*job.overrides, f"hydra.sweep.subdir={_quoted(job.folder)}"] for job in jobs]
-                    self.launcher.launch(batch, initial_job_idx=jobs[0].number)
-            except DrLabError:
-                raise
-            except Exception as error:  # each launcher has errors of its own for a job that died
-                ended_early = f"{type(error).__name__}: {error}"
+                while left:
+                    left, ended_early = self._launch_once(left)
+                # An engine may give up at the first job that died, while others go on.
+                while "running" in {status.state for status in statuses(self.folder, jobs).values()}:
+                    time.sleep(self.refresh)
             except BaseException:
-                stop(self.folder, "interrupted")  # jobs that wait on other machines are not begun either
+                stop(self.folder, "interrupted")  # jobs that wait in the queue of a cluster are not begun either
                 raise
         return statuses(self.folder, jobs), ended_early
+
+    def _launch_once(self, jobs: Sequence[SweepJob]) -> tuple[list[SweepJob], str]:
+        """Hand jobs to the launcher; gives those to hand over again, and why it gave up, if it did."""
+        assert self.launcher is not None
+        before = statuses(self.folder, jobs)
+        batch = [[*job.overrides, f"hydra.sweep.subdir={_quoted(job.folder)}"] for job in jobs]
+        try:
+            self.launcher.launch(batch, initial_job_idx=jobs[0].number)
+        except DrLabError:
+            raise
+        except BrokenProcessPool as error:  # a worker that dies takes with it what waits for its pool
+            after = statuses(self.folder, jobs)
+            untouched = [job for job in jobs if after[job.number] == before[job.number]]
+            return untouched if len(untouched) < len(jobs) else [], _told(error)
+        except Exception as error:  # each launcher has errors of its own for a job that died
+            return [], _told(error)
+        return [], ""
+
+
+def _told(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
 
 
 def _without_hydra(cfg: DictConfig) -> DictConfig:

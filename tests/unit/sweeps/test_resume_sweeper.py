@@ -1,0 +1,137 @@
+"""The same command goes on with its sweep: nothing twice, nothing lost, and nothing begun that cannot be run."""
+
+import json
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from filelock import FileLock
+from probe_sweeps import Sweeps, completed, table
+
+from dr_lab.errors import ConfigError
+from dr_lab.sweeps.job_folder import LOCK_FILE, write_status
+from dr_lab.sweeps.sweep import SweepJob, add_jobs, read_jobs
+
+Sweep = Callable[..., int]
+
+
+def report(folder: Path) -> dict[str, float]:
+    return json.loads((folder / "report.json").read_text(encoding="utf-8"))
+
+
+def test_the_same_command_finds_its_sweep_and_more_values_join(
+    sweep: Sweep, sweeps: Sweeps, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweeps.here(monkeypatch, "value=2.0,1,2.00", "size=3") == 0
+    [swept] = Path("outputs/multirun/probe").iterdir()
+    done = completed(swept)
+    assert set(done) == {"0", "1"}  # 2.0 and 2.00 are the same
+    capsys.readouterr()
+    assert sweeps.here(monkeypatch, "size=3", "value=2.0,1,2.00") == 0
+    assert "Nothing was left to do" in capsys.readouterr().out
+    assert sweep("value=0,1,2.0", "size=3", "outputs=elsewhere", f"hydra.sweep.dir={swept}") == 0
+    assert [(row["folder"], row["value"]) for row in table(swept)] == [("0", "2.0"), ("1", "1"), ("2", "0")]
+    assert {number: completed(swept)[number] for number in done} == done
+
+
+def test_failed_job_alone_runs_again_and_goes_on_where_it_was(
+    sweep: Sweep, sweeps: Sweeps, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    swept = tmp_path / "swept"
+    (sweeps.trouble / "fails_2").touch()
+    assert sweep("value=1,2,3") == 2
+    told = capsys.readouterr().err
+    assert "Of 3 jobs: 1 failed.\n  job 1 (value=2): 2 is refused.\n    swept/1/error.txt\n" in told
+    assert "Traceback" in (swept / "1/error.txt").read_text(encoding="utf-8")
+    row = table(swept)[1]
+    assert (row["status"], row["error"], row["log"]) == ("failed", "2 is refused.", "1/error.txt")
+    done = completed(swept)
+    (sweeps.trouble / "fails_2").unlink()
+    assert sweep("value=1,2,3") == 0
+    assert {number: completed(swept)[number] for number in done} == done
+    assert [report(swept / number)["begun_at_step"] for number in "012"] == [0, 2, 0]
+    assert {path.name for path in (swept / "1").iterdir()} == {path.name for path in (swept / "0").iterdir()}
+    assert "resume: null" in (swept / "1/config.yaml").read_text(encoding="utf-8")
+
+
+def test_without_a_beginning_a_job_starts_over_in_an_empty_folder(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
+    (sweeps.trouble / "fails_1").touch()
+    assert sweep("value=1") == 2
+    (tmp_path / "swept/0/steps.txt").rename(tmp_path / "swept/0/half_written.txt")
+    (sweeps.trouble / "fails_1").unlink()
+    assert sweep("value=1") == 0
+    assert report(tmp_path / "swept/0")["begun_at_step"] == 0
+    assert not (tmp_path / "swept/0/half_written.txt").exists()
+
+
+def test_fail_fast(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
+    (sweeps.trouble / "fails_2").touch()
+    assert sweep("value=1,2,3", "hydra.sweeper.fail_fast=true") == 2
+    assert [row["status"] for row in table(tmp_path / "swept")] == ["completed", "failed", "waiting"]
+    (sweeps.trouble / "fails_2").unlink()
+    assert sweep("value=1,2,3", "hydra.sweeper.fail_fast=true") == 0
+
+
+def test_nothing_begins_where_one_job_cannot_be_run(
+    sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweep("value=1,two,three,???,'${nowhere}',{_target_: os.system}") == 2
+    told = capsys.readouterr().err
+    assert "5 of 6 jobs cannot be run, so none was begun:\n" in told
+    assert "\n  value=two: value is 'two' (str); dr-lab probe expects float.\n" in told
+    assert "No value for value. Give one: dr-lab probe value=…" in told
+    assert "Interpolation key 'nowhere' not found" in told
+    assert "outside the trusted packages" in told
+    assert sweep("value=1", "+valu=3") == 2
+    assert "There is no key 'valu' in dr-lab probe. Did you mean 'value'?" in capsys.readouterr().err
+    assert sweep("valu=1,2") == 2
+    assert "Did you mean 'value'?" in capsys.readouterr().err
+    assert not (tmp_path / "swept").exists()
+
+
+@pytest.mark.parametrize(
+    ("folders", "message"),
+    [
+        (("same", "same"), "would be the folder of jobs 0 and 1"),
+        ((".",), "puts job 0 into '.', outside of"),
+        (("../0",), "puts job 0 into '../0', outside of"),
+        (("mine",), "holds something that is not of this sweep"),
+    ],
+)
+def test_folders_of_jobs_are_their_own(folders: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    (tmp_path / "swept/mine").mkdir(parents=True)
+    (tmp_path / "swept/mine/notes.txt").touch()
+    with pytest.raises(ConfigError, match=message):
+        add_jobs(tmp_path / "swept", "probe", [SweepJob(n, str(n), folder, ()) for n, folder in enumerate(folders)])
+    assert read_jobs(tmp_path / "swept") == []
+
+
+def test_folders_named_after_overrides(sweep: Sweep, tmp_path: Path) -> None:
+    assert sweep("value=1,2", "hydra.sweep.subdir=at/${hydra.job.override_dirname}") == 0
+    assert [row["folder"] for row in table(tmp_path / "swept")] == ["at/value=1", "at/value=2"]
+
+
+def test_waits_for_a_process_that_outlived_its_sweep(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
+    job = tmp_path / "swept/0"
+    (sweeps.trouble / "fails_1").touch()
+    assert sweep("value=1") == 2
+    lock = FileLock(job / LOCK_FILE, thread_local=False)
+    lock.acquire()
+
+    def completes() -> None:
+        write_status(job, "completed", seconds=5.0)
+        lock.release()
+
+    write_status(job, "running")
+    outlived = threading.Timer(0.5, completes)
+    outlived.start()
+    assert sweep("value=1") == 0
+    outlived.join()
+    assert json.loads((job / "status.json").read_text(encoding="utf-8"))["seconds"] == 5.0
+    assert not (job / "report.json").exists()
+
+
+def test_other_sweepers_are_refused(sweep: Sweep, capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("value=1", "hydra/sweeper=basic") == 2
+    assert "hydra/sweeper=resume" in capsys.readouterr().err

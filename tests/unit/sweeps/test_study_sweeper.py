@@ -1,0 +1,175 @@
+"""A search that the same command continues, with the trials that one without a stop would have tried."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import yaml
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra_plugins._dr_lab_search_space import corners, search_space
+from optuna.distributions import CategoricalDistribution, FloatDistribution, IntDistribution
+from optuna.samplers import RandomSampler
+from probe_sweeps import Sweeps, table
+
+from dr_lab.cli.compose import compose_with_hydra
+from dr_lab.cli.folders import shipped
+from dr_lab.errors import ConfigError, DataError, UnknownNameError
+from dr_lab.sweeps.objective import objectives
+from dr_lab.sweeps.study import JOURNAL_FILE, Study
+
+Sweep = Callable[..., int]
+STUDY = ("hydra/sweeper=study", "hydra.sweeper.objective=[score]", "hydra.sweeper.directions=[minimize]")
+
+
+def values(folder: Path) -> list[float]:
+    return [float(row["value"]) for row in table(folder)]
+
+
+def test_total_of_trials_over_two_commands(sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    swept = tmp_path / "swept"
+    assert sweep(*STUDY, "value=interval(0,6)", "hydra.sweeper.n_trials=2") == 0
+    assert sweep(*STUDY, "value=interval(0,6)", "hydra.sweeper.n_trials=3") == 0
+    assert "Study of 3 trials, 2 of them begun before: swept" in capsys.readouterr().out
+    rows = table(swept)
+    scores = [(float(row["value"]) - 3.0) ** 2 for row in rows]
+    assert [float(row["score"]) for row in rows] == pytest.approx(scores, abs=0)
+    [best] = yaml.safe_load((swept / "best.yaml").read_text(encoding="utf-8"))
+    assert best["objective"] == {"score": min(scores)}
+    assert best["folder"] == str(scores.index(min(scores)))
+
+
+def test_proposals_do_not_depend_on_interruptions(tmp_path: Path) -> None:
+    space = {"x": FloatDistribution(0.0, 1.0), "y": CategoricalDistribution(["a", "b"])}
+    (tmp_path / "whole").mkdir()
+    (tmp_path / "parts").mkdir()
+
+    def search(folder: str, *, anew: bool) -> list[object]:
+        study = Study(tmp_path / folder, ["minimize"], space, RandomSampler, seed=3)
+        for _ in range(5):
+            if anew:
+                study = Study(tmp_path / folder, ["minimize"], space, RandomSampler, seed=3)
+            proposal = study.propose()
+            if anew:  # killed before anything came of it
+                study = Study(tmp_path / folder, ["minimize"], space, RandomSampler, seed=3)
+                assert study.unfinished() == [proposal]
+            study.tell(proposal.number, [float(str(proposal.values["x"]))])
+        return [study.best(), len(study)]
+
+    assert search("whole", anew=False) == search("parts", anew=True)
+
+
+BRUTE_FORCE = "hydra.sweeper.sampler._target_=optuna.samplers.BruteForceSampler"
+
+
+@pytest.mark.filterwarnings("ignore::optuna.exceptions.ExperimentalWarning")
+def test_failed_and_pruned_trials_count(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
+    for value in (1, 2):
+        (sweeps.trouble / f"fails_{value}").touch()
+    pruner = (
+        "hydra.sweeper.pruner={_target_: optuna.pruners.ThresholdPruner, upper: 30.0}",
+        "hydra.sweeper.prune_on=score",
+    )
+    search = (BRUTE_FORCE, "value=1,2,3,6,7,8")
+    assert sweep(*STUDY, *search, *pruner, "hydra.sweeper.n_trials=6") == 0
+    states = {float(row["value"]): row["status"] for row in table(tmp_path / "swept")}
+    # (value − 3)², four times as much at the first step
+    assert states == {1: "failed", 2: "failed", 3: "completed", 6: "pruned", 7: "pruned", 8: "pruned"}
+    assert sweep(*STUDY, *search, *pruner, "hydra.sweeper.n_trials=6") == 0
+
+
+def test_objective_that_the_report_lacks_is_mended_without_running_again(
+    sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wrong = (STUDY[0], "hydra.sweeper.objective=[scor]", STUDY[2], "value=interval(0,6)", "hydra.sweeper.n_trials=1")
+    assert sweep(*wrong) == 2
+    assert "no figure 'scor'" in capsys.readouterr().err
+    written = (tmp_path / "swept/0/report.json").stat().st_ino
+    assert sweep(*STUDY, *wrong[3:]) == 0
+    assert (tmp_path / "swept/0/report.json").stat().st_ino == written
+
+
+@pytest.mark.filterwarnings("ignore::optuna.exceptions.ExperimentalWarning")
+def test_several_objectives_give_those_that_none_beats(sweep: Sweep, tmp_path: Path) -> None:
+    two = (
+        "hydra/sweeper=study",
+        "hydra.sweeper.objective=[score,other]",
+        "hydra.sweeper.directions=[minimize,minimize]",
+    )
+    assert sweep(*two, BRUTE_FORCE, "value=0,2,3,5", "hydra.sweeper.n_trials=9") == 0
+    assert len(table(tmp_path / "swept")) == 4
+    best = yaml.safe_load((tmp_path / "swept/best.yaml").read_text(encoding="utf-8"))
+    assert {float(entry["values"]["value"]) for entry in best} == {0.0, 2.0, 3.0}
+
+
+def test_unfit_studies_say_so(sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    says = {
+        (*STUDY, "value=1"): "A study needs something to try",
+        (*STUDY, "value=interval(0,6)", "size=choice(1,two)"): "size is 'two' (str)",
+        (*STUDY[:2], "hydra.sweeper.directions=[]", "value=1,2"): "a direction for each objective",
+    }
+    for arguments, message in says.items():
+        assert sweep(*arguments) == 2
+        assert message in capsys.readouterr().err
+    assert not (tmp_path / "swept").exists()
+
+
+def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:
+    space = {"x": CategoricalDistribution(["1", "2"])}
+    Study(tmp_path, ["minimize"], space, RandomSampler, seed=0).propose()
+    with pytest.raises(ConfigError, match="directions"):
+        Study(tmp_path, ["maximize"], space, RandomSampler, seed=0)
+    with pytest.raises(ConfigError, match="another search space"):
+        Study(tmp_path, ["minimize"], {"x": CategoricalDistribution(["3"])}, RandomSampler, seed=0).unfinished()
+
+
+def test_journal_that_a_full_disk_cut(tmp_path: Path) -> None:
+    space = {"x": FloatDistribution(0.0, 1.0)}
+    study = Study(tmp_path, ["minimize"], space, RandomSampler, seed=0)
+    study.tell(study.propose().number, [1.0])
+    with (tmp_path / JOURNAL_FILE).open("a", encoding="utf-8") as file:
+        file.write('{"op_code":4,"wor')
+    again = Study(tmp_path, ["minimize"], space, RandomSampler, seed=0)
+    again.tell(again.propose().number, [0.5])
+    assert [best.objectives for best in Study(tmp_path, ["minimize"], space, RandomSampler, seed=0).best()] == [(0.5,)]
+
+
+def test_notation_of_a_search_space() -> None:
+    typed = [
+        "a=interval(1,2)",
+        "b=tag(log,interval(1e-5,1e-2))",
+        "c=int(interval(2,9))",
+        "d=range(3,10,2)",
+        "e=x,y",
+        "f=1",
+    ]
+    space = search_space(OverridesParser.create().parse_overrides(typed))
+    assert space == {
+        "a": FloatDistribution(1.0, 2.0),
+        "b": FloatDistribution(1e-5, 1e-2, log=True),
+        "c": IntDistribution(2, 9),
+        "d": IntDistribution(3, 9, step=2),
+        "e": CategoricalDistribution(["x", "y"]),
+    }
+    assert [corner["d"] for corner in corners(space)] == [3, 9]
+    assert [corner["e"] for corner in corners(space)] == ["x", "y"]
+
+
+def test_figures_of_a_report(tmp_path: Path) -> None:
+    report = {"ladder": [{"chi2": 9.0}, {"chi2": 1.5}], "none": None, "word": "x"}
+    (tmp_path / "report.json").write_text(json.dumps(report), encoding="utf-8")
+    assert objectives(tmp_path, ["ladder.-1.chi2", "ladder.0.chi2"]) == (1.5, 9.0)
+    assert objectives(tmp_path, ["none"])[0] != objectives(tmp_path, ["none"])[0]
+    with pytest.raises(UnknownNameError, match="chi2"):
+        objectives(tmp_path, ["ladder.0.chi"])
+    with pytest.raises(DataError, match="must be a number"):
+        objectives(tmp_path, ["word"])
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in (shipped() / "hparams_search").glob("*.yaml")))
+def test_shipped_search_spaces(name: str) -> None:
+    cfg = compose_with_hydra("train", [f"hparams_search={name}"], (shipped(),))
+    sweeper = cfg.hydra.sweeper
+    assert len(sweeper.objective) == len(sweeper.directions)
+    space = search_space(OverridesParser.create().parse_overrides([f"{k}={v}" for k, v in sweeper.params.items()]))
+    assert len(space) == len(sweeper.params)
