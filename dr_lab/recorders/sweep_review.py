@@ -105,29 +105,38 @@ def _log_band(place: Branch, band: Band, index: int, look: Look) -> None:
 
 def _blueprint(record: SweepRecord) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=entity_path("pages", title), name=title) for title in record.pages]
-    names = dict.fromkeys(band.name for band in record.bands)
-    last = max((int(band.frames[-1]) for band in record.bands if len(band.frames)), default=0)
-    learned = [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in record.marginals]
-    maps = [grids.CANVAS.view(["grid", group], f"returns, {group}") for group in record.maps]
-    if record.lines:
-        maps.insert(0, grids.CANVAS.view([_RETURNS], "returns over contexts"))
     # A view stands in one place only: the overview has its own.
-    plots = [*[_plot(name, last, legend=True) for name in names][:1], *(learned or maps)[:1]]
+    plots = [*_curves(record)[:1], *(_learned(record) or _maps(record))[:1]]
     overview = rrb.Horizontal(*text[:1], *([rrb.Vertical(*plots)] if plots else []), name="Overview")
     sheets = {
-        "Curves": [_plot(name, last, legend=not k) for k, name in enumerate(names)],
-        "Learned distributions": learned,
-        "Returns over contexts": maps,
+        "Curves": _curves(record),
+        "Learned distributions": _learned(record),
+        "Returns over contexts": _maps(record),
     }
     pages = [overview, *(rrb.Grid(*views, name=name) for name, views in sheets.items() if views), *text[1:]]
+    frames = rrb.TimePanel(state="collapsed", timeline=FRAMES, play_state="paused")
     return rrb.Blueprint(
         rrb.Tabs(*pages, name="Review"),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
-        rrb.TimePanel(state="collapsed", timeline=FRAMES, play_state="paused")
-        if record.bands
-        else rrb.TimePanel(state="hidden"),
+        frames if record.bands else rrb.TimePanel(state="hidden"),
     )
+
+
+def _curves(record: SweepRecord) -> list[rrb.View]:
+    """One plot a figure; the first says which colour is which group's."""
+    last = max((int(band.frames[-1]) for band in record.bands if len(band.frames)), default=0)
+    names = dict.fromkeys(band.name for band in record.bands)
+    return [_plot(name, last, legend=not k) for k, name in enumerate(names)]
+
+
+def _learned(record: SweepRecord) -> list[rrb.View]:
+    return [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in record.marginals]
+
+
+def _maps(record: SweepRecord) -> list[rrb.View]:
+    lines = [grids.CANVAS.view([_RETURNS], "returns over contexts")] if record.lines else []
+    return [*lines, *(grids.CANVAS.view(["grid", group], f"returns, {group}") for group in record.maps)]
 
 
 def _plot(name: str, last: int, legend: bool) -> rrb.TimeSeriesView:
