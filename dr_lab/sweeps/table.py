@@ -11,6 +11,7 @@ from dr_lab.errors import DrLabError
 from dr_lab.recorders.files import write_text
 from dr_lab.sweeps.job_folder import ERROR_FILE, FINAL, Status, read_status
 from dr_lab.sweeps.objective import objectives
+from dr_lab.sweeps.overrides import by_key, differing
 from dr_lab.sweeps.sweep import SweepJob, read_jobs
 
 TABLE_FILE = "sweep.csv"
@@ -37,20 +38,6 @@ def log_of(sweep_dir: Path, job: SweepJob) -> Path:
     return folder / ERROR_FILE if (folder / ERROR_FILE).is_file() else folder
 
 
-def differing(jobs: Sequence[SweepJob]) -> dict[str, dict[int, str]]:
-    """The overrides that not all jobs share: key → number of the job → value.
-
-    Args:
-        jobs: of a sweep.
-    """
-    values: dict[str, dict[int, str]] = {}
-    for job in jobs:
-        for override in job.overrides:
-            key, _, value = override.partition("=")
-            values.setdefault(key.lstrip("+"), {})[job.number] = value
-    return {key: of for key, of in values.items() if len(of) < len(jobs) or len(set(of.values())) > 1}
-
-
 def write_table(
     sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int, Status], figures: Sequence[str] = ()
 ) -> None:
@@ -68,13 +55,14 @@ def write_table(
     Raises:
         DrLabError: the file cannot be written.
     """
-    keys = differing(jobs)
+    typed = {job.number: by_key(job.overrides) for job in jobs}
+    keys = differing(list(typed.values()))
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(["number", "folder", "status", *keys, *figures, "seconds", "error", "log"])
     for job in jobs:
         status = standing[job.number]
-        overrides = [keys[key].get(job.number, "") for key in keys]
+        overrides = [typed[job.number].get(key, "") for key in keys]
         log = log_of(sweep_dir, job).relative_to(sweep_dir) if status.state == "failed" else ""
         reached = _reached(sweep_dir / job.folder, status, figures)
         seconds = "" if status.seconds is None else f"{status.seconds:.3f}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.evaluators.statistics import Interval, iqm_interval
+from dr_lab.sweeps.overrides import differing
 from dr_lab.workflows.sweep_summary.runs import Figure, Run, picked
 
 Cells = Mapping[str, Interval | Mapping[str, int]]
@@ -49,15 +50,9 @@ class Group:
         return ", ".join(told) or ("as configured" if self.settings else "all runs")
 
 
-def differing(runs: Sequence[Run]) -> list[str]:
-    """Overrides that not all runs have alike, in the order in which they were typed."""
-    keys = dict.fromkeys(key for run in runs for key in run.overrides)
-    return [key for key in keys if len({run.overrides.get(key) for run in runs}) > 1]
-
-
 def grouped(runs: Sequence[Run], aggregate: Sequence[str]) -> list[Group]:
     """Runs by what differs between them apart from `aggregate`, groups in the order of their first runs."""
-    keys = [key for key in differing(runs) if key not in aggregate]
+    keys = [key for key in differing([run.overrides for run in runs]) if key not in aggregate]
     found: dict[tuple[str, ...], list[Run]] = {}
     for run in runs:
         found.setdefault(tuple(run.overrides.get(key, ABSENT) for key in keys), []).append(run)

@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 
 from dr_lab.errors import DataError
+from dr_lab.sweeps.overrides import by_key
 from dr_lab.trajectory import Array
 
 SUMMARY_SCHEMA = "dr_lab/summarize/1"
@@ -111,8 +112,7 @@ def _read(folder: Path, sweep: Path) -> Run:
         typed = made_with.get("overrides", [])
     except (OSError, ValueError, yaml.YAMLError, TypeError, KeyError) as error:
         raise DataError(f"{folder} cannot be read as a run: {error}. Take it out of {sweep}.") from error
-    pairs = (override.lstrip("+").partition("=") for override in typed)
-    return Run(str(folder.relative_to(sweep)), folder, {key: value for key, _, value in pairs}, report)
+    return Run(str(folder.relative_to(sweep)), folder, by_key(typed), report)
 
 
 def _place(folder: Path, sweep: Path) -> list[tuple[bool, int, str]]:

@@ -9,7 +9,8 @@ from typing import Any
 from dr_lab.evaluators.statistics import Interval
 from dr_lab.recorders.quantity import number
 from dr_lab.recorders.tables import table
-from dr_lab.workflows.sweep_summary.groups import Cells, Group, Statistics, differing, figures_of
+from dr_lab.sweeps.overrides import differing
+from dr_lab.workflows.sweep_summary.groups import Cells, Group, Statistics, figures_of
 from dr_lab.workflows.sweep_summary.runs import Run
 
 
@@ -54,7 +55,7 @@ def _cell(cell: Interval | Mapping[str, int]) -> str:
 
 
 def _runs_table(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> list[dict[str, Any]]:
-    keys = differing(runs)
+    keys = differing([run.overrides for run in runs])
     picked = [figures_of(run, figures) for run in runs]
     names = list(dict.fromkeys(name for row in picked for name in row))
     return [

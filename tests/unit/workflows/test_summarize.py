@@ -10,7 +10,8 @@ import yaml
 
 from dr_lab.__main__ import main
 from dr_lab.errors import DataError
-from dr_lab.workflows.sweep_summary.groups import Statistics, differing, figures_of, grouped, summed_up
+from dr_lab.sweeps.overrides import differing
+from dr_lab.workflows.sweep_summary.groups import Statistics, figures_of, grouped, summed_up
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
 from dr_lab.workflows.sweep_summary.runs import find_runs, picked
 
@@ -50,7 +51,7 @@ def test_runs_come_in_the_order_of_their_numbers_and_the_unfinished_are_named(sw
     runs, unfinished = find_runs(sweep)
     assert [run.name for run in runs] == ["0", "1", "2", "10", "11", "12"]
     assert unfinished == ["20"]
-    assert differing(runs) == ["seed", "learner"]
+    assert differing([run.overrides for run in runs]) == ["seed", "learner"]
 
 
 def test_seeds_are_taken_together_by_their_interquartile_mean(sweep: Path) -> None:
