@@ -1,6 +1,7 @@
 """The same command goes on with its sweep: nothing twice, nothing lost, and nothing begun that cannot be run."""
 
 import json
+import os
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -47,6 +48,8 @@ def test_failed_job_alone_runs_again_and_goes_on_where_it_was(
     row = table(swept)[1]
     assert (row["status"], row["error"], row["log"]) == ("failed", "2 is refused.", "1/error.txt")
     done = completed(swept)
+    for at, path in enumerate(sorted(swept.rglob("*"))):  # clocks jump: what is done is read, not dated
+        os.utime(path, (at % 2 * 4e9, at % 2 * 4e9))
     (sweeps.trouble / "fails_2").unlink()
     assert sweep("value=1,2,3") == 0
     assert {number: completed(swept)[number] for number in done} == done
@@ -55,22 +58,18 @@ def test_failed_job_alone_runs_again_and_goes_on_where_it_was(
     assert "resume: null" in (swept / "1/config.yaml").read_text(encoding="utf-8")
 
 
-def test_without_a_beginning_a_job_starts_over_in_an_empty_folder(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
+def test_fail_fast_and_a_job_that_starts_over(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
+    arguments = ("value=1,2", "hydra.sweeper.fail_fast=true", "hydra.sweep.subdir=at/${hydra.job.override_dirname}")
+    first = tmp_path / "swept/at/value=1"
     (sweeps.trouble / "fails_1").touch()
-    assert sweep("value=1") == 2
-    (tmp_path / "swept/0/steps.txt").rename(tmp_path / "swept/0/half_written.txt")
+    assert sweep(*arguments) == 2
+    assert [row["status"] for row in table(tmp_path / "swept")] == ["failed", "waiting"]
+    (first / "steps.txt").rename(first / "half_written.txt")  # nothing to go on with
     (sweeps.trouble / "fails_1").unlink()
-    assert sweep("value=1") == 0
-    assert report(tmp_path / "swept/0")["begun_at_step"] == 0
-    assert not (tmp_path / "swept/0/half_written.txt").exists()
-
-
-def test_fail_fast(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
-    (sweeps.trouble / "fails_2").touch()
-    assert sweep("value=1,2,3", "hydra.sweeper.fail_fast=true") == 2
-    assert [row["status"] for row in table(tmp_path / "swept")] == ["completed", "failed", "waiting"]
-    (sweeps.trouble / "fails_2").unlink()
-    assert sweep("value=1,2,3", "hydra.sweeper.fail_fast=true") == 0
+    assert sweep(*arguments) == 0
+    assert [row["folder"] for row in table(tmp_path / "swept")] == ["at/value=1", "at/value=2"]
+    assert report(first)["begun_at_step"] == 0
+    assert not (first / "half_written.txt").exists()
 
 
 def test_nothing_begins_where_one_job_cannot_be_run(
@@ -105,11 +104,6 @@ def test_folders_of_jobs_are_their_own(folders: tuple[str, ...], message: str, t
     with pytest.raises(ConfigError, match=message):
         add_jobs(tmp_path / "swept", "probe", [SweepJob(n, str(n), folder, ()) for n, folder in enumerate(folders)])
     assert read_jobs(tmp_path / "swept") == []
-
-
-def test_folders_named_after_overrides(sweep: Sweep, tmp_path: Path) -> None:
-    assert sweep("value=1,2", "hydra.sweep.subdir=at/${hydra.job.override_dirname}") == 0
-    assert [row["folder"] for row in table(tmp_path / "swept")] == ["at/value=1", "at/value=2"]
 
 
 def test_waits_for_a_process_that_outlived_its_sweep(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
