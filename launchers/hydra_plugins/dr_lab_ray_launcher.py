@@ -2,6 +2,7 @@
 
 import os
 import secrets
+import signal
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -29,7 +30,8 @@ class RayLauncher(Launcher):
 
     A job that raises, dies or loses its machine fails once and alone: Ray never starts it again, the others go on, and
     results come back in the order of the jobs. Jobs run in the folder where the command was typed, so its path and the
-    sweep's must exist on every machine. Ctrl-C interrupts the running jobs, then kills those that do not end.
+    sweep's must exist on every machine. Ctrl-C or SIGTERM interrupts the running jobs, then kills those that
+    do not end.
 
     Args:
         init: arguments of `ray.init`. ``address``: of a running cluster; ``local`` starts Ray for this sweep alone.
@@ -134,10 +136,12 @@ def _cluster(init: Mapping[str, Any]) -> Iterator[ModuleType]:
     elif TOKEN_PATH not in os.environ:
         os.environ.setdefault(TOKEN, secrets.token_hex(32))  # of this sweep alone: none is left in the home folder
     ray = import_module("ray")  # takes a second, and Hydra imports every plugin at every start
+    on_sigterm = signal.getsignal(signal.SIGTERM)
     try:
         ray.init(**init)
     except (ConnectionError, ray.exceptions.RayError) as error:
         raise ConfigError(f"No Ray cluster at hydra.launcher.init.address={init['address']}: {error}") from error
+    signal.signal(signal.SIGTERM, on_sigterm)  # Ray's own way is to abort
     try:
         yield ray
     finally:

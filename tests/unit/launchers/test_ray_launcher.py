@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -36,6 +36,14 @@ def ray(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
 
 
+@pytest.fixture
+def sigterm_unwinds() -> Iterator[None]:
+    """As `dr-lab` has it."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGTERM, before)
+
+
 def launch(
     task: Callable[[DictConfig], object], seeds: Sequence[int], *choices: str, first: int = 0
 ) -> list[JobReturn]:
@@ -59,7 +67,8 @@ def test_importing_the_plugin_is_light() -> None:
 
 def test_a_machine_without_ray_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("hydra_plugins.dr_lab_ray_launcher.find_spec", lambda name: None)
+    Plugins.instance()  # which loads the module, anew if it is loaded
+    monkeypatch.setattr(sys.modules["hydra_plugins.dr_lab_ray_launcher"], "find_spec", lambda name: None)
     with pytest.raises(ConfigError, match=r"pip install -e '\.\[ray\]'"):
         launch(print, [0])
 
@@ -94,8 +103,9 @@ def test_a_job_that_fails_fails_once_and_alone(tmp_path: Path, capsys: pytest.Ca
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("ray")
-def test_ctrl_c_stops_the_jobs(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("ray", "sigterm_unwinds")
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_or_sigterm_stops_the_jobs(sent: signal.Signals, tmp_path: Path) -> None:
     def task(cfg: DictConfig) -> None:
         (tmp_path / f"{cfg.seed}_{os.getpid()}").touch()
         try:
@@ -110,7 +120,7 @@ def test_ctrl_c_stops_the_jobs(tmp_path: Path) -> None:
     def press() -> None:
         while not (started(0, tmp_path) and started(1, tmp_path)):
             time.sleep(0.01)
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), sent)
 
     pressing = threading.Thread(target=press, daemon=True)
     pressing.start()
