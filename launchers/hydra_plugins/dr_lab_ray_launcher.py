@@ -1,7 +1,6 @@
 """Hydra launcher whose jobs are tasks of Ray, on this machine or on a cluster."""
 
 import os
-import secrets
 import signal
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -134,7 +133,7 @@ def _cluster(init: Mapping[str, Any]) -> Iterator[ModuleType]:
     if init["address"] != HERE:
         os.environ.setdefault(AUTH_MODE, "token")  # of itself Ray talks to any cluster that lets it in
     elif TOKEN_PATH not in os.environ:
-        os.environ.setdefault(TOKEN, secrets.token_hex(32))  # of this sweep alone: none is left in the home folder
+        os.environ.setdefault(TOKEN, os.urandom(32).hex())  # of this sweep alone: none is left in the home folder
     ray = import_module("ray")  # takes a second, and Hydra imports every plugin at every start
     on_sigterm = signal.getsignal(signal.SIGTERM)
     try:
