@@ -62,3 +62,13 @@ def test_wheel_says_where_examples_are(program: Path, tmp_path: Path) -> None:
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "not part of an installed dr_lab. Run inside a clone" in done.stderr
+
+
+@pytest.mark.slow
+def test_wheel_sweeps_with_its_own_plugins(program: Path, tmp_path: Path) -> None:
+    where = "import hydra_plugins.dr_lab_ray_launcher as plugin; print(plugin.__file__)"
+    plugin = Path(run(program.with_name("python"), "-c", where, cwd=tmp_path).strip())
+    assert program.parents[1] in plugin.parents
+    jobs = ["hydra/launcher=cores", "hydra.sweep.dir=sweep", "plant.duration=1", "plant.peaks=[8]", "seed=0,1"]
+    run(program, "record", "-m", *jobs, cwd=tmp_path)
+    assert len(list(tmp_path.glob("sweep/*/log_1.mcap"))) == 2
