@@ -58,13 +58,14 @@ class RayLauncher(Launcher):
             What each job returned or raised, in the order of `job_overrides`.
 
         Raises:
-            ConfigError: Ray is not installed, or no cluster answers.
+            ConfigError: Ray is not installed, no cluster answers, or no machine is large enough for a job.
         """
         assert self.sweep is not None
         setup_globals()
         folder = Path(str(self.sweep[2].hydra.sweep.dir)).absolute()
         folder.mkdir(parents=True, exist_ok=True)
         with _cluster(self.init) as ray:
+            _require_room(ray.nodes(), self.job)
             task = ray.remote(max_retries=0, **self.job)(run)
             shared = ray.put((*self.sweep, Singleton.get_state(), str(folder), os.getcwd()))
             jobs = {
@@ -113,6 +114,19 @@ def run(shared: tuple[Any, ...], overrides: list[str], number: int) -> JobReturn
         composed.hydra.sweep.dir = sweep_dir
     HydraConfig.instance().set_config(composed)
     return run_job(function, composed, "hydra.sweep.dir", "hydra.sweep.subdir", context)
+
+
+def _require_room(machines: Sequence[Mapping[str, Any]], job: Mapping[str, Any]) -> None:
+    """Refuse jobs that no machine can hold; Ray would wait for one to join, without a word."""
+    wanted = {"CPU": job.get("num_cpus"), "GPU": job.get("num_gpus"), "memory": job.get("memory")}
+    wanted = {name: amount for name, amount in (wanted | job.get("resources", {})).items() if amount}
+    offered = [machine["Resources"] for machine in machines if machine["Alive"]]
+    if not any(all(each.get(name, 0) >= amount for name, amount in wanted.items()) for each in offered):
+        told = "; ".join(str({name: each.get(name, 0) for name in wanted}) for each in offered)
+        raise ConfigError(
+            f"hydra.launcher.job asks for {wanted}, which no machine of the Ray cluster offers: {told}. "
+            "Ask for less, or start one that does: ray start --num-cpus=… --resources=…"
+        )
 
 
 def _result(ray: ModuleType, job: object, overrides: Sequence[str]) -> JobReturn:

@@ -73,6 +73,23 @@ def test_a_machine_without_ray_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path
         launch(print, [0])
 
 
+def test_jobs_that_no_machine_can_hold_are_told() -> None:
+    Plugins.instance()
+    require_room = sys.modules["hydra_plugins.dr_lab_ray_launcher"]._require_room
+    gone = {"Alive": False, "Resources": {"CPU": 64.0, "robot": 1.0}}
+    machines = [
+        {"Alive": True, "Resources": {"CPU": 2.0, "robot": 1.0}},
+        {"Alive": True, "Resources": {"CPU": 4.0}},
+        gone,
+    ]
+    for fits in ({}, {"num_cpus": 4, "num_gpus": 0, "memory": None}, {"num_cpus": 2, "resources": {"robot": 1}}):
+        require_room(machines, fits)
+    with pytest.raises(
+        ConfigError, match=r"asks for \{'CPU': 4, 'robot': 1\}.*: \{'CPU': 2.0, 'robot': 1.0\}; \{'CPU': 4"
+    ):
+        require_room(machines, {"num_cpus": 4, "resources": {"robot": 1}})
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("ray")
 def test_a_job_that_fails_fails_once_and_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
