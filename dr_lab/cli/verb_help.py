@@ -15,7 +15,7 @@ NOT_SETTINGS = ("defaults", "hydra", "_target_")
 FLAGS = """\
 Flags
   --cfg job [--resolve] [-p key]   print the composed configuration and stop
-  -m, --multirun                   one job per combination: -m seed=1,2,3
+  -m, --multirun                   one job per combination: -m seed=1,2,3; the same again goes on with it
   --config-dir FOLDER              your own model/, measurements/, effect/ … files, found before ours
   --hydra-help                     everything else that Hydra can do
 

@@ -1,12 +1,15 @@
 """Files that are either complete or not there: write beside, flush to disk, rename."""
 
 import os
+import re
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from dr_lab.errors import DrLabError
+
+_LEFTOVER = re.compile(r"\..*\.[0-9a-f]{32}(\.\w+)?")  # the names that `atomic` gives
 
 
 @contextmanager
@@ -34,6 +37,17 @@ def atomic(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):  # it has its name, or could not even be made
             temporary.unlink()
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove the temporary files that processes left in a folder when they were killed while they wrote.
+
+    Args:
+        folder: to which nobody else writes.
+    """
+    for path in folder.iterdir():
+        if _LEFTOVER.fullmatch(path.name):
+            path.unlink()
 
 
 def write_bytes(path: Path, content: bytes) -> None:

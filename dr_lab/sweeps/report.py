@@ -39,7 +39,7 @@ def require_completed(
         "not begun": states.count("waiting"),
     }
     told = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-    lines = [f"Of {len(jobs)} jobs: {told}.", *listed(sweep_dir, jobs, standing)]
+    lines = [f"Not completed: {told}, of {len(jobs)} in all.", *listed(sweep_dir, jobs, standing)]
     if ended_early:
         lines.append(f"What runs the jobs gave up: {first_line(ended_early)}")
     lines.append(f"Table: {sweep_dir / TABLE_FILE}. The same command goes on with these jobs; the others are kept.")

@@ -9,7 +9,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from dr_lab.errors import ConfigError
-from dr_lab.recorders.files import write_text
+from dr_lab.recorders.files import remove_leftovers, write_text
 
 SWEEP_FILE = "sweep.json"
 SCHEMA = "dr_lab/sweep/1"
@@ -134,6 +134,7 @@ def only_driver(sweep_dir: Path) -> Iterator[None]:
         raise ConfigError(message) from error
     try:
         (sweep_dir / STOP_FILE).unlink(missing_ok=True)
+        remove_leftovers(sweep_dir)
         yield
     finally:
         lock.release()

@@ -34,10 +34,10 @@ class ResumeSweeper(DrLabSweeper):
             jobs = self._enrolled(asked)
             standing = statuses(self.folder, jobs)
             left = [job for job in jobs if standing[job.number].state not in FINAL]
-            print(f"Sweep of {len(jobs)} jobs, {len(jobs) - len(left)} of them completed before: {self.shown}")
+            print(f"Sweep in {self.shown}: {len(left)} to run, {len(jobs) - len(left)} completed before")
             now, ended_early = self.launch(left)
             require_completed(self.shown, jobs, standing | now, ended_early)
-        print(f"\nAll {len(jobs)} jobs are completed: {self.shown / TABLE_FILE}")
+        print(f"\nCompleted: {self.shown / TABLE_FILE}")
         if not left:
             print("Nothing was left to do. To run them anew, choose another folder: hydra.sweep.dir=…")
 

@@ -88,7 +88,7 @@ class StudySweeper(DrLabSweeper):
         self.check([self.composed([*fixed, *_overrides(corner)]) for corner in corners(space)])
         with only_driver(self.folder):
             study = Study(self.folder, self.directions, space, self.sampler, self.seed)
-            print(f"Study of {self.n_trials} trials, {len(study)} of them begun before: {self.shown}")
+            print(f"Study in {self.shown}: {self.n_trials} trials in all, {len(study)} begun before")
             self._search(study, fixed)
 
     def _search(self, study: "Study", fixed: Sequence[str]) -> None:

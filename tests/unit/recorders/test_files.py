@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from dr_lab.errors import DrLabError
-from dr_lab.recorders.files import atomic, write_bytes, write_text
+from dr_lab.recorders.files import atomic, remove_leftovers, write_bytes, write_text
 
 
 def test_writes_and_replaces_whole_files(tmp_path: Path) -> None:
@@ -37,6 +37,18 @@ def test_temporary_file_lies_beside_and_keeps_the_suffix(tmp_path: Path) -> None
         assert temporary.parent == tmp_path
         assert temporary.suffix == ".rrd"
         assert not (tmp_path / "a.rrd").exists()
+
+
+@pytest.mark.parametrize("name", ["a.rrd", "checkpoint", ".hidden"])
+def test_what_a_killed_process_leaves_can_be_removed(tmp_path: Path, name: str) -> None:
+    others = {name, ".lock", ".sweep.lock", "b.0123.txt"}
+    for other in others:
+        (tmp_path / other).touch()
+    with atomic(tmp_path / name) as temporary:
+        left = temporary.name
+    (tmp_path / left).touch()
+    remove_leftovers(tmp_path)
+    assert set(os.listdir(tmp_path)) == others
 
 
 def test_permissions_follow_the_umask(tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ def test_failed_job_alone_runs_again_and_goes_on_where_it_was(
     (sweeps.trouble / "fails_2").touch()
     assert sweep("value=1,2,3") == 2
     told = capsys.readouterr().err
-    assert "Of 3 jobs: 1 failed.\n  job 1 (value=2): 2 is refused.\n    swept/1/error.txt\n" in told
+    assert "Not completed: 1 failed, of 3 in all.\n  job 1 (value=2): 2 is refused.\n    swept/1/error.txt\n" in told
     assert "Traceback" in (swept / "1/error.txt").read_text(encoding="utf-8")
     row = table(swept)[1]
     assert (row["status"], row["error"], row["log"]) == ("failed", "2 is refused.", "1/error.txt")

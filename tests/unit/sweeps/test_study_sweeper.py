@@ -30,7 +30,7 @@ def test_total_of_trials_over_two_commands(sweep: Sweep, tmp_path: Path, capsys:
     done = completed(swept)
     assert set(done) == {"0", "1"}
     assert sweep(*STUDY, "value=interval(0,6)", "hydra.sweeper.n_trials=3") == 0
-    assert "Study of 3 trials, 2 of them begun before: swept" in capsys.readouterr().out
+    assert "Study in swept: 3 trials in all, 2 begun before" in capsys.readouterr().out
     assert {number: completed(swept)[number] for number in done} == done
     rows = table(swept)
     scores = [(float(row["value"]) - 3.0) ** 2 for row in rows]
