@@ -33,6 +33,7 @@ class Sweeps:
             shutil.copytree(folders.shipped() / group, home / "conf" / group)
         shutil.copy(PROBE / "probe.yaml", home / "conf")
         self.trouble.mkdir()
+        self.stdout, self.stderr = home / "stdout.txt", home / "stderr.txt"
 
     def here(self, monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
         """Run a command in this process; gives its exit code."""
@@ -42,19 +43,21 @@ class Sweeps:
         monkeypatch.chdir(self.home)
         return main(["probe", "-m", *arguments])
 
-    def start(self, *arguments: str, **variables: str) -> "subprocess.Popen[str]":
-        """Begin a command, with environment variables."""
+    def start(self, *arguments: str, **variables: str) -> "subprocess.Popen[bytes]":
+        """Begin a command, with environment variables; it writes to files, which workers may outlive."""
         path = os.pathsep.join([str(PROBE), os.environ.get("PYTHONPATH", "")])
         env = os.environ | {"PYTHONPATH": path, "PROBE_HOME": str(self.home), "PYTHONWARNINGS": "ignore", **variables}
         command = [sys.executable, "-m", "dr_lab", "probe", "-m", *arguments]
-        pipe = subprocess.PIPE
-        return subprocess.Popen(command, cwd=self.home, env=env, stdout=pipe, stderr=pipe, text=True)
+        with self.stdout.open("w") as out, self.stderr.open("w") as error:
+            return subprocess.Popen(command, cwd=self.home, env=env, stdout=out, stderr=error)
 
-    def run(self, *arguments: str, **variables: str) -> "subprocess.CompletedProcess[str]":
-        """Run a command to its end."""
-        process = self.start(*arguments, **variables)
-        out, err = process.communicate(timeout=300)
-        return subprocess.CompletedProcess(process.args, process.returncode, out, err)
+    def run(self, *arguments: str, **variables: str) -> int:
+        """Run a command to its end; gives its exit code."""
+        return self.start(*arguments, **variables).wait(timeout=300)
+
+    def told(self) -> str:
+        """What the last command wrote to stderr."""
+        return self.stderr.read_text(encoding="utf-8")
 
 
 def table(folder: Path) -> list[dict[str, str]]:
