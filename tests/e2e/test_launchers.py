@@ -112,7 +112,7 @@ def ray(tmp_path: Path) -> Iterator[tuple[dict[str, str], list[Machine]]]:
         "CORES": "1",
         "RAY_AUTH_MODE": "token",
         "RAY_AUTH_TOKEN_PATH": str(tmp_path / "token"),
-        "RAY_raylet_start_wait_time_s": "200",
+        "RAY_raylet_start_wait_time_s": "60",  # a busy machine
     }
     run(command("umask"), tmp_path, environment)
     machines: list[Machine] = []
