@@ -101,13 +101,14 @@ class StudySweeper(DrLabSweeper):
                 break
             tried |= {job.number: job for job in batch}
             standing = statuses(self.folder, batch)
-            launched, ended_early = self.launch(
-                [j for j in batch if standing[j.number].state not in (*FINAL, "failed")]
-            )
+            now, ended_early = self.launch([job for job in batch if standing[job.number].state not in ENDED])
+            standing |= now
             for job in batch:
-                self._settle(study, job, (standing | launched)[job.number])
-            failed = any((standing | launched)[job.number].state == "failed" for job in batch)
+                self._settle(study, job, standing[job.number])
+            failed = any(standing[job.number].state == "failed" for job in batch)
         self._conclude(study, ended_early)
+        if failed and self.fail_fast:
+            raise SweepError(f"A trial failed, so the study ends with {len(study)} of {self.n_trials} for now.")
 
     def _proposals(self, study: "Study", tried: Mapping[int, SweepJob]) -> "Iterator[Proposal]":
         """The next trials: first those that were begun and whose outcome is not known."""
@@ -162,6 +163,4 @@ def _overrides(values: Mapping[str, object]) -> list[str]:
 
 
 def _listed(values: Mapping[str, object]) -> str:
-    return " ".join(
-        f"{key}={value:.6g}" if isinstance(value, float) else f"{key}={value}" for key, value in values.items()
-    )
+    return " ".join(_overrides({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in values.items()}))

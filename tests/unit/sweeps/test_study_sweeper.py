@@ -77,6 +77,12 @@ def test_failed_and_pruned_trials_count(sweep: Sweep, sweeps: Sweeps, tmp_path: 
     assert states == {1: "failed", 3: "completed", 7: "pruned", 8: "pruned"}
 
 
+def test_nothing_is_proposed_after_a_failure_where_that_is_wanted(sweep: Sweep, sweeps: Sweeps, tmp_path: Path) -> None:
+    (sweeps.trouble / "fails_1").touch()
+    assert sweep(*STUDY, "value=choice(1)", "hydra.sweeper.n_trials=3", "hydra.sweeper.fail_fast=true") == 2
+    assert [row["status"] for row in table(tmp_path / "swept")] == ["failed"]
+
+
 @pytest.mark.filterwarnings("ignore::optuna.exceptions.ExperimentalWarning")
 def test_several_objectives_give_those_that_none_beats(sweep: Sweep, tmp_path: Path) -> None:
     two = (
