@@ -33,7 +33,7 @@ def _unexplained(report: Mapping[str, Any]) -> str:
         return "**Unexplained:** a gap remains that no effect of the catalogue explains."
     closes = "closes" if len(added) == 1 else "together close"
     share = percent(report.get("gap_closed"))
-    return f"**Unexplained:** {_listed(added)} {closes} {share} of the gap, too little to be the cause."
+    return f"**Unexplained:** {_listed(added)} {closes} {share} of a typical window's gap, too little to be the cause."
 
 
 def _equivalent(report: Mapping[str, Any]) -> str:

@@ -53,7 +53,7 @@ def test_each_verdict_has_its_sentence(close_report: dict[str, Any], verdict: st
 
 def test_effects_that_close_too_little_are_not_the_cause(close_report: dict[str, Any]) -> None:
     close_report |= {"verdict": "unexplained", "gap_closed": 0.47}
-    told = "**Unexplained:** `coulomb_friction@arm` closes 47 % of the gap, too little to be the cause."
+    told = "**Unexplained:** `coulomb_friction@arm` closes 47 % of a typical window's gap, too little to be the cause."
     assert told in report_markdown(close_report)
     close_report["ladder"] = close_report["ladder"][:1]
     assert "**Unexplained:** a gap remains that no effect of the catalogue explains." in report_markdown(close_report)
