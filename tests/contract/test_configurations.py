@@ -17,7 +17,7 @@ from dr_lab.errors import ConfigError
 
 FOLDERS = (shipped(),)
 NEEDS_RUN = {"from_run": "model.run", "sim2real_furuta": "run"}
-NEEDED = {"add": ["effect=coulomb_friction", "effect.joint=arm"]}
+NEEDED = {"add": ["effect=coulomb_friction", "effect.joint=arm"], "summarize": ["sweep=outputs"]}
 
 
 def experiments() -> Iterator[tuple[str, str]]:
