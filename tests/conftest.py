@@ -6,7 +6,6 @@ from recorder_samples import close_report, compare_report, furuta, look, overlay
 __all__ = ["close_report", "compare_report", "furuta", "look", "overlay"]
 
 
-@pytest.hookimpl(tryfirst=True)  # before the marks are read
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Keep the tests of a module in one process, which then makes its fixtures once; contract tests have none."""
     for item in items:
