@@ -6,9 +6,8 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
-from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.confusion import Picture
-from dr_lab.recorders.files import atomic
+from dr_lab.recorders.recording import recording_file
 
 # Rerun keeps one layout an application: every recording of a benchmark shares this one.
 APPLICATION = "dr_lab_benchmark"
@@ -27,18 +26,10 @@ def write_benchmark_review(path: Path, picture: Picture, pages: Mapping[str, str
     Raises:
         DrLabError: the folder cannot be written to.
     """
-    with atomic(path) as temporary:
-        recording = rr.RecordingStream(APPLICATION)
-        try:
-            recording.save(temporary, default_blueprint=_blueprint(pages))
-            recording.send_recording_name("benchmark")
-            root = Branch(recording)
-            (root / "confusion").static(rr.Image(picture))
-            for title, text in pages.items():
-                (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
-        finally:
-            # Also closes the file, which would otherwise lack its end.
-            recording.disconnect()
+    with recording_file(path, APPLICATION, "benchmark", _blueprint(pages)) as root:
+        (root / "confusion").static(rr.Image(picture))
+        for title, text in pages.items():
+            (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
 
 
 def _blueprint(pages: Mapping[str, str]) -> rrb.Blueprint:

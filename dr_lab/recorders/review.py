@@ -10,10 +10,10 @@ import rerun as rr
 from dr_lab.recorders.bars import log_ladder, log_ranking
 from dr_lab.recorders.blueprints import review_blueprint
 from dr_lab.recorders.branch import Branch
-from dr_lab.recorders.files import atomic
 from dr_lab.recorders.ladder import before_after, steps
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import MEASURED, Overlay
+from dr_lab.recorders.recording import recording_file
 from dr_lab.recorders.scatter import log_scatter
 from dr_lab.recorders.scene import log_bodies, log_surroundings, send_poses, thin
 from dr_lab.recorders.shape import Paint
@@ -50,17 +50,10 @@ def write_review(
     Raises:
         DrLabError: the folder cannot be written to.
     """
-    with atomic(path) as temporary:
-        recording = rr.RecordingStream(APPLICATION)
-        try:
-            recording.save(temporary, default_blueprint=review_blueprint(report, overlays, geometry, look))
-            recording.send_recording_name(_name(report))
-            _log_report(Branch(recording), report, report_md, look)
-            for overlay in overlays:
-                _log_overlay(Branch(recording), overlay, geometry, look)
-        finally:
-            # Also closes the file, which would otherwise lack its end.
-            recording.disconnect()
+    with recording_file(path, APPLICATION, _name(report), review_blueprint(report, overlays, geometry, look)) as root:
+        _log_report(root, report, report_md, look)
+        for overlay in overlays:
+            _log_overlay(root, overlay, geometry, look)
 
 
 def _name(report: Mapping[str, Any]) -> str:

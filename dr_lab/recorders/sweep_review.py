@@ -10,8 +10,8 @@ import rerun.blueprint as rrb
 
 from dr_lab.recorders import distributions, grids
 from dr_lab.recorders.branch import FRAMES, Branch, entity_path
-from dr_lab.recorders.files import atomic
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.recording import recording_file
 from dr_lab.recorders.training import Band, Grid, Marginal
 
 # Rerun keeps one layout an application: every recording of a sweep shares this one.
@@ -64,15 +64,8 @@ def write_sweep_review(path: Path, record: SweepRecord, look: Look) -> None:
     Raises:
         DrLabError: the folder cannot be written to.
     """
-    with atomic(path) as temporary:
-        recording = rr.RecordingStream(APPLICATION)
-        try:
-            recording.save(temporary, default_blueprint=_blueprint(record))
-            recording.send_recording_name(record.name)
-            _log(Branch(recording), record, look)
-        finally:
-            # Also closes the file, which would otherwise lack its end.
-            recording.disconnect()
+    with recording_file(path, APPLICATION, record.name, _blueprint(record)) as root:
+        _log(root, record, look)
 
 
 def _log(root: Branch, record: SweepRecord, look: Look) -> None:

@@ -11,9 +11,9 @@ from dr_lab.recorders import distributions, grids
 from dr_lab.recorders.branch import ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
-from dr_lab.recorders.files import atomic
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.quantity import titled
+from dr_lab.recorders.recording import recording_file
 from dr_lab.recorders.training import Curve, Grid, Marginal, Pair
 
 # Rerun keeps one layout an application: every recording of training and evaluation shares this one.
@@ -58,15 +58,8 @@ def write_training_review(path: Path, record: TrainingRecord, look: Look) -> Non
     Raises:
         DrLabError: the folder cannot be written to.
     """
-    with atomic(path) as temporary:
-        recording = rr.RecordingStream(APPLICATION)
-        try:
-            recording.save(temporary, default_blueprint=_blueprint(record, look))
-            recording.send_recording_name(record.name)
-            _log(Branch(recording), record, look)
-        finally:
-            # Also closes the file, which would otherwise lack its end.
-            recording.disconnect()
+    with recording_file(path, APPLICATION, record.name, _blueprint(record, look)) as root:
+        _log(root, record, look)
 
 
 def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
