@@ -32,7 +32,7 @@ demo: $(STAMP)  ## find what the Furuta pendulum's model lacks, add it, and prin
 	@echo "Look at it:  $(BIN)/dr-lab view"
 
 test: $(STAMP)  ## the tests, without those that take minutes
-	$(BIN)/pytest --numprocesses auto --dist loadgroup
+	$(BIN)/pytest --numprocesses auto --dist loadfile
 
 test-slow: $(STAMP)  ## the tests that take minutes
 	$(BIN)/pytest -m slow

@@ -11,10 +11,10 @@ from torch import Tensor, nn
 Activation = Literal["tanh", "relu"]
 
 _ACTIVATIONS: dict[Activation, Callable[[Tensor], Tensor]] = {"tanh": torch.tanh, "relu": torch.relu}
-# Slopes as functions of the activation's own output.
-_SLOPES: dict[Activation, Callable[[Tensor], Tensor]] = {
-    "tanh": lambda h: 1.0 - h * h,
-    "relu": lambda h: (h > 0).to(h.dtype),
+# Slope by what goes into the activation, from the slope by its output and the output.
+_BACKWARD: dict[Activation, Callable[[Tensor, Tensor], Tensor]] = {
+    "tanh": torch.ops.aten.tanh_backward.default,
+    "relu": lambda slope, h: torch.ops.aten.threshold_backward.default(slope, h, 0),
 }
 
 
@@ -43,12 +43,25 @@ class MLP(nn.Module):
     ) -> None:
         super().__init__()
         widths = [inputs, *hidden, outputs]
-        self.weights = nn.ParameterList([torch.empty(b, a) for a, b in itertools.pairwise(widths)])
-        self.biases = nn.ParameterList([torch.zeros(b) for b in widths[1:]])
-        self._activate, self._slope = _ACTIVATIONS[activation], _SLOPES[activation]
+        self._names = [(f"weight{k}", f"bias{k}") for k in range(len(widths) - 1)]
+        for (weight, bias), (a, b) in zip(self._names, itertools.pairwise(widths), strict=True):
+            self.register_parameter(weight, nn.Parameter(torch.empty(b, a)))
+            self.register_parameter(bias, nn.Parameter(torch.zeros(b)))
+        self._activate, self._backward = _ACTIVATIONS[activation], _BACKWARD[activation]
         for layer, weight in enumerate(self.weights):
             gain = last_gain if layer == len(hidden) else math.sqrt(2.0)
             nn.init.orthogonal_(weight, gain, generator=generator)
+
+    # Looked up at every use, as TorchRL puts others in their place; a `ParameterList` takes four times as long.
+    @property
+    def weights(self) -> list[nn.Parameter]:
+        """W₁ …, each of shape (outputs, inputs) of its layer."""
+        return [getattr(self, weight) for weight, _ in self._names]
+
+    @property
+    def biases(self) -> list[nn.Parameter]:
+        """b₁ …, each of shape (outputs,) of its layer."""
+        return [getattr(self, bias) for _, bias in self._names]
 
     def forward(self, x: Tensor) -> Tensor:
         """Result (…, outputs) for inputs (…, inputs)."""
@@ -57,7 +70,7 @@ class MLP(nn.Module):
     def layers(self, x: Tensor) -> list[Tensor]:
         """x, the hidden activations and the result."""
         layers = [x]
-        last = len(self.weights) - 1
+        last = len(self._names) - 1
         for k, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
             linear = nn.functional.linear(layers[-1], weight, bias)
             layers.append(linear if k == last else self._activate(linear))
@@ -74,8 +87,9 @@ class MLP(nn.Module):
             weights: where the gradients by the weights go.
             biases: where those by the biases go.
         """
-        for k in reversed(range(len(self.weights))):
+        every = self.weights
+        for k in reversed(range(len(every))):
             torch.mm(slope.t(), layers[k], out=weights[k])
             torch.sum(slope, 0, out=biases[k])
             if k:
-                slope = torch.mm(slope, self.weights[k]).mul_(self._slope(layers[k]))
+                slope = self._backward(torch.mm(slope, every[k]), layers[k])
