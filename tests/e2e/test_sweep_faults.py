@@ -62,6 +62,12 @@ def require_whole_study(folder: Path, trials: int) -> None:
     assert best["trial"] == study.best_trial.number
 
 
+def test_home_that_cannot_be_written(sweeps: Sweeps, tmp_path: Path) -> None:
+    nowhere = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"), "/proc/nothing")  # not even by root
+    assert sweeps.run("value=1,2", "seconds=0", f"hydra.sweep.dir={tmp_path / 'swept'}", **nowhere) == 0, sweeps.told()
+    assert [row["status"] for row in table(tmp_path / "swept")] == ["completed"] * 2
+
+
 def test_killed_sweep(sweeps: Sweeps, tmp_path: Path) -> None:
     kill_and_complete(sweeps, tmp_path / "killed", [0.1, 0.3], *FEW)
     rows = [(row["number"], row["folder"], row["status"], row["value"]) for row in table(tmp_path / "killed")]
