@@ -35,7 +35,7 @@ def write_benchmark_review(path: Path, picture: Picture, pages: Mapping[str, str
 def _blueprint(pages: Mapping[str, str]) -> rrb.Blueprint:
     views = [rrb.TextDocumentView(origin=rr.new_entity_path(["pages", title]), name=title) for title in pages]
     matrix = rrb.Spatial2DView(origin="confusion", name="Confusion: hidden (rows) and answered (columns)")
-    first = rrb.Horizontal(*views[:1], matrix, column_shares=[2, 3], name="Overview")
+    first = rrb.Horizontal(*views[:1], matrix, column_shares=[3, 4], name="Overview")
     return rrb.Blueprint(
         rrb.Tabs(first, *views[1:], name="Review"),
         rrb.BlueprintPanel(state="hidden"),

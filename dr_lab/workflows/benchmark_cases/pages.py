@@ -68,14 +68,14 @@ def effects_page(outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, s
                 key[0],
                 " + ".join(key[2]) or key[1],
                 f"{sum(mark(o).right for o in own)} of {len(own)}",
-                _answers(own),
                 _range([o.chi2_base for o in own]),
                 _range([o.chi2 for o in own]),
                 percent(max(errors)) if errors else ABSENT,
                 number(sum(o.cpu for o in own) / len(own), 3),
+                _answers(own),
             ]
         )
-    header = ["machine", "hidden", "right", "answered", "χ² calibrated", "χ² after", "largest error", "CPU s"]
+    header = ["machine", "hidden", "right", "χ² calibrated", "χ² after", "largest error", "CPU s", "answered"]
     return table(header, sorted(rows))
 
 
