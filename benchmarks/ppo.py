@@ -1,8 +1,9 @@
-"""PPO on Hopper-v5: wall time and final return, beside stable-baselines3.
+"""PPO on Hopper-v5: time and final return, beside stable-baselines3.
 
 Every run is a process of its own; the arms take turns, seed after seed, so that all meet the same load of the machine.
-Finished runs are kept in a file, and the same command goes on where it was interrupted. The final policy plays its most
-likely actions in gymnasium's environment.
+Beside the wall time stands the CPU time of all threads, which other work on the machine hardly changes. Finished runs
+are kept in a file, and the same command goes on where it was interrupted. The final policy plays its most likely
+actions in gymnasium's environment.
 
 sb3      stable-baselines3's PPO, its defaults, 8 environments; needs `pip install stable-baselines3`
 matched  dr_lab, algorithm=ppo_sb3: the same settings
@@ -39,42 +40,48 @@ OURS = {"matched": ["algorithm=ppo_sb3", "episodes=8"], "tuned": ["algorithm=ppo
 SLOTS = 8  # environments of stable-baselines3
 PLAYED = 20  # episodes of the final policy
 CONFIDENCE, RESAMPLES = 0.95, 2000
+CLOCKS = ("seconds", "cpu")  # of the wall, of all threads
 
 Act = Callable[[Array], Array]
 """Action for one observation."""
 
 
-def train_ours(arm: str, seed: int, frames: int) -> tuple[float, Act]:
-    """Seconds of training with dr_lab, and the policy."""
+def clocks() -> Array:
+    """Wall and CPU time in s."""
+    return np.array([time.perf_counter(), time.process_time()])
+
+
+def train_ours(arm: str, seed: int, frames: int) -> tuple[Array, Act]:
+    """Wall and CPU seconds of training with dr_lab, and the policy."""
     overrides = ["env=hopper", "randomizer=fixed", f"seed={seed}", f"frames={frames}", *OURS[arm]]
     plan: Plan = instantiate(compose("train", overrides).plan, _convert_="all")
     with tempfile.TemporaryDirectory() as folder:
         training = plan.assemble(Path(folder) / "checkpoint.pt")
-        begin = time.perf_counter()
+        begin = clocks()
         with training.collector:
             training.trainer.run(frames, lambda figures, finished: None)
-        seconds = time.perf_counter() - begin
+        spent = clocks() - begin
     policy = training.algorithm.deployed
 
     def act(observation: Array) -> Array:
         with torch.no_grad():
             return policy(torch.from_numpy(observation.astype(np.float32))[None]).numpy()[0]
 
-    return seconds, act
+    return spent, act
 
 
-def train_theirs(seed: int, frames: int) -> tuple[float, Act]:
-    """Seconds of training with stable-baselines3, and the policy."""
+def train_theirs(seed: int, frames: int) -> tuple[Array, Act]:
+    """Wall and CPU seconds of training with stable-baselines3, and the policy."""
     from stable_baselines3 import PPO  # pyright: ignore[reportMissingImports] # noqa: PLC0415 (not of this project)
     from stable_baselines3.common.env_util import (  # pyright: ignore[reportMissingImports] # noqa: PLC0415
         make_vec_env,
     )
 
     model = PPO("MlpPolicy", make_vec_env(TASK, SLOTS, seed=seed), seed=seed, device="cpu")
-    begin = time.perf_counter()
+    begin = clocks()
     model.learn(frames)
-    seconds = time.perf_counter() - begin
-    return seconds, lambda observation: model.predict(observation, deterministic=True)[0]
+    spent = clocks() - begin
+    return spent, lambda observation: model.predict(observation, deterministic=True)[0]
 
 
 def play(act: Act, seed: int) -> list[float]:
@@ -86,7 +93,7 @@ def play(act: Act, seed: int) -> list[float]:
         observation, _ = env.reset(seed=1000 * seed + episode)
         total, over = 0.0, False
         while not over:
-            observation, reward, terminated, truncated, _ = env.step(act(observation))
+            observation, reward, terminated, truncated, _ = env.step(np.clip(act(observation), -1.0, 1.0))
             total, over = total + float(reward), terminated or truncated
         returns.append(total)
     return returns
@@ -96,9 +103,9 @@ def one(arm: str, seed: int, frames: int) -> None:
     """Train, play, print the result as JSON."""
     sys.modules.setdefault("imageio", ModuleType("imageio"))  # imported by gymnasium to write videos
     torch.set_num_threads(1)  # a second thread helps no arm with networks this small
-    seconds, act = train_theirs(seed, frames) if arm == "sb3" else train_ours(arm, seed, frames)
-    returns = play(act, seed)
-    print(json.dumps({"arm": arm, "seed": seed, "frames": frames, "seconds": seconds, "returns": returns}))
+    (seconds, cpu), act = train_theirs(seed, frames) if arm == "sb3" else train_ours(arm, seed, frames)
+    row = {"arm": arm, "seed": seed, "frames": frames, "seconds": seconds, "cpu": cpu, "returns": play(act, seed)}
+    print(json.dumps(row))
 
 
 def collected(options: argparse.Namespace) -> list[dict[str, object]]:
@@ -120,12 +127,12 @@ def collected(options: argparse.Namespace) -> list[dict[str, object]]:
 
 
 def summary(rows: Sequence[dict[str, object]], arm: str) -> dict[str, float]:
-    """Median seconds, and the interquartile mean over the seeds' mean returns."""
+    """Median wall and CPU seconds, and the interquartile mean over the seeds' mean returns."""
     own = [row for row in rows if row["arm"] == arm]
     returns = np.array([np.asarray(row["returns"], float).mean() for row in own], float)
     found = iqm_interval(returns, CONFIDENCE, RESAMPLES, 0)
-    seconds = statistics.median(float(str(row["seconds"])) for row in own)
-    return {"seconds": seconds, "return": found.value, "low": found.low, "high": found.high, "worst": returns.min()}
+    spent = {clock: statistics.median(float(str(row[clock])) for row in own) for clock in CLOCKS}
+    return {**spent, "return": found.value, "low": found.low, "high": found.high, "worst": returns.min()}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -142,11 +149,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
         return
     rows = collected(options)
     figures = {arm: summary(rows, arm) for arm in options.arms.split(",")}
-    table = Table("arm", "seconds", "× faster than sb3", "return (IQM)", "interval", "worst seed")
+    table = Table("arm", "wall s", "× faster", "CPU s", "× less", "return (IQM)", "interval", "worst seed")
     for arm, each in figures.items():
-        faster = f"{figures['sb3']['seconds'] / each['seconds']:.2f}" if "sb3" in figures else "–"
+        ratios = {clock: f"{figures['sb3'][clock] / each[clock]:.2f}" if "sb3" in figures else "–" for clock in CLOCKS}
+        times = [text for clock in CLOCKS for text in (f"{each[clock]:.0f}", ratios[clock])]
         interval = f"{each['low']:.0f} … {each['high']:.0f}"
-        table.add_row(arm, f"{each['seconds']:.0f}", faster, f"{each['return']:.0f}", interval, f"{each['worst']:.0f}")
+        table.add_row(arm, *times, f"{each['return']:.0f}", interval, f"{each['worst']:.0f}")
     Console().print(table)
     print(json.dumps({"seeds": options.seeds, "frames": options.frames, **figures}))
 
