@@ -25,7 +25,7 @@ SCENE = "episode 1: return 100, arm.mass 0.1 kg"
 @pytest.fixture
 def episode(furuta: mujoco.MjModel) -> Episode:
     """Arm and pole turn evenly."""
-    time = DT * np.arange(STEPS + 1)
+    time = DT * np.arange(STEPS + 1, dtype=np.float64)
     turning = np.stack([time, 2.0 * time], axis=1)
     reward = np.linspace(0.0, 1.0, STEPS)
     context = {"arm.mass": (0.1, "kg")}
