@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.normal_equations import NormalEquations
-from dr_lab.diagnosis.point import Point, huber_weights
+from dr_lab.diagnosis.point import Point, better_start, huber_weights
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.slopes import Slopes, differences
@@ -95,6 +95,17 @@ class Fitter:
             best, weight, linear = self._linear(best, slopes)
         best, _, linear = self._linear(best, slopes)
         return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, linear, first, slopes, taken)
+
+    def begin(self, z: Array, delta: Array) -> Point:
+        """A start: in each window the given state correction, or none where that fits better.
+
+        Args:
+            z: context, shape (n,).
+            delta: state corrections that were fitted at another context, shape (w, 2 nv).
+        """
+        mean = self._point(z, np.zeros_like(delta))
+        weight = huber_weights(mean.residuals, self.replay.fitted, mean.infeasible, self.settings.huber)
+        return better_start(mean, self._point(z, delta), weight, self._precision)
 
     def _first_slopes(self, point: Point, known: Slopes | None) -> Slopes:
         if known is None:

@@ -1,6 +1,6 @@
 """A context with start states, and how well they fit."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,3 +43,40 @@ def huber_weights(residuals: Array, fitted: Mask, infeasible: Mask, limit: float
     size = np.abs(residuals)
     scale = max(1.0, _MAD_TO_STD * float(np.median(size[used]))) if used.any() else 1.0
     return np.where(used, limit * scale / np.maximum(size, limit * scale), 0.0)
+
+
+def window_costs(point: Point, weight: Array, precision: Array) -> Array:
+    """Robust cost of every window with its prior, shape (w,).
+
+    Args:
+        point: residuals and state corrections.
+        weight: Huber weights, shape (w, m).
+        precision: of the prior, shape (2 nv,).
+    """
+    return (weight * point.residuals**2).sum(1) + (precision * point.delta**2).sum(1)
+
+
+def take(point: Point, other: Point, chosen: Mask) -> Point:
+    """The point with states and residuals of the other in the chosen windows, shape (w,)."""
+    rows = chosen[:, None]
+    return replace(
+        point,
+        delta=np.where(rows, other.delta, point.delta),
+        residuals=np.where(rows, other.residuals, point.residuals),
+    )
+
+
+def better_start(mean: Point, near: Point, weight: Array, precision: Array) -> Point:
+    """In each window the prior's mean, or states from nearby where they fit better; of one context.
+
+    States that made up for what another model lacks may lie behind a barrier from the best ones.
+
+    Args:
+        mean: the prior's mean in every window.
+        near: states that were fitted under another model or context.
+        weight: Huber weights, shape (w, m).
+        precision: of the prior, shape (2 nv,).
+    """
+    worse = window_costs(mean, weight, precision) > window_costs(near, weight, precision)
+    chosen = (mean.infeasible | worse) & ~near.infeasible
+    return replace(take(mean, near, chosen), infeasible=mean.infeasible & ~chosen)

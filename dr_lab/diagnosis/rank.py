@@ -151,7 +151,7 @@ def _look(bench: Bench, base: Explained, effect: PlacedEffect, stop: Event) -> L
 
 
 def _try(bench: Bench, base: Explained, effect: PlacedEffect, first: Look, stop: Event) -> Candidate:
-    """Fit one candidate from absent and from its further starts, all from the base's solution.
+    """Fit one candidate from the base's solution and from its further starts.
 
     A short run shows whether a start away from absent is worth going on from.
     """
@@ -159,7 +159,7 @@ def _try(bench: Bench, base: Explained, effect: PlacedEffect, first: Look, stop:
     fits = [fitter.run(first.absent.z, base.fit.delta, base.fit.slopes)]
     steps = bench.solver.start_iterations * effect.effect.patience
     for start in first.starts:
-        rough = fitter.run(start, base.fit.delta, base.fit.slopes, steps)
+        rough = fitter.run(start.z, start.delta, base.fit.slopes, steps)
         if rough.order < min(f.order for f in fits):
             fits.append(fitter.run(rough.z, rough.delta))
     fit, model = min(fits, key=lambda f: f.order), fitter.replay.model

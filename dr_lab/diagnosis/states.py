@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from dr_lab.diagnosis.point import Point, huber_weights
+from dr_lab.diagnosis.point import Point, better_start, huber_weights, take, window_costs
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.slopes import differences
@@ -70,7 +70,7 @@ class _Search:
         mean = self._point(np.zeros((len(self.replay.windows), self.replay.nstate)))
         if near is None:
             return self._descend(mean, None, ~mean.infeasible)
-        first = self._start(mean, near.delta)
+        first = better_start(mean, self._point(near.delta), self._weights(mean), self.precision)
         found = self._descend(first, near.slopes, ~first.infeasible)
         poor = self._poor(found) & ~mean.infeasible
         return self._better(found, self._descend(mean, None, poor)) if poor.any() else found
@@ -85,7 +85,7 @@ class _Search:
         weight = self._weights(one)
         chosen = one.infeasible | (self._costs(other, weight) < self._costs(one, weight))
         chosen &= ~other.infeasible
-        point = replace(_take(one, other, chosen), infeasible=one.infeasible & ~chosen)
+        point = replace(take(one, other, chosen), infeasible=one.infeasible & ~chosen)
         slopes = np.where(chosen[:, None, None], other.slopes, one.slopes)
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
@@ -102,7 +102,7 @@ class _Search:
             gain = np.where(trial.infeasible, -np.inf, cost - self._costs(trial, weight))
             better = active & (gain >= 0)
             failed = active & ~better
-            point = _take(point, trial, better)
+            point = take(point, trial, better)
             damping = np.where(better, damping / settings.damping_down, damping)
             damping = np.where(failed & ~stale, damping * settings.damping_up, damping)
             renew = (failed & stale) | (better & (gain > settings.refresh * cost))
@@ -115,17 +115,6 @@ class _Search:
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
 
-    def _start(self, mean: Point, near: Array) -> Point:
-        """The prior's mean, or in each window states that are near where they fit better.
-
-        States that made up for what another model lacks may lie behind a barrier from the best ones.
-        """
-        other = self._point(near)
-        weight = self._weights(mean)
-        worse = mean.infeasible | (self._costs(mean, weight) > self._costs(other, weight))
-        chosen = worse & ~other.infeasible
-        return replace(_take(mean, other, chosen), infeasible=mean.infeasible & ~chosen)
-
     def _weights(self, point: Point) -> Array:
         return huber_weights(point.residuals, self.replay.fitted, point.infeasible, self.settings.huber)
 
@@ -137,7 +126,7 @@ class _Search:
         return differences(self.replay, self.settings, point, states=True, columns=_NO_PARAMETER)
 
     def _costs(self, point: Point, weight: Array) -> Array:
-        return (weight * point.residuals**2).sum(1) + (self.precision * point.delta**2).sum(1)
+        return window_costs(point, weight, self.precision)
 
     def _steps(self, point: Point, slopes: Array, weight: Array, damping: Array, active: NDArray[np.bool_]) -> Array:
         weighted = (slopes * weight[..., None]).transpose(0, 2, 1)
@@ -146,12 +135,3 @@ class _Search:
         diagonal = np.einsum("wii->wi", hessian)
         damped = hessian + (damping[:, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
         return np.where(active[:, None], -np.linalg.solve(damped, gradient[..., None])[..., 0], 0.0)
-
-
-def _take(point: Point, trial: Point, better: NDArray[np.bool_]) -> Point:
-    chosen = better[:, None]
-    return replace(
-        point,
-        delta=np.where(chosen, trial.delta, point.delta),
-        residuals=np.where(chosen, trial.residuals, point.residuals),
-    )

@@ -148,3 +148,15 @@ def test_the_formal_covariance_is_part_of_the_estimate() -> None:
     assert (found.std >= 0.999 * std_of(model, fit)).all()
     assert (found.std < 3 * std_of(model, fit)).all()
     assert windows.samples[0].std == NOISE
+
+
+def test_a_start_takes_in_each_window_the_better_of_given_and_expected_states() -> None:
+    model = pendulum()
+    fit = fitted(model, logs_of(model, TRUTH, 1))
+    fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1), solver_settings())
+    bent = fit.delta.copy()
+    bent[::2] += 10 * fitter.replay.windows.prior.std
+    start = fitter.begin(fit.z, bent)
+    np.testing.assert_array_equal(start.delta[::2], 0.0)
+    np.testing.assert_array_equal(start.delta[1::2], fit.delta[1::2])
+    np.testing.assert_allclose(start.residuals[1::2], fit.residuals[1::2], atol=1e-9)
