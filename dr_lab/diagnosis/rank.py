@@ -158,8 +158,9 @@ def _try(bench: Bench, base: Explained, effect: PlacedEffect, first: Look, stop:
     fitter = _fitter(bench, base, effect, stop)
     fits = [fitter.run(first.absent.z, base.fit.delta, base.fit.slopes)]
     steps = bench.solver.start_iterations * effect.effect.patience
-    for start in first.starts:
-        rough = fitter.run(start.z, start.delta, base.fit.slopes, steps)
+    for z in first.starts:
+        start = fitter.begin(z, base.fit.delta)
+        rough = fitter.run(z, start.delta, base.fit.slopes, steps)
         if rough.order < min(f.order for f in fits):
             fits.append(fitter.run(rough.z, rough.delta))
     fit, model = min(fits, key=lambda f: f.order), fitter.replay.model

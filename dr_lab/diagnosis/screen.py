@@ -1,15 +1,12 @@
 """A cheap first look at every candidate: what one linear step could gain."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dr_lab.diagnosis.fit import Fit, Fitter
 from dr_lab.diagnosis.identifiability import Identifiability, identifiability
-from dr_lab.diagnosis.point import Point
 from dr_lab.effects.effect import PlacedEffect
-from dr_lab.physics.context import ContextSpace
 from dr_lab.trajectory import Array
 
 
@@ -19,13 +16,13 @@ class Look:
 
     Attributes:
         absent: the linearised fit where the effect is absent; its slopes are the base's alone, to save memory.
-        starts: the further starts, with the base's states or, where they fit better, the prior's mean.
+        starts: contexts of the further starts, shape (n,) each.
         identifiability: what the data can say of it.
         gain: by how much the fit's cost could fall below that without the effect, by the best of these linear steps.
     """
 
     absent: Fit
-    starts: tuple[Point, ...]
+    starts: tuple[Array, ...]
     identifiability: Identifiability
     gain: float
 
@@ -34,23 +31,20 @@ def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> Look:
     """Linearise a candidate beside a converged fit of the model without it.
 
     At absent the model is the base, so the base's slopes are the candidate's; elsewhere they are near. A start costs
-    three simulations of the windows and one more for each parameter of the effect.
+    one simulation of the windows and one more for each parameter of the effect.
     """
     space = fitter.replay.model.space
     nominal = np.append(base.z, [p.nominal for p in effect.parameters])
-    absent = fitter.run(nominal, base.delta, base.slopes, iterations=0)
-    starts = tuple(fitter.begin(_moved(space, nominal, start), base.delta) for start in effect.starts)
-    fits = [absent, *(fitter.run(start.z, start.delta, base.slopes, iterations=0) for start in starts)]
+    rows = [nominal]
+    for start in effect.starts:
+        rows.append(nominal.copy())
+        for name, value in start.items():
+            rows[-1][space.index(name)] = value
+    fits = [fitter.run(z, base.delta, base.slopes, iterations=0) for z in rows]
     known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
     lowest = min(_reachable(fitter, fit) for fit in fits)
-    return Look(replace(absent, slopes=base.slopes), starts, max(known, key=lambda i: i.alone), base.cost - lowest)
-
-
-def _moved(space: ContextSpace, z: Array, values: Mapping[str, float]) -> Array:
-    moved = z.copy()
-    for name, value in values.items():
-        moved[space.index(name)] = value
-    return moved
+    absent = replace(fits[0], slopes=base.slopes)
+    return Look(absent, tuple(rows[1:]), max(known, key=lambda i: i.alone), base.cost - lowest)
 
 
 def _reachable(fitter: Fitter, fit: Fit) -> float:
