@@ -54,8 +54,9 @@ class Outcome:
 class Episodes:
     """n episodes on one `Simulator`; each slot draws its contexts and starts from a random stream of its own.
 
-    An infeasible context (it does not compile, or the simulation diverges) ends the episode; its return is then
-    `infeasible_return`, whatever was earned before.
+    An infeasible context (it does not compile, or the simulation diverges) ends the episode. Its return is then at most
+    `infeasible_return`: the last reward R − Σr takes off what was earned beyond it, and is 0 where less was earned, so
+    that divergence never pays.
 
     Args:
         model: the machine, whose parameters make up the context z.
@@ -64,7 +65,7 @@ class Episodes:
         nsim: n.
         seed: of all random draws.
         show_context: whether the policy sees z behind the task's observation, as (z − low) / (high − low).
-        infeasible_return: the return of an episode whose context is infeasible.
+        infeasible_return: R, the highest return of an episode whose context is infeasible.
         threads: C threads; None takes every core this process may use.
 
     Attributes:
@@ -160,7 +161,7 @@ class Episodes:
         if failed.any():
             self.infeasible += int(failed.sum())
             observation[failed] = self.observation[failed]
-            reward = np.where(failed, self._infeasible_return - self._returns, reward)
+            reward = np.where(failed, np.minimum(self._infeasible_return - self._returns, 0.0), reward)
             terminated = terminated | failed
         self._steps += 1
         self._returns += reward

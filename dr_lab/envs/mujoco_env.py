@@ -32,7 +32,7 @@ class MujocoEnv(EnvBase):
         nenv: n.
         seed: of all random draws.
         show_context: whether the policy sees z.
-        infeasible_return: return of an episode whose context is infeasible.
+        infeasible_return: highest return of an episode whose context is infeasible.
         threads: C threads; None takes every core this process may use.
 
     Attributes:

@@ -18,7 +18,7 @@ class Setting:
         model: the machine; its parameters make up the context.
         task: what it is to do.
         show_context: whether the policy sees the context.
-        infeasible_return: return of an episode whose context is infeasible.
+        infeasible_return: highest return of an episode whose context is infeasible; to be below what others return.
     """
 
     name: str

@@ -188,7 +188,7 @@ def test_infeasible_contexts_end_with_the_declared_return_and_stop_nobody() -> N
 
 
 def test_divergence_ends_with_the_declared_return_and_stops_nobody() -> None:
-    episodes = begun(setting("hopper"))
+    episodes = begun(setting("hopper", "env.infeasible_return=0"))
     earned = episodes.step(np.zeros((3, 3))).reward
     before = episodes.observation
     episodes.simulator.batch.bind("qvel")[1, 0] = 1e12
@@ -197,6 +197,32 @@ def test_divergence_ends_with_the_declared_return_and_stops_nobody() -> None:
     assert earned[1] + outcome.reward[1] == pytest.approx(0.0)
     np.testing.assert_array_equal(outcome.observation[1], before[1])
     assert np.isfinite(outcome.observation).all()
+
+
+def test_divergence_pays_nothing_where_all_rewards_are_negative() -> None:
+    episodes = begun(setting("cartpole", "env.infeasible_return=0"))
+    earned = episodes.step(np.zeros((3, 1))).reward
+    assert (earned < 0.0).all()
+    episodes.simulator.batch.bind("qvel")[1, 0] = 1e12
+    outcome = episodes.step(np.zeros((3, 1)))
+    assert list(outcome.terminated) == [False, True, False]
+    assert outcome.reward[1] == 0.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_feasible_episodes_return_more_than_infeasible_ones(name: str) -> None:
+    of = setting(name)
+    episodes, rng = begun(of, nenv=4), np.random.default_rng(0)
+    going, returns = np.ones(4, bool), np.zeros(4)
+    for _ in range(of.task.time_limit):
+        push = np.where(rng.random((4, len(episodes.low))) < 0.5, episodes.low, episodes.high)
+        push[0] = 0.0
+        outcome = episodes.step(push)
+        returns[going] += outcome.reward[going]
+        going = going & ~outcome.done
+        if not going.any():
+            break
+    assert (returns > of.infeasible_return).all()
 
 
 @pytest.mark.parametrize("context", [ALL_THREE, BY_FIELD], ids=["by_compilation", "by_field"])
