@@ -50,7 +50,7 @@ class PointCollector(Collector):
         terminated, truncated = np.abs(self.x) > 2.0, self.age >= LIMIT
         done = terminated | truncated
         after = {"observation": column(self.x), "context": context, "reward": column(1.0 - self.x**2)}
-        flags = {"terminated": terminated, "truncated": truncated, "done": done}
+        flags = {"terminated": terminated, "truncated": truncated, "done": done, "infeasible": np.zeros_like(done)}
         after |= {key: torch.from_numpy(flag.copy())[:, None] for key, flag in flags.items()}
         self._begin(done)
         shape = [len(done)]

@@ -60,6 +60,6 @@ def _geometry(model: Model, z: Array) -> mujoco.MjModel:
 
 
 def _ending(last: Step, slot: int) -> Literal["terminated", "truncated", "infeasible"]:
-    if last.infeasible[slot]:
+    if last.outcome.infeasible[slot]:
         return "infeasible"
     return "terminated" if last.outcome.terminated[slot] else "truncated"

@@ -20,13 +20,11 @@ class Step:
         going: slots whose episode had not ended before, shape (n,).
         action: as the policy gave it, shape (n, nu).
         outcome: what it led to.
-        infeasible: slots whose context does not compile or diverged, shape (n,).
     """
 
     going: Flags
     action: Array
     outcome: Outcome
-    infeasible: Flags
 
 
 def begin(episodes: Episodes, z: Array) -> None:
@@ -46,7 +44,7 @@ def play(episodes: Episodes, policy: Policy, count: int) -> Iterator[Step]:
         with torch.no_grad():
             action = policy(torch.from_numpy(episodes.observation.astype(np.float32))).numpy()
         outcome = episodes.step(action)
-        yield Step(going, action, outcome, episodes.simulator.infeasible)
+        yield Step(going, action, outcome)
         going = going & ~outcome.done
 
 
@@ -81,5 +79,5 @@ class PolicyRollouts:
         begin(self._episodes, z)
         for step in play(self._episodes, self._policy, len(z)):
             returns[step.going] += step.outcome.reward[step.going]
-            returns[step.going & step.infeasible] = np.nan
+            returns[step.going & step.outcome.infeasible] = np.nan
         return returns[: len(z)]

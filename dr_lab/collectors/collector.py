@@ -32,8 +32,8 @@ class Collector(ABC):
 
     A batch has size [n, steps], time along the second dimension, and the keys ``observation``, ``context``, ``action``,
     ``action_log_prob`` (n, steps) where the policy is stochastic, and under ``next`` ``observation``, ``context``,
-    ``reward``, ``done``, ``terminated``, ``truncated``. Where an episode ended, ``("next", "observation")`` is its own
-    last observation, and the row after it begins another.
+    ``reward``, ``done``, ``terminated``, ``truncated``, ``infeasible`` (the context is, which terminates). Where an
+    episode ended, ``("next", "observation")`` is its own last observation, and the row after it begins another.
     """
 
     def __iter__(self) -> Iterator[TensorDict]:

@@ -35,7 +35,7 @@ class LeanCollector(Collector):
             "observation": np.empty_like(self._now["observation"]),
             "reward": np.empty((*shape, 1), np.float32),
         }
-        self._next |= {key: np.empty((*shape, 1), bool) for key in ("done", "terminated", "truncated")}
+        self._next |= {key: np.empty((*shape, 1), bool) for key in ("done", "terminated", "truncated", "infeasible")}
 
     def state_dict(self) -> dict[str, Any]:
         """The episodes."""
@@ -65,6 +65,7 @@ class LeanCollector(Collector):
         then["observation"][t] = outcome.observation
         then["reward"][t, :, 0] = outcome.reward
         then["terminated"][t, :, 0], then["truncated"][t, :, 0] = outcome.terminated, outcome.truncated
+        then["infeasible"][t, :, 0] = outcome.infeasible
         then["done"][t, :, 0] = done = outcome.done
         if done.any():
             episodes.begin(np.flatnonzero(done))

@@ -38,12 +38,14 @@ class Outcome:
         reward: shape (n,).
         terminated: the episode came to its end, shape (n,).
         truncated: it was cut by the time limit, shape (n,).
+        infeasible: it came to its end because its context is infeasible, shape (n,).
     """
 
     observation: Array
     reward: Array
     terminated: Flags
     truncated: Flags
+    infeasible: Flags
 
     @property
     def done(self) -> Flags:
@@ -166,7 +168,7 @@ class Episodes:
         self._steps += 1
         self._returns += reward
         self.observation, self._marker = observation, marker
-        return Outcome(observation, reward, terminated, self._steps >= self.task.time_limit)
+        return Outcome(observation, reward, terminated, self._steps >= self.task.time_limit, failed)
 
     def state_dict(self) -> dict[str, Any]:
         """All that the episodes' future depends on."""

@@ -16,14 +16,15 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 _DONE = ("done", "terminated", "truncated")
+_FLAGS = (*_DONE, "infeasible")
 
 
 class MujocoEnv(EnvBase):
     """n episodes of a task as one TorchRL environment of batch size [n].
 
     Keys: ``observation`` (n, o) and ``context`` (n, parameters; SI units) of float32, ``action`` (n, nu) in the
-    actuators' unit, ``reward`` (n, 1), ``done``, ``terminated``, ``truncated`` (n, 1). A reset of some slots touches no
-    other. See `Episodes` for contexts, streams and what infeasible contexts lead to.
+    actuators' unit, ``reward`` (n, 1), ``done``, ``terminated``, ``truncated``, ``infeasible`` (n, 1). A reset of some
+    slots touches no other. See `Episodes` for contexts, streams and what infeasible contexts lead to.
 
     Args:
         model: the machine.
@@ -73,7 +74,7 @@ class MujocoEnv(EnvBase):
     def current(self) -> TensorDict:
         """What the policy sees now of the running episodes."""
         root = {"observation": single(self.episodes.observation), "context": self._context}
-        return self._tensordict({**root, **dict.fromkeys(_DONE, self._never)})
+        return self._tensordict({**root, **dict.fromkeys(_FLAGS, self._never)})
 
     def state_dict(self, *args: Any, **kwargs: Any) -> dict[str, Any]:  # noqa: ANN401 (torch's signature)
         """All that the episodes' future depends on."""
@@ -94,14 +95,15 @@ class MujocoEnv(EnvBase):
     def _make_specs(self) -> None:
         episodes = self.episodes
         n, width = episodes.observation.shape
+        one = torch.Size((n, 1))
         self.observation_spec = Composite(
             observation=Unbounded(torch.Size((n, width)), dtype=torch.float32),
             context=Unbounded(torch.Size(episodes.contexts.shape), dtype=torch.float32),
+            infeasible=Binary(shape=one, dtype=torch.bool),  # beside done, which TorchRL would take as another end
             shape=(n,),
         )
         low, high = (single(bound).expand(n, -1) for bound in (episodes.low, episodes.high))
         self.action_spec = Bounded(low, high, dtype=torch.float32)
-        one = torch.Size((n, 1))
         self.reward_spec = Unbounded(one, dtype=torch.float32)
         self.full_done_spec = Composite({key: Binary(shape=one, dtype=torch.bool) for key in _DONE}, shape=(n,))
 
@@ -125,7 +127,7 @@ class MujocoEnv(EnvBase):
             self._begin(ended)
             return tensordict, self.current()
         kept = {"observation": after.get("observation"), "context": self._context}
-        return tensordict, self._tensordict({**kept, **dict.fromkeys(_DONE, self._never)})
+        return tensordict, self._tensordict({**kept, **dict.fromkeys(_FLAGS, self._never)})
 
     def _begin(self, rows: np.ndarray) -> None:
         self.episodes.begin(rows)
@@ -136,9 +138,7 @@ class MujocoEnv(EnvBase):
             "observation": single(outcome.observation),
             "context": self._context,
             "reward": single(outcome.reward[:, None]),
-            "done": torch.from_numpy(outcome.done[:, None]),
-            "terminated": torch.from_numpy(outcome.terminated[:, None]),
-            "truncated": torch.from_numpy(outcome.truncated[:, None]),
+            **{flag: torch.from_numpy(getattr(outcome, flag)[:, None]) for flag in _FLAGS},
         }
         return self._tensordict(values)
 

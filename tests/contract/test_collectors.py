@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 import torch
 from settings import setting
@@ -15,7 +16,7 @@ NENV, STEPS = 3, 40
 Kind = Callable[..., Collector]
 KINDS: list[Kind] = [LeanCollector, TorchRLCollector]
 LAYOUT = {"observation", "context", "action", "action_log_prob"} | {
-    ("next", key) for key in ("observation", "context", "reward", "done", "terminated", "truncated")
+    ("next", key) for key in ("observation", "context", "reward", "done", "terminated", "truncated", "infeasible")
 }
 
 
@@ -67,6 +68,18 @@ def test_the_row_after_an_end_begins_anew_and_others_go_on(kind: Kind) -> None:
     assert batch["next", "truncated"].any()
     assert torch.equal(now[~done], then[~done])
     assert (now[done] != then[done]).any(-1).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_ended_because_its_context_is_infeasible_is_told(kind: Kind) -> None:
+    env = setting("hopper", "env/context=hopper/torso_size").make(None, NENV, 0, threads=1)
+    env.set_contexts(np.array([[0.05], [-0.02], [0.05]]))  # the second does not compile
+    env.reset()
+    with kind(env, Gaussian(11, 3), 4) as one:
+        batch = next(one)
+    assert batch["next", "infeasible"][..., 0].tolist() == [[False] * 4, [True] * 4, [False] * 4]
+    for key in ("terminated", "done"):
+        assert batch["next", key][1].all()
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -15,14 +15,15 @@ class WorstEpisodes(Selection):
     """Keeps the share ε of episodes with the lowest discounted return: a policy for the worst contexts.
 
     An episode that goes on beyond the batch counts with what it earned so far, earlier batches included, and with the
-    value of where it is; so batches need not hold whole episodes.
+    value of where it is; so batches need not hold whole episodes. An episode whose context turns out infeasible is none
+    of them: its return is declared, below all others, and there is nothing to be learnt from it.
 
     Source: Rajeswaran et al. 2017 (EPOpt), algorithm 1, which collects whole episodes instead.
 
     Args:
         gamma: discount per control step.
-        epsilon: ε in (0, 1]; 1 keeps all.
-        warm_up: first batches of which all is kept, so that there is something to lose.
+        epsilon: ε in (0, 1]; 1 keeps all that are feasible.
+        warm_up: first batches of which all feasible episodes are kept, so that there is something to lose.
 
     Raises:
         ConfigError: a number is out of its range.
@@ -40,17 +41,18 @@ class WorstEpisodes(Selection):
         self._earned = torch.zeros(1)
         self._discount = torch.ones(1)
 
-    def __call__(self, reward: Tensor, done: Tensor, next_value: Tensor) -> Tensor:
-        """The steps of the worst episodes, shape (n, steps)."""
-        returns, last = self._returns(reward, done, next_value)
+    def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor, next_value: Tensor) -> Tensor:
+        """The steps of the worst feasible episodes, shape (n, steps)."""
+        returns, last = self._returns(reward, done, infeasible, next_value)
         self._batches += 1
-        if self._batches <= self.warm_up:
-            return torch.ones_like(done)
-        each = returns[last].sort().values
+        feasible = returns.isfinite()
+        if self._batches <= self.warm_up or not feasible.any():
+            return feasible
+        each = returns[last & feasible].sort().values
         return returns <= each[ceil(self.epsilon * len(each)) - 1]
 
-    def _returns(self, reward: Tensor, done: Tensor, next_value: Tensor) -> tuple[Tensor, Tensor]:
-        """At every step the return of its whole episode, and which steps are an episode's last in the batch."""
+    def _returns(self, reward: Tensor, done: Tensor, infeasible: Tensor, next_value: Tensor) -> tuple[Tensor, Tensor]:
+        """At every step the return of its whole episode, ∞ where infeasible, and which are an episode's last here."""
         n, steps = reward.shape
         earned, discount = self._earned.expand(n).clone(), self._discount.expand(n).clone()
         returns = torch.empty_like(reward)
@@ -63,6 +65,7 @@ class WorstEpisodes(Selection):
         last = done.clone()
         last[:, -1] = True
         returns[:, -1] += torch.where(done[:, -1], 0.0, discount * next_value[:, -1])
+        returns[infeasible] = torch.inf
         for t in reversed(range(steps - 1)):
             returns[:, t] = torch.where(done[:, t], returns[:, t], returns[:, t + 1])
         return returns, last

@@ -122,7 +122,7 @@ class PPO(Algorithm):
             advantage,
             advantage + value,
         )
-        kept = self.selection(reward, done, next_value)
+        kept = self.selection(reward, done, batch["next", "infeasible"].squeeze(-1), next_value)
         return Samples(*(field[kept] for field in fields))
 
     def _fit(self, samples: Samples, share: float) -> Mapping[str, float]:

@@ -19,12 +19,13 @@ class Selection(ABC):
         self.gamma = gamma
 
     @abstractmethod
-    def __call__(self, reward: Tensor, done: Tensor, next_value: Tensor) -> Tensor:
+    def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor, next_value: Tensor) -> Tensor:
         """Which are learnt from, shape (n, steps).
 
         Args:
             reward: shape (n, steps), as all that follows.
             done: whether the episode ended.
+            infeasible: whether it ended because its context is infeasible.
             next_value: V of the episode's own next observation.
         """
 
@@ -40,9 +41,9 @@ class Selection(ABC):
 class EveryStep(Selection):
     """All of them."""
 
-    def __call__(self, reward: Tensor, done: Tensor, next_value: Tensor) -> Tensor:
+    def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor, next_value: Tensor) -> Tensor:
         """True everywhere."""
-        del reward, next_value
+        del reward, infeasible, next_value
         return torch.ones_like(done)
 
     def state_dict(self) -> dict[str, Any]:

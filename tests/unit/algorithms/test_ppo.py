@@ -1,10 +1,13 @@
 """PPO finds the optimum of the point mass, continues exactly, and keeps to its limits."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import torch
 from point_mass import PointCollector, best, mean_reward, ppo, ppo_arguments
 
+from dr_lab.algorithms.epopt.worst_episodes import WorstEpisodes
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.reward_scale import RawRewards, RunningRewardScale
 from dr_lab.errors import ConfigError
@@ -51,6 +54,15 @@ def test_the_actor_rests_beyond_its_divergence_and_the_critic_goes_on() -> None:
         algorithm.update(next(PointCollector(algorithm.policies["policy"])))
     assert held.critic_adam.state_dict()["steps"] == free.critic_adam.state_dict()["steps"]
     assert held.actor_adam.state_dict()["steps"] == free.actor_adam.state_dict()["steps"] / 8
+
+
+def test_what_is_not_selected_is_not_learnt_from() -> None:
+    algorithm = PPO(**ppo_arguments(selection=partial(WorstEpisodes, epsilon=1.0, warm_up=0)))
+    batch = next(PointCollector(algorithm.policies["policy"]))
+    batch["next", "infeasible"][3] = batch["next", "done"][3]
+    kept = algorithm.samples(batch)
+    assert len(kept.target) == batch.numel() - batch[3].numel()
+    assert torch.equal(kept.action[90:120], algorithm.actor.unit(batch["action"][4]))
 
 
 def test_rates_fall_in_a_line() -> None:
