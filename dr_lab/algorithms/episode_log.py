@@ -20,11 +20,24 @@ class Finished:
         context: z, shape (k, n).
         returns: undiscounted, shape (k,).
         lengths: control steps, shape (k,).
+        infeasible: whether an infeasible context ended the episode, shape (k,).
     """
 
     context: Array
     returns: Array
     lengths: NDArray[np.int64]
+    infeasible: NDArray[np.bool_]
+
+    def figures(self) -> dict[str, float]:
+        """How many there are, and the mean return and length of the feasible ones; NaN where none is."""
+        feasible = ~self.infeasible
+        known = feasible.any()
+        return {
+            "episodes": float(len(feasible)),
+            "episode_return": float(self.returns[feasible].mean()) if known else np.nan,
+            "episode_length": float(self.lengths[feasible].mean()) if known else np.nan,
+            "infeasible_episodes": float(self.infeasible.sum()),
+        }
 
 
 class EpisodeLog:
@@ -45,6 +58,7 @@ class EpisodeLog:
         """
         reward = cast(Tensor, batch["next", "reward"]).squeeze(-1).double().numpy()
         done = cast(Tensor, batch["next", "done"]).squeeze(-1).numpy()
+        infeasible = cast(Tensor, batch["next", "infeasible"]).squeeze(-1).numpy()
         context = cast(Tensor, batch["context"]).double().numpy()
         if len(self._returns) == 0:
             self._returns, self._lengths = np.zeros(len(reward)), np.zeros(len(reward), np.int64)
@@ -57,7 +71,8 @@ class EpisodeLog:
             returns.append(self._returns[ended])
             lengths.append(self._lengths[ended])
             self._returns[ended], self._lengths[ended] = 0.0, 0
-        return Finished(np.concatenate(contexts), np.concatenate(returns), np.concatenate(lengths))
+        of_ended = infeasible.T[done.T]  # as the others: in the order of time, then of slots
+        return Finished(np.concatenate(contexts), np.concatenate(returns), np.concatenate(lengths), of_ended)
 
     def state_dict(self) -> dict[str, Any]:
         """What is known of the episodes that go on."""

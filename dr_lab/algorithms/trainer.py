@@ -5,8 +5,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
-import numpy as np
-
 from dr_lab.algorithms.algorithm import Algorithm
 from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.algorithms.episode_log import EpisodeLog, Finished
@@ -125,9 +123,7 @@ class Trainer(Generic[R]):
             "iteration": float(len(self.history) + 1),
             "frames": float(self.frames + batch.numel()),
             "seconds": before + time.monotonic() - begin,
-            "episodes": float(len(finished.returns)),
-            "episode_return": float(np.mean(finished.returns)) if len(finished.returns) else np.nan,
-            "episode_length": float(np.mean(finished.lengths)) if len(finished.lengths) else np.nan,
+            **finished.figures(),
             **learnt,
             **shaped,
         }

@@ -152,6 +152,7 @@ class Episodes:
             action: in the actuators' unit, shape (n, nu); what lies outside of the bounds is cut off.
         """
         action = np.clip(action, self.low, self.high)
+        counted = self.simulator.infeasible & (self._steps > 0)  # such slots have ended and were not begun anew
         self.simulator.step(action, self.task.frame_skip)
         if self._forces is not None:
             self._forces.update()
@@ -161,7 +162,7 @@ class Episodes:
         reward = self.task.reward(Change(self._marker, marker, fields, terminated, action, self.seconds))
         failed = self.simulator.infeasible
         if failed.any():
-            self.infeasible += int(failed.sum())
+            self.infeasible += int((failed & ~counted).sum())
             observation[failed] = self.observation[failed]
             reward = np.where(failed, np.minimum(self._infeasible_return - self._returns, 0.0), reward)
             terminated = terminated | failed

@@ -107,9 +107,6 @@ def _report(
     training: Training, snapshots: Snapshots, env: Setting, episodes: Sequence[Episode], run_dir: Path
 ) -> dict[str, Any]:
     history = training.trainer.history
-    last = history[-max(1, round(_LAST * len(history))) :]
-    count = sum(row["episodes"] for row in last)
-    total = sum(row["episodes"] * row["episode_return"] for row in last if row["episodes"])
     z = training.randomizer.sample([np.random.default_rng(0)] * 1000)
     context = {
         p.name: {"unit": p.unit, "low": p.low, "high": p.high, "mean": column.mean(), "std": column.std()}
@@ -126,13 +123,31 @@ def _report(
         "iterations": len(history),
         "frames": training.trainer.frames,
         "seconds": history[-1]["seconds"],
-        "final_return": total / count if count else None,
+        "final_return": final_return(history),
+        "infeasible_episodes": int(sum(map(_infeasible, history))),
         "final": history[-1],
         "context": context,
         "episodes": described(episodes),
         "checkpoint": CHECKPOINT,
         "run": run_dir,
     }
+
+
+def final_return(history: Sequence[Mapping[str, float]]) -> float | None:
+    """Mean return of the feasible episodes that ended in the last tenth of the iterations; None where none did.
+
+    Args:
+        history: figures of every iteration by name.
+    """
+    last = history[-max(1, round(_LAST * len(history))) :]
+    feasible = [(row["episodes"] - _infeasible(row), row["episode_return"]) for row in last]
+    known = [(count, value) for count, value in feasible if count]
+    return sum(count * value for count, value in known) / sum(count for count, _ in known) if known else None
+
+
+def _infeasible(row: Mapping[str, float]) -> float:
+    """Number of infeasible episodes; a checkpoint of an earlier version counts them among the others."""
+    return row.get("infeasible_episodes", 0.0)
 
 
 def _page(report: Mapping[str, Any]) -> str:
@@ -143,6 +158,8 @@ def _page(report: Mapping[str, Any]) -> str:
         f"{report['frames']} control steps in {report['seconds']:.0f} s, {report['iterations']} iterations. "
         + ("No episode ended." if value is None else f"Mean return of the last episodes: {value:.1f}."),
     ]
+    if report["infeasible_episodes"]:
+        lines += ["", f"Episodes in infeasible contexts, which no mean return counts: {report['infeasible_episodes']}."]
     if report["context"]:
         lines += ["", "| parameter | mean | std | unit |", "|---|---|---|---|"]
         lines += [f"| {k} | {c['mean']:.4g} | {c['std']:.3g} | {c['unit']} |" for k, c in report["context"].items()]
@@ -178,7 +195,9 @@ def _progress(frames: int, done: int) -> Iterator[Watch]:
         task = bar.add_task("Training", total=frames, completed=done)
 
         def show(figures: Mapping[str, float], finished: Finished) -> None:
-            label = f"return {finished.returns.mean():.1f}" if len(finished.returns) else "no episode ended"
+            del finished
+            value = figures["episode_return"]
+            label = "no episode ended" if np.isnan(value) else f"return {value:.1f}"
             bar.update(task, completed=figures["frames"], description=f"Training: {label}")
 
         yield show

@@ -181,6 +181,7 @@ def test_infeasible_contexts_end_with_the_declared_return_and_stop_nobody() -> N
     outcome = episodes.step(np.zeros((3, 3)))
     assert list(outcome.terminated) == [False, True, True]
     np.testing.assert_array_equal(outcome.reward[1:], -7.0)
+    episodes.step(np.zeros((3, 3)))  # what has ended is not counted again
     assert episodes.infeasible == 2
     episodes.give_contexts(np.full((3, 1), 0.05))
     episodes.begin(np.array([1, 2]))

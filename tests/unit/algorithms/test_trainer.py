@@ -118,6 +118,19 @@ def test_episodes_are_followed_from_batch_to_batch() -> None:
     torch.testing.assert_close(torch.from_numpy(whole.returns[: len(first)]).float(), first)
 
 
+def test_infeasible_episodes_are_counted_and_averaged_over_by_nothing() -> None:
+    batch = next(PointCollector(ppo().policies["policy"], n=3, steps=LIMIT))
+    batch["next", "infeasible"][0] = batch["next", "done"][0]
+    finished = EpisodeLog().take(batch)
+    assert finished.infeasible.tolist() == [True, False, False]
+    figures = finished.figures()
+    assert (figures["episodes"], figures["infeasible_episodes"], figures["episode_length"]) == (3.0, 1.0, LIMIT)
+    assert figures["episode_return"] == pytest.approx(float(finished.returns[1:].mean()))
+    figures = EpisodeLog().take(batch[:1]).figures()
+    assert (figures["episodes"], figures["infeasible_episodes"]) == (1.0, 1.0)
+    assert math.isnan(figures["episode_return"])
+
+
 def test_checkpoints_hold_arrays_and_refuse_code(tmp_path: Path) -> None:
     state = {
         "rng": np.random.default_rng(0).bit_generator.state,

@@ -14,7 +14,7 @@ from dr_lab.algorithms.checkpoint import load
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.folders import shipped
 from dr_lab.errors import ConfigError, DataError
-from dr_lab.workflows.train import metrics_csv, train
+from dr_lab.workflows.train import final_return, metrics_csv, train
 
 OVERRIDES = [
     "env=cartpole",
@@ -67,6 +67,23 @@ def test_a_batch_smaller_than_the_slots_is_told(tmp_path: Path) -> None:
         run(tmp_path / "run", "algorithm.batch_frames=7")
     with pytest.raises(InstantiationException, match=r"train\.frames is 0"):  # which the command line unwraps
         run(tmp_path / "none", "frames=0")
+
+
+def test_infeasible_episodes_are_told_and_no_part_of_the_final_return(tmp_path: Path) -> None:
+    sizes = ["env=hopper", "env/context=hopper/torso_size", "env.task.time_limit=20", "randomizer=uniform"]
+    report = run(tmp_path / "run", *sizes, "env.infeasible_return=-1e6", "frames=160", "recorder.episodes=1")
+    (row,) = rows_of(tmp_path / "run" / "metrics.csv")
+    assert report["infeasible_episodes"] == int(row["infeasible_episodes"]) > 0
+    assert abs(float(row["episode_return"])) < 100.0
+    assert "Episodes in infeasible contexts" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
+
+
+def test_the_final_return_is_that_of_the_last_feasible_episodes() -> None:
+    first = {"episodes": 9.0, "episode_return": 50.0, "infeasible_episodes": 0.0}
+    rows = [first] * 18 + [first | {"episode_return": 1.0, "infeasible_episodes": 8.0}] + [first]
+    assert final_return(rows) == pytest.approx((1.0 + 9 * 50.0) / 10)
+    none = {"episodes": 3.0, "episode_return": math.nan, "infeasible_episodes": 3.0}
+    assert final_return([none]) is None
 
 
 def test_metrics_leave_out_what_is_unknown() -> None:
