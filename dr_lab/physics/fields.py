@@ -12,6 +12,7 @@ from dr_lab.physics.target import FieldEdit
 from dr_lab.trajectory import Array
 
 Columns = NDArray[np.intp]
+_INERTIAL = ("body_mass", "body_inertia")
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,9 @@ class _Pass:
 class FieldContexts:
     """Writes contexts z as per-simulation fields of a `Batch`, from the nominal values every time.
 
+    A compiler refuses a body that can move but has, together with what is welded to it, no mass or inertia of at least
+    `mujoco.mjMINVAL`; so do these, where it is among what is written.
+
     Attributes:
         needs_constants: whether derived constants must be recomputed (`Batch.set_const`) after a write.
     """
@@ -45,6 +49,8 @@ class FieldContexts:
         self._passes = {
             name: _passes([each for each in edits if each[1].field == name], _field(compiled, name)) for name in names
         }
+        self._nominal = model.space.nominal
+        self._moving = _moving(compiled, [edit for _, edit, _ in edits])
         self.needs_constants = any(n in mujoco.MjModel._setconst_inputs or n.startswith("opt.") for n in names)
 
     @staticmethod
@@ -57,8 +63,21 @@ class FieldContexts:
             p.nominal != 0 for p in relative
         )
 
-    def write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> None:
-        """Write contexts z, shape (len(ids), n), into the simulations `ids`."""
+    def write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Write contexts z, shape (len(ids), n), into the simulations `ids`.
+
+        Returns:
+            Which of them are impossible, shape (len(ids),); those got the nominal values.
+        """
+        self._write(batch, z, ids)
+        impossible = self._impossible(batch, ids)
+        if impossible.any():
+            self._write(batch, np.tile(self._nominal, (impossible.sum(), 1)), ids[impossible])
+        if self.needs_constants:
+            batch.set_const(ids)
+        return impossible
+
+    def _write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> None:
         rows = ids[:, None]
         for name, passes in self._passes.items():
             field = batch.expand(name).reshape(batch.nsim, -1)
@@ -67,8 +86,21 @@ class FieldContexts:
                 if each.onto is not None:
                     value = np.where(each.onto, field[rows, each.entries] * value, value)
                 field[rows, each.entries] = value
-        if self.needs_constants:
-            batch.set_const(ids)
+
+    def _impossible(self, batch: Batch, ids: NDArray[np.intp]) -> NDArray[np.bool_]:
+        found = np.zeros(len(ids), bool)
+        if self._moving:
+            mass, inertia = (batch.expand(name)[ids] for name in _INERTIAL)
+            least = np.minimum(mass, inertia.min(axis=2))
+            for welded in self._moving:
+                found |= ~(least[:, welded].max(axis=1) >= mujoco.mjMINVAL)  # not <, for NaN is impossible too
+        return found
+
+
+def _moving(compiled: mujoco.MjModel, edits: list[FieldEdit]) -> list[Columns]:
+    """The bodies that can move and whose mass or inertia is edited, each with those welded to it."""
+    edited = {compiled.body_weldid[edit.index[0]] for edit in edits if edit.field in _INERTIAL}
+    return [np.flatnonzero(compiled.body_weldid == body) for body in edited if compiled.body_dofnum[body]]
 
 
 def _passes(edits: list[tuple[int, FieldEdit, float]], nominal: Array) -> list[_Pass]:

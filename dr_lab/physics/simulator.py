@@ -54,7 +54,7 @@ class Simulator:
 
     Contexts enter as per-simulation fields where every parameter is one, else as recompiled models; both start from
     the nominal model, so nothing accumulates. Where effects act through laws, steps are taken one by one. A context
-    that does not compile, or a simulation that diverges, is marked infeasible and never stops the others.
+    that does not compile, or would not, or a simulation that diverges, is marked infeasible and never stops the others.
 
     Args:
         model: the model with its effects.
@@ -94,7 +94,7 @@ class Simulator:
         """Give simulations their contexts; z shape (len(ids), n), all simulations when `ids` is None."""
         rows = np.arange(self.nsim) if ids is None else ids
         if self._fields is not None:
-            self._fields.write(self.batch, z, rows)
+            self._uncompiled[rows] = self._fields.write(self.batch, z, rows)
             return
         unique, which = np.unique(z, axis=0, return_inverse=True)
         compiled = [self._compile(row) for row in unique]

@@ -87,6 +87,32 @@ def test_infeasible_contexts_are_marked_and_stop_nobody() -> None:
     np.testing.assert_array_equal(rollout.infeasible, [True, False])
 
 
+@pytest.mark.parametrize("value", [0.0, -0.3, 1e-16, np.nan])
+@pytest.mark.parametrize("target", ["body.arm.mass", "body.arm.inertia_scale"])
+def test_a_body_without_inertia_is_as_infeasible_by_field_as_by_compilation(target: str, value: float) -> None:
+    parameter = {"inertia": {"target": target, "unit": "1", "low": 0.1, "high": 2.0}}
+    by_field, by_model = Simulator(toy(parameter), 3), Simulator(toy(parameter | SIZE), 3)
+    for simulator, rest in ((by_field, []), (by_model, [0.05])):
+        simulator.set_contexts(np.array([[1.0, *rest], [value, *rest], [0.5, *rest]]))
+        simulator.reset()
+        simulator.step(np.ones((3, 2)))
+        np.testing.assert_array_equal(simulator.infeasible, [False, True, False])
+        assert (simulator.batch.warning[:, :, 1] == 0).all()  # what it got instead is harmless
+        simulator.set_contexts(np.array([[0.7, *rest]]), np.array([1]))
+        assert not simulator.infeasible.any()
+
+
+def test_what_is_welded_to_a_massless_body_carries_it() -> None:
+    heavy = '<inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/>'
+    xml = f"""<mujoco><worldbody><body name="rotor">{heavy}<joint name="hinge"/><body name="load">{heavy}</body></body>
+      <body name="stand">{heavy}</body></worldbody></mujoco>"""
+    names = ("rotor", "load", "stand")
+    parameters = {name: {"target": f"body.{name}.mass", "unit": "kg", "low": 0.0, "high": 3.0} for name in names}
+    simulator = Simulator(from_spec("welded", mujoco.MjSpec.from_string(xml), parameters), 4)
+    simulator.set_contexts(np.array([[0.0, 2.0, 2.0], [2.0, 0.0, 2.0], [2.0, 2.0, 0.0], [0.0, 0.0, 2.0]]))
+    np.testing.assert_array_equal(simulator.infeasible, [False, False, False, True])
+
+
 def test_divergence_is_marked_and_cleared_by_reset() -> None:
     simulator = Simulator(toy(FIELDS), 2)
     simulator.batch.bind("qvel")[0, 0] = 1e12
