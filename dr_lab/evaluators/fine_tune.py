@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dr_lab.errors import require_numbers
+from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import interquartile_mean
 from dr_lab.physics.context import ContextSpace
@@ -21,8 +22,8 @@ from dr_lab.trajectory import Array
 class FineTuneEvaluator(Evaluator):
     """Trains on in each of some contexts and follows the return.
 
-    Jump-start is the return before the first step of further training, the asymptote that after the last. Infeasible
-    contexts are counted and left out.
+    Jump-start is the return before the first step of further training, the asymptote that after the last. Where an
+    episode diverges, or its context does not compile, the context is left out of that round's return and counted.
 
     Source: Mozifian et al. 2020, §V (50 contexts of one parameter, 100 of several, uniformly from p(z)).
 
@@ -30,7 +31,7 @@ class FineTuneEvaluator(Evaluator):
         distribution: makes what contexts are drawn from.
         contexts: drawn.
         rounds: times that the return is measured after training on.
-        frames: control steps of training in each round.
+        frames: control steps of training in each round, which ends with a whole batch.
         episodes: whose mean is the return.
         seed: of contexts, starts and training.
 
@@ -49,44 +50,71 @@ class FineTuneEvaluator(Evaluator):
         require_numbers(self, "evaluator", least={"contexts": 1, "rounds": 1, "frames": 1, "episodes": 1})
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
-        """Train on in every context."""
+        """Train on in every context.
+
+        Raises:
+            ConfigError: rounds are so short that one of them trains nothing.
+        """
         space = subject.setting.space
         drawn = self.distribution(space).sample([stream(self.seed, "fine_tune")] * self.contexts)
         followed = []
         for index, z in enumerate(drawn):
             followed.append(self._follow(subject, z, index, folder / f"fine_tune_{index}.pt"))
             progress((index + 1) / len(drawn))
-        returns = np.array(followed)
-        return _summed_up(space, drawn, returns, self.frames)
+        frames, returns = (np.array(each) for each in zip(*followed, strict=True))
+        return _summed_up(space, drawn, frames.max(axis=0), returns)
 
-    def _follow(self, subject: Subject, z: Array, index: int, checkpoint: Path) -> Array:
-        """Return before and after every round, shape (rounds + 1,); NaN where the context is infeasible."""
+    def _follow(self, subject: Subject, z: Array, index: int, checkpoint: Path) -> tuple[list[int], list[float]]:
+        """Control steps trained and return before and after every round, rounds + 1 each.
+
+        Returns are NaN where the context is infeasible; nothing is trained where it is so from the start.
+
+        Raises:
+            ConfigError: a round trains nothing.
+        """
         space = subject.setting.space
         trainer, policy = subject.again(
             FixedRandomizer(space, dict(zip(space.names, z.tolist(), strict=True))), self.seed + index, checkpoint
         )
         rollouts = subject.rollouts(self.episodes, self.seed, policy)
         wanted, begun = np.repeat(z[None], self.episodes, axis=0), trainer.frames
-        returns = [rollouts.returns(wanted).mean()]
+        frames, returns = [0], [float(rollouts.returns(wanted).mean())]
+        if np.isnan(returns[0]):
+            return [0] * (self.rounds + 1), returns * (self.rounds + 1)
         for done in range(1, self.rounds + 1):
-            if not np.isfinite(returns[0]):
-                return np.full(self.rounds + 1, np.nan)
             trainer.run(begun + done * self.frames, lambda *_: None)
-            returns.append(rollouts.returns(wanted).mean())
-        return np.array(returns)
+            frames.append(trainer.frames - begun)
+            if frames[-1] == frames[-2]:
+                raise ConfigError(
+                    f"evaluator.frames is {self.frames}, less than a batch of {frames[1]} control steps, so that round "
+                    f"{done} of {self.rounds} trains nothing. Give evaluator.frames={frames[1]} or more."
+                )
+            returns.append(float(rollouts.returns(wanted).mean()))
+        return frames, returns
 
 
-def _summed_up(space: ContextSpace, drawn: Array, returns: Array, frames: int) -> Evaluation:
-    feasible = np.isfinite(returns[:, 0])
-    typical = interquartile_mean(returns[feasible], axis=0) if feasible.any() else np.full(returns.shape[1], np.nan)
+def _summed_up(space: ContextSpace, drawn: Array, frames: NDArray[np.int64], returns: Array) -> Evaluation:
+    feasible = np.isfinite(returns)
+    typical = np.array([_typical(column) for column in returns.T])
+    infeasible = np.mean(~feasible, axis=0)
     figures = {
         "jump_start": float(typical[0]),
         "asymptote": float(typical[-1]),
-        "infeasible": float(np.mean(~feasible)),
+        "infeasible": float(infeasible[0]),
+        "infeasible_after": float(infeasible[-1]),
     }
     rows = [
         {**dict(zip(space.names, z.tolist(), strict=True)), "jump_start": float(r[0]), "asymptote": float(r[-1])}
         for z, r in zip(drawn, returns, strict=True)
     ]
-    curve = Curve("return while training on", "", frames * np.arange(returns.shape[1]), typical)
-    return Evaluation(figures, rows, curves=[curve])
+    curves = [
+        Curve("return while training on", "", frames, typical),
+        Curve("infeasible share while training on", "", frames, infeasible),
+    ]
+    return Evaluation(figures, rows, curves=curves if feasible.any() else ())
+
+
+def _typical(returns: Array) -> float:
+    """Interquartile mean of what is known, NaN where nothing is."""
+    known = returns[np.isfinite(returns)]
+    return float(interquartile_mean(known)) if len(known) else np.nan

@@ -22,6 +22,7 @@ from dr_lab.evaluators.fine_tune import FineTuneEvaluator
 from dr_lab.evaluators.grid import GridEvaluator
 from dr_lab.evaluators.returns import ReturnsEvaluator
 from dr_lab.evaluators.statistics import iqm_interval, worst_decile
+from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import from_spec
 from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.trajectory import Array
@@ -47,18 +48,44 @@ class Push(BlockOnRail):
 
 
 class Stronger:
-    """Stands for a trainer: its policy pushes with 1 N more for every ten control steps of training."""
+    """Stands for a trainer of batches of 10: its policy pushes with 1 N more for every batch."""
 
     def __init__(self) -> None:
         self.frames, self.force = 100, 1.0
 
     def run(self, frames: int, watch: Callable[..., None]) -> None:
         del watch
-        self.force += (frames - self.frames) / 10
-        self.frames = frames
+        while self.frames < frames:
+            self.frames, self.force = self.frames + 10, self.force + 1.0
 
     def __call__(self, observation: Tensor) -> Tensor:
         return constant(self.force)(observation)
+
+
+class Fragile(Subject):
+    """Returns F/m; below 1 kg a push beyond 3 N lets the block diverge, below 0.1 kg any."""
+
+    def rollouts(self, episodes: int, seed: int, policy: Policy | None = None) -> Any:  # noqa: ANN401
+        del episodes, seed
+        return Pretended(cast(Stronger, policy))
+
+
+class Pretended:
+    def __init__(self, policy: Stronger) -> None:
+        self.policy = policy
+
+    def returns(self, z: Array) -> Array:
+        mass, force = z[:, 0], self.policy.force
+        return np.where((mass < 0.1) | ((mass < 1.0) & (force > 3.0)), np.nan, force / mass)
+
+
+class FiveMasses:
+    def __init__(self, space: ContextSpace) -> None:
+        del space
+
+    def sample(self, rngs: object) -> Array:
+        del rngs
+        return np.array([[0.05], [0.5], [2.0], [2.0], [2.0]])
 
 
 def again(source: ContextSource, seed: int, checkpoint: Path) -> tuple[Trainer[Any], Policy]:
@@ -128,9 +155,33 @@ def test_training_on_is_followed_from_jump_start_to_asymptote(subject: Subject, 
     found = evaluator.evaluate(subject, tmp_path, print)
     assert found.figures["jump_start"] == pytest.approx(float(expected(2.0)), rel=1e-3)
     assert found.figures["asymptote"] == pytest.approx(float(expected(2.0, 5.0)), rel=1e-3)
-    (curve,) = found.curves
+    curve, infeasible = found.curves
     np.testing.assert_array_equal(curve.iteration, [0, 20, 40])
+    assert not infeasible.value.any()
     np.testing.assert_allclose(curve.value / curve.value[0], [1.0, 3.0, 5.0], rtol=1e-6)
+
+
+def test_the_curve_stands_at_the_control_steps_that_were_trained(subject: Subject, tmp_path: Path) -> None:
+    near = partial(UniformRandomizer, ranges={"block.mass": [1.999, 2.001]})
+    found = FineTuneEvaluator(near, contexts=1, rounds=2, frames=14, episodes=1, seed=0)
+    curve = found.evaluate(subject, tmp_path, print).curves[0]
+    np.testing.assert_array_equal(curve.iteration, [0, 20, 30])
+    np.testing.assert_allclose(curve.value / curve.value[0], [1.0, 3.0, 4.0], rtol=1e-6)
+    short = FineTuneEvaluator(near, contexts=1, rounds=2, frames=4, episodes=1, seed=0)
+    with pytest.raises(ConfigError, match=r"evaluator\.frames is 4, less than a batch of 10 .* round 2 of 2"):
+        short.evaluate(subject, tmp_path, print)
+
+
+def test_a_context_that_diverges_while_training_on_costs_its_own_round_alone(subject: Subject, tmp_path: Path) -> None:
+    fragile = Fragile(subject.name, subject.setting, subject.policy, subject.again)
+    evaluator = FineTuneEvaluator(cast(Any, FiveMasses), contexts=5, rounds=2, frames=20, episodes=1, seed=0)
+    found = evaluator.evaluate(fragile, tmp_path, print)
+    typical, infeasible = found.curves
+    # Pushed with 1, 3 and 5 N: the second mass is left out of the last round alone, the first of all.
+    np.testing.assert_allclose(typical.value, [0.5, 1.5, 2.5])
+    np.testing.assert_allclose(infeasible.value, [0.2, 0.2, 0.4])
+    wanted = {"jump_start": 0.5, "asymptote": 2.5, "infeasible": 0.2, "infeasible_after": 0.4}
+    assert found.figures == pytest.approx(wanted)
 
 
 def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
