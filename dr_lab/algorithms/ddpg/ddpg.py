@@ -1,5 +1,6 @@
 """Deep deterministic policy gradient."""
 
+import copy
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -146,8 +147,8 @@ class DDPG(Algorithm):
         """Continue from what `state_dict` gave."""
         for part, name in ((self.actor, "actor"), (self.critic, "critic"), (self.loss, "targets")):
             part.load_state_dict(state[name])
-        self.actor_adam.load_state_dict(state["actor_adam"])
-        self.critic_adam.load_state_dict(state["critic_adam"])
+        self.actor_adam.load_state_dict(copy.deepcopy(state["actor_adam"]))  # Adam goes on in the tensors it is given
+        self.critic_adam.load_state_dict(copy.deepcopy(state["critic_adam"]))
         self.buffer.load_state_dict(state["buffer"])
         self.generator.set_state(state["generator"])
         self.frames = state["frames"]

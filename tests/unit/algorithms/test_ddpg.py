@@ -1,5 +1,6 @@
 """DDPG finds the optimum of the point mass and continues exactly."""
 
+import copy
 from functools import partial
 from pathlib import Path
 
@@ -57,6 +58,26 @@ def test_continues_exactly(tmp_path: Path) -> None:
         second.update(next(batches[2]))
     for a, b in zip(whole.loss.state_dict().values(), second.loss.state_dict().values(), strict=True):
         assert torch.equal(a, b) if isinstance(a, torch.Tensor) else a == b
+
+
+def test_one_state_may_be_trained_on_from_twice() -> None:
+    algorithm = ddpg()
+    batches = collector(algorithm)
+    for _ in range(5):
+        algorithm.update(next(batches))
+    state = copy.deepcopy(algorithm.state_dict())
+
+    def trained_on() -> DDPG:
+        again = ddpg(seed=3)
+        again.load_state_dict(state)
+        more = collector(again)
+        for _ in range(2):
+            again.update(next(more))
+        return again
+
+    first, second = trained_on(), trained_on()
+    for a, b in zip(first.loss.parameters(), second.loss.parameters(), strict=True):
+        assert torch.equal(a, b)
 
 
 def test_exploration_stays_within_the_bounds() -> None:
