@@ -62,6 +62,9 @@ class Algorithm(ABC):
         A trained policy that is trained on would else be held by a learning rate that has fallen to 0.
         """
 
+    def forget_episodes(self) -> None:  # noqa: B027 (few remember any)
+        """Let go of what is known of episodes that go on, because new ones begin; by default nothing is."""
+
     @abstractmethod
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs: networks, normalisers, optimisers, random numbers, counters."""

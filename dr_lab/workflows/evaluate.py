@@ -121,6 +121,7 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
         fresh = further.assemble(checkpoint)
         fresh.algorithm.load_state_dict(state)
         fresh.algorithm.begin_schedules()
+        fresh.algorithm.forget_episodes()  # those of the training run ended with it
         return fresh.trainer, fresh.algorithm.deployed
 
     return Subject(folder.name, plan.env, training.algorithm.deployed, again, threads, training.randomizer)

@@ -38,8 +38,7 @@ class WorstEpisodes(Selection):
             )
         self.epsilon, self.warm_up = epsilon, warm_up
         self._batches = 0
-        self._earned = torch.zeros(1)
-        self._discount = torch.ones(1)
+        self.forget_episodes()
 
     def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor, next_value: Tensor) -> Tensor:
         """The steps of the worst feasible episodes, shape (n, steps)."""
@@ -69,6 +68,10 @@ class WorstEpisodes(Selection):
         for t in reversed(range(steps - 1)):
             returns[:, t] = torch.where(done[:, t], returns[:, t], returns[:, t + 1])
         return returns, last
+
+    def forget_episodes(self) -> None:
+        """New episodes have earned nothing yet."""
+        self._earned, self._discount = torch.zeros(1), torch.ones(1)
 
     def state_dict(self) -> dict[str, Any]:
         """What is known of the episodes that go on."""

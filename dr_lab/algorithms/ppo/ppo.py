@@ -161,6 +161,11 @@ class PPO(Algorithm):
         """The learning rates start at their full size again."""
         self.frames = 0
 
+    def forget_episodes(self) -> None:
+        """New episodes begin with nothing earned."""
+        self.reward_scale.forget_episodes()
+        self.selection.forget_episodes()
+
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
         return {

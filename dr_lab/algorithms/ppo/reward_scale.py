@@ -15,6 +15,9 @@ class RewardScale(ABC):
     def __call__(self, reward: Tensor, done: Tensor) -> Tensor:
         """Scaled rewards of a batch (n, steps), which the statistics take in first."""
 
+    def forget_episodes(self) -> None:  # noqa: B027 (raw rewards have no past)
+        """New episodes begin: what those that go on have earned so far is let go, the statistics are kept."""
+
     @abstractmethod
     def state_dict(self) -> dict[str, Any]:
         """The statistics."""
@@ -57,7 +60,7 @@ class RunningRewardScale(RewardScale):
 
     def __init__(self, gamma: float, clip: float) -> None:
         self._gamma, self._clip = gamma, clip
-        self._sum = torch.zeros(1)
+        self.forget_episodes()
         self._count, self._mean, self._square = 0.0, 0.0, 0.0
 
     def __call__(self, reward: Tensor, done: Tensor) -> Tensor:
@@ -71,6 +74,10 @@ class RunningRewardScale(RewardScale):
         self._take(sums.double())
         std = max(self._square - self._mean**2, 0.0) ** 0.5
         return (reward / (std + 1e-8)).clamp_(-self._clip, self._clip)  # 1e-8: rewards that never change
+
+    def forget_episodes(self) -> None:
+        """Sums of new episodes."""
+        self._sum = torch.zeros(1)
 
     def _take(self, sums: Tensor) -> None:
         self._count += sums.numel()

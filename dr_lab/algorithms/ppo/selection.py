@@ -29,6 +29,9 @@ class Selection(ABC):
             next_value: V of the episode's own next observation.
         """
 
+    def forget_episodes(self) -> None:  # noqa: B027 (few remember any)
+        """New episodes begin: let go of what is known of those that go on."""
+
     @abstractmethod
     def state_dict(self) -> dict[str, Any]:
         """What is known of the episodes that go on."""

@@ -85,6 +85,17 @@ def test_rewards_are_scaled_by_the_spread_of_their_sums() -> None:
     assert torch.equal(RawRewards(0.5)(reward, done), reward)
 
 
+def test_new_episodes_begin_with_nothing_earned() -> None:
+    algorithm = ppo()
+    algorithm.update(next(PointCollector(algorithm.policies["policy"], steps=7)))  # no episode ends at its last step
+    before = algorithm.reward_scale.state_dict()
+    algorithm.forget_episodes()
+    after = algorithm.reward_scale.state_dict()
+    assert before["sum"].abs().min() > 0.0
+    assert after["sum"].abs().max() == 0.0
+    assert {k: v for k, v in after.items() if k != "sum"} == {k: v for k, v in before.items() if k != "sum"}
+
+
 def test_a_bad_number_is_told() -> None:
     with pytest.raises(ConfigError, match=r"algorithm\.epochs is 0"):
         PPO(**ppo_arguments(epochs=0))
