@@ -26,3 +26,11 @@ def stream(seed: int, *keys: str | int) -> np.random.Generator:
         raise ConfigError(f"seed is {seed}; expected an integer of at least 0.")
     words = [zlib.crc32(str(key).encode()) for key in keys]
     return np.random.default_rng([seed, *words])
+
+
+def derived_seed(seed: int, *keys: str | int) -> int:
+    """The seed, below 2³¹, of a generator that is not NumPy's; arguments and errors as `stream`.
+
+    A sum such as ``seed + 1`` would give the next experiment the same numbers.
+    """
+    return int(stream(seed, *keys).integers(2**31))

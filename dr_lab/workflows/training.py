@@ -13,7 +13,7 @@ from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
-from dr_lab.seeding import stream
+from dr_lab.seeding import derived_seed
 
 CHECKPOINT = "checkpoint.pt"
 
@@ -86,7 +86,7 @@ class Plan:
 
     def _seed_of_rollouts(self) -> int:
         """Another seed than that of the slots, whose starts would otherwise be the same."""
-        return int(stream(self.seed, "rollouts").integers(2**31))
+        return derived_seed(self.seed, "rollouts")
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from dr_lab.collectors.collector import Policy
 from dr_lab.errors import require_numbers
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
+from dr_lab.seeding import derived_seed
 
 
 class DDPG(Algorithm):
@@ -65,8 +66,8 @@ class DDPG(Algorithm):
         positive = ("steps_per_frame", "actor_rate", "critic_rate", "tau")
         least = {"batch_frames": 1, "replay": 1, "minibatch": 1, "learning_starts": 0}
         require_numbers(self, "algorithm", positive=positive, least=least)
-        self.actor = actor(interface.observation, interface.low, interface.high, seed)
-        self.critic = critic(interface.observation + len(interface.low), seed + 1)  # two networks, two streams
+        self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
+        self.critic = critic(interface.observation + len(interface.low), derived_seed(seed, "critic"))
         self.loss = DDPGLoss(
             TensorDictModule(nn.Sequential(self.actor.body, nn.Tanh()), ["observation"], ["action"]),
             ValueOperator(_Joined(self.critic.body), ["observation", "action"]),
@@ -78,7 +79,7 @@ class DDPG(Algorithm):
         self.targets = SoftUpdate(self.loss, tau=tau)
         self.actor_adam = torch.optim.Adam(self.actor.body.parameters(), lr=actor_rate)
         self.critic_adam = torch.optim.Adam(self.critic.parameters(), lr=critic_rate)
-        self.generator = torch.Generator().manual_seed(seed)
+        self.generator = torch.Generator().manual_seed(derived_seed(seed, "replay"))
         self.buffer = TensorDictReplayBuffer(
             storage=LazyTensorStorage(replay),
             sampler=RandomSampler(),

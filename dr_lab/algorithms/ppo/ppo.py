@@ -16,6 +16,7 @@ from dr_lab.errors import require_numbers
 from dr_lab.networks.adam import Adam, clip_norm
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.gaussian_actor import GaussianActor
+from dr_lab.seeding import derived_seed
 
 
 class PPO(Algorithm):
@@ -74,14 +75,14 @@ class PPO(Algorithm):
         self.max_gradient = max_gradient
         positive = ("gamma", "actor_rate", "critic_rate", "max_gradient")
         require_numbers(self, "algorithm", positive=positive, least={"batch_frames": 2, "epochs": 1, "minibatch": 2})
-        self.actor = actor(interface.observation, interface.low, interface.high, seed)
-        self.critic = critic(interface.observation, seed + 1)  # two networks, two streams
+        self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
+        self.critic = critic(interface.observation, derived_seed(seed, "critic"))
         self.surrogate = surrogate(self.actor, self.critic)
         self.reward_scale = reward_scale(gamma)
         self.selection = selection(gamma)
         self.actor_adam = Adam(self.surrogate.actor_parameters, adam_epsilon)
         self.critic_adam = Adam(self.surrogate.critic_parameters, adam_epsilon)
-        self.generator = torch.Generator().manual_seed(seed)
+        self.generator = torch.Generator().manual_seed(derived_seed(seed, "order"))
         self.frames = 0
 
     @property

@@ -80,6 +80,11 @@ def test_one_state_may_be_trained_on_from_twice() -> None:
         assert torch.equal(a, b)
 
 
+def test_neighbouring_seeds_share_no_numbers() -> None:
+    generators = [generator for seed in range(3) for generator in (ddpg(seed).actor.generator, ddpg(seed).generator)]
+    assert len({generator.initial_seed() for generator in generators}) == 6
+
+
 def test_exploration_stays_within_the_bounds() -> None:
     action = ddpg().actor(torch.zeros(500, 1))
     assert action.abs().max() <= 1.0

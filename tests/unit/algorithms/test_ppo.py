@@ -1,5 +1,6 @@
 """PPO finds the optimum of the point mass, continues exactly, and keeps to its limits."""
 
+import itertools
 from functools import partial
 
 import numpy as np
@@ -83,6 +84,16 @@ def test_rewards_are_scaled_by_the_spread_of_their_sums() -> None:
     scale(reward[:, :1], done[:, :1])
     torch.testing.assert_close(scale.state_dict()["sum"], torch.tensor([3.0]))
     assert torch.equal(RawRewards(0.5)(reward, done), reward)
+
+
+def test_neighbouring_seeds_share_no_numbers() -> None:
+    algorithms = [ppo(seed) for seed in range(3)]
+    weights = [network.body.weights[0] for a in algorithms for network in (a.actor, a.critic)]
+    for first, second in itertools.combinations(weights, 2):
+        assert first.shape == second.shape
+        assert not torch.equal(first, second)
+    generators = [generator for a in algorithms for generator in (a.actor.generator, a.generator)]
+    assert len({generator.initial_seed() for generator in generators}) == 6
 
 
 def test_new_episodes_begin_with_nothing_earned() -> None:
