@@ -41,7 +41,13 @@ class ConfigError(DrLabError):
 
 
 def require_numbers(
-    settings: object, key: str, *, positive: Sequence[str] = (), least: Mapping[str, float] | None = None
+    settings: object,
+    key: str,
+    *,
+    positive: Sequence[str] = (),
+    least: Mapping[str, float] | None = None,
+    most: Mapping[str, float] | None = None,
+    below: Mapping[str, float] | None = None,
 ) -> None:
     """Check the numbers of a settings object.
 
@@ -50,9 +56,11 @@ def require_numbers(
         key: where they stand in the configuration, for the message.
         positive: attributes that must be above 0.
         least: smallest value of further attributes.
+        most: largest value of attributes.
+        below: what attributes must stay below.
 
     Raises:
-        ConfigError: a number is too small or not a number.
+        ConfigError: a number is out of its range or not a number.
     """
     for name in positive:
         value = getattr(settings, name)
@@ -62,3 +70,11 @@ def require_numbers(
         value = getattr(settings, name)
         if not value >= low:
             raise ConfigError(f"{key}.{name} is {value:g}; expected at least {low:g}.")
+    for name, high in (most or {}).items():
+        value = getattr(settings, name)
+        if not value <= high:
+            raise ConfigError(f"{key}.{name} is {value:g}; expected at most {high:g}.")
+    for name, end in (below or {}).items():
+        value = getattr(settings, name)
+        if not value < end:
+            raise ConfigError(f"{key}.{name} is {value:g}; expected a number below {end:g}.")

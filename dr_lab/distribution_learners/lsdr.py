@@ -41,7 +41,7 @@ class LSDR(DistributionLearner):
         divergence_samples: draws for a divergence without closed form.
 
     Raises:
-        ConfigError: φ is empty, p leaves the support of p_φ, or a number is too small.
+        ConfigError: φ is empty, p leaves the support of p_φ, or a number is out of its range.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class LSDR(DistributionLearner):
         self.divergence_samples = divergence_samples
         positive = ("learning_rate", "return_rate")
         least = {"contexts": 2, "steps": 1, "alpha": 0.0, "divergence_samples": 1}
-        require_numbers(self, "distribution_learner", positive=positive, least=least)
+        require_numbers(self, "distribution_learner", positive=positive, least=least, most={"return_rate": 1.0})
         self.prior = prior(randomizer.space)
         self.source = {"prior": self.prior, "learned": randomizer}[source]
         self.rng = stream(seed, "lsdr")

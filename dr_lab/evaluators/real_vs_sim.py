@@ -66,7 +66,7 @@ class RealVsSimEvaluator(Evaluator):
         seed: of starts and bootstrap.
 
     Raises:
-        ConfigError: a number is too small.
+        ConfigError: a number is out of its range.
     """
 
     plant: Bench
@@ -77,7 +77,8 @@ class RealVsSimEvaluator(Evaluator):
     seed: int
 
     def __post_init__(self) -> None:
-        require_numbers(self, "evaluator", positive=("confidence",), least={"episodes": 1, "resamples": 1})
+        least = {"episodes": 1, "resamples": 1}
+        require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Play both.

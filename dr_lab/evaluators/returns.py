@@ -27,7 +27,7 @@ class ReturnsEvaluator(Evaluator):
         seed: of contexts, starts and bootstrap.
 
     Raises:
-        ConfigError: a number is too small.
+        ConfigError: a number is out of its range.
     """
 
     distributions: Mapping[str, Callable[[ContextSpace], Randomizer]]
@@ -38,9 +38,8 @@ class ReturnsEvaluator(Evaluator):
     seed: int
 
     def __post_init__(self) -> None:
-        require_numbers(
-            self, "evaluator", positive=("confidence",), least={"contexts": 1, "parallel": 1, "resamples": 1}
-        )
+        least = {"contexts": 1, "parallel": 1, "resamples": 1}
+        require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Play every distribution's contexts; an infeasible one counts for none of the means, and is counted."""

@@ -52,7 +52,7 @@ class GaussianActor(nn.Module):
         self.generator = torch.Generator().manual_seed(seed)
         self.normaliser = normaliser(observation)
         self.body = MLP(observation, hidden, len(low), activation, last_gain=0.01, generator=self.generator)
-        self.log_std = nn.Parameter(torch.full((len(low),), log_std))
+        self.log_std = nn.Parameter(torch.full((len(low),), float(log_std)))
         self.register_buffer("centre", torch.as_tensor((low + high) / 2, dtype=torch.float32))
         self.register_buffer("reach", torch.as_tensor((high - low) / 2, dtype=torch.float32))
 

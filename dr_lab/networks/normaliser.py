@@ -5,6 +5,8 @@ from abc import ABC, abstractmethod
 import torch
 from torch import Tensor, nn
 
+from dr_lab.errors import require_numbers
+
 
 class Normaliser(nn.Module, ABC):
     """A fixed map of observations (…, o), whose statistics are renewed between batches.
@@ -40,6 +42,9 @@ class RunningNormaliser(Normaliser):
     Args:
         size: o.
         clip: largest absolute value, in standard deviations.
+
+    Raises:
+        ConfigError: it is not above 0.
     """
 
     count: Tensor
@@ -51,6 +56,7 @@ class RunningNormaliser(Normaliser):
     def __init__(self, size: int, clip: float) -> None:
         super().__init__()
         self.clip = clip
+        require_numbers(self, "normaliser", positive=("clip",))
         self.register_buffer("count", torch.zeros((), dtype=torch.float64))
         self.register_buffer("mean", torch.zeros(size, dtype=torch.float64))
         self.register_buffer("variance", torch.ones(size, dtype=torch.float64))

@@ -41,7 +41,7 @@ class DDPG(Algorithm):
         tau: share of the networks in their slowly following targets at each step.
 
     Raises:
-        ConfigError: a number is too small.
+        ConfigError: a number is out of its range.
     """
 
     def __init__(
@@ -61,11 +61,12 @@ class DDPG(Algorithm):
         tau: float,
     ) -> None:
         self.batch_frames, self.replay, self.minibatch = batch_frames, replay, minibatch
+        self.gamma = gamma
         self.steps_per_frame, self.learning_starts = steps_per_frame, learning_starts
         self.actor_rate, self.critic_rate, self.tau = actor_rate, critic_rate, tau
         positive = ("steps_per_frame", "actor_rate", "critic_rate", "tau")
-        least = {"batch_frames": 1, "replay": 1, "minibatch": 1, "learning_starts": 0}
-        require_numbers(self, "algorithm", positive=positive, least=least)
+        least = {"batch_frames": 1, "replay": 1, "minibatch": 1, "learning_starts": 0, "gamma": 0.0}
+        require_numbers(self, "algorithm", positive=positive, least=least, most={"gamma": 1.0, "tau": 1.0})
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.critic = critic(interface.observation + len(interface.low), derived_seed(seed, "critic"))
         self.loss = DDPGLoss(

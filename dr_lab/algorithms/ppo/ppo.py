@@ -43,7 +43,7 @@ class PPO(Algorithm):
         adam_epsilon: ε of Adam.
 
     Raises:
-        ConfigError: a number is too small.
+        ConfigError: a number is out of its range.
     """
 
     def __init__(
@@ -73,8 +73,9 @@ class PPO(Algorithm):
         self.actor_rate, self.critic_rate = actor_rate, critic_rate
         self.anneal_frames, self.max_kl = anneal_frames, max_kl
         self.max_gradient = max_gradient
-        positive = ("gamma", "actor_rate", "critic_rate", "max_gradient")
-        require_numbers(self, "algorithm", positive=positive, least={"batch_frames": 2, "epochs": 1, "minibatch": 2})
+        positive = ("actor_rate", "critic_rate", "max_gradient")
+        least = {"batch_frames": 2, "epochs": 1, "minibatch": 2, "gamma": 0.0, "lam": 0.0}
+        require_numbers(self, "algorithm", positive=positive, least=least, most={"gamma": 1.0, "lam": 1.0})
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.critic = critic(interface.observation, derived_seed(seed, "critic"))
         self.surrogate = surrogate(self.actor, self.critic)

@@ -7,6 +7,8 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from dr_lab.errors import require_numbers
+
 
 class RewardScale(ABC):
     """What a learner sees of rewards; what is recorded and evaluated is never scaled."""
@@ -56,10 +58,14 @@ class RunningRewardScale(RewardScale):
     Args:
         gamma: γ.
         clip: largest absolute value.
+
+    Raises:
+        ConfigError: it is not above 0.
     """
 
     def __init__(self, gamma: float, clip: float) -> None:
-        self._gamma, self._clip = gamma, clip
+        self._gamma, self.clip = gamma, clip
+        require_numbers(self, "algorithm.reward_scale", positive=("clip",))
         self.forget_episodes()
         self._count, self._mean, self._square = 0.0, 0.0, 0.0
 
@@ -73,7 +79,7 @@ class RunningRewardScale(RewardScale):
         self._sum = running.clone()
         self._take(sums.double())
         std = max(self._square - self._mean**2, 0.0) ** 0.5
-        return (reward / (std + 1e-8)).clamp_(-self._clip, self._clip)  # 1e-8: rewards that never change
+        return (reward / (std + 1e-8)).clamp_(-self.clip, self.clip)  # 1e-8: rewards that never change
 
     def forget_episodes(self) -> None:
         """Sums of new episodes."""

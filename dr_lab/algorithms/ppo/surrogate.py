@@ -7,6 +7,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
+from dr_lab.errors import require_numbers
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian_actor import GaussianActor
@@ -64,6 +65,9 @@ class Surrogate(ABC):
         clip: ε.
         entropy_weight: c_H.
         critic_weight: c_V.
+
+    Raises:
+        ConfigError: ε is not above 0.
     """
 
     def __init__(
@@ -74,6 +78,7 @@ class Surrogate(ABC):
         self.clip = clip
         self.entropy_weight = entropy_weight
         self.critic_weight = critic_weight
+        require_numbers(self, "algorithm.surrogate", positive=("clip",))
 
     @abstractmethod
     def differentiate(self, samples: Samples) -> Terms:

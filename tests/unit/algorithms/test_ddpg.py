@@ -1,34 +1,41 @@
 """DDPG finds the optimum of the point mass and continues exactly."""
 
 import copy
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+import pytest
 import torch
 from point_mass import INTERFACE, PointCollector, best, mean_reward
 
 from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.algorithms.ddpg.ddpg import DDPG
+from dr_lab.errors import ConfigError
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
-from dr_lab.networks.normaliser import NoNormaliser
+from dr_lab.networks.normaliser import NoNormaliser, Normaliser
 
 
-def ddpg(seed: int = 0) -> DDPG:
+def ddpg(seed: int = 0, normaliser: Callable[[int], Normaliser] = NoNormaliser, **changes: float) -> DDPG:
+    numbers: dict[str, Any] = {
+        "batch_frames": 64,
+        "gamma": 0.9,
+        "replay": 2000,
+        "minibatch": 64,
+        "steps_per_frame": 0.25,
+        "learning_starts": 200,
+        "actor_rate": 3e-3,
+        "critic_rate": 3e-3,
+        "tau": 0.02,
+    }
     return DDPG(
         INTERFACE,
         seed,
-        actor=partial(DeterministicActor, normaliser=NoNormaliser, hidden=[16], activation="relu", noise=0.3),
+        actor=partial(DeterministicActor, normaliser=normaliser, hidden=[16], activation="relu", noise=0.3),
         critic=partial(Critic, hidden=[32], activation="relu"),
-        batch_frames=64,
-        gamma=0.9,
-        replay=2000,
-        minibatch=64,
-        steps_per_frame=0.25,
-        learning_starts=200,
-        actor_rate=3e-3,
-        critic_rate=3e-3,
-        tau=0.02,
+        **numbers | changes,
     )
 
 
@@ -89,3 +96,10 @@ def test_exploration_stays_within_the_bounds() -> None:
     action = ddpg().actor(torch.zeros(500, 1))
     assert action.abs().max() <= 1.0
     assert action.std() > 0.1
+
+
+def test_a_number_out_of_its_range_is_told() -> None:
+    with pytest.raises(ConfigError, match=r"algorithm\.gamma is 1\.5; expected at most 1\."):
+        ddpg(gamma=1.5)
+    with pytest.raises(ConfigError, match=r"algorithm\.tau is 2; expected at most 1\."):
+        ddpg(tau=2.0)

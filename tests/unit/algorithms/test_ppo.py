@@ -9,6 +9,7 @@ import torch
 from point_mass import PointCollector, best, mean_reward, ppo, ppo_arguments
 
 from dr_lab.algorithms.epopt.worst_episodes import WorstEpisodes
+from dr_lab.algorithms.ppo.explicit_surrogate import ExplicitSurrogate
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.reward_scale import RawRewards, RunningRewardScale
 from dr_lab.errors import ConfigError
@@ -110,3 +111,11 @@ def test_new_episodes_begin_with_nothing_earned() -> None:
 def test_a_bad_number_is_told() -> None:
     with pytest.raises(ConfigError, match=r"algorithm\.epochs is 0"):
         PPO(**ppo_arguments(epochs=0))
+    with pytest.raises(ConfigError, match=r"algorithm\.gamma is 1\.1; expected at most 1\."):
+        PPO(**ppo_arguments(gamma=1.1))
+    with pytest.raises(ConfigError, match=r"algorithm\.lam is -0\.5; expected at least 0\."):
+        PPO(**ppo_arguments(lam=-0.5))
+    with pytest.raises(ConfigError, match=r"algorithm\.surrogate\.clip is 0; expected a number above 0"):
+        PPO(**ppo_arguments(surrogate=partial(ExplicitSurrogate, clip=0.0, entropy_weight=0.0, critic_weight=0.5)))
+    with pytest.raises(ConfigError, match=r"algorithm\.reward_scale\.clip is -1"):
+        PPO(**ppo_arguments(reward_scale=partial(RunningRewardScale, clip=-1.0)))

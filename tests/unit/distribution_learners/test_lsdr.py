@@ -31,7 +31,9 @@ class Bandit:
         return np.where(radius <= SWEET[0], np.nan, np.where(radius < SWEET[1], 1.0, 0.0))
 
 
-def learner(randomizer: Randomizer, source: Literal["prior", "learned"], alpha: float) -> LSDR:
+def learner(
+    randomizer: Randomizer, source: Literal["prior", "learned"], alpha: float, return_rate: float = 0.05
+) -> LSDR:
     return LSDR(
         randomizer,
         seed=0,
@@ -41,7 +43,7 @@ def learner(randomizer: Randomizer, source: Literal["prior", "learned"], alpha: 
         steps=5,
         learning_rate=0.02,
         alpha=alpha,
-        return_rate=0.05,
+        return_rate=return_rate,
         divergence_samples=100,
     )
 
@@ -108,3 +110,8 @@ def test_nothing_to_learn_is_told() -> None:
 def test_a_prior_beyond_the_cells_is_told() -> None:
     with pytest.raises(ConfigError, match="same ranges"):
         learner(DiscreteRandomizer(TORSO, {"torso.radius": [0.0, 0.1]}, bins=30), "prior", alpha=0.2)
+
+
+def test_averages_of_more_than_the_newest_batch_are_refused() -> None:
+    with pytest.raises(ConfigError, match=r"distribution_learner\.return_rate is 1\.5; expected at most 1\."):
+        learner(DiscreteRandomizer(TORSO, {}, bins=3), "prior", alpha=0.1, return_rate=1.5)

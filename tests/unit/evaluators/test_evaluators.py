@@ -149,6 +149,11 @@ def test_returns_over_a_distribution_are_those_of_its_contexts(subject: Subject,
     assert float(second["worst_decile"]) == pytest.approx(float(expected(3.85)), rel=0.03)
 
 
+def test_a_confidence_of_one_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1; expected a number below 1\."):
+        ReturnsEvaluator({}, contexts=1, parallel=1, confidence=1.0, resamples=1, seed=0)
+
+
 def test_training_on_is_followed_from_jump_start_to_asymptote(subject: Subject, tmp_path: Path) -> None:
     near = partial(UniformRandomizer, ranges={"block.mass": [1.999, 2.001]})
     evaluator = FineTuneEvaluator(near, contexts=4, rounds=2, frames=20, episodes=2, seed=0)

@@ -86,3 +86,8 @@ def test_pairs_begin_alike_and_their_differences_are_paired() -> None:
 def test_a_plant_of_another_machine_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"joints pendulum and actuators motor; the model has arm, pole"):
         evaluated(bench("pendulum"), subject())
+
+
+def test_a_confidence_beyond_one_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1\.5; expected a number below 1\."):
+        RealVsSimEvaluator(bench("furuta"), machine=0, episodes=1, confidence=1.5, resamples=1, seed=0)

@@ -3,9 +3,11 @@
 from functools import partial
 
 import numpy as np
+import pytest
 import torch
 from torch.distributions import Independent, Normal
 
+from dr_lab.errors import ConfigError
 from dr_lab.networks.gaussian_actor import GaussianActor, unit_entropy
 from dr_lab.networks.normaliser import NoNormaliser, RunningNormaliser
 
@@ -60,3 +62,14 @@ def test_without_normaliser_observations_stay() -> None:
     normaliser = NoNormaliser(4)
     normaliser.update(torch.ones(3, 4))
     assert torch.equal(normaliser(torch.full((2, 4), 5.0)), torch.full((2, 4), 5.0))
+
+
+def test_a_whole_number_is_a_logarithm_too() -> None:
+    bounds = np.array([-1.0]), np.array([1.0])
+    policy = GaussianActor(2, *bounds, 0, NoNormaliser, [4], "tanh", log_std=0)
+    assert policy.log_std.dtype == torch.float32
+
+
+def test_a_normaliser_that_cuts_everything_off_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"normaliser\.clip is 0; expected a number above 0"):
+        RunningNormaliser(1, clip=0.0)
