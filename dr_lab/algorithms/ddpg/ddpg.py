@@ -23,7 +23,8 @@ from dr_lab.seeding import derived_seed
 class DDPG(Algorithm):
     """Learns Q from a replay buffer and follows its slope (Lillicrap et al. 2016); TorchRL's loss, buffer and targets.
 
-    The networks see normalised observations and actions scaled to ±1; so does the buffer.
+    The networks see normalised observations and actions scaled to ±1. The buffer holds observations as they are, so
+    that old and new ones are normalised alike.
 
     Args:
         interface: what the policy is connected to.
@@ -100,7 +101,8 @@ class DDPG(Algorithm):
         return self.actor.mean
 
     def update(self, batch: TensorDict) -> Mapping[str, float]:
-        """Put the batch into the buffer and take the steps that it earns."""
+        """Put the batch into the normaliser's statistics and the buffer, and take the steps that it earns."""
+        self.actor.normaliser.update(batch["observation"])
         self.buffer.extend(self._transitions(batch))
         before, self.frames = self.frames, self.frames + batch.numel()
         if self.frames < self.learning_starts:
@@ -113,9 +115,9 @@ class DDPG(Algorithm):
     def _transitions(self, batch: TensorDict) -> TensorDict:
         rows = batch.reshape(-1)
         flags = {key: rows["next", key] for key in ("reward", "done", "terminated")}
-        after = {"observation": self.actor.normaliser(rows["next", "observation"]), **flags}
+        after = {"observation": rows["next", "observation"], **flags}
         now = {
-            "observation": self.actor.normaliser(rows["observation"]),
+            "observation": rows["observation"],
             "action": self.actor.unit(rows["action"]).clamp(-1.0, 1.0),
             "next": TensorDict(after, batch_size=rows.batch_size),
         }
@@ -123,7 +125,10 @@ class DDPG(Algorithm):
 
     def _step(self) -> Tensor:
         """One step of both networks and their targets; gives the loss of Q and its mean."""
-        terms = self.loss(self.buffer.sample())
+        sample = self.buffer.sample()
+        for key in ("observation", ("next", "observation")):
+            sample[key] = self.actor.normaliser(sample[key])
+        terms = self.loss(sample)
         self.actor_adam.zero_grad(set_to_none=True)
         self.critic_adam.zero_grad(set_to_none=True)
         (terms["loss_actor"] + terms["loss_value"]).backward()

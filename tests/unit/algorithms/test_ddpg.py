@@ -15,7 +15,7 @@ from dr_lab.algorithms.ddpg.ddpg import DDPG
 from dr_lab.errors import ConfigError
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
-from dr_lab.networks.normaliser import NoNormaliser, Normaliser
+from dr_lab.networks.normaliser import NoNormaliser, Normaliser, RunningNormaliser
 
 
 def ddpg(seed: int = 0, normaliser: Callable[[int], Normaliser] = NoNormaliser, **changes: float) -> DDPG:
@@ -49,6 +49,23 @@ def test_reaches_the_optimum() -> None:
     figures = [algorithm.update(next(batches)) for _ in range(40)][-1]
     assert mean_reward(algorithm.deployed) > mean_reward(best) - 0.03
     assert figures["critic_loss"] < 1.0
+
+
+def test_observations_of_any_size_are_normalised() -> None:
+    normaliser = partial(RunningNormaliser, clip=10.0)
+    algorithm = ddpg(normaliser=normaliser)
+    seen, sampled = normaliser(1), []
+    algorithm.loss.register_forward_pre_hook(lambda _, given: sampled.append(given[0]))
+    batches = collector(algorithm)
+    for _ in range(8):
+        batch = next(batches)
+        batch["observation"] = 50.0 + 20.0 * batch["observation"]
+        batch["next", "observation"] = 50.0 + 20.0 * batch["next", "observation"]
+        seen.update(batch["observation"])
+        algorithm.update(batch)
+    torch.testing.assert_close(algorithm.actor.normaliser.state_dict(), seen.state_dict())
+    for key in ("observation", ("next", "observation")):
+        assert torch.cat([sample[key] for sample in sampled]).abs().max() < 9.0
 
 
 def test_continues_exactly(tmp_path: Path) -> None:
