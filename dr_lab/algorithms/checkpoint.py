@@ -1,13 +1,14 @@
 """Checkpoints: one file that is complete or not there, and that cannot run code when it is read."""
 
 import pickle
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
 from numpy._core import multiarray
+from torch import Tensor
 
 from dr_lab.errors import DataError
 from dr_lab.recorders.files import atomic
@@ -49,3 +50,17 @@ def load(path: Path) -> dict[str, Any]:
     except (OSError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
         cause = str(error).partition("\n")[0]
         raise DataError(f"Cannot read the checkpoint {path}: {cause} Give the folder of a training run.") from error
+
+
+def not_finite(state: object, name: str) -> Iterator[str]:
+    """Names of the tensors in a state that hold NaN or infinite numbers.
+
+    Args:
+        state: a tensor, or mappings nested around some; all else is passed over.
+        name: of the state, before those in it.
+    """
+    if isinstance(state, Mapping):
+        for key, value in state.items():
+            yield from not_finite(value, f"{name}.{key}")
+    elif isinstance(state, Tensor) and not state.isfinite().all():
+        yield name

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from dr_lab.algorithms.algorithm import Algorithm
-from dr_lab.algorithms.checkpoint import load, save
+from dr_lab.algorithms.checkpoint import load, not_finite, save
 from dr_lab.algorithms.episode_log import EpisodeLog, Finished
 from dr_lab.collectors.collector import Collector
-from dr_lab.errors import DataError
+from dr_lab.errors import DataError, DrLabError
 
 Watch = Callable[[Mapping[str, float], Finished], None]
 
@@ -91,14 +91,14 @@ class Trainer(Generic[R]):
             watch: gets the figures of every iteration and the episodes that ended in it.
 
         Raises:
-            DrLabError: the checkpoint cannot be written.
+            DrLabError: the checkpoint cannot be written, or what was learnt is not finite, which is not saved.
         """
         while self.frames < frames:
             figures, finished = self._iterate()
             self.history.append(figures)
             watch(figures, finished)
             if len(self.history) % self._every == 0 or self.frames >= frames:
-                save(self._checkpoint, self.state_dict())
+                self._save()
 
     def resume(self, checkpoint: Path) -> None:
         """Go on as if the run that wrote this checkpoint had never been interrupted.
@@ -111,6 +111,17 @@ class Trainer(Generic[R]):
             self.load_state_dict(state)
         except (KeyError, RuntimeError, ValueError) as error:
             raise DataError(f"{checkpoint} is of a run with other settings: {error}") from error
+
+    def _save(self) -> None:
+        state = self.state_dict()
+        lost = next((name for part in ("algorithm", "learner") for name in not_finite(state[part], part)), None)
+        if lost is not None:
+            raise DrLabError(
+                f"After {self.frames} control steps {lost} is no longer finite: training has diverged, and is not "
+                "saved. Lower the learning rates (algorithm.actor_rate, algorithm.critic_rate), or look for a reward "
+                "or an observation of the task that is not finite."
+            )
+        save(self._checkpoint, state)
 
     def _iterate(self) -> tuple[dict[str, float], Finished]:
         begin = time.monotonic()

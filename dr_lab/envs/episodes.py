@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.envs.drivers import stepwise
-from dr_lab.envs.task import Change, Fields, Task
+from dr_lab.envs.task import Change, Fields, Task, required_bounds
 from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
@@ -76,7 +76,8 @@ class Episodes:
         infeasible: number of episodes that ended because their context was infeasible.
 
     Raises:
-        ModelError: an effect of the model does something to commands that cannot be done step by step.
+        ModelError: an effect of the model does something to commands that cannot be done step by step, or an actuator
+            has no range to act in.
     """
 
     def __init__(
@@ -94,7 +95,7 @@ class Episodes:
         self.model, self.task, self.source = model, task, source
         self.simulator = Simulator(stepwise(model), nsim, threads, persistent=_FORCES in task.reads)
         compiled = self.simulator.compiled
-        self.low, self.high = task.action_bounds(compiled)
+        self.low, self.high = required_bounds(task, compiled)
         self.seconds = task.frame_skip * float(compiled.opt.timestep)
         self._show_context, self._infeasible_return = show_context, infeasible_return
         self._fields = {name: self.simulator.batch.bind(name) for name in task.reads if name != _FORCES}

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.errors import require_numbers
+from dr_lab.errors import ModelError, require_numbers
 from dr_lab.trajectory import Array
 
 Fields = Mapping[str, Array]
@@ -86,6 +86,23 @@ class Task(ABC):
     def terminated(self, fields: Fields) -> NDArray[np.bool_]:
         """Where an episode has come to its end, shape (n,); nowhere unless said otherwise."""
         return np.zeros(len(fields["qpos"]), bool)
+
+
+def required_bounds(task: Task, compiled: mujoco.MjModel) -> tuple[Array, Array]:
+    """Lowest and highest action, shape (nu,), between which every actuator can do something.
+
+    Raises:
+        ModelError: an actuator has no such range, as one without ``ctrlrange``.
+    """
+    low, high = task.action_bounds(compiled)
+    fixed = np.flatnonzero(~((low < high) & np.isfinite(high - low)))
+    if len(fixed):
+        given = ", ".join(f"{compiled.actuator(int(i)).name or i} [{low[i]:g}, {high[i]:g}]" for i in fixed)
+        raise ModelError(
+            f"Actuators without a range that a policy could act in: {given}; expected lowest < highest. Give them a "
+            "ctrlrange in the model's XML, in the actuators' unit."
+        )
+    return low, high
 
 
 def within(values: Array, bounds: Sequence[float]) -> NDArray[np.bool_]:

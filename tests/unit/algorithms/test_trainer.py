@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.algorithms.episode_log import EpisodeLog, Finished
 from dr_lab.algorithms.trainer import Trainer
 from dr_lab.distribution_learners.lsdr import LSDR
-from dr_lab.errors import DataError
+from dr_lab.errors import DataError, DrLabError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.discrete import DiscreteRandomizer
@@ -92,6 +93,16 @@ def test_a_resumed_run_equals_an_uninterrupted_one(tmp_path: Path) -> None:
         for a, b in zip(first["algorithm"][part].values(), second["algorithm"][part].values(), strict=True):
             assert torch.equal(a, b)
     assert torch.equal(first["learner"]["randomizer"]["logits"], second["learner"]["randomizer"]["logits"])
+
+
+def test_a_policy_that_is_not_finite_stops_the_run_and_is_not_saved(tmp_path: Path) -> None:
+    run = trainer(tmp_path)
+    run.run(FRAMES, ignore)
+    saved = load(tmp_path / "checkpoint.pt")
+    cast(Any, run)._algorithm.actor_rate = math.nan
+    with pytest.raises(DrLabError, match=r"After 960 control steps algorithm\.actor\..* is no longer finite"):
+        run.run(3 * FRAMES, ignore)
+    assert load(tmp_path / "checkpoint.pt")["history"] == saved["history"]
 
 
 def test_figures_of_all_parts_are_recorded(tmp_path: Path) -> None:
