@@ -48,8 +48,8 @@ class Trainer(Generic[R]):
         algorithm: learns the policy.
         learner: learns the distribution that the collector's contexts are drawn from.
         rollouts: what the learner may play.
-        checkpoint: the file that a later run continues from.
-        every: iterations between two checkpoints.
+        checkpoint: the file that a later run continues from; None keeps none.
+        every: control steps between two checkpoints, which wait for an iteration to end.
         more: what else the checkpoint shall hold, by name, such as what `watch` keeps.
 
     Attributes:
@@ -62,7 +62,7 @@ class Trainer(Generic[R]):
         algorithm: Algorithm,
         learner: Learner[R],
         rollouts: R,
-        checkpoint: Path,
+        checkpoint: Path | None,
         every: int,
         more: Mapping[str, Stateful] | None = None,
     ) -> None:
@@ -81,6 +81,12 @@ class Trainer(Generic[R]):
         """Control steps collected so far."""
         return int(self.history[-1]["frames"]) if self.history else 0
 
+    @property
+    def due(self) -> bool:
+        """Whether the newest iteration has passed a multiple of `every`, so that a checkpoint is due."""
+        before = int(self.history[-2]["frames"]) if len(self.history) > 1 else 0
+        return self.frames // self._every > before // self._every
+
     def run(self, frames: int, watch: Watch) -> None:
         """Train until so many control steps were collected in all, then save.
 
@@ -97,7 +103,7 @@ class Trainer(Generic[R]):
             figures, finished = self._iterate()
             self.history.append(figures)
             watch(figures, finished)
-            if len(self.history) % self._every == 0 or self.frames >= frames:
+            if self.due or self.frames >= frames:
                 self._save()
 
     def resume(self, checkpoint: Path) -> None:
@@ -121,7 +127,8 @@ class Trainer(Generic[R]):
                 "saved. Lower the learning rates (algorithm.actor_rate, algorithm.critic_rate), or look for a reward "
                 "or an observation of the task that is not finite."
             )
-        save(self._checkpoint, state)
+        if self._checkpoint is not None:
+            save(self._checkpoint, state)
 
     def _iterate(self) -> tuple[dict[str, float], Finished]:
         begin = time.monotonic()

@@ -27,7 +27,7 @@ class Subject:
         setting: machine and task.
         policy: what is deployed: without exploration.
         again: gives a trainer that goes on from the trained state, on contexts from another source, with a random seed,
-            and the policy that it trains; its checkpoint goes to the given file.
+            and the policy that it trains; it leaves no checkpoint.
         threads: C threads of the physics; None takes every core.
         trained_on: distribution of the contexts, as training left it; None for the nominal context alone.
     """
@@ -35,7 +35,7 @@ class Subject:
     name: str
     setting: Setting
     policy: Policy
-    again: Callable[[ContextSource, int, Path], tuple[Trainer[Any], Policy]]
+    again: Callable[[ContextSource, int], tuple[Trainer[Any], Policy]]
     threads: int | None = None
     trained_on: ContextSource | None = None
 

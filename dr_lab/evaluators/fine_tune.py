@@ -55,16 +55,17 @@ class FineTuneEvaluator(Evaluator):
         Raises:
             ConfigError: rounds are so short that one of them trains nothing.
         """
+        del folder
         space = subject.setting.space
         drawn = self.distribution(space).sample([stream(self.seed, "fine_tune")] * self.contexts)
         followed = []
         for index, z in enumerate(drawn):
-            followed.append(self._follow(subject, z, index, folder / f"fine_tune_{index}.pt"))
+            followed.append(self._follow(subject, z, index))
             progress((index + 1) / len(drawn))
         frames, returns = (np.array(each) for each in zip(*followed, strict=True))
         return _summed_up(space, drawn, frames.max(axis=0), returns)
 
-    def _follow(self, subject: Subject, z: Array, index: int, checkpoint: Path) -> tuple[list[int], list[float]]:
+    def _follow(self, subject: Subject, z: Array, index: int) -> tuple[list[int], list[float]]:
         """Control steps trained and return before and after every round, rounds + 1 each.
 
         Returns are NaN where the context is infeasible; nothing is trained where it is so from the start.
@@ -74,7 +75,7 @@ class FineTuneEvaluator(Evaluator):
         """
         space = subject.setting.space
         trainer, policy = subject.again(
-            FixedRandomizer(space, dict(zip(space.names, z.tolist(), strict=True))), self.seed + index, checkpoint
+            FixedRandomizer(space, dict(zip(space.names, z.tolist(), strict=True))), self.seed + index
         )
         rollouts = subject.rollouts(self.episodes, self.seed, policy)
         wanted, begun = np.repeat(z[None], self.episodes, axis=0), trainer.frames

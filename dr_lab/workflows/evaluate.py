@@ -111,14 +111,14 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
     plan = replace(recorded, threads=threads)
     saved = load(folder / CHECKPOINT)
     state = saved["algorithm"]
-    training = plan.assemble(folder / CHECKPOINT)  # nothing is trained, so nothing is written there
+    training = plan.assemble(None)
     training.algorithm.load_state_dict(state)
     training.learner.load_state_dict(saved["learner"])
     training.collector.close()
 
-    def again(source: ContextSource, seed: int, checkpoint: Path) -> tuple[Trainer[Any], Policy]:
+    def again(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
         further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
-        fresh = further.assemble(checkpoint)
+        fresh = further.assemble(None)
         fresh.algorithm.load_state_dict(state)
         fresh.algorithm.begin_schedules()
         fresh.algorithm.forget_episodes()  # those of the training run ended with it

@@ -73,7 +73,7 @@ def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) ->
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
                 if any(True for _ in training.randomizer.parameters()):
                     snapshots.take(int(figures["iteration"]))
-                if int(figures["iteration"]) % plan.checkpoint_every == 0:
+                if trainer.due:
                     write_text(run_dir / "metrics.csv", metrics_csv(trainer.history))
                 show(figures, finished)
                 tell(int(figures["iteration"]), figures)

@@ -31,7 +31,7 @@ class Plan:
         episodes: slots that run side by side.
         rollout_episodes: slots of the episodes that a distribution learner plays.
         frames: control steps of training in all.
-        checkpoint_every: iterations between two checkpoints.
+        checkpoint_every: control steps between two checkpoints.
         seed: of every random draw.
         threads: C threads of the physics; None takes every core.
 
@@ -55,11 +55,11 @@ class Plan:
         counted = ("episodes", "rollout_episodes", "frames", "checkpoint_every")
         require_numbers(self, "train", least=dict.fromkeys(counted, 1))
 
-    def assemble(self, checkpoint: Path) -> "Training":
+    def assemble(self, checkpoint: Path | None) -> "Training":
         """Build everything.
 
         Args:
-            checkpoint: file that a later run continues from.
+            checkpoint: file that a later run continues from; None keeps none.
 
         Raises:
             ConfigError: a batch does not hold one control step of each slot.

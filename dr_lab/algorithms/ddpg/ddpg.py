@@ -145,7 +145,7 @@ class DDPG(Algorithm):
             "targets": self.loss.state_dict(),
             "actor_adam": self.actor_adam.state_dict(),
             "critic_adam": self.critic_adam.state_dict(),
-            "buffer": self.buffer.state_dict(),
+            "buffer": self._held(),
             "generator": self.generator.get_state(),
             "frames": self.frames,
         }
@@ -156,9 +156,25 @@ class DDPG(Algorithm):
             part.load_state_dict(state[name])
         self.actor_adam.load_state_dict(copy.deepcopy(state["actor_adam"]))  # Adam goes on in the tensors it is given
         self.critic_adam.load_state_dict(copy.deepcopy(state["critic_adam"]))
-        self.buffer.load_state_dict(state["buffer"])
+        self._hold(state["buffer"])
         self.generator.set_state(state["generator"])
         self.frames = state["frames"]
+
+    def _held(self) -> dict[str, Any]:
+        """The buffer's state without the rows that are still empty."""
+        state = self.buffer.state_dict()
+        if len(self.buffer):
+            # A copy, as a file would hold all that a slice is cut from.
+            state["_storage"]["_storage"] = self.buffer.storage.get(slice(len(self.buffer))).clone().state_dict()
+        return state
+
+    def _hold(self, state: Mapping[str, Any]) -> None:
+        """Fill the buffer, which has room for all rows again, and go on writing where that stopped."""
+        self.buffer.empty()
+        held = state["_storage"]
+        if held["_len"]:
+            self.buffer.extend(TensorDict().load_state_dict(held["_storage"], strict=False)[: held["_len"]])
+        self.buffer.writer.load_state_dict(state["_writer"])
 
 
 class _Joined(nn.Module):

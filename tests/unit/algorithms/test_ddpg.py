@@ -68,8 +68,9 @@ def test_observations_of_any_size_are_normalised() -> None:
         assert torch.cat([sample[key] for sample in sampled]).abs().max() < 9.0
 
 
-def test_continues_exactly(tmp_path: Path) -> None:
-    whole, first, second = ddpg(), ddpg(), ddpg(seed=3)
+@pytest.mark.parametrize("replay", [2000, 200])  # of which the latter is written over
+def test_continues_exactly(replay: int, tmp_path: Path) -> None:
+    whole, first, second = ddpg(replay=replay), ddpg(replay=replay), ddpg(seed=3, replay=replay)
     batches = [collector(a) for a in (whole, first, second)]
     for _ in range(7):
         whole.update(next(batches[0]))
@@ -82,6 +83,16 @@ def test_continues_exactly(tmp_path: Path) -> None:
         second.update(next(batches[2]))
     for a, b in zip(whole.loss.state_dict().values(), second.loss.state_dict().values(), strict=True):
         assert torch.equal(a, b) if isinstance(a, torch.Tensor) else a == b
+
+
+def test_a_checkpoint_holds_no_more_than_was_collected(tmp_path: Path) -> None:
+    sizes = []
+    for replay in (500, 500_000):
+        algorithm = ddpg(replay=replay)
+        algorithm.update(next(collector(algorithm)))
+        save(tmp_path / "c.pt", algorithm.state_dict())
+        sizes.append((tmp_path / "c.pt").stat().st_size)
+    assert sizes[0] == sizes[1]
 
 
 def test_one_state_may_be_trained_on_from_twice() -> None:

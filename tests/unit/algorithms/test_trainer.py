@@ -80,7 +80,7 @@ def test_a_resumed_run_equals_an_uninterrupted_one(tmp_path: Path) -> None:
         if figures["iteration"] == 3:
             raise Killed
 
-    interrupted = trainer(tmp_path / "cut", every=2)
+    interrupted = trainer(tmp_path / "cut", every=2 * FRAMES)
     with pytest.raises(Killed):
         interrupted.run(4 * FRAMES, kill)
     resumed = trainer(tmp_path / "cut", seed=5)
@@ -103,6 +103,13 @@ def test_a_policy_that_is_not_finite_stops_the_run_and_is_not_saved(tmp_path: Pa
     with pytest.raises(DrLabError, match=r"After 960 control steps algorithm\.actor\..* is no longer finite"):
         run.run(3 * FRAMES, ignore)
     assert load(tmp_path / "checkpoint.pt")["history"] == saved["history"]
+
+
+def test_checkpoints_are_counted_in_control_steps(tmp_path: Path) -> None:
+    run, due = trainer(tmp_path, every=FRAMES + FRAMES // 2), list[bool]()
+    run.run(5 * FRAMES, lambda *_: due.append(run.due))
+    # 480, 960, 1440, 1920, 2400 against multiples of 720
+    assert due == [False, True, True, False, True]
 
 
 def test_figures_of_all_parts_are_recorded(tmp_path: Path) -> None:

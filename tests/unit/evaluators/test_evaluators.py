@@ -88,8 +88,8 @@ class FiveMasses:
         return np.array([[0.05], [0.5], [2.0], [2.0], [2.0]])
 
 
-def again(source: ContextSource, seed: int, checkpoint: Path) -> tuple[Trainer[Any], Policy]:
-    del source, seed, checkpoint
+def again(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
+    del source, seed
     trainer = Stronger()
     return cast(Any, trainer), trainer
 

@@ -3,6 +3,7 @@
 import csv
 import functools
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,14 +11,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from test_train import OVERRIDES
 
+from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.job import Job, run_job
 from dr_lab.errors import DataError
-from dr_lab.workflows.evaluate import evaluate, trained
+from dr_lab.randomizers.fixed import FixedRandomizer
+from dr_lab.workflows.evaluate import evaluate, subject_of, trained
 
 TRAIN = [*OVERRIDES, "env=furuta", "frames=320", "randomizer=fixed"]
 
@@ -64,6 +68,19 @@ def test_a_policy_is_trained_on_in_a_context(run: Path, tmp_path: Path) -> None:
     few = ["evaluator.contexts=1", "evaluator.rounds=1", "evaluator.frames=160", "evaluator.episodes=2"]
     report = evaluated(run, tmp_path / "tuned", "evaluator=fine_tune", *few)
     assert np.isfinite([report["figures"]["jump_start"], report["figures"]["asymptote"]]).all()
+    assert not list((tmp_path / "tuned").glob("*.pt"))
+
+
+def test_training_on_begins_with_episodes_that_have_no_past(run: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(run, tmp_path / "run")
+    state = load(folder / "checkpoint.pt")
+    state["algorithm"]["reward_scale"]["sum"] = torch.ones(8)  # of episodes that were cut off by the run's end
+    save(folder / "checkpoint.pt", state)
+    subject = subject_of(folder, functools.partial(compose_arguments, folders=(shipped(),)), threads=1)
+    trainer, _ = subject.again(FixedRandomizer(subject.setting.space, {}), 0)
+    begun = trainer.state_dict()["algorithm"]["reward_scale"]
+    assert not begun["sum"].any()
+    assert begun["count"] == state["algorithm"]["reward_scale"]["count"]
 
 
 def test_the_command_line_evaluates_what_it_has_trained(run: Path, tmp_path: Path) -> None:
