@@ -14,6 +14,7 @@ from omegaconf import DictConfig
 
 from dr_lab.cli.arguments import COMPOSE, RESUME, RUN_DIR, arguments_of, compose_arguments, workflow_of
 from dr_lab.cli.provenance import CONFIG_FILE, write_config
+from dr_lab.cli.resuming import require_same_settings
 from dr_lab.errors import ConfigError
 
 
@@ -82,6 +83,8 @@ def run_job(job: Job, cfg: DictConfig) -> None:
 def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]]:
     """The workflow and the keyword arguments it will be called with; its run folder exists and holds ``config.yaml``.
 
+    A workflow that goes on only with a run of the same settings says in `MAY_DIFFER`, beside it, which keys are none.
+
     Args:
         job: which one.
         cfg: its composed configuration without Hydra's node.
@@ -92,7 +95,10 @@ def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]
     workflow, arguments = arguments_of(job.verb, cfg, job.folders)
     parameters = inspect.signature(workflow).parameters
     if job.resume is not None:
-        arguments[RESUME] = str(job.resume)
+        arguments[RESUME] = str(job.resume)  # of a job that is known by its configuration, which is therefore the same
+    elif arguments.get(RESUME) is not None and hasattr(sys.modules[workflow.__module__], "MAY_DIFFER"):
+        earlier = Path(arguments[RESUME]).expanduser()
+        require_same_settings(cfg, earlier, job.verb, sys.modules[workflow.__module__].MAY_DIFFER)
     if COMPOSE in parameters:
         arguments[COMPOSE] = functools.partial(compose_arguments, folders=job.folders)
     if RUN_DIR in parameters:

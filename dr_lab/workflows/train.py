@@ -29,6 +29,8 @@ from dr_lab.workflows.snapshots import Snapshots
 from dr_lab.workflows.training import CHECKPOINT, Plan, Training
 
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
+# Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.
+MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder")
 _LAST = 0.1  # share of the iterations that the final return is the mean of
 _NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
 

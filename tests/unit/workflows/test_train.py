@@ -12,7 +12,9 @@ from hydra.errors import InstantiationException
 
 from dr_lab.algorithms.checkpoint import load
 from dr_lab.cli.arguments import compose_arguments
+from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.job import Job, run_job
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.workflows.train import final_return, metrics_csv, train
 
@@ -34,6 +36,11 @@ OVERRIDES = [
 def run(folder: Path, *more: str) -> dict[str, Any]:
     folder.mkdir()
     return train(**compose_arguments("train", [*OVERRIDES, *more], (shipped(),)), run_dir=folder)
+
+
+def job(folder: Path, *overrides: str) -> None:
+    folders = (shipped(),)
+    run_job(Job("train", overrides, "run", folder, folders), compose_from(folders, "train", overrides))
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
@@ -60,6 +67,33 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
 def test_a_run_that_cannot_be_continued_is_told(tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"Cannot read the checkpoint .*nowhere"):
         run(tmp_path / "run", "frames=160", f"resume={tmp_path / 'nowhere'}")
+
+
+def test_only_a_run_with_the_same_settings_is_gone_on_with(tmp_path: Path) -> None:
+    first = tmp_path / "first"
+    job(first, *OVERRIDES, "frames=160")
+    going_on = [f"resume={first}", "frames=320", "threads=2", "recorder.episodes=1", "checkpoint_every=500"]
+    for setting, told in (
+        ("algorithm.gamma=0.5", r"algorithm\.gamma is 0\.5, there 0\.99\. "),
+        ("seed=1", r"seed is 1, there 0\. "),
+        ("algorithm.surrogate.clip=0.3", r"algorithm\.surrogate\.clip is 0\.3, there 0\.2\. "),
+        ("env.task.frame_skip=1", r"env\.task\.frame_skip is 1, there \d+\. "),
+        ("~algorithm.surrogate.clip", r"algorithm\.surrogate\.clip is absent, there 0\.2\. "),
+    ):
+        with pytest.raises(ConfigError, match=told):
+            job(tmp_path / "other", *OVERRIDES, *going_on, setting)
+    with pytest.raises(
+        ConfigError, match=r"and \d+ more\. Its overrides were: env=cartpole env\.task.*config-name config"
+    ):
+        job(tmp_path / "default", f"resume={first}")
+    assert not (tmp_path / "default").exists()
+    job(tmp_path / "second", *OVERRIDES, *going_on)
+    assert [row["frames"] for row in rows_of(tmp_path / "second" / "metrics.csv")] == ["160", "320"]
+
+
+def test_a_folder_without_settings_is_told(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"holds no config\.yaml. Give the folder of a run of dr-lab train"):
+        job(tmp_path / "run", *OVERRIDES, f"resume={tmp_path / 'nowhere'}")
 
 
 def test_a_batch_smaller_than_the_slots_is_told(tmp_path: Path) -> None:
