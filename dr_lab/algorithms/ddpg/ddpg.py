@@ -165,7 +165,7 @@ class DDPG(Algorithm):
         state = self.buffer.state_dict()
         if len(self.buffer):
             # A copy, as a file would hold all that a slice is cut from.
-            state["_storage"]["_storage"] = self.buffer.storage.get(slice(len(self.buffer))).clone().state_dict()
+            state["_storage"]["_storage"] = self.buffer.storage[:].clone().state_dict()
         return state
 
     def _hold(self, state: Mapping[str, Any]) -> None:

@@ -18,7 +18,7 @@ from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.networks.normaliser import NoNormaliser, Normaliser, RunningNormaliser
 
 
-def ddpg(seed: int = 0, normaliser: Callable[[int], Normaliser] = NoNormaliser, **changes: float) -> DDPG:
+def ddpg(seed: int = 0, normaliser: Callable[[int], Normaliser] = NoNormaliser, **changes: Any) -> DDPG:  # noqa: ANN401
     numbers: dict[str, Any] = {
         "batch_frames": 64,
         "gamma": 0.9,
