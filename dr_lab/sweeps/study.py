@@ -23,10 +23,11 @@ from optuna.trial import Trial, TrialState
 
 from dr_lab.errors import ConfigError
 from dr_lab.sweeps.progress import Pruned
+from dr_lab.sweeps.sweep import JOURNAL_FILE
 
-JOURNAL_FILE = "study.journal"
 _LOCK_FILE = ".study.lock"
 _NAME = "study"
+_OBJECTIVE = "objective"  # attribute of the study
 
 Value = str | int | float | bool | None
 Sampler = Callable[..., BaseSampler]
@@ -67,7 +68,8 @@ class Study:
 
     Args:
         folder: of the sweep.
-        directions: ``minimize`` or ``maximize`` for each objective.
+        objective: keys of what is judged; may be corrected until a trial has succeeded.
+        directions: ``minimize`` or ``maximize`` for each of them.
         space: what may be tried, by key.
         sampler: makes Optuna's sampler from a ``seed``.
         seed: of all proposals.
@@ -82,6 +84,7 @@ class Study:
     def __init__(
         self,
         folder: Path,
+        objective: Sequence[str],
         directions: Sequence[str],
         space: Mapping[str, BaseDistribution],
         sampler: Sampler,
@@ -93,13 +96,15 @@ class Study:
         self._study = optuna.create_study(
             study_name=_NAME, storage=self._storage, directions=asked, load_if_exists=True
         )
-        found = [direction.name.lower() for direction in self._study.directions]
-        if found != list(directions):
-            raise ConfigError(
-                f"The study in {folder} has directions={found}, not {list(directions)}. Keep them, or begin another "
-                "study: hydra.sweep.dir=…"
-            )
+        found = self._study.user_attrs | {"directions": [each.name.lower() for each in self._study.directions]}
+        for key, value in {"directions": list(directions), _OBJECTIVE: list(objective)}.items():
+            if found.get(key, value) != value:
+                raise ConfigError(
+                    f"The study in {folder} has {key}={found[key]}, not {value}. Keep them, or begin another study: "
+                    "hydra.sweep.dir=…"
+                )
         self.exhausted = False
+        self._objective = list(objective)
         self._folder, self._space, self._sampler, self._seed = folder, space, sampler, seed
 
     def __len__(self) -> int:
@@ -130,6 +135,8 @@ class Study:
         if objectives is None or not all(map(math.isfinite, objectives)):
             self._end(number, state=TrialState.FAIL)
         else:
+            if _OBJECTIVE not in self._study.user_attrs:
+                self._study.set_user_attr(_OBJECTIVE, self._objective)
             self._end(number, values=list(objectives))
 
     def tell_pruned(self, number: int) -> None:

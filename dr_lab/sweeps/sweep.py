@@ -15,6 +15,8 @@ SWEEP_FILE = "sweep.json"
 SCHEMA = "dr_lab/sweep/1"
 LOCK_FILE = ".sweep.lock"
 STOP_FILE = ".stop"
+JOURNAL_FILE = "study.journal"
+_RESUME, _STUDY = "resume", "study"
 _DIGITS = 16  # of a job's identity
 _NAME_DIGITS = 8  # of a folder's name
 
@@ -71,12 +73,13 @@ def read_jobs(sweep_dir: Path) -> list[SweepJob]:
     return [SweepJob(**{**job, "overrides": tuple(job["overrides"])}) for job in found]
 
 
-def add_jobs(sweep_dir: Path, verb: str, jobs: Sequence[SweepJob]) -> None:
+def add_jobs(sweep_dir: Path, verb: str, sweeper: str, jobs: Sequence[SweepJob]) -> None:
     """Write jobs down beside those that the sweep has, before any of them begins.
 
     Args:
         sweep_dir: folder of the sweep, which this process holds.
         verb: what the jobs run.
+        sweeper: option of ``hydra/sweeper`` that numbers them.
         jobs: new ones.
 
     Raises:
@@ -89,8 +92,20 @@ def add_jobs(sweep_dir: Path, verb: str, jobs: Sequence[SweepJob]) -> None:
         _require_own_folder(sweep_dir, job, owners)
         owners[job.folder] = job.number
     listed = [asdict(job) for job in sorted([*known, *jobs], key=lambda job: job.number)]
-    text = json.dumps({"schema": SCHEMA, "verb": verb, "jobs": listed}, ensure_ascii=False, indent=1)
-    write_text(sweep_dir / SWEEP_FILE, text + "\n")
+    content = {"schema": SCHEMA, "verb": verb, "sweeper": sweeper, "jobs": listed}
+    write_text(sweep_dir / SWEEP_FILE, json.dumps(content, ensure_ascii=False, indent=1) + "\n")
+
+
+def _sweeper_of(sweep_dir: Path) -> str | None:
+    """The sweeper whose jobs a folder holds, or None where nothing was begun."""
+    path = sweep_dir / SWEEP_FILE
+    listed = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    if "sweeper" in listed:
+        return listed["sweeper"]
+    # Nothing is listed yet, or by a version of dr_lab that did not say whose jobs they are.
+    if (sweep_dir / JOURNAL_FILE).is_file():
+        return _STUDY
+    return _RESUME if listed else None
 
 
 def _require_own_folder(sweep_dir: Path, job: SweepJob, owners: Mapping[str, int]) -> None:
@@ -109,14 +124,15 @@ def _require_own_folder(sweep_dir: Path, job: SweepJob, owners: Mapping[str, int
 
 
 @contextmanager
-def only_driver(sweep_dir: Path) -> Iterator[None]:
+def only_driver(sweep_dir: Path, sweeper: str) -> Iterator[None]:
     """Hold a sweep's folder, which is made, so that one command at a time drives it; a killed one holds nothing.
 
     Args:
         sweep_dir: folder of the sweep.
+        sweeper: option of ``hydra/sweeper`` that the command uses.
 
     Raises:
-        ConfigError: another command drives a sweep there, or the folder cannot be made.
+        ConfigError: another command drives a sweep there, the sweep is another sweeper's, or the folder cannot be made.
     """
     from filelock import FileLock, Timeout  # noqa: PLC0415  takes a tenth of a second, which every command would pay
 
@@ -133,6 +149,12 @@ def only_driver(sweep_dir: Path) -> Iterator[None]:
         message = f"Cannot make the sweep's folder {sweep_dir}: {error.strerror}. Choose another place: outputs=FOLDER."
         raise ConfigError(message) from error
     try:
+        found = _sweeper_of(sweep_dir)
+        if found not in (None, sweeper):
+            raise ConfigError(
+                f"The sweep in {sweep_dir} was begun with hydra/sweeper={found}, not {sweeper}, and numbers its jobs "
+                "in its own way. Keep that sweeper, or choose another folder: hydra.sweep.dir=…"
+            )
         (sweep_dir / STOP_FILE).unlink(missing_ok=True)
         remove_leftovers(sweep_dir)
         yield

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.override_parser.overrides_parser import OverridesParser
@@ -51,7 +52,12 @@ class DrLabSweeper(BasicSweeper):
         fail_fast: let no further job begin once one has failed.
         refresh: time between two looks at the jobs for ``sweep.csv`` [s].
         columns: figures of the jobs' reports that it shows.
+
+    Attributes:
+        option: of ``hydra/sweeper``, which a sweep's folder keeps.
     """
+
+    option: ClassVar[str]
 
     def __init__(
         self, params: Mapping[str, str] | None, fail_fast: bool, refresh: float, columns: Sequence[str] = ()

@@ -17,6 +17,8 @@ class ResumeSweeper(DrLabSweeper):
     run again. Values that are given later join under the next numbers.
     """
 
+    option = "resume"
+
     def sweep(self, arguments: list[str]) -> None:
         """Run the jobs that are not completed yet.
 
@@ -30,7 +32,7 @@ class ResumeSweeper(DrLabSweeper):
         [combinations] = self.split_arguments(self.parsed(arguments), None)
         asked = [self.composed(overrides) for overrides in combinations]
         self.check(asked)
-        with only_driver(self.folder):
+        with only_driver(self.folder, self.option):
             jobs = self._enrolled(asked)
             standing = statuses(self.folder, jobs)
             left = [job for job in jobs if standing[job.number].state not in FINAL]
@@ -52,6 +54,6 @@ class ResumeSweeper(DrLabSweeper):
                 new.append(by_identity[job.identity])
         if new:
             assert self.task is not None
-            add_jobs(self.folder, self.task.verb, new)
+            add_jobs(self.folder, self.task.verb, self.option, new)
         wanted = dict.fromkeys(job.identity for job in asked)
         return sorted((by_identity[identity] for identity in wanted), key=lambda job: job.number)

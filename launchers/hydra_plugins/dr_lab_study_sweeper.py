@@ -43,6 +43,8 @@ class StudySweeper(DrLabSweeper):
         refresh: time between two looks at the jobs for ``sweep.csv`` [s].
     """
 
+    option = "study"
+
     def __init__(
         self,
         params: Mapping[str, str] | None,
@@ -86,8 +88,8 @@ class StudySweeper(DrLabSweeper):
         [[fixed]] = self.split_arguments([override for override in given if not override.is_sweep_override()], None)
         space = search_space(given)
         self.check([self.composed([*fixed, *_overrides(corner)]) for corner in corners(space)])
-        with only_driver(self.folder):
-            study = Study(self.folder, self.directions, space, self.sampler, self.seed)
+        with only_driver(self.folder, self.option):
+            study = Study(self.folder, self.objective, self.directions, space, self.sampler, self.seed)
             print(f"Study in {self.shown}: {self.n_trials} trials in all, {len(study)} begun before")
             self._search(study, fixed)
 
@@ -119,13 +121,20 @@ class StudySweeper(DrLabSweeper):
             yield study.propose()
 
     def _job(self, proposal: "Proposal", fixed: Sequence[str]) -> SweepJob:
-        known = {job.number: job for job in read_jobs(self.folder)}
-        if proposal.number not in known:
+        """The job of a trial, written down where it is new; one that was begun must be what the command asks for."""
+        job = self.composed([*fixed, *_overrides(proposal.values)]).numbered(proposal.number)
+        known = next((known for known in read_jobs(self.folder) if known.number == job.number), None)
+        if known is None:
             assert self.task is not None
-            job = self.composed([*fixed, *_overrides(proposal.values)]).numbered(proposal.number)
-            add_jobs(self.folder, self.task.verb, [job])
+            add_jobs(self.folder, self.task.verb, self.option, [job])
             return job
-        return known[proposal.number]
+        if known.identity != job.identity:
+            raise ConfigError(
+                f"Trial {job.number} of the study in {self.shown} was begun with another configuration "
+                f"({' '.join(known.overrides)}) than this command gives it ({' '.join(job.overrides)}). Type what "
+                "began it, or begin another study: hydra.sweep.dir=…"
+            )
+        return known
 
     def _settle(self, study: "Study", job: SweepJob, status: Status) -> None:
         """Tell the study what came of a trial; of one whose process died, the next command will know more."""

@@ -101,8 +101,9 @@ def test_nothing_begins_where_one_job_cannot_be_run(
 def test_folders_of_jobs_are_their_own(folders: tuple[str, ...], message: str, tmp_path: Path) -> None:
     (tmp_path / "swept/mine").mkdir(parents=True)
     (tmp_path / "swept/mine/notes.txt").touch()
+    jobs = [SweepJob(n, str(n), folder, ()) for n, folder in enumerate(folders)]
     with pytest.raises(ConfigError, match=message):
-        add_jobs(tmp_path / "swept", "probe", [SweepJob(n, str(n), folder, ()) for n, folder in enumerate(folders)])
+        add_jobs(tmp_path / "swept", "probe", "resume", jobs)
     assert read_jobs(tmp_path / "swept") == []
 
 
@@ -124,6 +125,16 @@ def test_waits_for_a_process_that_outlived_its_sweep(sweep: Sweep, sweeps: Sweep
     outlived.join()
     assert json.loads((job / "status.json").read_text(encoding="utf-8"))["seconds"] == 5.0
     assert not (job / "report.json").exists()
+
+
+def test_a_sweep_of_before_goes_on(sweep: Sweep, tmp_path: Path) -> None:
+    assert sweep("value=1") == 0
+    path = tmp_path / "swept/sweep.json"
+    content = json.loads(path.read_text(encoding="utf-8"))
+    assert content.pop("sweeper") == "resume"
+    path.write_text(json.dumps(content), encoding="utf-8")
+    assert sweep("value=1,2") == 0
+    assert [row["status"] for row in table(tmp_path / "swept")] == ["completed"] * 2
 
 
 def test_other_sweepers_are_refused(sweep: Sweep, capsys: pytest.CaptureFixture[str]) -> None:

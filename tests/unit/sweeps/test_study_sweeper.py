@@ -16,7 +16,8 @@ from dr_lab.cli.compose import compose_with_hydra
 from dr_lab.cli.folders import shipped
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
 from dr_lab.sweeps.objective import objectives
-from dr_lab.sweeps.study import JOURNAL_FILE, Study
+from dr_lab.sweeps.study import Study
+from dr_lab.sweeps.sweep import JOURNAL_FILE, SweepJob, add_jobs
 
 Sweep = Callable[..., int]
 STUDY = ("hydra/sweeper=study", "hydra.sweeper.objective=[score]", "hydra.sweeper.directions=[minimize]")
@@ -46,13 +47,13 @@ def test_proposals_do_not_depend_on_interruptions(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
 
     def search(folder: str, *, anew: bool) -> list[object]:
-        study = Study(tmp_path / folder, ["minimize"], space, RandomSampler, seed=3)
+        study = Study(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
         for _ in range(5):
             if anew:
-                study = Study(tmp_path / folder, ["minimize"], space, RandomSampler, seed=3)
+                study = Study(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
             proposal = study.propose()
             if anew:  # killed before anything came of it
-                study = Study(tmp_path / folder, ["minimize"], space, RandomSampler, seed=3)
+                study = Study(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
                 assert study.unfinished() == [proposal]
             study.tell(proposal.number, [float(str(proposal.values["x"]))])
         return [study.best(), len(study)]
@@ -110,22 +111,60 @@ def test_unfit_studies_say_so(sweep: Sweep, tmp_path: Path, capsys: pytest.Captu
 
 def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:
     space = {"x": CategoricalDistribution(["1", "2"])}
-    Study(tmp_path, ["minimize"], space, RandomSampler, seed=0).propose()
+    Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0).propose()
     with pytest.raises(ConfigError, match="directions"):
-        Study(tmp_path, ["maximize"], space, RandomSampler, seed=0)
+        Study(tmp_path, ["x"], ["maximize"], space, RandomSampler, seed=0)
     with pytest.raises(ConfigError, match="another search space"):
-        Study(tmp_path, ["minimize"], {"x": CategoricalDistribution(["3"])}, RandomSampler, seed=0).unfinished()
+        Study(tmp_path, ["x"], ["minimize"], {"x": CategoricalDistribution(["3"])}, RandomSampler, seed=0).unfinished()
+
+
+def test_another_objective_is_refused_once_a_trial_has_succeeded(tmp_path: Path) -> None:
+    space = {"x": FloatDistribution(0.0, 1.0)}
+    typo = Study(tmp_path, ["scor"], ["minimize"], space, RandomSampler, seed=0)
+    typo.tell(typo.propose().number, None)
+    study = Study(tmp_path, ["score"], ["minimize"], space, RandomSampler, seed=0)
+    study.tell(study.propose().number, [1.0])
+    Study(tmp_path, ["score"], ["minimize"], space, RandomSampler, seed=0)
+    with pytest.raises(ConfigError, match=r"objective=\['score'\], not \['other'\]"):
+        Study(tmp_path, ["other"], ["minimize"], space, RandomSampler, seed=0)
+
+
+def test_a_study_takes_no_jobs_but_its_own(sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    swept, typed = tmp_path / "swept", (*STUDY, "value=interval(0,6)")
+    assert sweep(*typed, "hydra.sweeper.n_trials=1") == 0
+    assert sweep("value=1") == 2
+    assert "begun with hydra/sweeper=study, not resume" in capsys.readouterr().err
+    study = Study(swept, ["score"], ["minimize"], {"value": FloatDistribution(0.0, 6.0)}, RandomSampler, seed=0)
+    assert study.propose().number == 1
+    add_jobs(swept, "probe", "study", [SweepJob(1, "another", "1", ("value=9",))])
+    assert sweep(*typed, "hydra.sweeper.n_trials=2") == 2
+    assert "Trial 1 of the study in swept was begun with another configuration (value=9)" in capsys.readouterr().err
+    assert not (swept / "1").exists()
+
+
+def test_a_study_of_before_goes_on_and_stays_one(
+    sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweep(*STUDY, "value=interval(0,6)", "hydra.sweeper.n_trials=1") == 0
+    path = tmp_path / "swept/sweep.json"
+    content = json.loads(path.read_text(encoding="utf-8"))
+    assert content.pop("sweeper") == "study"
+    path.write_text(json.dumps(content), encoding="utf-8")
+    assert sweep("value=1") == 2
+    assert "begun with hydra/sweeper=study" in capsys.readouterr().err
+    assert sweep(*STUDY, "value=interval(0,6)", "hydra.sweeper.n_trials=2") == 0
 
 
 def test_journal_that_a_full_disk_cut(tmp_path: Path) -> None:
     space = {"x": FloatDistribution(0.0, 1.0)}
-    study = Study(tmp_path, ["minimize"], space, RandomSampler, seed=0)
+    study = Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0)
     study.tell(study.propose().number, [1.0])
     with (tmp_path / JOURNAL_FILE).open("a", encoding="utf-8") as file:
         file.write('{"op_code":4,"wor')
-    again = Study(tmp_path, ["minimize"], space, RandomSampler, seed=0)
+    again = Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0)
     again.tell(again.propose().number, [0.5])
-    assert [best.objectives for best in Study(tmp_path, ["minimize"], space, RandomSampler, seed=0).best()] == [(0.5,)]
+    found = Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0).best()
+    assert [best.objectives for best in found] == [(0.5,)]
 
 
 def test_notation_of_a_search_space() -> None:
