@@ -6,9 +6,10 @@ that holds it, and a job that says it is running without holding the lock has di
 
 import json
 import shutil
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -32,11 +33,13 @@ class Status:
             ``pruned`` (a study gave it up).
         error: what went wrong, for the user; empty unless it failed.
         seconds: how long its last attempt took; None unless that ended.
+        mark: differs from one writing to the next, so that an attempt that ended as the one before can be told from it.
     """
 
     state: State
     error: str = ""
     seconds: float | None = None
+    mark: str = ""
 
 
 def write_status(folder: Path, state: Stored, error: str = "", seconds: float | None = None) -> None:
@@ -51,7 +54,7 @@ def write_status(folder: Path, state: Stored, error: str = "", seconds: float | 
     Raises:
         DrLabError: the folder cannot be written.
     """
-    status = Status(state, error, None if seconds is None else round(seconds, 3))
+    status = Status(state, error, None if seconds is None else round(seconds, 3), uuid.uuid4().hex)
     write_text(folder / STATUS_FILE, json.dumps(asdict(status), ensure_ascii=False) + "\n")
 
 
@@ -65,7 +68,7 @@ def read_status(folder: Path) -> Status:
     if status.state == "running" and not _is_held(folder):
         # It may have ended between the two looks.
         again = _stored(folder)
-        return Status("unfinished") if again.state == "running" else again
+        return replace(again, state="unfinished") if again.state == "running" else again
     return status
 
 

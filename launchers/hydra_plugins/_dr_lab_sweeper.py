@@ -131,7 +131,7 @@ class DrLabSweeper(BasicSweeper):
             raise ConfigError("\n".join([what, *lines]))
 
     def launch(self, jobs: Sequence[SweepJob]) -> tuple[dict[int, Status], str]:
-        """Run jobs with the launcher, whatever it makes of one that raises or dies.
+        """Run jobs with the launcher, whatever it makes of one that raises or dies; those that died before come last.
 
         Args:
             jobs: of this sweep, written down in its folder.
@@ -142,7 +142,8 @@ class DrLabSweeper(BasicSweeper):
         Raises:
             DrLabError: the launcher cannot be used, or the table cannot be written.
         """
-        left, ended_early = list(jobs), ""
+        before = statuses(self.folder, jobs)
+        left, ended_early = sorted(jobs, key=lambda job: before[job.number].state == "unfinished"), ""
         with kept_up_to_date(self.folder, self.refresh, self.columns):
             try:
                 while left:

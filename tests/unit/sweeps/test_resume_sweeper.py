@@ -3,11 +3,14 @@
 import json
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import pytest
 from filelock import FileLock
+from hydra._internal.core_plugins.basic_launcher import BasicLauncher
+from hydra.core.utils import JobReturn
 from probe_sweeps import Sweeps, completed, table
 
 from dr_lab.errors import ConfigError
@@ -125,6 +128,31 @@ def test_waits_for_a_process_that_outlived_its_sweep(sweep: Sweep, sweeps: Sweep
     outlived.join()
     assert json.loads((job / "status.json").read_text(encoding="utf-8"))["seconds"] == 5.0
     assert not (job / "report.json").exists()
+
+
+def test_jobs_that_die_again_do_not_keep_others_from_their_turn(
+    sweep: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a pool of processes that a job takes down with it, one job at a time."""
+    launch, handed = BasicLauncher.launch, []
+
+    def pool(self: BasicLauncher, batch: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
+        for value, *rest in batch:
+            handed.append(value)
+            if value in ("value=1", "value=2"):
+                folder = tmp_path / "swept" / rest[-1].partition("=")[2].strip("'")
+                folder.mkdir(parents=True, exist_ok=True)
+                write_status(folder, "running")
+                raise BrokenProcessPool
+            launch(self, [[value, *rest]], initial_job_idx)
+        return []
+
+    monkeypatch.setattr(BasicLauncher, "launch", pool)
+    assert sweep("value=1,2") == 2
+    handed.clear()
+    assert sweep("value=1,2,3") == 2
+    assert handed == ["value=3", "value=1", "value=2"]
+    assert [row["status"] for row in table(tmp_path / "swept")] == ["unfinished", "unfinished", "completed"]
 
 
 def test_a_sweep_of_before_goes_on(sweep: Sweep, tmp_path: Path) -> None:
