@@ -6,6 +6,7 @@ same values as one that never stopped, where trials are tried one after the othe
 """
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,7 +91,6 @@ class Study:
         sampler: Sampler,
         seed: int,
     ) -> None:
-        _mend(folder / JOURNAL_FILE)
         self._storage = _storage(folder)
         asked = [StudyDirection[direction.upper()] for direction in directions]
         self._study = optuna.create_study(
@@ -215,14 +215,20 @@ class Pruning:
 
 
 class _KernelLock(JournalFileOpenLock):
-    """The journal's lock; unlike Optuna's own it goes with the process that holds it."""
+    """The journal's lock; unlike Optuna's own it goes with the process that holds it, and its holder finds whole lines.
 
-    def __init__(self, path: Path) -> None:
+    Args:
+        path: of the lock.
+        journal: that it guards; whoever adds lines holds it.
+    """
+
+    def __init__(self, path: Path, journal: Path) -> None:
         super().__init__(str(path))
-        self._lock = FileLock(path)
+        self._lock, self._journal = FileLock(path), journal
 
     def acquire(self) -> bool:
         self._lock.acquire()
+        _mend(self._journal)
         return True
 
     def release(self) -> None:
@@ -230,19 +236,19 @@ class _KernelLock(JournalFileOpenLock):
 
 
 def _storage(folder: Path) -> JournalStorage:
-    backend = JournalFileBackend(str(folder / JOURNAL_FILE), _KernelLock(folder / _LOCK_FILE))
-    return JournalStorage(backend)
+    journal = folder / JOURNAL_FILE
+    return JournalStorage(JournalFileBackend(str(journal), _KernelLock(folder / _LOCK_FILE, journal)))
 
 
 def _mend(journal: Path) -> None:
     """Cut off a last line that a full disk left half-written; no later one could be read after it."""
-    if not journal.is_file():
-        return
-    content = journal.read_bytes()
-    whole = content[: content.rfind(b"\n") + 1]
-    if len(whole) < len(content):
-        with journal.open("r+b") as file:
-            file.truncate(len(whole))
+    with journal.open("r+b") as file:
+        if file.seek(0, os.SEEK_END) == 0:
+            return
+        file.seek(-1, os.SEEK_END)
+        if file.read() != b"\n":  # asked at every line that is added, so only a broken journal is read as a whole
+            file.seek(0)
+            file.truncate(file.read().rfind(b"\n") + 1)
 
 
 def _suggested(trial: Trial, key: str, distribution: BaseDistribution) -> Value:

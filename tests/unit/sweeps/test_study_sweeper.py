@@ -161,6 +161,9 @@ def test_journal_that_a_full_disk_cut(tmp_path: Path) -> None:
     study.tell(study.propose().number, [1.0])
     with (tmp_path / JOURNAL_FILE).open("a", encoding="utf-8") as file:
         file.write('{"op_code":4,"wor')
+    study.tell(study.propose().number, [2.0])  # by the same process or by one that ran meanwhile
+    with (tmp_path / JOURNAL_FILE).open("a", encoding="utf-8") as file:
+        file.write('{"op_code":4,"wor')
     again = Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0)
     again.tell(again.propose().number, [0.5])
     found = Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0).best()
