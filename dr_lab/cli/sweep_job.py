@@ -60,17 +60,9 @@ def run_in_sweep(job: Job, cfg: DictConfig, hydra: HydraConf, traceback_wanted: 
 def _attempt(job: Job, cfg: DictConfig) -> Exception | None:
     """Do a job's work and write down how it ended; gives what made it fail."""
     folder = job.output_dir
-    if can_go_on(job):
-        job = replace(job, resume=folder)
-        for name in (CONFIG_FILE, ERROR_FILE):  # written anew
-            (folder / name).unlink(missing_ok=True)
-        remove_leftovers(folder)
-    else:
-        clear(folder)
-    write_status(folder, "running")
     begin = time.monotonic()
     try:
-        run_job(job, cfg)
+        run_job(_taken_up(job), cfg)
     except Pruned:
         write_status(folder, "pruned", seconds=time.monotonic() - begin)
     except Exception as error:
@@ -81,3 +73,17 @@ def _attempt(job: Job, cfg: DictConfig) -> Exception | None:
     else:
         write_status(folder, "completed", seconds=time.monotonic() - begin)
     return None
+
+
+def _taken_up(job: Job) -> Job:
+    """The job, going on where it was if it can; its folder is put in order for that."""
+    folder = job.output_dir
+    if can_go_on(job):
+        job = replace(job, resume=folder)
+        for name in (CONFIG_FILE, ERROR_FILE):  # written anew
+            (folder / name).unlink(missing_ok=True)
+        remove_leftovers(folder)
+    else:
+        clear(folder)
+    write_status(folder, "running")
+    return job

@@ -20,7 +20,7 @@ LOCK_FILE = ".lock"
 ERROR_FILE = "error.txt"
 
 Stored = Literal["running", "completed", "failed", "pruned"]
-State = Literal["waiting", "unfinished"] | Stored
+State = Literal["waiting", "unfinished", "unrecorded"] | Stored
 FINAL: tuple[State, ...] = ("completed", "pruned")
 
 
@@ -29,8 +29,8 @@ class Status:
     """How a job stands.
 
     Attributes:
-        state: ``waiting`` (not begun), ``running``, ``unfinished`` (its process died), ``completed``, ``failed`` or
-            ``pruned`` (a study gave it up).
+        state: ``waiting`` (not begun), ``running``, ``unfinished`` (its process died), ``completed``, ``failed``,
+            ``pruned`` (a study gave it up) or ``unrecorded`` (it failed before it could say so in its folder).
         error: what went wrong, for the user; empty unless it failed.
         seconds: how long its last attempt took; None unless that ended.
         mark: differs from one writing to the next, so that an attempt that ended as the one before can be told from it.

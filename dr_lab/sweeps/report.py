@@ -33,7 +33,7 @@ def require_completed(
     if all(state in FINAL for state in states):
         return
     counts = {
-        "failed": states.count("failed"),
+        "failed": states.count("failed") + states.count("unrecorded"),
         "died": states.count("unfinished"),
         "running elsewhere": states.count("running"),
         "not begun": states.count("waiting"),
@@ -56,7 +56,8 @@ def listed(sweep_dir: Path, jobs: Sequence[SweepJob], standing: Mapping[int, Sta
     """
     for job in jobs:
         status = standing[job.number]
-        if status.state in ("failed", "unfinished"):
-            why = first_line(status.error) if status.state == "failed" else _DIED
+        if status.state in ("failed", "unfinished", "unrecorded"):
+            why = _DIED if status.state == "unfinished" else first_line(status.error)
             yield f"  job {job.number} ({' '.join(job.overrides)}): {why}"
+        if status.state in ("failed", "unfinished"):
             yield f"    {log_of(sweep_dir, job)}"

@@ -5,6 +5,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -17,6 +18,7 @@ LOCK_FILE = ".sweep.lock"
 STOP_FILE = ".stop"
 JOURNAL_FILE = "study.journal"
 _RESUME, _STUDY = "resume", "study"
+_REMEDY = "Choose another pattern, hydra.sweep.subdir=…, or another folder, hydra.sweep.dir=…"
 _DIGITS = 16  # of a job's identity
 _NAME_DIGITS = 8  # of a folder's name
 
@@ -83,15 +85,15 @@ def add_jobs(sweep_dir: Path, verb: str, sweeper: str, jobs: Sequence[SweepJob])
         jobs: new ones.
 
     Raises:
-        ConfigError: a job's folder is that of another one, lies outside of the sweep's, or holds something else.
+        ConfigError: a job's folder is or lies in that of another one, or outside of the sweep's, or holds something
+            else.
         DrLabError: the folder cannot be written.
     """
-    known = read_jobs(sweep_dir)
-    owners = {job.folder: job.number for job in known}
+    every = sorted([*read_jobs(sweep_dir), *jobs], key=lambda job: job.number)
+    _require_apart(sweep_dir, every)
     for job in jobs:
-        _require_own_folder(sweep_dir, job, owners)
-        owners[job.folder] = job.number
-    listed = [asdict(job) for job in sorted([*known, *jobs], key=lambda job: job.number)]
+        _require_own_folder(sweep_dir, job)
+    listed = [asdict(job) for job in every]
     content = {"schema": SCHEMA, "verb": verb, "sweeper": sweeper, "jobs": listed}
     write_text(sweep_dir / SWEEP_FILE, json.dumps(content, ensure_ascii=False, indent=1) + "\n")
 
@@ -108,19 +110,26 @@ def _sweeper_of(sweep_dir: Path) -> str | None:
     return _RESUME if listed else None
 
 
-def _require_own_folder(sweep_dir: Path, job: SweepJob, owners: Mapping[str, int]) -> None:
-    remedy = "Choose another pattern, hydra.sweep.subdir=…, or another folder, hydra.sweep.dir=…"
+def _require_own_folder(sweep_dir: Path, job: SweepJob) -> None:
     path, folder = PurePath(job.folder), sweep_dir / job.folder
     if path.is_absolute() or ".." in path.parts or not path.parts:
         raise ConfigError(
-            f"hydra.sweep.subdir puts job {job.number} into {job.folder!r}, outside of {sweep_dir}. {remedy}"
-        )
-    if job.folder in owners:
-        raise ConfigError(
-            f"{sweep_dir / path} would be the folder of jobs {owners[job.folder]} and {job.number}. {remedy}"
+            f"hydra.sweep.subdir puts job {job.number} into {job.folder!r}, outside of {sweep_dir}. {_REMEDY}"
         )
     if folder.is_dir() and any(folder.iterdir()):
-        raise ConfigError(f"{folder} holds something that is not of this sweep. {remedy}")
+        raise ConfigError(f"{folder} holds something that is not of this sweep. {_REMEDY}")
+
+
+def _require_apart(sweep_dir: Path, jobs: Sequence[SweepJob]) -> None:
+    """Refuse folders that lie in one another: a job that starts over empties its own."""
+    # In this order a folder stands right behind one that holds it, or behind another that this one holds.
+    folders = sorted((PurePath(job.folder).parts, job.number) for job in jobs)
+    for (outer, first), (inner, second) in pairwise(folders):
+        path = sweep_dir.joinpath(*inner)
+        if inner == outer:
+            raise ConfigError(f"{path} would be the folder of jobs {first} and {second}. {_REMEDY}")
+        if inner[: len(outer)] == outer:
+            raise ConfigError(f"{path} would be the folder of job {second} and lie in that of job {first}. {_REMEDY}")
 
 
 @contextmanager

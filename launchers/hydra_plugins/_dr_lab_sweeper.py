@@ -12,6 +12,7 @@ from typing import ClassVar
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override, Quote, QuotedString
+from hydra.core.utils import JobStatus
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict
 
@@ -137,32 +138,33 @@ class DrLabSweeper(BasicSweeper):
             jobs: of this sweep, written down in its folder.
 
         Returns:
-            How they stand then, and why the launcher gave up, if it did.
+            How they stand then, with what the launcher alone knows of a failure, and why it gave up, if it did.
 
         Raises:
             DrLabError: the launcher cannot be used, or the table cannot be written.
         """
         before = statuses(self.folder, jobs)
         left, ended_early = sorted(jobs, key=lambda job: before[job.number].state == "unfinished"), ""
+        unrecorded: dict[int, Status] = {}
         with kept_up_to_date(self.folder, self.refresh, self.columns):
             try:
                 while left:
-                    left, ended_early = self._launch_once(left)
+                    left, ended_early = self._launch_once(left, unrecorded)
                 # An engine may give up at the first job that died, while others go on.
                 while "running" in {status.state for status in statuses(self.folder, jobs).values()}:
                     time.sleep(self.refresh)
             except BaseException:
                 stop(self.folder, "interrupted")  # jobs that wait in the queue of a cluster are not begun either
                 raise
-        return statuses(self.folder, jobs), ended_early
+        return statuses(self.folder, jobs) | unrecorded, ended_early
 
-    def _launch_once(self, jobs: Sequence[SweepJob]) -> tuple[list[SweepJob], str]:
+    def _launch_once(self, jobs: Sequence[SweepJob], unrecorded: dict[int, Status]) -> tuple[list[SweepJob], str]:
         """Hand jobs to the launcher; gives those to hand over again, and why it gave up, if it did."""
         assert self.launcher is not None
         before = statuses(self.folder, jobs)
         batch = [[*job.overrides, f"hydra.sweep.subdir={_quoted(job.folder)}"] for job in jobs]
         try:
-            self.launcher.launch(batch, initial_job_idx=jobs[0].number)
+            returned = self.launcher.launch(batch, initial_job_idx=jobs[0].number)
         except DrLabError:
             raise
         except BrokenProcessPool as error:  # a worker that dies takes with it what waits for its pool
@@ -171,11 +173,15 @@ class DrLabSweeper(BasicSweeper):
             return untouched if len(untouched) < len(jobs) else [], _told(error)
         except Exception as error:  # each launcher has errors of its own for a job that died
             return [], _told(error)
+        after = statuses(self.folder, jobs)
+        for job, what in zip(jobs, returned, strict=True):
+            if what.status == JobStatus.FAILED and after[job.number] == before[job.number]:
+                unrecorded[job.number] = Status("unrecorded", _told(what._return_value))
         return [], ""
 
 
 def _told(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}"
+    return str(error) if isinstance(error, DrLabError) else f"{type(error).__name__}: {error}"
 
 
 def _without_hydra(cfg: DictConfig) -> DictConfig:

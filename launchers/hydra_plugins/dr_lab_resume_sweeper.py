@@ -38,7 +38,7 @@ class ResumeSweeper(DrLabSweeper):
             left = [job for job in jobs if standing[job.number].state not in FINAL]
             print(f"Sweep in {self.shown}: {len(left)} to run, {len(jobs) - len(left)} completed before")
             now, ended_early = self.launch(left)
-            require_completed(self.shown, jobs, standing | now, ended_early)
+            require_completed(self.shown, jobs, statuses(self.folder, jobs) | now, ended_early)
         print(f"\nCompleted: {self.shown / TABLE_FILE}")
         if not left:
             print("Nothing was left to do. To run them anew, choose another folder: hydra.sweep.dir=…")

@@ -96,6 +96,7 @@ class StudySweeper(DrLabSweeper):
     def _search(self, study: "Study", fixed: Sequence[str]) -> None:
         ended_early = ""
         tried: dict[int, SweepJob] = {}
+        unrecorded: dict[int, Status] = {}
         failed = False
         while not (failed and self.fail_fast):
             batch = [self._job(proposal, fixed) for proposal in self._proposals(study, tried)]
@@ -107,8 +108,9 @@ class StudySweeper(DrLabSweeper):
             standing |= now
             for job in batch:
                 self._settle(study, job, standing[job.number])
-            failed = any(standing[job.number].state == "failed" for job in batch)
-        self._conclude(study, ended_early)
+            unrecorded |= {number: status for number, status in now.items() if status.state == "unrecorded"}
+            failed = any(standing[job.number].state in ("failed", "unrecorded") for job in batch)
+        self._conclude(study, unrecorded, ended_early)
         if failed and self.fail_fast:
             raise SweepError(f"A trial failed, so the study ends with {len(study)} of {self.n_trials} for now.")
 
@@ -145,9 +147,9 @@ class StudySweeper(DrLabSweeper):
         elif status.state == "failed":
             study.tell(job.number, None)
 
-    def _conclude(self, study: "Study", ended_early: str) -> None:
+    def _conclude(self, study: "Study", unrecorded: Mapping[int, Status], ended_early: str) -> None:
         jobs = read_jobs(self.folder)
-        standing = statuses(self.folder, jobs)
+        standing = statuses(self.folder, jobs) | unrecorded
         failed = [job for job in jobs if standing[job.number].state == "failed"]
         if failed:
             print("\n".join([f"{len(failed)} trials failed:", *listed(self.shown, failed, standing)]), file=sys.stderr)

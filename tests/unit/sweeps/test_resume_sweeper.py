@@ -1,5 +1,6 @@
 """The same command goes on with its sweep: nothing twice, nothing lost, and nothing begun that cannot be run."""
 
+import errno
 import json
 import os
 import threading
@@ -9,8 +10,9 @@ from pathlib import Path
 
 import pytest
 from filelock import FileLock
-from hydra._internal.core_plugins.basic_launcher import BasicLauncher
+from hydra.core.plugins import Plugins
 from hydra.core.utils import JobReturn
+from hydra.plugins.launcher import Launcher
 from probe_sweeps import Sweeps, completed, table
 
 from dr_lab.errors import ConfigError
@@ -97,6 +99,9 @@ def test_nothing_begins_where_one_job_cannot_be_run(
     [
         (("same", "same"), "would be the folder of jobs 0 and 1"),
         ((".",), "puts job 0 into '.', outside of"),
+        (("a/b", "a"), "a/b would be the folder of job 0 and lie in that of job 1"),
+        (("a", "c", "a/b/"), "a/b would be the folder of job 2 and lie in that of job 0"),
+        (("a", "./a"), "would be the folder of jobs 0 and 1"),
         (("../0",), "puts job 0 into '../0', outside of"),
         (("mine",), "holds something that is not of this sweep"),
     ],
@@ -134,9 +139,12 @@ def test_jobs_that_die_again_do_not_keep_others_from_their_turn(
     sweep: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of a pool of processes that a job takes down with it, one job at a time."""
-    launch, handed = BasicLauncher.launch, []
+    # Hydra loads its plugins anew, so the class that it uses is not the one that an import finds.
+    launcher = Plugins.instance().class_name_to_class["hydra._internal.core_plugins.basic_launcher.BasicLauncher"]
+    assert issubclass(launcher, Launcher)
+    launch, handed = launcher.launch, []
 
-    def pool(self: BasicLauncher, batch: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
+    def pool(self: Launcher, batch: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
         for value, *rest in batch:
             handed.append(value)
             if value in ("value=1", "value=2"):
@@ -144,15 +152,37 @@ def test_jobs_that_die_again_do_not_keep_others_from_their_turn(
                 folder.mkdir(parents=True, exist_ok=True)
                 write_status(folder, "running")
                 raise BrokenProcessPool
-            launch(self, [[value, *rest]], initial_job_idx)
+            launch(self, [[value, *rest]], initial_job_idx=initial_job_idx)
         return []
 
-    monkeypatch.setattr(BasicLauncher, "launch", pool)
+    monkeypatch.setattr(launcher, "launch", pool)
     assert sweep("value=1,2") == 2
     handed.clear()
     assert sweep("value=1,2,3") == 2
     assert handed == ["value=3", "value=1", "value=2"]
     assert [row["status"] for row in table(tmp_path / "swept")] == ["unfinished", "unfinished", "completed"]
+
+
+def test_why_a_job_could_not_begin(
+    sweep: Sweep, sweeps: Sweeps, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (sweeps.trouble / "fails_2").touch()
+    assert sweep("value=1,2") == 2
+    capsys.readouterr()
+
+    def refuse(*given: object) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", "old.txt")
+
+    with monkeypatch.context() as patched:  # where its folder is put in order
+        patched.setattr("dr_lab.cli.sweep_job.clear", refuse)
+        assert sweep("value=3") == 2
+    assert "1 failed, of 1 in all.\n  job 2 (value=3): old.txt: Permission denied" in capsys.readouterr().err
+    with monkeypatch.context() as patched:  # before its folder can say so
+        patched.setattr("dr_lab.cli.sweep_job.watched", refuse)
+        assert sweep("value=2") == 2
+    told = capsys.readouterr().err
+    assert "1 failed, of 1 in all.\n  job 1 (value=2): PermissionError: [Errno 13] Permission denied: 'old.txt'" in told
+    assert "2 is refused" not in told
 
 
 def test_a_sweep_of_before_goes_on(sweep: Sweep, tmp_path: Path) -> None:
