@@ -45,7 +45,7 @@ def check(
         raise ConfigError(f"The configuration of {verb} is a {type(values).__name__}, expected keys with values.")
     plain = {str(key): value for key, value in values.items() if key not in unused}
     _check_call(plain, workflow, f"dr-lab {verb}", "", supplied)
-    _walk(plain, "")
+    check_targets(plain, "")
 
 
 def _missing(value: object, path: str) -> Iterator[str]:
@@ -60,16 +60,25 @@ def _missing(value: object, path: str) -> Iterator[str]:
         yield path
 
 
-def _walk(value: object, path: str) -> None:
-    """Check every `_target_` below a value."""
+def check_targets(value: object, path: str) -> None:
+    """Check every `_target_` below a value against the signature of what it names.
+
+    Args:
+        value: of a configuration, interpolations resolved.
+        path: its key.
+
+    Raises:
+        ConfigError: a value is missing or of the wrong type, or a target cannot be built.
+        UnknownNameError: a key is no parameter of what it configures.
+    """
     if isinstance(value, Mapping):
         if "_target_" in value:
             _check_target(value, path)
         for key, child in value.items():
-            _walk(child, f"{path}.{key}" if path else str(key))
+            check_targets(child, f"{path}.{key}" if path else str(key))
     elif isinstance(value, list):
         for index, child in enumerate(value):
-            _walk(child, f"{path}[{index}]")
+            check_targets(child, f"{path}[{index}]")
 
 
 def _check_target(node: Mapping[str, Any], path: str) -> None:

@@ -31,3 +31,13 @@ def require_known_flags(arguments: Sequence[str], verb: str) -> None:
         name = word.partition("=")[0]
         if name.lstrip("-") != name:
             raise UnknownNameError("flag", name, flags, f"dr-lab {verb} (settings have no dashes: key=value)")
+
+
+def runs_jobs(arguments: Sequence[str]) -> bool:
+    """Whether a command runs something, rather than show it.
+
+    Args:
+        arguments: what follows the verb.
+    """
+    known, _ = get_args_parser().parse_known_args(list(arguments))
+    return not (known.cfg or known.info or known.hydra_help or known.shell_completion)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.override_parser.overrides_parser import OverridesParser
@@ -61,7 +61,7 @@ class DrLabSweeper(BasicSweeper):
     option: ClassVar[str]
 
     def __init__(
-        self, params: Mapping[str, str] | None, fail_fast: bool, refresh: float, columns: Sequence[str] = ()
+        self, params: Mapping[str, Any] | None, fail_fast: bool, refresh: float, columns: Sequence[str] = ()
     ) -> None:
         super().__init__(max_batch_size=None, params=dict(params or {}))
         self.fail_fast, self.refresh, self.columns = fail_fast, refresh, columns

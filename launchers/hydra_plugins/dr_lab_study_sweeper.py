@@ -47,7 +47,7 @@ class StudySweeper(DrLabSweeper):
 
     def __init__(
         self,
-        params: Mapping[str, str] | None,
+        params: Mapping[str, Any] | None,
         objective: Sequence[str],
         directions: Sequence[str],
         n_trials: int,
@@ -67,6 +67,8 @@ class StudySweeper(DrLabSweeper):
             raise ConfigError(f"A study needs a direction for each objective; got {given} (hydra.sweeper).")
         for direction in set(self.directions) - set(DIRECTIONS):
             raise UnknownNameError("direction", direction, DIRECTIONS, "hydra.sweeper.directions")
+        if seed < 0:
+            raise ConfigError(f"hydra.sweeper.seed is {seed}; expected 0 or a positive number.")
         if pruner is not None and (len(self.objective) > 1 or prune_on is None):
             raise ConfigError("hydra.sweeper.pruner needs a single objective, and prune_on, the figure it judges by.")
 
@@ -147,7 +149,7 @@ class StudySweeper(DrLabSweeper):
         elif status.state == "failed":
             study.tell(job.number, None)
 
-    def _conclude(self, study: "Study", unrecorded: Mapping[int, Status], ended_early: str) -> None:
+    def _conclude(self, study: "Study", unrecorded: dict[int, Status], ended_early: str) -> None:
         jobs = read_jobs(self.folder)
         standing = statuses(self.folder, jobs) | unrecorded
         failed = [job for job in jobs if standing[job.number].state == "failed"]

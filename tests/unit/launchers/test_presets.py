@@ -11,8 +11,9 @@ from hydra.core.plugins import Plugins
 from hydra.types import HydraContext, RunMode
 from omegaconf import DictConfig, OmegaConf
 
-from dr_lab.cli.compose import HYDRA_VERSION
+from dr_lab.cli.compose import HYDRA_VERSION, compose_with_hydra
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.hydra_node import check_hydra
 
 PRESETS = sorted(path.stem for path in (shipped() / "hydra/launcher").glob("*.yaml"))
 STOCK = {"cores": "joblib", "processes": "submitit_local", "slurm": "submitit_slurm"}
@@ -26,6 +27,11 @@ def test_builds_its_launcher(preset: str, tmp_path: Path) -> None:
         config = loader.load_configuration("record", overrides, RunMode.MULTIRUN)
         launcher = Plugins.instance().instantiate_launcher(HydraContext(loader, Callbacks()), print, config)
         assert config.hydra.launcher._target_.endswith(f".{type(launcher).__name__}")
+
+
+@pytest.mark.parametrize("preset", [*PRESETS, *STOCK.values()])
+def test_is_sound(preset: str) -> None:
+    check_hydra(compose_with_hydra("record", [f"hydra/launcher={preset}", "hydra.mode=MULTIRUN"], (shipped(),)))
 
 
 @pytest.mark.parametrize("preset", STOCK)

@@ -14,6 +14,7 @@ from probe_sweeps import Sweeps, completed, table
 
 from dr_lab.cli.compose import compose_with_hydra
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.hydra_node import check_hydra
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
 from dr_lab.sweeps.objective import objectives
 from dr_lab.sweeps.study import Study
@@ -204,7 +205,8 @@ def test_figures_of_a_report(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in (shipped() / "hparams_search").glob("*.yaml")))
 def test_shipped_search_spaces(name: str) -> None:
-    cfg = compose_with_hydra("train", [f"hparams_search={name}"], (shipped(),))
+    cfg = compose_with_hydra("train", [f"hparams_search={name}", "hydra.mode=MULTIRUN"], (shipped(),))
+    check_hydra(cfg)
     sweeper = cfg.hydra.sweeper
     assert len(sweeper.objective) == len(sweeper.directions)
     space = search_space(OverridesParser.create().parse_overrides([f"{k}={v}" for k, v in sweeper.params.items()]))

@@ -1,0 +1,107 @@
+"""Hydra's own node, which Hydra builds from before it calls anything of ours: checked as the rest of a configuration.
+
+An experiment or a run folder of someone else's may set it, too.
+"""
+
+import inspect
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import wraps
+
+from hydra._internal.config_loader_impl import ConfigLoaderImpl
+from hydra.core.config_store import ConfigStore
+from hydra.types import RunMode
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from dr_lab.cli.check import INSTRUCTIONS, check_targets
+from dr_lab.cli.targets import locate
+from dr_lab.errors import ConfigError
+
+BUILT = ("callbacks",)
+BUILT_FOR_A_SWEEP = (*BUILT, "sweeper", "launcher")
+LOGS = ("hydra_logging", "job_logging")
+LOGGING_CALLS = ("()", "class")  # keys whose value the standard library's logging calls
+LOGGING_PACKAGES = ("logging", "colorlog")
+LOGGING_CLASSES = (logging.Handler, logging.Formatter, logging.Filter)
+
+
+@contextmanager
+def checked_at_composition() -> Iterator[None]:
+    """Check Hydra's node of whatever is composed during a block, a sweep's jobs included.
+
+    Hydra composes, configures logging and builds its callbacks, sweeper and launcher in one go. To compose once more
+    beforehand would take a third of a second and could miss what its flags change.
+    """
+    load = ConfigLoaderImpl.load_configuration
+
+    @wraps(load)
+    def checked(*given: object, validate_sweep_overrides: bool = True, **named: object) -> DictConfig:
+        cfg = load(*given, validate_sweep_overrides=validate_sweep_overrides, **named)  # pyright: ignore[reportArgumentType]
+        if validate_sweep_overrides:  # else Hydra only looks for its mode, and drops what is wrong
+            check_hydra(cfg)
+        return cfg
+
+    ConfigLoaderImpl.load_configuration = checked
+    try:
+        yield
+    finally:
+        ConfigLoaderImpl.load_configuration = load
+
+
+def check_hydra(cfg: DictConfig) -> None:
+    """Check what Hydra will build.
+
+    Args:
+        cfg: a configuration with Hydra's node.
+
+    Raises:
+        DrLabError: a target is not trusted or cannot be built, or a setting is missing, unknown or of the wrong type.
+        omegaconf.errors.OmegaConfBaseException: an interpolation leads nowhere, or a mandatory value is missing.
+    """
+    parts = BUILT_FOR_A_SWEEP if cfg.hydra.mode == RunMode.MULTIRUN else BUILT
+    for part in parts:
+        value = _plain(cfg, part)
+        check_targets(value, f"hydra.{part}")
+        if part == "launcher":
+            _check_stock(value)
+    for part in LOGS:
+        _check_logging(cfg.hydra[part], f"hydra.{part}")
+
+
+def _plain(cfg: DictConfig, part: str) -> object:
+    node = cfg.hydra[part]
+    return OmegaConf.to_container(node, resolve=True, throw_on_missing=True) if OmegaConf.is_config(node) else node
+
+
+def _check_stock(launcher: object) -> None:
+    """Check a launcher of Hydra's own plugins, which takes any keyword, against the settings that its package knows."""
+    if not isinstance(launcher, Mapping):
+        return
+    given = {key: value for key, value in launcher.items() if key not in INSTRUCTIONS}
+    for stored in ConfigStore.instance().repo["hydra"]["launcher"].values():
+        if stored.node.get("_target_") == launcher.get("_target_"):
+            try:
+                OmegaConf.merge(stored.node, given)
+            except OmegaConfBaseException as error:
+                text = (error.msg or str(error)).splitlines()[0]
+                raise ConfigError(f"hydra.launcher.{error.full_key}: {text}") from error
+
+
+def _check_logging(node: object, path: str) -> None:
+    """Check what the standard library's logging would call, which is anything that a configuration names."""
+    if not isinstance(node, DictConfig):  # what lies in a list is never called
+        return
+    for key in node:
+        try:
+            child = node[key]
+        except OmegaConfBaseException:
+            if key in LOGGING_CALLS:
+                raise
+            continue  # a text that is known when a job runs, such as its folder
+        if key in LOGGING_CALLS:
+            found = locate(str(child), path, LOGGING_PACKAGES)
+            if not inspect.isclass(found) or not issubclass(found, LOGGING_CLASSES):
+                raise ConfigError(f"{path}: {child!r} is no handler, formatter or filter of logging.")
+        _check_logging(child, f"{path}.{key}")
