@@ -185,6 +185,16 @@ def test_why_a_job_could_not_begin(
     assert "2 is refused" not in told
 
 
+def test_a_job_that_is_lost_meanwhile_is_told(
+    sweep: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweep("value=1") == 0
+    lost = tmp_path / "swept/0/status.json"
+    monkeypatch.setattr("dr_lab.cli.sweep_job.clear", lambda folder: lost.unlink())
+    assert sweep("value=1,2") == 2
+    assert "Not completed: 1 not begun, of 2 in all." in capsys.readouterr().err
+
+
 def test_a_sweep_of_before_goes_on(sweep: Sweep, tmp_path: Path) -> None:
     assert sweep("value=1") == 0
     path = tmp_path / "swept/sweep.json"
