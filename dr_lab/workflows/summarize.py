@@ -8,12 +8,11 @@ from typing import Any
 from rich.console import Console
 from rich.markdown import Markdown
 
-from dr_lab.evaluators.statistics import Interval
 from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
-from dr_lab.workflows.sweep_summary.groups import Cells, Group, Statistics, grouped, summed_up
+from dr_lab.workflows.sweep_summary.groups import Cells, Estimate, Group, Statistics, grouped, summed_up
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
 from dr_lab.workflows.sweep_summary.runs import SUMMARY_SCHEMA, find_runs
 from dr_lab.workflows.sweep_summary.tables import groups_csv, runs_csv, runs_page, summary_page
@@ -70,8 +69,8 @@ def _report(
             "settings": dict(group.settings),
             "runs": [run.name for run in group.runs],
             "figures": {
-                name: {"iqm": cell.value, "low": cell.low, "high": cell.high}
-                if isinstance(cell, Interval)
+                name: {"iqm": cell.value, "low": cell.low, "high": cell.high, "runs": cell.runs}
+                if isinstance(cell, Estimate)
                 else dict(cell)
                 for name, cell in row.items()
             },

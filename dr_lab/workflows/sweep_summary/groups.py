@@ -1,5 +1,6 @@
 """Runs that differ in nothing but the seed, taken together."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +11,20 @@ from dr_lab.evaluators.statistics import Interval, iqm_interval
 from dr_lab.sweeps.overrides import differing
 from dr_lab.workflows.sweep_summary.runs import Figure, Run, picked
 
-Cells = Mapping[str, Interval | Mapping[str, int]]
+
+@dataclass(frozen=True)
+class Estimate(Interval):
+    """A mean with its interval.
+
+    Attributes:
+        runs: that it is of; those without the figure do not count.
+    """
+
+    runs: int
+
+
+Cell = Estimate | Mapping[str, int]
+Cells = Mapping[str, Cell]
 """Figures of several runs by path: a mean with its interval, or how often each word came up."""
 
 ABSENT = ""  # in place of an override that was not given
@@ -72,16 +86,26 @@ def figures_of(run: Run, figures: Mapping[str, Sequence[str]]) -> dict[str, Figu
 def summed_up(group: Group, figures: Mapping[str, Sequence[str]], statistics: Statistics) -> Cells:
     """Interquartile mean with its interval of every number, and how often every word came up, by path."""
     each = [figures_of(run, figures) for run in group.runs]
-    found: dict[str, Interval | Mapping[str, int]] = {}
+    found: dict[str, Cell] = {}
     for name in dict.fromkeys(name for row in each for name in row):
-        values = [row[name] for row in each if name in row]
+        values = [row[name] for row in each if is_known(row.get(name))]
         numbers = [value for value in values if not isinstance(value, str)]
         if len(numbers) == len(values):
-            settings = (statistics.confidence, statistics.resamples, statistics.seed)
-            found[name] = iqm_interval(np.array(numbers), *settings)
+            interval = iqm_interval(np.array(numbers), statistics.confidence, statistics.resamples, statistics.seed)
+            found[name] = Estimate(interval.value, interval.low, interval.high, len(numbers))
         else:
             found[name] = Counter(str(value) for value in values)
     return found
+
+
+def known_in(cell: Cell) -> int:
+    """How many runs a figure is of."""
+    return cell.runs if isinstance(cell, Estimate) else sum(cell.values())
+
+
+def is_known(figure: Figure | None) -> bool:
+    """Whether a run has a figure: it has none where the report says null, or infinity."""
+    return isinstance(figure, str) or (figure is not None and math.isfinite(figure))
 
 
 def _told(key: str, value: str) -> str:

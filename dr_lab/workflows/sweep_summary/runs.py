@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -70,7 +71,7 @@ def picked(report: Mapping[str, Any], paths: Sequence[str]) -> dict[str, Figure]
         paths: keys joined by dots, numbers for places in lists, ``*`` for every key.
 
     Returns:
-        By their full path; what is not there, or is null, is left out.
+        By their full path; a null is NaN, what is not there is left out.
     """
     return {name: value for path in paths for name, value in _walk(report, path.split("."), ())}
 
@@ -94,7 +95,9 @@ def history(run: Run) -> dict[str, Array]:
 
 def _walk(value: object, parts: Sequence[str], done: tuple[str, ...]) -> Iterator[tuple[str, Figure]]:
     if not parts:
-        if isinstance(value, int | float | str) and not isinstance(value, bool):
+        if value is None:
+            yield ".".join(done), math.nan
+        elif isinstance(value, int | float | str) and not isinstance(value, bool):
             yield ".".join(done), value if isinstance(value, str) else float(value)
         return
     first, rest = parts[0], parts[1:]

@@ -6,11 +6,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from dr_lab.evaluators.statistics import Interval
 from dr_lab.recorders.quantity import number
 from dr_lab.recorders.tables import table
 from dr_lab.sweeps.overrides import differing
-from dr_lab.workflows.sweep_summary.groups import Cells, Group, Statistics, figures_of
+from dr_lab.workflows.sweep_summary.groups import (
+    Cell,
+    Cells,
+    Estimate,
+    Group,
+    Statistics,
+    figures_of,
+    is_known,
+    known_in,
+)
 from dr_lab.workflows.sweep_summary.runs import Run
 
 
@@ -28,7 +36,7 @@ def summary_page(
     """
     keys = list(groups[0].settings)
     rows = [
-        [name, *(group.settings[key] for key in keys), str(len(group.runs)), _cell(row[name])]
+        [name, *(group.settings[key] for key in keys), _runs(row[name], len(group.runs)), _cell(row[name])]
         for name in dict.fromkeys(name for row in cells for name in row)
         for group, row in zip(groups, cells, strict=True)
         if name in row
@@ -46,8 +54,14 @@ def summary_page(
     return "\n".join(lines) + "\n"
 
 
-def _cell(cell: Interval | Mapping[str, int]) -> str:
-    if not isinstance(cell, Interval):
+def _runs(cell: Cell, members: int) -> str:
+    """Of how many runs of a group a figure is."""
+    known = known_in(cell)
+    return str(members) if known == members else f"{known} of {members}"
+
+
+def _cell(cell: Cell) -> str:
+    if not isinstance(cell, Estimate):
         return ", ".join(f"{word} ({count})" for word, count in cell.items())
     if cell.low != cell.low:  # one run has no interval
         return number(cell.value)
@@ -61,7 +75,7 @@ def _runs_table(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> li
     return [
         {"run": run.name}
         | {key: run.overrides.get(key, "") for key in keys}
-        | {name: row.get(name, "") for name in names}
+        | {name: row[name] if is_known(row.get(name)) else "" for name in names}
         for run, row in zip(runs, picked, strict=True)
     ]
 
@@ -79,15 +93,16 @@ def runs_csv(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> str:
 
 
 def groups_csv(groups: Sequence[Group], cells: Sequence[Cells]) -> str:
-    """Every group with its figures, one row each; a number has columns for its interval."""
+    """Every group with its figures, one row each; beside a figure the runs it is of, beside a number its interval."""
     rows = []
     for group, row in zip(groups, cells, strict=True):
         entry: dict[str, Any] = {**group.settings, "runs": len(group.runs)}
         for name, cell in row.items():
-            if isinstance(cell, Interval):
+            if isinstance(cell, Estimate):
                 entry |= {name: cell.value, f"{name} low": cell.low, f"{name} high": cell.high}
             else:
                 entry[name] = _cell(cell)
+            entry[f"{name} runs"] = known_in(cell)
         rows.append(entry)
     return _csv(rows)
 

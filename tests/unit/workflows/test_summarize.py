@@ -82,9 +82,31 @@ def test_words_are_counted(tmp_path: Path) -> None:
     assert figures_of(group.runs[2], FIGURES) == {"verdict": "none", "remaining.chi2": 1.0}
 
 
+def test_a_figure_counts_the_runs_that_have_it(tmp_path: Path) -> None:
+    for seed, final in enumerate([None, 2.0, None, 4.0, 6.0]):
+        report = {"schema": "dr_lab/train/1", "final_return": final, "context": {}}
+        write_run(tmp_path / f"sweep/good/{seed}", report, "env=hopper", f"seed={seed}")
+        lost = report | {"final_return": None}
+        write_run(tmp_path / f"sweep/lost/{seed}", lost, "env=walker", f"seed={seed}")
+    folder = tmp_path / "summary"
+    assert main(["summarize", f"sweep={tmp_path / 'sweep'}", f"hydra.run.dir={folder}"]) == 0
+    page = (folder / "report.md").read_text("utf-8")
+    assert "| final_return | hopper | 3 of 5 | 4 (2 … 6) |" in page
+    assert "| final_return | walker | 0 of 5 | – |" in page
+    with (folder / "groups.csv").open(encoding="utf-8", newline="") as file:
+        assert [(row["runs"], row["final_return runs"]) for row in csv.DictReader(file)] == [("5", "3"), ("5", "0")]
+    good, lost = json.loads((folder / "report.json").read_text("utf-8"))["groups"]
+    assert (good["figures"]["final_return"]["runs"], len(good["runs"])) == (3, 5)
+    assert lost["figures"]["final_return"] == {"iqm": None, "low": None, "high": None, "runs": 0}
+    with (folder / "runs.csv").open(encoding="utf-8", newline="") as file:
+        assert [row["final_return"] for row in csv.DictReader(file)][:5] == ["", "2.0", "", "4.0", "6.0"]
+
+
 def test_paths_pick_from_a_report() -> None:
     report = {"a": {"b": 1, "c": None, "d": True}, "ladder": [{"chi2": 2.5}], "word": "yes"}
-    assert picked(report, ["a.*", "ladder.0.chi2", "ladder.1.chi2", "word", "missing"]) == {
+    found = picked(report, ["a.*", "ladder.0.chi2", "ladder.1.chi2", "word", "missing"])
+    assert np.isnan(float(found.pop("a.c")))
+    assert found == {
         "a.b": 1.0,
         "ladder.0.chi2": 2.5,
         "word": "yes",
