@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,16 +52,12 @@ class Group:
     Attributes:
         settings: the overrides that differ between groups, value by key.
         runs: they.
+        label: what tells it from the others, in short.
     """
 
     settings: Mapping[str, str]
     runs: Sequence[Run]
-
-    @property
-    def label(self) -> str:
-        """What tells it from the others, in short."""
-        told = (_told(key, value) for key, value in self.settings.items() if value != ABSENT)
-        return ", ".join(told) or ("as configured" if self.settings else "all runs")
+    label: str
 
 
 def grouped(runs: Sequence[Run], aggregate: Sequence[str]) -> list[Group]:
@@ -70,7 +66,8 @@ def grouped(runs: Sequence[Run], aggregate: Sequence[str]) -> list[Group]:
     found: dict[tuple[str, ...], list[Run]] = {}
     for run in runs:
         found.setdefault(tuple(run.overrides.get(key, ABSENT) for key in keys), []).append(run)
-    return [Group(dict(zip(keys, values, strict=True)), members) for values, members in found.items()]
+    settings = [dict(zip(keys, values, strict=True)) for values in found]
+    return [Group(*group) for group in zip(settings, found.values(), _labels(settings), strict=True)]
 
 
 def figures_of(run: Run, figures: Mapping[str, Sequence[str]]) -> dict[str, Figure]:
@@ -108,6 +105,25 @@ def is_known(figure: Figure | None) -> bool:
     return isinstance(figure, str) or (figure is not None and math.isfinite(figure))
 
 
-def _told(key: str, value: str) -> str:
-    """The option of a group says enough by itself, a value only with the last part of its key."""
-    return value if value.isidentifier() and "." not in key else f"{key.rpartition('.')[2]}={value}"
+def _labels(settings: Sequence[Mapping[str, str]]) -> list[str]:
+    """What tells groups apart: in short, but with whole keys where these or the labels would be alike."""
+    times = Counter(map(_last, settings[0]))
+    names = {key: _last(key) if times[_last(key)] == 1 else key for key in settings[0]}
+
+    def told(key: str, value: str) -> str:
+        # The option of a group says enough by itself.
+        return value if value.isidentifier() and "." not in key else f"{names[key]}={value}"
+
+    short = [_label(each, told) for each in settings]
+    whole = [_label(each, "{}={}".format) for each in settings]
+    alike = Counter(short)
+    return [one if alike[one] == 1 else other for one, other in zip(short, whole, strict=True)]
+
+
+def _label(settings: Mapping[str, str], told: Callable[[str, str], str]) -> str:
+    given = ", ".join(told(key, value) for key, value in settings.items() if value != ABSENT)
+    return given or ("as configured" if settings else "all runs")
+
+
+def _last(key: str) -> str:
+    return key.rpartition(".")[2]

@@ -73,6 +73,21 @@ def test_runs_that_differ_in_nothing_are_one_group(tmp_path: Path) -> None:
     assert np.isnan(cell.low)
 
 
+@pytest.mark.parametrize(
+    "typed",
+    [
+        ["env.context.mass.low=0.1", "env.context.length.low=0.1", "env.context.length.low=0.2"],
+        ["randomizer=none", "learner=none"],
+    ],
+)
+def test_groups_that_would_share_a_label_have_whole_keys(typed: list[str], tmp_path: Path) -> None:
+    for number, override in enumerate(typed):
+        trained(tmp_path / str(number), 1.0, [1.0, 0.0], override)
+    groups = grouped(find_runs(tmp_path)[0], ["seed"])
+    assert [group.label for group in groups] == typed
+    assert [band.group for band in bands(groups, STATISTICS)] == typed
+
+
 def test_words_are_counted(tmp_path: Path) -> None:
     for seed, verdict in enumerate(["named", "named", "none"]):
         report = {"schema": "dr_lab/gap/1", "verdict": verdict, "remaining": {"chi2": 1.0}}
