@@ -12,6 +12,7 @@ from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
+from dr_lab.workflows.sweep_summary.doubts import missing_figures, require_known
 from dr_lab.workflows.sweep_summary.groups import Cells, Estimate, Group, Statistics, grouped, summed_up
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
 from dr_lab.workflows.sweep_summary.runs import SUMMARY_SCHEMA, find_runs
@@ -43,13 +44,17 @@ def summarize(
 
     Raises:
         DataError: no run is finished, or one cannot be read.
+        ConfigError: not one of the figures was found.
+        UnknownNameError: no run has a key over which they are to be taken together.
     """
     folder = Path(sweep).expanduser()
     runs, unfinished = find_runs(folder)
+    require_known(runs, aggregate)
+    notes = missing_figures(runs, figures)
     groups = grouped(runs, aggregate)
     cells = [summed_up(group, figures, statistics) for group in groups]
-    page = summary_page(folder, groups, cells, unfinished, statistics)
-    report = _report(folder, groups, cells, unfinished, run_dir)
+    page = summary_page(folder, groups, cells, [*_unfinished(unfinished), *notes], statistics)
+    report = _report(folder, groups, cells) | {"unfinished": unfinished, "notes": notes, "run": str(run_dir)}
     write_text(run_dir / "runs.csv", runs_csv(runs, figures))
     write_text(run_dir / "groups.csv", groups_csv(groups, cells))
     write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
@@ -61,9 +66,11 @@ def summarize(
     return report
 
 
-def _report(
-    folder: Path, groups: Sequence[Group], cells: Sequence[Cells], unfinished: Sequence[str], run_dir: Path
-) -> dict[str, Any]:
+def _unfinished(names: Sequence[str]) -> list[str]:
+    return [f"Without a report: {', '.join(names)}."] if names else []
+
+
+def _report(folder: Path, groups: Sequence[Group], cells: Sequence[Cells]) -> dict[str, Any]:
     entries = [
         {
             "settings": dict(group.settings),
@@ -77,15 +84,6 @@ def _report(
         }
         for group, row in zip(groups, cells, strict=True)
     ]
-    plain = to_plain(
-        {
-            "schema": SUMMARY_SCHEMA,
-            "verb": "summarize",
-            "sweep": folder,
-            "groups": entries,
-            "unfinished": list(unfinished),
-            "run": run_dir,
-        }
-    )
+    plain = to_plain({"schema": SUMMARY_SCHEMA, "verb": "summarize", "sweep": folder, "groups": entries})
     assert isinstance(plain, dict)
     return plain

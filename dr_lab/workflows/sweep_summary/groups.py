@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.statistics import Interval, iqm_interval
 from dr_lab.sweeps.overrides import differing
 from dr_lab.workflows.sweep_summary.runs import Figure, Run, picked
@@ -38,11 +39,20 @@ class Statistics:
         confidence: of the interval, below 1.
         resamples: of the bootstrap.
         seed: of the bootstrap.
+
+    Raises:
+        ConfigError: a number is out of its bounds.
     """
 
     confidence: float
     resamples: int
     seed: int
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        require_numbers(self, "statistics", positive=("confidence", "resamples"), least={"seed": 0})
+        if not self.confidence < 1:
+            raise ConfigError(f"statistics.confidence is {self.confidence:g}; expected a share below 1, such as 0.95.")
 
 
 @dataclass(frozen=True)

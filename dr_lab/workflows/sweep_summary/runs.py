@@ -3,7 +3,7 @@
 import csv
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,12 +31,14 @@ class Run:
         name: its folder, seen from the sweep's.
         folder: the same from here.
         overrides: what was typed for it, value by key.
+        configuration: its ``config.yaml``.
         report: its ``report.json``.
     """
 
     name: str
     folder: Path
     overrides: Mapping[str, str]
+    configuration: Mapping[str, Any]
     report: Mapping[str, Any]
 
 
@@ -73,7 +75,20 @@ def picked(report: Mapping[str, Any], paths: Sequence[str]) -> dict[str, Figure]
     Returns:
         By their full path; a null is NaN, what is not there is left out.
     """
-    return {name: value for path in paths for name, value in _walk(report, path.split("."), ())}
+    found = {name: value for path in paths for name, value in _places(report, path.split(".")).items()}
+    return {name: figure for name, value in found.items() for figure in _figures(value)}
+
+
+def beside(report: Mapping[str, Any], path: str) -> list[str]:
+    """The paths that go on where one ends that leads to no figure; none where nothing goes on.
+
+    Args:
+        report: in which the path leads nowhere.
+        path: as for `picked`.
+    """
+    parts = path.split(".")
+    known = max(depth for depth in range(len(parts) + 1) if _places(report, parts[:depth]))
+    return list(_places(report, [*parts[:known], _ANY]))
 
 
 def history(run: Run) -> dict[str, Array]:
@@ -93,29 +108,42 @@ def history(run: Run) -> dict[str, Array]:
         raise DataError(f"{path}: {error}. Expected the {_METRICS} of a training run.") from None
 
 
-def _walk(value: object, parts: Sequence[str], done: tuple[str, ...]) -> Iterator[tuple[str, Figure]]:
-    if not parts:
-        if value is None:
-            yield ".".join(done), math.nan
-        elif isinstance(value, int | float | str) and not isinstance(value, bool):
-            yield ".".join(done), value if isinstance(value, str) else float(value)
-        return
-    first, rest = parts[0], parts[1:]
-    if isinstance(value, Mapping):
-        for key in value if first == _ANY else [first] if first in value else []:
-            yield from _walk(value[key], rest, (*done, key))
-    elif isinstance(value, list) and first.isdigit() and int(first) < len(value):
-        yield from _walk(value[int(first)], rest, (*done, first))
+def _places(report: Mapping[str, Any], parts: Sequence[str]) -> dict[str, object]:
+    """What lies at a path, by its keys; ``*`` leads to several places."""
+    places: dict[str, object] = {"": report}
+    for part in parts:
+        places = {
+            f"{place}.{key}".removeprefix("."): child
+            for place, value in places.items()
+            for key, child in _children(value, part).items()
+        }
+    return places
+
+
+def _children(value: object, part: str) -> Mapping[str, object]:
+    below = {str(at): child for at, child in enumerate(value)} if isinstance(value, list) else value
+    if not isinstance(below, Mapping):
+        return {}
+    return below if part == _ANY else {key: below[key] for key in [part] if key in below}
+
+
+def _figures(value: object) -> list[Figure]:
+    """What lies at the end of a path, if it is a figure."""
+    if value is None:
+        return [math.nan]
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return []
+    return [value if isinstance(value, str) else float(value)]
 
 
 def _read(folder: Path, sweep: Path) -> Run:
     try:
         report = json.loads((folder / _REPORT).read_text(encoding="utf-8"))
-        made_with = yaml.safe_load((folder / _CONFIG).read_text(encoding="utf-8"))["made_with"]
-        typed = made_with.get("overrides", [])
+        configuration = yaml.safe_load((folder / _CONFIG).read_text(encoding="utf-8"))
+        typed = configuration["made_with"].get("overrides", [])
     except (OSError, ValueError, yaml.YAMLError, TypeError, KeyError) as error:
         raise DataError(f"{folder} cannot be read as a run: {error}. Take it out of {sweep}.") from error
-    return Run(str(folder.relative_to(sweep)), folder, by_key(typed), report)
+    return Run(str(folder.relative_to(sweep)), folder, by_key(typed), configuration, report)
 
 
 def _place(folder: Path, sweep: Path) -> list[tuple[bool, int, str]]:

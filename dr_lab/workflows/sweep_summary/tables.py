@@ -23,7 +23,7 @@ from dr_lab.workflows.sweep_summary.runs import Run
 
 
 def summary_page(
-    folder: Path, groups: Sequence[Group], cells: Sequence[Cells], unfinished: Sequence[str], statistics: Statistics
+    folder: Path, groups: Sequence[Group], cells: Sequence[Cells], notes: Sequence[str], statistics: Statistics
 ) -> str:
     """What differs between groups, and their figures.
 
@@ -31,7 +31,7 @@ def summary_page(
         folder: the sweep's.
         groups: of runs.
         cells: the figures of each.
-        unfinished: names of runs without a report.
+        notes: sentences for its end.
         statistics: how the runs of a group were summed up.
     """
     keys = list(groups[0].settings)
@@ -49,9 +49,7 @@ def summary_page(
         "",
         table(["figure", *keys, "runs", "mean (interval)"], rows),
     ]
-    if unfinished:
-        lines += ["", f"Without a report: {', '.join(unfinished)}."]
-    return "\n".join(lines) + "\n"
+    return "\n\n".join(["\n".join(lines), *notes]) + "\n"
 
 
 def _runs(cell: Cell, members: int) -> str:

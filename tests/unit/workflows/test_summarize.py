@@ -13,7 +13,7 @@ from dr_lab.errors import DataError
 from dr_lab.sweeps.overrides import differing
 from dr_lab.workflows.sweep_summary.groups import Statistics, figures_of, grouped, summed_up
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
-from dr_lab.workflows.sweep_summary.runs import find_runs, picked
+from dr_lab.workflows.sweep_summary.runs import beside, find_runs, picked
 
 STATISTICS = Statistics(confidence=0.95, resamples=200, seed=0)
 FIGURES = {"dr_lab/train/1": ["final_return", "context.*.mean"], "dr_lab/gap/1": ["verdict", "remaining.chi2"]}
@@ -175,6 +175,44 @@ def test_the_verb_writes_tables_and_a_recording(sweep: Path, tmp_path: Path) -> 
     entities = {str(chunk.entity_path) for chunk in rr.chunk.RrdReader(folder / "review.rrd").stream()}
     assert any(path.startswith("/curve/episode_return/") for path in entities)
     assert any(path.startswith("/distribution/torso") for path in entities)
+
+
+def test_what_no_run_has_is_told(sweep: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "summary"
+    command = ["summarize", f"sweep={sweep}", f"hydra.run.dir={folder}"]
+    assert main([*command, "figures={dr_lab/train/1:[final_return,context.*.meen,contxt.*.mean]}"]) == 0
+    page = (folder / "report.md").read_text("utf-8")
+    assert "no figure 'context.*.meen' in reports of schema dr_lab/train/1" in page
+    assert "Did you mean 'context.torso.size.mean'?" in page
+    assert "no figure 'contxt.*.mean' in reports" in page
+    assert "'final_return'" not in page
+    assert len(json.loads((folder / "report.json").read_text("utf-8"))["notes"]) == 2
+    capsys.readouterr()
+    assert main([*command, "figures={dr_lab/train/1:[finl_return]}"]) == 2
+    assert "Not one of the figures was found.\nThere is no figure 'finl_return'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("aggregate=[sed]", "no override 'sed' in these runs (aggregate). Did you mean 'seed'?"),
+        ("statistics.confidence=95", "statistics.confidence is 95; expected a share below 1"),
+        ("statistics.confidence=0", "statistics.confidence is 0; expected a number above 0"),
+        ("statistics.resamples=0", "statistics.resamples is 0; expected a number above 0"),
+        ("statistics.seed=-1", "statistics.seed is -1; expected at least 0"),
+    ],
+)
+def test_settings_out_of_their_bounds_are_refused(
+    override: str, message: str, sweep: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["summarize", f"sweep={sweep}", f"hydra.run.dir={tmp_path / 'summary'}", override]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_paths_that_end_at_nothing_are_no_fault() -> None:
+    report = {"context": {}, "remaining": None, "final": {"loss": 1.0}}
+    assert beside(report, "context.*.mean") == beside(report, "remaining.chi2") == []
+    assert beside(report, "final.los") == beside(report, "final") == ["final.loss"]
 
 
 def test_a_folder_without_runs_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
