@@ -48,19 +48,20 @@ def summarize(
         UnknownNameError: no run has a key over which they are to be taken together.
     """
     folder = Path(sweep).expanduser()
+    name = folder.resolve().name or str(folder)
     runs, unfinished = find_runs(folder)
     require_known(runs, aggregate)
     notes = missing_figures(runs, figures)
     groups = grouped(runs, aggregate)
     cells = [summed_up(group, figures, statistics) for group in groups]
-    page = summary_page(folder, groups, cells, [*_unfinished(unfinished), *notes], statistics)
+    page = summary_page(name, groups, cells, [*_unfinished(unfinished), *notes], statistics)
     report = _report(folder, groups, cells) | {"unfinished": unfinished, "notes": notes, "run": str(run_dir)}
     write_text(run_dir / "runs.csv", runs_csv(runs, figures))
     write_text(run_dir / "groups.csv", groups_csv(groups, cells))
     write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
     write_text(run_dir / "report.md", page)
     labels, pages = [group.label for group in groups], {"Summary": page, "Runs": runs_page(runs, figures)}
-    record = SweepRecord(folder.name, labels, bands(groups, statistics), marginals(groups), grids(groups), pages)
+    record = SweepRecord(name, labels, bands(groups, statistics), marginals(groups), grids(groups), pages)
     write_sweep_review(run_dir / "review.rrd", record, recorder)
     Console().print(Markdown(page))
     return report

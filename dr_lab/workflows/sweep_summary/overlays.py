@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from dr_lab.errors import DataError
 from dr_lab.evaluators.statistics import iqm_band
 from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
 from dr_lab.trajectory import Array
@@ -32,7 +33,7 @@ def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
     """By parameter and group, what was learnt of it in the end, averaged over the group's runs."""
     found: dict[str, dict[str, Marginal]] = {}
     for group in groups:
-        contexts = [run.report.get("context", {}) for run in group.runs if run.report["schema"] == "dr_lab/train/1"]
+        contexts = [run.report.get("context") or {} for run in group.runs if run.report["schema"] == "dr_lab/train/1"]
         for name in contexts[0] if contexts else ():
             entries = [context[name] for context in contexts if "edges" in context.get(name, {})]
             alike = [entry for entry in entries if entry["edges"] == entries[0]["edges"]]
@@ -42,12 +43,16 @@ def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
 
 
 def grids(groups: Sequence[Group]) -> dict[str, Grid]:
-    """By group, returns over contexts, averaged over its runs cell by cell."""
+    """By group, returns over contexts, averaged over its runs cell by cell.
+
+    Raises:
+        DataError: runs of a group were evaluated over different contexts.
+    """
     found: dict[str, Grid] = {}
     for group in groups:
-        tables = [run.report["rows"] for run in group.runs if run.report.get("evaluator") == "GridEvaluator"]
-        if tables:
-            found[group.label] = _mean_grid(group.label, tables)
+        runs = [run for run in group.runs if run.report.get("evaluator") == "GridEvaluator" and run.report.get("rows")]
+        if runs:
+            found[group.label] = _mean_grid(group.label, runs)
     return found
 
 
@@ -80,8 +85,15 @@ def _mean_marginal(name: str, entries: Sequence[Mapping[str, Any]]) -> Marginal:
     return Marginal(name, first["unit"], edges, prior, np.zeros(1, int), learned[None])
 
 
-def _mean_grid(title: str, tables: Sequence[Sequence[Mapping[str, Any]]]) -> Grid:
+def _mean_grid(title: str, runs: Sequence[Run]) -> Grid:
+    tables = [run.report["rows"] for run in runs]
     names = [name for name in tables[0][0] if name not in _CELL]
+    for run, rows in zip(runs, tables, strict=True):
+        if [[row.get(name) for name in names] for row in rows] != [[row[name] for name in names] for row in tables[0]]:
+            raise DataError(
+                f"{run.folder} was evaluated over other contexts than {runs[0].folder}, with which it would be "
+                "averaged. Take one of them out, or aggregate over fewer keys: aggregate=…"
+            )
     axes = [ContextAxis(name, "", np.unique([row[name] for row in tables[0]])) for name in names]
     shape = tuple(len(axis.values) for axis in axes)
     mean, spread = (np.array([_column(table, key) for table in tables]).mean(axis=0).reshape(shape) for key in _CELL)

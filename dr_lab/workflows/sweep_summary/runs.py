@@ -18,6 +18,7 @@ from dr_lab.trajectory import Array
 SUMMARY_SCHEMA = "dr_lab/summarize/1"
 _REPORT, _CONFIG, _METRICS = "report.json", "config.yaml", "metrics.csv"
 _ANY = "*"
+_UNREADABLE = "{} cannot be read as a run: {}. Take it out of {}."
 
 Figure = float | str
 """A number, or a word such as a verdict."""
@@ -49,14 +50,15 @@ def find_runs(sweep: Path) -> tuple[list[Run], list[str]]:
         sweep: the folder.
 
     Returns:
-        The finished runs, and the names of those without a report.
+        The finished runs, and the names of those without a report; summaries, this one included, are no runs.
 
     Raises:
         DataError: there is no such folder, no finished run below it, or a file that cannot be read.
     """
     if not sweep.is_dir():
         raise DataError(f"There is no folder {sweep}. Give sweep=FOLDER, which a run with -m printed at its end.")
-    folders = sorted((path.parent for path in sweep.rglob(_CONFIG)), key=lambda folder: _place(folder, sweep))
+    found = (path.parent for path in sweep.rglob(_CONFIG) if not _is_of_summary(path))
+    folders = sorted(found, key=lambda folder: _place(folder, sweep))
     finished = [folder for folder in folders if (folder / _REPORT).is_file()]
     runs = [_read(folder, sweep) for folder in finished]
     runs = [run for run in runs if run.report.get("schema") != SUMMARY_SCHEMA]
@@ -95,16 +97,16 @@ def history(run: Run) -> dict[str, Array]:
     """Columns of a run's ``metrics.csv`` that are numbers, NaN where empty; nothing where there is no such file.
 
     Raises:
-        DataError: a value is no number.
+        DataError: it cannot be read, or a value is no number.
     """
     path = run.folder / _METRICS
     if not path.is_file():
         return {}
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
     try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
         return {name: np.array([float(row[name] or "nan") for row in rows]) for name in (rows[0] if rows else ())}
-    except ValueError as error:
+    except (ValueError, TypeError, csv.Error) as error:  # TypeError: a row has more values than there are columns
         raise DataError(f"{path}: {error}. Expected the {_METRICS} of a training run.") from None
 
 
@@ -140,10 +142,21 @@ def _read(folder: Path, sweep: Path) -> Run:
     try:
         report = json.loads((folder / _REPORT).read_text(encoding="utf-8"))
         configuration = yaml.safe_load((folder / _CONFIG).read_text(encoding="utf-8"))
-        typed = configuration["made_with"].get("overrides", [])
-    except (OSError, ValueError, yaml.YAMLError, TypeError, KeyError) as error:
-        raise DataError(f"{folder} cannot be read as a run: {error}. Take it out of {sweep}.") from error
-    return Run(str(folder.relative_to(sweep)), folder, by_key(typed), configuration, report)
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        raise DataError(_UNREADABLE.format(folder, error, sweep)) from error
+    if not isinstance(report, dict) or not isinstance(report.get("schema"), str):
+        raise DataError(_UNREADABLE.format(folder, f"its {_REPORT} has no schema", sweep))
+    made_with = configuration.get("made_with") if isinstance(configuration, dict) else None
+    if not isinstance(made_with, dict) or not isinstance(made_with.get("overrides", []), list):
+        raise DataError(_UNREADABLE.format(folder, f"its {_CONFIG} does not say what the run was made with", sweep))
+    typed = by_key([str(override) for override in made_with.get("overrides", [])])
+    return Run(str(folder.relative_to(sweep)), folder, typed, configuration, report)
+
+
+def _is_of_summary(config: Path) -> bool:
+    """Whether a configuration is that of a summary, one that was refused included: its first line is the command."""
+    with config.open(encoding="utf-8", errors="replace") as file:
+        return file.readline().startswith("# dr-lab summarize")
 
 
 def _place(folder: Path, sweep: Path) -> list[tuple[bool, int, str]]:

@@ -3,7 +3,6 @@
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from dr_lab.recorders.quantity import number
@@ -23,12 +22,12 @@ from dr_lab.workflows.sweep_summary.runs import Run
 
 
 def summary_page(
-    folder: Path, groups: Sequence[Group], cells: Sequence[Cells], notes: Sequence[str], statistics: Statistics
+    sweep: str, groups: Sequence[Group], cells: Sequence[Cells], notes: Sequence[str], statistics: Statistics
 ) -> str:
     """What differs between groups, and their figures.
 
     Args:
-        folder: the sweep's.
+        sweep: its name.
         groups: of runs.
         cells: the figures of each.
         notes: sentences for its end.
@@ -43,7 +42,7 @@ def summary_page(
     ]
     count = sum(len(group.runs) for group in groups)
     lines = [
-        f"# {count} runs of {folder.name}",
+        f"# {count} runs of {sweep}",
         "",
         f"Interquartile means over the runs of a row, with {100 * statistics.confidence:g} % bootstrap intervals.",
         "",

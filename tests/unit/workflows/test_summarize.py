@@ -222,7 +222,46 @@ def test_a_folder_without_runs_is_told(tmp_path: Path, capsys: pytest.CaptureFix
     assert "There is no folder" in capsys.readouterr().err
 
 
-def test_a_broken_report_is_named(sweep: Path) -> None:
-    (sweep / "0" / "report.json").write_text("{", "utf-8")
-    with pytest.raises(DataError, match="0 cannot be read as a run"):
-        find_runs(sweep)
+def test_summaries_are_no_runs(
+    sweep: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(sweep)
+    assert main(["summarize", "sweep=.", "hydra.run.dir=refused", "aggregate=[sed]"]) == 2
+    for name in ("first", "second"):
+        assert main(["summarize", "sweep=.", f"hydra.run.dir={name}"]) == 0
+        page = Path(name, "report.md").read_text("utf-8")
+        assert page.startswith("# 6 runs of sweep\n")
+        assert "Without a report: 20.\n" in page
+    assert "fault" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("report.json", b"{", "Expecting property name"),
+        ("report.json", b"[]", "its report.json has no schema"),
+        ("report.json", b"{}", "its report.json has no schema"),
+        ("report.json", b"\xff", "codec can't decode"),
+        ("config.yaml", b"made_with: null", "does not say what the run was made with"),
+        ("config.yaml", b"- 1", "does not say what the run was made with"),
+        ("metrics.csv", b"frames\n\xff\n", "codec can't decode"),
+        ("metrics.csv", b"frames\n1,2\n", "Expected the metrics.csv of a training run"),
+    ],
+)
+def test_a_broken_run_is_named(
+    name: str, content: bytes, message: str, sweep: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (sweep / "0" / name).write_bytes(content)
+    assert main(["summarize", f"sweep={sweep}", f"hydra.run.dir={tmp_path / 'summary'}"]) == 2
+    told = capsys.readouterr().err
+    assert str(sweep / "0") in told
+    assert message in told
+
+
+def test_grids_over_different_contexts_are_not_averaged(tmp_path: Path) -> None:
+    for seed, sizes in enumerate([(1.0, 2.0), (1.0, 2.0, 3.0)]):
+        rows = [{"size": size, "return": size, "std": 1.0} for size in sizes]
+        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "rows": rows}
+        write_run(tmp_path / str(seed), report, f"seed={seed}")
+    with pytest.raises(DataError, match=r"1 was evaluated over other contexts than .*0"):
+        grids(grouped(find_runs(tmp_path)[0], ["seed"]))
