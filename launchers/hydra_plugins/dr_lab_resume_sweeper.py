@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
+from hydra.core.override_parser.types import Override
 from hydra_plugins._dr_lab_sweeper import Composed, DrLabSweeper
 
+from dr_lab.errors import ConfigError
 from dr_lab.sweeps.job_folder import FINAL
 from dr_lab.sweeps.report import require_completed
 from dr_lab.sweeps.sweep import SweepJob, add_jobs, only_driver, read_jobs
@@ -26,10 +28,13 @@ class ResumeSweeper(DrLabSweeper):
             arguments: overrides as typed, those of Hydra's own node apart.
 
         Raises:
-            ConfigError: a job cannot be run, or another command drives the sweep.
+            ConfigError: there is no job, one cannot be run, or another command drives the sweep.
             SweepError: jobs failed or died; the others are kept.
         """
-        [combinations] = self.split_arguments(self.parsed(arguments), None)
+        given = self.parsed(arguments)
+        for override in given:
+            _require_values(override)
+        [combinations] = self.split_arguments(given, None)
         asked = [self.composed(overrides) for overrides in combinations]
         self.check(asked)
         with only_driver(self.folder, self.option):
@@ -57,3 +62,16 @@ class ResumeSweeper(DrLabSweeper):
             add_jobs(self.folder, self.task.verb, self.option, new)
         wanted = dict.fromkeys(job.identity for job in asked)
         return sorted((by_identity[identity] for identity in wanted), key=lambda job: job.number)
+
+
+def _require_values(override: Override) -> None:
+    """Refuse a sweep of which no job can be made."""
+    if not override.is_sweep_override():
+        return
+    if not override.is_discrete_sweep():
+        raise ConfigError(
+            f"{override.input_line} leaves the value to a search: hydra/sweeper=study or hparams_search=NAME. For one "
+            f"job a value list them: {override.get_key_element()}=VALUE,VALUE"
+        )
+    if next(iter(override.sweep_iterator()), None) is None:
+        raise ConfigError(f"{override.input_line} holds no value, so there is no job.")

@@ -95,6 +95,22 @@ def test_nothing_begins_where_one_job_cannot_be_run(
 
 
 @pytest.mark.parametrize(
+    ("typed", "message"),
+    [
+        ("value=range(3,3)", "value=range(3,3) holds no value"),
+        ("base=glob(nothing*)", "holds no value"),
+        ("value=interval(0,1)", "value=interval(0,1) leaves the value to a search: hydra/sweeper=study"),
+    ],
+)
+def test_sweeps_without_a_job_are_refused(
+    typed: str, message: str, sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweep(typed) == 2
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "swept").exists()
+
+
+@pytest.mark.parametrize(
     ("folders", "message"),
     [
         (("same", "same"), "would be the folder of jobs 0 and 1"),

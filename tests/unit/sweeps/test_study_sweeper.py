@@ -1,6 +1,7 @@
 """A search that the same command continues, with the trials that one without a stop would have tried."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -179,6 +180,7 @@ def test_notation_of_a_search_space() -> None:
         "d=range(3,10,2)",
         "e=x,y",
         "f=1",
+        "g=tag(log,range(1,100))",
     ]
     space = search_space(OverridesParser.create().parse_overrides(typed))
     assert space == {
@@ -187,9 +189,25 @@ def test_notation_of_a_search_space() -> None:
         "c": IntDistribution(2, 9),
         "d": IntDistribution(3, 9, step=2),
         "e": CategoricalDistribution(["x", "y"]),
+        "g": IntDistribution(1, 99, log=True),
     }
     assert [corner["d"] for corner in corners(space)] == [3, 9]
     assert [corner["e"] for corner in corners(space)] == ["x", "y"]
+
+
+@pytest.mark.parametrize(
+    "typed",
+    [
+        "a=interval(6,0)",
+        "a=tag(log,interval(0,6))",
+        "a=range(3,3)",
+        "a=tag(log,range(1,100,2))",
+        "a=tag(log,choice(1,10))",
+    ],
+)
+def test_spaces_that_cannot_be_drawn_from_are_named(typed: str) -> None:
+    with pytest.raises(ConfigError, match=re.escape(f"A study cannot draw from {typed}: ")):
+        search_space(OverridesParser.create().parse_overrides([typed]))
 
 
 def test_figures_of_a_report(tmp_path: Path) -> None:
