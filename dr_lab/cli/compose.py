@@ -11,13 +11,12 @@ from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.config_store import ConfigStore
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.plugins import Plugins
-from hydra.errors import ConfigCompositionException
 from hydra.plugins.search_path_plugin import SearchPathPlugin
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli import folders as places
-from dr_lab.cli.overrides import refused_key, respell
+from dr_lab.cli.overrides import composed
 from dr_lab.cli.recorded import recorded
 from dr_lab.errors import ConfigError
 from dr_lab.sweeps.sweep import sweep_name
@@ -93,17 +92,8 @@ def compose_from(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -
         hydra.errors.ConfigCompositionException: an override names nothing.
     """
     prepare(folders)
-    typed = list(overrides)
     with _beside_a_job(), hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(folders[-1])):
-        while True:
-            try:
-                return hydra.compose(config_name=verb, overrides=typed)
-            except ConfigCompositionException as error:
-                refused = refused_key(error)
-                respelt = None if refused is None else respell(typed, refused)
-                if respelt is None:
-                    raise
-                typed = respelt
+        return composed(overrides, lambda spelt: hydra.compose(config_name=verb, overrides=spelt))[1]
 
 
 @contextmanager

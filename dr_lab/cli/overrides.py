@@ -1,7 +1,7 @@
 """Overrides that Hydra refuses: which key failed, and the spelling for names that hold a dot."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from hydra.errors import ConfigCompositionException
@@ -60,6 +60,31 @@ def respell(arguments: list[str], refused: RefusedKey) -> list[str] | None:
             nested = "".join(f"{{{name}:" for name in names) + value + "}" * len(names)
             return [*arguments[:index], f"{refused.prefix}={nested}", *arguments[index + 1 :]]
     return None
+
+
+def composed(typed: Sequence[str], compose: Callable[[list[str]], DictConfig]) -> tuple[list[str], DictConfig]:
+    """Compose, and respell what Hydra refuses for a name with a dot, once for each such name.
+
+    Args:
+        typed: overrides.
+        compose: makes a configuration of them.
+
+    Returns:
+        The overrides as Hydra takes them, and what they make.
+
+    Raises:
+        hydra.errors.ConfigCompositionException: an override names nothing.
+    """
+    spelt = list(typed)
+    while True:
+        try:
+            return spelt, compose(spelt)
+        except ConfigCompositionException as error:
+            refused = refused_key(error)
+            respelt = None if refused is None else respell(spelt, refused)
+            if respelt is None:
+                raise
+            spelt = respelt
 
 
 def _names(rest: str, node: object) -> list[str] | None:

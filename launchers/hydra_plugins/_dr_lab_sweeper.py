@@ -1,6 +1,7 @@
 """What dr_lab's sweepers share: jobs composed and checked before any of them begins, then run by any launcher."""
 
 import copy
+import functools
 import time
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -17,6 +18,7 @@ from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict
 
 from dr_lab.cli.arguments import COMMAND_LINE_KEYS
+from dr_lab.cli.overrides import composed
 from dr_lab.cli.task import Task
 from dr_lab.errors import ConfigError, DrLabError
 from dr_lab.sweeps.job_folder import Status
@@ -103,11 +105,12 @@ class DrLabSweeper(BasicSweeper):
         """
         assert self.hydra_context is not None
         assert self.config is not None
-        cfg = self.hydra_context.config_loader.load_sweep_config(self.config, list(overrides))
+        load = functools.partial(self.hydra_context.config_loader.load_sweep_config, self.config)
+        spelt, cfg = composed(overrides, load)
         values = OmegaConf.to_container(_without_hydra(cfg), resolve=False)
         assert isinstance(values, dict)
         kept = {str(key): value for key, value in values.items() if key not in COMMAND_LINE_KEYS}
-        return Composed(tuple(overrides), cfg, identity_of(kept))
+        return Composed(tuple(spelt), cfg, identity_of(kept))
 
     def check(self, jobs: Sequence[Composed]) -> None:
         """Check the configurations of all jobs.

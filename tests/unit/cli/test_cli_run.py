@@ -1,5 +1,6 @@
 """From a command to the call of a workflow, and what the run folder holds."""
 
+import csv
 import sys
 from pathlib import Path
 
@@ -97,6 +98,16 @@ def test_multirun_runs_every_combination(dr_lab: CommandLine) -> None:
     ]
     assert dr_lab.calls[3]["run_dir"].relative_to(Path.cwd()).parts[:3] == ("outputs", "multirun", "compare")
     assert dr_lab.calls[3]["run_dir"].name == "3"
+
+
+def test_multirun_over_a_name_with_a_dot(dr_lab: CommandLine) -> None:
+    swept = ("model.parameters.arm.mass.low=1.25,1.5", "model.parameters.arm.mass.high=3.0,4.0")
+    assert dr_lab("compare", "-m", *swept, "hydra.sweep.dir=swept") == 0
+    found = [call["model"].parameters["arm.mass"] for call in dr_lab.calls]
+    assert found == [{"low": low, "high": high} for low in (1.25, 1.5) for high in (3.0, 4.0)]
+    with Path("swept/sweep.csv").open(encoding="utf-8") as file:
+        rows = [(r["model.parameters.arm.mass.low"], r["model.parameters.arm.mass.high"]) for r in csv.DictReader(file)]
+    assert rows == [("1.25", "3.0"), ("1.25", "4.0"), ("1.5", "3.0"), ("1.5", "4.0")]
 
 
 def test_multirun_goes_on_after_a_failed_job(dr_lab: CommandLine, capsys: pytest.CaptureFixture[str]) -> None:
