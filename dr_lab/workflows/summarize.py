@@ -12,7 +12,7 @@ from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
-from dr_lab.workflows.sweep_summary.doubts import missing_figures, require_known
+from dr_lab.workflows.sweep_summary.doubts import divided_runs, missing_figures, repeated_runs, require_known
 from dr_lab.workflows.sweep_summary.groups import Cells, Estimate, Group, Statistics, grouped, summed_up
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
 from dr_lab.workflows.sweep_summary.runs import SUMMARY_SCHEMA, find_runs
@@ -22,6 +22,7 @@ from dr_lab.workflows.sweep_summary.tables import groups_csv, runs_csv, runs_pag
 def summarize(
     sweep: str,
     aggregate: Sequence[str],
+    ignored: Sequence[str],
     figures: Mapping[str, Sequence[str]],
     statistics: Statistics,
     recorder: Look,
@@ -29,11 +30,14 @@ def summarize(
 ) -> dict[str, Any]:
     """Compare the finished runs below a folder; those that differ in nothing but the seed are taken together.
 
+    What was typed tells runs apart, and so does what they were configured with.
+
     Files: ``runs.csv`` (a row a run), ``groups.csv`` (a row a group), ``report.json``, ``report.md``, ``review.rrd``.
 
     Args:
         sweep: folder that holds the runs, at any depth.
         aggregate: overrides over which runs are taken together.
+        ignored: keys of their configurations that say nothing about the experiment.
         figures: paths into a report that are compared, by its schema.
         statistics: how runs of a group are summed up.
         recorder: how the recording looks.
@@ -51,8 +55,9 @@ def summarize(
     name = folder.resolve().name or str(folder)
     runs, unfinished = find_runs(folder)
     require_known(runs, aggregate)
-    notes = missing_figures(runs, figures)
-    groups = grouped(runs, aggregate)
+    groups = grouped(runs, aggregate, ignored)
+    repeated, divided = repeated_runs(runs, ignored), divided_runs(groups, [*ignored, *aggregate])
+    notes = [*repeated, *divided, *missing_figures(runs, figures)]
     cells = [summed_up(group, figures, statistics) for group in groups]
     page = summary_page(name, groups, cells, [*_unfinished(unfinished), *notes], statistics)
     report = _report(folder, groups, cells) | {"unfinished": unfinished, "notes": notes, "run": str(run_dir)}

@@ -1,10 +1,12 @@
-"""What was asked of runs and none of them has."""
+"""What a reader of a summary should know: keys that no run has, and runs that are not what they seem."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
 from dr_lab.errors import ConfigError, UnknownNameError
-from dr_lab.workflows.sweep_summary.configuration import without
-from dr_lab.workflows.sweep_summary.groups import figures_of
+from dr_lab.sweeps.overrides import differing
+from dr_lab.sweeps.sweep import identity_of
+from dr_lab.workflows.sweep_summary.configuration import experiment, flat, holds
+from dr_lab.workflows.sweep_summary.groups import ABSENT, CONFIGURATION, Group, figures_of
 from dr_lab.workflows.sweep_summary.runs import Run, beside, picked
 
 
@@ -20,7 +22,7 @@ def require_known(runs: Sequence[Run], aggregate: Sequence[str]) -> None:
     """
     typed = {key for run in runs for key in run.overrides}
     for key in aggregate:
-        if key not in typed and not any(without(run.configuration, key) != run.configuration for run in runs):
+        if key not in typed and not any(holds(run.configuration, key) for run in runs):
             raise UnknownNameError("override", key, typed, "these runs (aggregate)")
 
 
@@ -40,6 +42,43 @@ def missing_figures(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -
     told = [sentence for schema, paths in figures.items() for sentence in _missing(runs, schema, paths)]
     if told and not any(figures_of(run, figures) for run in runs):
         raise ConfigError("\n".join(["Not one of the figures was found.", *told]))
+    return told
+
+
+def repeated_runs(runs: Sequence[Run], ignored: Sequence[str]) -> list[str]:
+    """What to tell of runs that were configured alike, the seed included.
+
+    Args:
+        runs: that are summarised.
+        ignored: keys of configurations that do not tell runs apart.
+    """
+    same: dict[str, list[str]] = {}
+    for run in runs:
+        same.setdefault(identity_of(experiment(run.configuration, ignored)), []).append(run.name)
+    return [
+        f"Configured alike, the seed included, so that one result counts {len(names)} times: {', '.join(names)}."
+        for names in same.values()
+        if len(names) > 1
+    ]
+
+
+def divided_runs(groups: Sequence[Group], ignored: Sequence[str]) -> list[str]:
+    """What to tell of runs with the same overrides that were configured differently.
+
+    Args:
+        groups: of runs.
+        ignored: keys of configurations that do not tell groups apart.
+    """
+    apart: dict[tuple[str, ...], list[Group]] = {}
+    for group in groups:
+        if group.settings.get(CONFIGURATION, ABSENT) != ABSENT:
+            typed = tuple(value for key, value in group.settings.items() if key != CONFIGURATION)
+            apart.setdefault(typed, []).append(group)
+    told = []
+    for alike in apart.values():
+        keys = differing([flat(experiment(group.runs[0].configuration, ignored)) for group in alike])
+        names = "; ".join(f"{group.label}: {', '.join(run.name for run in group.runs)}" for group in alike)
+        told.append(f"The same overrides, but configured differently ({', '.join(keys)}): {names}.")
     return told
 
 

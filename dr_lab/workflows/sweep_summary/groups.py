@@ -10,6 +10,8 @@ import numpy as np
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.statistics import Interval, iqm_interval
 from dr_lab.sweeps.overrides import differing
+from dr_lab.sweeps.sweep import identity_of
+from dr_lab.workflows.sweep_summary.configuration import experiment, holds
 from dr_lab.workflows.sweep_summary.runs import Figure, Run, picked
 
 
@@ -29,6 +31,8 @@ Cells = Mapping[str, Cell]
 """Figures of several runs by path: a mean with its interval, or how often each word came up."""
 
 ABSENT = ""  # in place of an override that was not given
+_DIGITS = 8  # of an identity that are shown
+CONFIGURATION = "configuration"  # setting that tells apart runs with the same overrides
 
 
 @dataclass(frozen=True)
@@ -70,14 +74,33 @@ class Group:
     label: str
 
 
-def grouped(runs: Sequence[Run], aggregate: Sequence[str]) -> list[Group]:
-    """Runs by what differs between them apart from `aggregate`, groups in the order of their first runs."""
-    keys = [key for key in differing([run.overrides for run in runs]) if key not in aggregate]
-    found: dict[tuple[str, ...], list[Run]] = {}
+def grouped(runs: Sequence[Run], aggregate: Sequence[str], ignored: Sequence[str] = ()) -> list[Group]:
+    """Runs by what differs between them apart from `aggregate`, groups in the order of their first runs.
+
+    Runs with the same overrides that were configured differently, e.g. because a file changed between them, are told
+    apart by the setting `CONFIGURATION`.
+
+    Args:
+        runs: to be grouped.
+        aggregate: overrides over which runs are taken together.
+        ignored: further keys of configurations that do not tell runs apart.
+    """
+    typed = differing([run.overrides for run in runs])
+    keys = [key for key in typed if key not in aggregate]
+    # What an option of `_global_`, such as an experiment, brought into a configuration cannot be taken out again.
+    unknown = [key for key in typed if key in aggregate and not any(holds(run.configuration, key) for run in runs)]
+    found: dict[tuple[str, ...], dict[str, list[Run]]] = {}
     for run in runs:
-        found.setdefault(tuple(run.overrides.get(key, ABSENT) for key in keys), []).append(run)
-    settings = [dict(zip(keys, values, strict=True)) for values in found]
-    return [Group(*group) for group in zip(settings, found.values(), _labels(settings), strict=True)]
+        identity = "" if unknown else identity_of(experiment(run.configuration, [*ignored, *aggregate]))
+        alike = found.setdefault(tuple(run.overrides.get(key, ABSENT) for key in keys), {})
+        alike.setdefault(identity, []).append(run)
+    members = [together for alike in found.values() for together in alike.values()]
+    settings = [
+        dict(zip(keys, values, strict=True)) | ({} if len(members) == len(found) else _configuration(identity, alike))
+        for values, alike in found.items()
+        for identity in alike
+    ]
+    return [Group(*group) for group in zip(settings, members, _labels(settings), strict=True)]
 
 
 def figures_of(run: Run, figures: Mapping[str, Sequence[str]]) -> dict[str, Figure]:
@@ -113,6 +136,10 @@ def known_in(cell: Cell) -> int:
 def is_known(figure: Figure | None) -> bool:
     """Whether a run has a figure: it has none where the report says null, or infinity."""
     return isinstance(figure, str) or (figure is not None and math.isfinite(figure))
+
+
+def _configuration(identity: str, alike: Mapping[str, Sequence[Run]]) -> dict[str, str]:
+    return {CONFIGURATION: f"#{identity[:_DIGITS]}" if len(alike) > 1 else ABSENT}
 
 
 def _labels(settings: Sequence[Mapping[str, str]]) -> list[str]:

@@ -10,7 +10,7 @@ import yaml
 
 from dr_lab.__main__ import main
 from dr_lab.errors import DataError
-from dr_lab.sweeps.overrides import differing
+from dr_lab.sweeps.overrides import by_key, differing
 from dr_lab.workflows.sweep_summary.groups import Statistics, figures_of, grouped, summed_up
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
 from dr_lab.workflows.sweep_summary.runs import beside, find_runs, picked
@@ -22,9 +22,15 @@ EDGES = [0.0, 0.1, 0.2]
 
 def write_run(folder: Path, report: dict[str, Any] | None, *overrides: str) -> None:
     folder.mkdir(parents=True)
-    (folder / "config.yaml").write_text(yaml.safe_dump({"made_with": {"overrides": list(overrides)}}), "utf-8")
+    configured = {key: yaml.safe_load(value) for key, value in by_key(overrides).items()}
+    write_configuration(folder, configured, *overrides)
     if report is not None:
         (folder / "report.json").write_text(json.dumps(report), "utf-8")
+
+
+def write_configuration(folder: Path, configured: dict[str, Any], *overrides: str) -> None:
+    made_with = {"made_with": {"overrides": list(overrides)}}
+    (folder / "config.yaml").write_text(yaml.safe_dump(configured | made_with), "utf-8")
 
 
 def trained(folder: Path, final: float, learned: list[float], *overrides: str) -> None:
@@ -86,6 +92,33 @@ def test_groups_that_would_share_a_label_have_whole_keys(typed: list[str], tmp_p
     groups = grouped(find_runs(tmp_path)[0], ["seed"])
     assert [group.label for group in groups] == typed
     assert [band.group for band in bands(groups, STATISTICS)] == typed
+
+
+def test_runs_configured_otherwise_are_no_further_seeds(tmp_path: Path) -> None:
+    for number, (seed, low, threads) in enumerate([(0, 0.1, 1), (1, 0.1, 2), (2, 0.5, 1), (0, 0.1, 4)]):
+        trained(tmp_path / f"sweep/{number}", 1.0, [1.0, 0.0], f"seed={seed}")
+        configured = {"seed": seed, "threads": threads, "env": {"size": {"low": low}}, "outputs": str(number)}
+        write_configuration(tmp_path / f"sweep/{number}", configured, f"seed={seed}")
+    folder = tmp_path / "summary"
+    figures = "figures={dr_lab/train/1:[final_return]}"
+    assert main(["summarize", f"sweep={tmp_path / 'sweep'}", f"hydra.run.dir={folder}", figures]) == 0
+    report = json.loads((folder / "report.json").read_text("utf-8"))
+    assert [group["runs"] for group in report["groups"]] == [["0", "1", "3"], ["2"]]
+    first, second = (group["settings"]["configuration"] for group in report["groups"])
+    assert first != second
+    twice, apart = report["notes"]
+    assert twice.endswith("counts 2 times: 0, 3.")
+    assert "configured differently (env.size.low)" in apart
+    assert apart.endswith(f"configuration={first}: 0, 1, 3; configuration={second}: 2.")
+
+
+def test_seeds_of_several_experiments_are_taken_together_where_that_is_asked(tmp_path: Path) -> None:
+    for name, low in (("night", 0.1), ("day", 0.5)):
+        trained(tmp_path / name, 1.0, [1.0, 0.0], f"experiment={name}")
+        write_configuration(tmp_path / name, {"seed": 0, "low": low}, f"experiment={name}")
+    runs, _ = find_runs(tmp_path)
+    assert [group.label for group in grouped(runs, ["seed"])] == ["day", "night"]
+    assert [group.label for group in grouped(runs, ["experiment"])] == ["all runs"]
 
 
 def test_words_are_counted(tmp_path: Path) -> None:
