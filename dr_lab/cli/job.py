@@ -73,7 +73,7 @@ def run_job(job: Job, cfg: DictConfig) -> None:
     try:
         workflow, arguments = build(job, cfg)
     except BaseException:
-        _remove_if_empty(job.output_dir, Path(str(cfg.get("outputs", "."))).absolute())
+        discard(job, cfg)
         raise
     workflow(**arguments)
     if RUN_DIR in arguments:
@@ -132,11 +132,17 @@ def claim(output_dir: Path) -> Path:
     raise AssertionError("counting does not end")
 
 
-def _remove_if_empty(folder: Path, top: Path) -> None:
-    """Remove a folder and, up to but not including `top`, the folders above it that hold nothing else."""
-    inside = [path for path in folder.parents if path.is_relative_to(top) and path != top]
+def discard(job: Job, cfg: DictConfig) -> None:
+    """Remove a job's folder and, up to but not including `outputs`, those above it, as far as they hold nothing else.
+
+    Args:
+        job: which one.
+        cfg: its composed configuration without Hydra's node.
+    """
+    top = Path(str(cfg.get("outputs", "."))).absolute()
+    inside = [path for path in job.output_dir.parents if path.is_relative_to(top) and path != top]
     with contextlib.suppress(OSError):  # the first that is not empty ends it
-        for path in (folder, *inside):
+        for path in (job.output_dir, *inside):
             path.rmdir()
 
 

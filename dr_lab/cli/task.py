@@ -2,14 +2,16 @@
 
 from pathlib import Path
 
+from hydra.conf import HydraConf
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.arguments import checked
 from dr_lab.cli.explain import explain
-from dr_lab.cli.job import Job, run_job
+from dr_lab.cli.job import Job, discard, run_job
 from dr_lab.cli.sweep_job import run_in_sweep
+from dr_lab.errors import ConfigError
 
 
 class Task:
@@ -47,6 +49,7 @@ class Task:
             run_in_sweep(job, cfg, state, self.traceback_wanted)
             return
         try:
+            _require_no_search(job, cfg, state)
             run_job(job, cfg)
         except Exception as error:
             self.failures.append(error)
@@ -64,3 +67,14 @@ class Task:
                 raise
             return explain(error, self.verb, self.folders)[0]
         return None
+
+
+def _require_no_search(job: Job, cfg: DictConfig, hydra: HydraConf) -> None:
+    """Refuse to run one job of a configuration that asks for many; its folder goes."""
+    params = OmegaConf.select(hydra.sweeper, "params")
+    if params:
+        discard(job, cfg)
+        raise ConfigError(
+            f"This configuration tries several values of {', '.join(map(str, params))}, which is a sweep and takes -m: "
+            f"dr-lab {job.verb} -m {' '.join(job.overrides)}"
+        )

@@ -93,5 +93,5 @@ def _flush(path: Path) -> None:
 def _cannot_write(path: Path, error: OSError) -> DrLabError:
     return DrLabError(
         f"Cannot write {path}: {error.strerror}. Choose a folder that you may write to and that has room, "
-        "e.g. with hydra.run.dir=FOLDER."
+        "e.g. with hydra.run.dir=FOLDER, for a sweep hydra.sweep.dir=FOLDER."
     )

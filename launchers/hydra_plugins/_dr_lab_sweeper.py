@@ -71,8 +71,14 @@ class DrLabSweeper(BasicSweeper):
         self.shown = self.folder = Path()
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
-        """Take what Hydra gives, and settle the sweep's folder for every job, wherever it will run."""
+        """Take what Hydra gives, and settle the sweep's folder for every job, wherever it will run.
+
+        Raises:
+            ConfigError: the sweep is given no folder.
+        """
         assert isinstance(task_function, Task)
+        if not config.hydra.sweep.dir:
+            raise ConfigError("hydra.sweep.dir is empty; expected the folder of the sweep, e.g. hydra.sweep.dir=sweep.")
         self.task = task_function
         self.shown = Path(str(config.hydra.sweep.dir))
         self.folder = self.shown.absolute()

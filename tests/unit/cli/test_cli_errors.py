@@ -202,6 +202,18 @@ def test_experiment_of_another_verb(dr_lab: CommandLine, capsys: Capture, tmp_pa
     assert "Its own command: dr-lab polish experiment=day" in error
 
 
+def test_search_that_is_no_sweep(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
+    text = "# @package _global_\nhydra:\n  sweeper:\n    params:\n      seed: 1,2\n"
+    write(tmp_path / "conf/experiment/search.yaml", text)
+    assert dr_lab("compare", "experiment=search", "horizon=1") == 2
+    told = capsys.readouterr().err
+    assert "several values of seed" in told
+    assert "dr-lab compare -m experiment=search horizon=1" in told
+    assert [path for path in Path.cwd().rglob("*") if path.name != "outputs"] == []
+    assert dr_lab("compare", "-m", "experiment=search") == 0
+    assert [call["seed"] for call in dr_lab.calls] == [1, 2]
+
+
 def test_unknown_verb(dr_lab: CommandLine, capsys: Capture) -> None:
     assert dr_lab("comapre") == 2
     assert "Did you mean 'compare'? Available: add, compare." in capsys.readouterr().err

@@ -34,6 +34,12 @@ def test_is_sound(preset: str) -> None:
     check_hydra(compose_with_hydra("record", [f"hydra/launcher={preset}", "hydra.mode=MULTIRUN"], (shipped(),)))
 
 
+def test_what_slurm_prints_lies_alone() -> None:
+    # Its files are named after jobs to be cancelled, those of `processes` after processes of this machine.
+    folders = [OmegaConf.load(shipped() / f"hydra/launcher/{preset}.yaml") for preset in ("processes", "slurm")]
+    assert len({str(OmegaConf.to_container(folder)["submitit_folder"]) for folder in folders}) == 2
+
+
 @pytest.mark.parametrize("preset", STOCK)
 def test_sets_what_its_package_knows(preset: str) -> None:
     Plugins.instance()  # whose packages bring their own settings

@@ -59,7 +59,7 @@ def test_permissions_follow_the_umask(tmp_path: Path) -> None:
 
 def test_unwritable_folder_names_the_file_and_the_remedy(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(DrLabError, match=r"Cannot write .*a\.txt.*Choose a folder"):
+    with pytest.raises(DrLabError, match=r"Cannot write .*a\.txt.*Choose a folder.*sweep hydra\.sweep\.dir=FOLDER"):
         write_text(tmp_path / "file" / "a.txt", "x")
 
 

@@ -99,6 +99,7 @@ def test_nothing_begins_where_one_job_cannot_be_run(
     [
         ("value=range(3,3)", "value=range(3,3) holds no value"),
         ("base=glob(nothing*)", "holds no value"),
+        ("hydra.sweep.dir=", "hydra.sweep.dir is empty"),
         ("value=interval(0,1)", "value=interval(0,1) leaves the value to a search: hydra/sweeper=study"),
     ],
 )
