@@ -11,7 +11,7 @@ from dr_lab.evaluators.statistics import iqm_band
 from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
 from dr_lab.trajectory import Array
 from dr_lab.workflows.sweep_summary.groups import Group, Statistics
-from dr_lab.workflows.sweep_summary.runs import Run, history
+from dr_lab.workflows.sweep_summary.runs import TRAIN_SCHEMA, Run, history
 
 _COUNTS = ("iteration", "frames", "seconds", "episodes")
 _FIRST = "episode_return"
@@ -33,7 +33,7 @@ def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
     """By parameter and group, what was learnt of it in the end, averaged over the group's runs."""
     found: dict[str, dict[str, Marginal]] = {}
     for group in groups:
-        contexts = [run.report.get("context") or {} for run in group.runs if run.report["schema"] == "dr_lab/train/1"]
+        contexts = [run.report.get("context") or {} for run in group.runs if run.report["schema"] == TRAIN_SCHEMA]
         for name in contexts[0] if contexts else ():
             entries = [context[name] for context in contexts if "edges" in context.get(name, {})]
             alike = [entry for entry in entries if entry["edges"] == entries[0]["edges"]]

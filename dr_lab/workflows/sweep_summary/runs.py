@@ -15,7 +15,7 @@ from dr_lab.errors import DataError
 from dr_lab.sweeps.overrides import by_key
 from dr_lab.trajectory import Array
 
-SUMMARY_SCHEMA = "dr_lab/summarize/1"
+SUMMARY_SCHEMA, TRAIN_SCHEMA = "dr_lab/summarize/1", "dr_lab/train/1"
 _REPORT, _CONFIG, _METRICS = "report.json", "config.yaml", "metrics.csv"
 _ANY = "*"
 _UNREADABLE = "{} cannot be read as a run: {}. Take it out of {}."
@@ -94,13 +94,13 @@ def beside(report: Mapping[str, Any], path: str) -> list[str]:
 
 
 def history(run: Run) -> dict[str, Array]:
-    """Columns of a run's ``metrics.csv`` that are numbers, NaN where empty; nothing where there is no such file.
+    """Columns of a training run's ``metrics.csv``, NaN where empty; nothing where it was not trained.
 
     Raises:
         DataError: it cannot be read, or a value is no number.
     """
     path = run.folder / _METRICS
-    if not path.is_file():
+    if run.report["schema"] != TRAIN_SCHEMA or not path.is_file():
         return {}
     try:
         with path.open(encoding="utf-8", newline="") as file:
