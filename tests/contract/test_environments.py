@@ -1,23 +1,16 @@
 """What every environment keeps: gymnasium's physics, resets that touch nothing else, an exact state."""
 
-from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from effect_machines import placed
 from gymnasium_twins import twin
+from playing import Uniform, actions, begun, played
 from settings import setting
 from torchrl.envs.utils import check_env_specs
 
 from dr_lab.cli.compose import options
 from dr_lab.cli.folders import shipped
-from dr_lab.envs.episodes import Episodes
-from dr_lab.envs.setting import Setting
-from dr_lab.errors import ModelError
-from dr_lab.physics.simulator import Simulator
-from dr_lab.trajectory import Array
 
 NAMES = sorted(options("env", (shipped(),)))
 GYMNASIUM: dict[str, dict[str, Any]] = {
@@ -34,38 +27,6 @@ LSDR = [
 ]
 ALL_THREE = "env/context=[hopper/torso_size,hopper/friction,hopper/damping]"
 BY_FIELD = "env/context=[hopper/friction,hopper/damping]"
-
-
-class Uniform:
-    """A randomizer, made as simple as it can be: uniform over the inner part of the bounds."""
-
-    def __init__(self, low: Array, high: Array) -> None:
-        self.low, self.high = low, high
-
-    def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
-        return np.array([rng.uniform(self.low, self.high) for rng in rngs])
-
-
-def begun(of: Setting, nenv: int = 3, seed: int = 0, *, random: bool = False) -> Episodes:
-    space = of.space
-    source = Uniform(0.8 * space.nominal + 0.2 * space.low, 0.8 * space.nominal + 0.2 * space.high)
-    return of.make(source if random else None, nenv, seed, threads=1).episodes
-
-
-def actions(episodes: Episodes, seed: int = 0) -> Array:
-    rng = np.random.default_rng(seed)
-    return rng.uniform(episodes.low, episodes.high, (episodes.nsim, len(episodes.low)))
-
-
-def played(episodes: Episodes, steps: int, seed: int = 0) -> Array:
-    """Rewards and observations of so many steps, with new episodes where one ended; shape (steps, n, 1 + o)."""
-    kept = []
-    for k in range(steps):
-        outcome = episodes.step(actions(episodes, seed + k))
-        kept.append(np.concatenate([outcome.reward[:, None], outcome.observation], axis=1))
-        if outcome.done.any():
-            episodes.begin(np.flatnonzero(outcome.done))
-    return np.array(kept)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -252,67 +213,3 @@ def test_given_contexts_are_those_of_the_next_episodes_until_none_are_given() ->
     np.testing.assert_array_equal(env.reset()["context"], z.astype(np.float32))
     env.set_contexts(None)
     assert (env.reset()["context"].numpy() < 1.0).all()
-
-
-def corrected(effect: str, site: str) -> Setting:
-    plain = setting("furuta")
-    return replace(plain, model=plain.model.with_effect(placed(plain.model, effect, site)))
-
-
-@pytest.mark.parametrize("effect", ["coulomb_friction", "hysteresis"])  # MuJoCo's own element, a law between steps
-def test_effects_of_a_corrected_model_are_played_and_randomised(effect: str) -> None:
-    episodes = begun(corrected(effect, "arm"), nenv=2)
-    space = episodes.model.space
-    z = np.tile(space.nominal, (2, 1))
-    z[1, len(episodes.model.declared) :] = space.high[len(episodes.model.declared) :]
-    episodes.give_contexts(z)
-    episodes.begin(np.arange(2))
-    for name in ("qpos", "qvel"):
-        episodes.simulator.batch.bind(name)[1] = episodes.simulator.batch.bind(name)[0]
-    seen = [episodes.step(np.full((2, 1), 4.0)).observation for _ in range(10)][-1]
-    assert not np.allclose(seen[0], seen[1], atol=1e-4)
-    assert not episodes.simulator.infeasible.any()
-
-
-@pytest.mark.parametrize("effect", ["dead_zone", "actuator_lag", "rate_limit", "voltage_sag"])
-def test_drivers_act_as_in_a_replay_of_the_same_commands(effect: str) -> None:
-    of, steps = corrected(effect, "motor"), 12
-    z = 0.5 * (of.space.nominal + of.space.high)[None]
-    episodes = of.make(None, 1, 0, threads=1).episodes
-    episodes.give_contexts(z)
-    episodes.begin(np.arange(1))
-    qpos, qvel = episodes.state
-    wanted = actions(episodes, seed=3) * np.sin(np.arange(1, steps + 1))[:, None]
-    moved = [(episodes.step(action[None]), episodes.state[0][0])[1] for action in wanted]
-    held = np.repeat(wanted, of.task.frame_skip, axis=0)[None]
-    rollout = Simulator(of.model, 1, 1).replay(z, qpos[None], qvel[None], held, held[:, :1])
-    np.testing.assert_allclose(moved, rollout.qpos[0, of.task.frame_skip :: of.task.frame_skip], rtol=1e-9)
-    plain = Simulator(setting("furuta").model, 1, 1)
-    without = plain.replay(plain.model.space.nominal[None], qpos[None], qvel[None], held, held[:, :1])
-    assert not np.allclose(moved[-1], without.qpos[0, -1], rtol=1e-3)
-
-
-def test_an_effect_without_a_driver_is_refused() -> None:
-    with pytest.raises(ModelError, match=r"actuator_delay@motor.* commands of motor"):
-        begun(corrected("actuator_delay", "motor"))
-
-
-def test_effects_at_sensors_have_no_part() -> None:
-    plain, biased = begun(setting("furuta")), begun(corrected("sensor_bias", "arm"))
-    np.testing.assert_array_equal(played(biased, 5), played(plain, 5))
-    assert "sensor_bias@arm.bias" in biased.model.space.names
-
-
-def test_an_actuators_delay_acts() -> None:
-    """A driver that is 30 ms late answers three control steps later, but for an edge within a physics step."""
-    late = placed(setting("furuta").model, "actuator_delay", "motor")
-    late = replace(late, parameters=(replace(late.parameters[0], nominal=0.03),))
-    model = setting("furuta").model.with_effect(late)
-    speeds = []
-    for of in (setting("furuta"), replace(setting("furuta"), model=model)):
-        episodes = begun(of)
-        for name in ("qpos", "qvel"):
-            episodes.simulator.batch.bind(name)[:] = 0.0
-        speeds.append([episodes.step(np.full((3, 1), 4.0)).observation[0, 4] for _ in range(8)])
-    prompt, delayed = np.array(speeds)
-    np.testing.assert_allclose(delayed, [0.0, 0.0, 0.0, *prompt[:5]], atol=0.02 * prompt.max())

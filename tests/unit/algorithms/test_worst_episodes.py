@@ -67,11 +67,11 @@ def test_continues_exactly() -> None:
 
 def test_new_episodes_have_no_past() -> None:
     select = WorstEpisodes(gamma=0.5, epsilon=0.5, warm_up=0)
-    select(torch.tensor([[1.0], [2.0]]), flags([0], [0]), NOTHING[:, :1])
+    select(torch.tensor([[1.0], [2.0]]), flags([0], [0]), NEVER[:, :1], NOTHING[:, :1])
     select.forget_episodes()
     # 1.6 against 0; with the past 1 + 1.6/2 = 1.8 against 2.
     more = torch.tensor([[1.6], [0.0]])
-    assert torch.equal(select(more, flags([1], [1]), NOTHING[:, :1]), flags([0], [1]))
+    assert torch.equal(select(more, flags([1], [1]), NEVER[:, :1], NOTHING[:, :1]), flags([0], [1]))
 
 
 def test_a_share_beyond_one_is_told() -> None:

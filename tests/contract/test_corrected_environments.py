@@ -1,0 +1,77 @@
+"""Environments of models that a fit has corrected: effects, drivers and friction laws act in them as in a replay."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from effect_machines import placed
+from playing import actions, begun, played
+from settings import setting
+
+from dr_lab.envs.setting import Setting
+from dr_lab.errors import ModelError
+from dr_lab.physics.simulator import Simulator
+
+
+def corrected(effect: str, site: str) -> Setting:
+    plain = setting("furuta")
+    return replace(plain, model=plain.model.with_effect(placed(plain.model, effect, site)))
+
+
+@pytest.mark.parametrize("effect", ["coulomb_friction", "hysteresis"])  # MuJoCo's own element, a law between steps
+def test_effects_of_a_corrected_model_are_played_and_randomised(effect: str) -> None:
+    episodes = begun(corrected(effect, "arm"), nenv=2)
+    space = episodes.model.space
+    z = np.tile(space.nominal, (2, 1))
+    z[1, len(episodes.model.declared) :] = space.high[len(episodes.model.declared) :]
+    episodes.give_contexts(z)
+    episodes.begin(np.arange(2))
+    for name in ("qpos", "qvel"):
+        episodes.simulator.batch.bind(name)[1] = episodes.simulator.batch.bind(name)[0]
+    seen = [episodes.step(np.full((2, 1), 4.0)).observation for _ in range(10)][-1]
+    assert not np.allclose(seen[0], seen[1], atol=1e-4)
+    assert not episodes.simulator.infeasible.any()
+
+
+@pytest.mark.parametrize("effect", ["dead_zone", "actuator_lag", "rate_limit", "voltage_sag"])
+def test_drivers_act_as_in_a_replay_of_the_same_commands(effect: str) -> None:
+    of, steps = corrected(effect, "motor"), 12
+    z = 0.5 * (of.space.nominal + of.space.high)[None]
+    episodes = of.make(None, 1, 0, threads=1).episodes
+    episodes.give_contexts(z)
+    episodes.begin(np.arange(1))
+    qpos, qvel = episodes.state
+    wanted = actions(episodes, seed=3) * np.sin(np.arange(1, steps + 1))[:, None]
+    moved = [(episodes.step(action[None]), episodes.state[0][0])[1] for action in wanted]
+    held = np.repeat(wanted, of.task.frame_skip, axis=0)[None]
+    rollout = Simulator(of.model, 1, 1).replay(z, qpos[None], qvel[None], held, held[:, :1])
+    np.testing.assert_allclose(moved, rollout.qpos[0, of.task.frame_skip :: of.task.frame_skip], rtol=1e-9)
+    plain = Simulator(setting("furuta").model, 1, 1)
+    without = plain.replay(plain.model.space.nominal[None], qpos[None], qvel[None], held, held[:, :1])
+    assert not np.allclose(moved[-1], without.qpos[0, -1], rtol=1e-3)
+
+
+def test_an_effect_without_a_driver_is_refused() -> None:
+    with pytest.raises(ModelError, match=r"actuator_delay@motor.* commands of motor"):
+        begun(corrected("actuator_delay", "motor"))
+
+
+def test_effects_at_sensors_have_no_part() -> None:
+    plain, biased = begun(setting("furuta")), begun(corrected("sensor_bias", "arm"))
+    np.testing.assert_array_equal(played(biased, 5), played(plain, 5))
+    assert "sensor_bias@arm.bias" in biased.model.space.names
+
+
+def test_an_actuators_delay_acts() -> None:
+    """A driver that is 30 ms late answers three control steps later, but for an edge within a physics step."""
+    late = placed(setting("furuta").model, "actuator_delay", "motor")
+    late = replace(late, parameters=(replace(late.parameters[0], nominal=0.03),))
+    model = setting("furuta").model.with_effect(late)
+    speeds = []
+    for of in (setting("furuta"), replace(setting("furuta"), model=model)):
+        episodes = begun(of)
+        for name in ("qpos", "qvel"):
+            episodes.simulator.batch.bind(name)[:] = 0.0
+        speeds.append([episodes.step(np.full((3, 1), 4.0)).observation[0, 4] for _ in range(8)])
+    prompt, delayed = np.array(speeds)
+    np.testing.assert_allclose(delayed, [0.0, 0.0, 0.0, *prompt[:5]], atol=0.02 * prompt.max())
