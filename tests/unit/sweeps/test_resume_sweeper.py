@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import threading
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -136,18 +137,20 @@ def test_waits_for_a_process_that_outlived_its_sweep(sweep: Sweep, sweeps: Sweep
     job = tmp_path / "swept/0"
     (sweeps.trouble / "fails_1").touch()
     assert sweep("value=1") == 2
-    lock = FileLock(job / LOCK_FILE, thread_local=False)
-    lock.acquire()
+    begun = threading.Event()
 
-    def completes() -> None:
-        write_status(job, "completed", seconds=5.0)
-        lock.release()
+    def outlived() -> None:
+        with FileLock(job / LOCK_FILE):
+            write_status(job, "running")
+            begun.set()
+            time.sleep(0.5)
+            write_status(job, "completed", seconds=5.0)
 
-    write_status(job, "running")
-    outlived = threading.Timer(0.5, completes)
-    outlived.start()
+    process = threading.Thread(target=outlived)  # in a thread of its own: the lock is not one's own there either
+    process.start()
+    begun.wait()
     assert sweep("value=1") == 0
-    outlived.join()
+    process.join()
     assert json.loads((job / "status.json").read_text(encoding="utf-8"))["seconds"] == 5.0
     assert not (job / "report.json").exists()
 
