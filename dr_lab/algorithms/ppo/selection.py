@@ -4,7 +4,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
-import torch
 from torch import Tensor
 
 
@@ -41,13 +40,13 @@ class Selection(ABC):
         """Continue from what `state_dict` gave."""
 
 
-class EveryStep(Selection):
-    """All of them."""
+class FeasibleSteps(Selection):
+    """All but those at which an infeasible context ended an episode: no action led there or would lead out of it."""
 
     def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor, next_value: Tensor) -> Tensor:
-        """True everywhere."""
-        del reward, infeasible, next_value
-        return torch.ones_like(done)
+        """True where the context is feasible."""
+        del reward, done, next_value
+        return ~infeasible
 
     def state_dict(self) -> dict[str, Any]:
         """Nothing."""

@@ -67,6 +67,17 @@ def test_what_is_not_selected_is_not_learnt_from() -> None:
     assert torch.equal(kept.action[90:120], algorithm.actor.unit(batch["action"][4]))
 
 
+def test_nothing_is_learnt_at_the_end_in_an_infeasible_context() -> None:
+    algorithm = PPO(**ppo_arguments())
+    batch = next(PointCollector(algorithm.policies["policy"]))
+    infeasible = batch["next", "infeasible"][3] = batch["next", "done"][3]
+    rest = ~infeasible.squeeze(-1)
+    kept = algorithm.samples(batch)
+    assert infeasible.any()
+    assert len(kept.target) == batch.numel() - infeasible.sum()
+    assert torch.equal(kept.action[90 : 90 + rest.sum()], algorithm.actor.unit(batch["action"][3][rest]))
+
+
 def test_rates_fall_in_a_line() -> None:
     algorithm = PPO(**ppo_arguments(anneal_frames=960))
     collector = PointCollector(algorithm.policies["policy"])
