@@ -19,7 +19,7 @@ from dr_lab.trajectory import Array, MeasurementSet, Signal
 CONF = Path(__file__).parents[3] / "conf"
 DATA = os.environ.get("DR_LAB_DATA")
 
-CUBE = ("position", "orientation", "velocity", "turning")
+CUBE = ("position", "orientation")
 real = pytest.mark.skipif(
     DATA is None, reason="DR_LAB_DATA is not set: export DR_LAB_DATA=FOLDER of the real data sets"
 )
