@@ -121,7 +121,7 @@ class MeasurementSet:
         fit: logs that parameters may be fitted on.
         held_out: logs never used for fitting.
         noise: noise by channel name, the same for every log.
-        gaps: longest time in s between two samples that is not a gap, by channel name.
+        gaps: longest time in s between two samples that is not a gap, by channel name; a command without one has none.
     """
 
     name: str

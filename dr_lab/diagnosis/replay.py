@@ -84,15 +84,16 @@ class Replay:
             delta: corrections of the initial states in the tangent space, shape (c, w, 2 nv).
 
         Returns:
-            Residuals, shape (c, w, m), zero for samples that do not exist, and which windows are infeasible, (c, w).
+            Residuals, shape (c, w, m), zero for samples that do not exist and in windows that diverge, where numbers
+            overflow; and which windows are infeasible, (c, w).
         """
         tape, infeasible = self.simulate(z, delta)
         blocks = []
         for samples in self.windows.samples:
             simulated = self.reading(z, tape, samples.channel)(samples.time[None])
             difference = residual(samples.channel, simulated, samples.value) / samples.std
-            exists = (samples.fitted | samples.scored)[..., None]
-            blocks.append(np.where(exists, difference, 0.0).reshape(*difference.shape[:2], -1))
+            exists = (samples.fitted | samples.scored) & ~infeasible[..., None]
+            blocks.append(np.where(exists[..., None], difference, 0.0).reshape(*difference.shape[:2], -1))
         return np.concatenate(blocks, axis=2), infeasible
 
     def reading(self, z: Array, tape: Tape, channel: Channel) -> Reading:

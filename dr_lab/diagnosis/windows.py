@@ -146,14 +146,23 @@ def _begins(log: Log, gaps: Mapping[str, float], settings: WindowSettings) -> Ar
     """Simulated starts of the windows of a log that no gap touches, at most `max_windows`, evenly spread."""
     first, last = _span(log, settings.past)
     total = settings.run_in + settings.length + 2 * settings.margin
+    waits = {name: gaps.get(name, np.inf) for name in log.commands}
+    last = min([last, *(signal.time[-1] + waits[name] for name, signal in log.commands.items())])  # held until then
     begins = np.arange(first, last - total, settings.stride)
     for name, signal in log.outputs.items():
-        holes = np.flatnonzero(np.diff(signal.time) > gaps[name])
-        for left, right in zip(signal.time[holes], signal.time[holes + 1], strict=True):
-            begins = begins[(begins + total < left) | (begins > right)]
+        begins = begins[_gapless(begins, total, signal.time, gaps[name])]
         begins = begins[starts_known(signal, begins, settings)]
+    for name, signal in log.commands.items():  # delayed actuators ask for those of before the start
+        begins = begins[_gapless(begins - settings.past, total + settings.past, signal.time, waits[name])]
     keep = np.unique(np.linspace(0, len(begins) - 1, min(len(begins), settings.max_windows)).round().astype(int))
     return begins[keep] if len(begins) else begins
+
+
+def _gapless(begins: Array, total: float, time: Array, gap: float) -> NDArray[np.bool_]:
+    """Which stretches of so many seconds touch no hole between samples that is longer than the gap."""
+    holes = np.flatnonzero(np.diff(time) > gap)
+    left, right = time[holes], time[holes + 1]
+    return np.all((begins[:, None] + total < left) | (begins[:, None] > right), axis=1)
 
 
 def _samples(

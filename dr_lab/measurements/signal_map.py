@@ -1,5 +1,6 @@
 """From a topic or column of a file to a channel of the model: name, unit, sign, scale, clock."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
@@ -154,7 +155,7 @@ def _sign(name: str, value: object) -> float:
 
 
 def _number(name: str, key: str, value: object) -> float:
-    if not isinstance(value, int | float) or isinstance(value, bool):
+    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         raise ConfigError(f"Channel {name!r}: {key} is {value!r}; expected a number.")
     if key == "noise_std" and value <= 0:
         raise ConfigError(f"Channel {name!r}: noise_std must be > 0; got {value!r}. Write null to estimate it.")

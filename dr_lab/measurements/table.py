@@ -104,12 +104,14 @@ def grouped(path: Path, column: str) -> dict[str, pa.Table]:
 
 def _text(value: pa.Scalar) -> str:
     plain = value.as_py()
-    return f"{plain:g}" if isinstance(plain, float) else str(plain)
+    return str(int(plain)) if isinstance(plain, float) and plain.is_integer() else str(plain)
 
 
 def _column(table: pa.Table, name: str, path: Path) -> pa.ChunkedArray:
     if name not in table.column_names:
         raise UnknownNameError("column", name, table.column_names, path.name)
+    if (count := table.column_names.count(name)) > 1:
+        raise DataError(f"{path} has {count} columns {name!r}. Give each column a name of its own.")
     return table.column(name)
 
 

@@ -39,6 +39,18 @@ def test_no_window_touches_a_gap() -> None:
     assert ((windows.begin > 0.84) & (windows.begin < 0.91)).any()  # up to the gap
 
 
+def test_no_window_touches_a_gap_of_a_command_or_comes_behind_its_end() -> None:
+    time = times()
+    sent = time[(time < 1.0) | ((time > 1.3) & (time < 4.0))]
+    measured_log = log("a", time, Signal("drive", "N·m", sent, np.sin(sent)))
+    settings = windows_settings(stride=0.05, length=0.05, max_windows=1000)
+    found = replace(measured([measured_log]), gaps={"hinge.position": 0.1, "drive": 0.1})
+    windows = cut([measured_log], found, pendulum().nominal(), settings)
+    total = settings.length + 2 * settings.margin
+    assert all(end < 1.0 or begin - settings.past > 1.3 for begin, end in spans(windows, total))
+    assert 3.8 < windows.begin.max() + total < 4.1
+
+
 def test_a_slow_rate_is_no_gap_but_a_dropout_in_it_is() -> None:
     slow = np.delete(clock(50, 0.09), [20, 21])
     windows = windows_of(pendulum(), [log("a", slow)], windows_settings(max_windows=1000))

@@ -61,6 +61,11 @@ def test_groups_keep_their_order_and_leave_out_rows_without_a_value(tmp_path: Pa
     assert list(grouped(tmp_path / "runs.parquet", "half")) == ["0.5", "1"]
 
 
+def test_groups_of_long_numbers_stay_apart(tmp_path: Path) -> None:
+    pyarrow.parquet.write_table(pa.table({"day": [20210414.0, 20210415.0, None]}), tmp_path / "days.parquet")
+    assert list(grouped(tmp_path / "days.parquet", "day")) == ["20210414", "20210415"]
+
+
 def test_wildcards_take_every_log_that_fits_once() -> None:
     logs = ["a_1", "a_2", "a_10", "b_1"]
     assert [part.name for part in split(logs, ["a_[12]"], None)[0]] == ["a_1", "a_2"]

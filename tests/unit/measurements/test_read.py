@@ -153,6 +153,7 @@ def test_clocks_that_are_not_there(folder: Path, tmp_path: Path, contract: DataC
         ({"unit": None}, ConfigError, r"give its unit"),
         ({"sign": 2}, ConfigError, r"sign must be 1 or -1; got 2"),
         ({"noise_std": 0.0}, ConfigError, r"noise_std must be > 0"),
+        ({"noise_std": float("nan")}, ConfigError, r"noise_std is nan; expected a number"),
         ({"clock": "headr"}, UnknownNameError, r"no clock 'headr' .*Did you mean 'header'\?"),
         ({"scael": 2}, UnknownNameError, r"no key 'scael' .*Did you mean 'scale'\?"),
         ({"topic": "/q"}, ConfigError, r"give topic and field \(MCAP\) or column \(CSV, Parquet\); got column, topic"),

@@ -78,6 +78,7 @@ def test_a_topic_entry_is_refused(csv: Path) -> None:
         ("t,q\n", "holds no rows"),
         ("t,q\n0,1\n1\n", "Cannot read"),
         ("t,q\n,1\n,2\n", "holds no time"),
+        ("t,q,q\n0,1,2\n1,1,2\n", "has 2 columns 'q'"),
     ],
 )
 def test_broken_tables(tmp_path: Path, text: str, message: str) -> None:
