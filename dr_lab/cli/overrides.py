@@ -3,10 +3,13 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from hydra.errors import ConfigCompositionException
 from omegaconf import DictConfig
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError
+
+_Made = TypeVar("_Made")
 
 
 @dataclass(frozen=True)
@@ -62,12 +65,12 @@ def respell(arguments: list[str], refused: RefusedKey) -> list[str] | None:
     return None
 
 
-def composed(typed: Sequence[str], compose: Callable[[list[str]], DictConfig]) -> tuple[list[str], DictConfig]:
+def composed(typed: Sequence[str], compose: Callable[[list[str]], _Made]) -> tuple[list[str], _Made]:
     """Compose, and respell what Hydra refuses for a name with a dot, once for each such name.
 
     Args:
         typed: overrides.
-        compose: makes a configuration of them.
+        compose: makes a configuration of them, or has Hydra run what it makes.
 
     Returns:
         The overrides as Hydra takes them, and what they make.

@@ -7,13 +7,12 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import hydra
-from hydra.errors import ConfigCompositionException
 
 from dr_lab.cli.compose import HYDRA_VERSION, prepare
 from dr_lab.cli.explain import explain
 from dr_lab.cli.flags import require_known_flags, runs_jobs
 from dr_lab.cli.hydra_node import checked_at_composition
-from dr_lab.cli.overrides import refused_key, respell
+from dr_lab.cli.overrides import composed
 from dr_lab.cli.task import Task
 from dr_lab.cli.verb_help import verb_help
 
@@ -58,22 +57,16 @@ def _hand_to_hydra(verb: str, arguments: list[str], folders: tuple[Path, ...], t
     prepare(folders)
     task = Task(verb, folders, traceback_wanted)
     main = hydra.main(version_base=HYDRA_VERSION, config_path=str(folders[-1]), config_name=verb)(task)
-    while True:
+
+    def run(spelt: list[str]) -> None:
         # What is only shown may be wrong.
-        checking = checked_at_composition() if runs_jobs(arguments) else nullcontext()
-        sys.argv = [sys.argv[0], *arguments]
-        try:
-            # Hydra then raises its errors instead of printing them and exiting: all take the same way to the user.
-            with _environment(**{TRACEBACK_VARIABLE: "1"}), checking:
-                main()
-        except ConfigCompositionException as error:
-            refused = refused_key(error)
-            respelt = None if refused is None else respell(arguments, refused)
-            if respelt is None:
-                raise
-            arguments = respelt
-        else:
-            break
+        checking = checked_at_composition() if runs_jobs(spelt) else nullcontext()
+        sys.argv = [sys.argv[0], *spelt]
+        # Hydra then raises its errors instead of printing them and exiting: all take the same way to the user.
+        with _environment(**{TRACEBACK_VARIABLE: "1"}), checking:
+            main()
+
+    composed(arguments, run)
     for failure in task.failures:
         raise failure
 
