@@ -32,6 +32,13 @@ PENDULUM_PARAMETERS = {
     "rod.mass": {"target": "body.rod.mass", "unit": "kg", "low": 0.1, "high": 1.5},
     "hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 0.5},
 }
+# Drag grows with the cube of the speed: with a tenth of its mass the rod is braked so hard that RK4 diverges when fast.
+DRAGGED = """<mujoco model="dragged">
+  <compiler angle="radian"/><option timestep="0.01" integrator="RK4"/>
+  <worldbody><body name="rod"><inertial mass="{mass}" pos="0 0 -0.2" diaginertia="{inertia} {inertia} {inertia}"/>
+    <joint name="hinge" axis="0 1 0" damping="0.02 0 0.03"/></body></worldbody>
+  <actuator><motor name="drive" joint="hinge"/></actuator>
+</mujoco>"""
 
 
 @cache
@@ -148,6 +155,21 @@ def swinging(
     command = steps_command("drive", 1.0, seconds, seed)
     motion = simulated(compiled, command, seconds, qpos=[0.8], force=force)
     reading = motion["qpos"][:, 0] + noise * np.random.default_rng(1000 + seed).normal(size=len(motion["time"]))
+    return log_of(name, {"hinge.position": (motion["time"], reading)}, command)
+
+
+def dragged(mass: float, high: float = 2.0) -> Model:
+    """A pendulum under drag with a free mass up to `high`; it is 1 kg in `slow_then_fast`."""
+    free = {"rod.mass": {"target": "body.rod.mass", "unit": "kg", "low": 0.002, "high": high}}
+    return model_of(DRAGGED.format(mass=mass, inertia=0.01 * mass), free)
+
+
+def slow_then_fast(name: str, seed: int) -> Log:
+    """A noisy log of the pendulum under drag, slow for 2 s and fast for another 2 s."""
+    steps = steps_command("drive", 4.0, 4.0, seed, period=0.2)
+    command = replace(steps, value=np.where(steps.time < 2.0, 0.0125, 1.0) * steps.value)
+    motion = simulated(dragged(1.0).nominal(), command, 4.0)
+    reading = motion["qpos"][:, 0] + NOISE * np.random.default_rng(1000 + seed).normal(size=len(motion["time"]))
     return log_of(name, {"hinge.position": (motion["time"], reading)}, command)
 
 

@@ -18,6 +18,8 @@ from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.slopes import Slopes, differences
 from dr_lab.trajectory import Array
 
+_HARDLY_DAMPED = 1.0  # λ, relative to the diagonal: steps are half as long as without it, or longer
+
 
 @dataclass(frozen=True)
 class Fit(Point):
@@ -28,12 +30,15 @@ class Fit(Point):
         first: the same at the start.
         slopes: Jacobian at the last linearisation.
         iterations: steps taken.
+        converged: whether the last step, hardly damped, lowered the cost by less than the tolerance, with every window
+            that the result can simulate; else the iterations ran out, or only short steps lower the cost, or none.
     """
 
     equations: NormalEquations
     first: NormalEquations
     slopes: Slopes
     iterations: int
+    converged: bool
 
     @property
     def order(self) -> tuple[int, float]:
@@ -62,24 +67,45 @@ class Fitter:
     ) -> Fit:
         """Fit from a start.
 
+        Windows that diverge at the start are left out. Those that the result can simulate come back, and the fit goes
+        on with them, `settings.restarts` times at most.
+
         Args:
             z: start, shape (n,).
             delta: first state corrections, shape (w, 2 nv); None starts at the prior's mean.
             known: slopes at the start for the states and the first parameters, which need no simulation then.
-            iterations: most steps; None takes the settings', 0 only linearises.
+            iterations: most steps before windows come back; None takes the settings', 0 only linearises.
         """
         if delta is None:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
-        best, settings = self._point(z, delta), self.settings
+        most = self.settings.iterations if iterations is None else iterations
+        fit, left = self._descend(self._point(z, delta), known, most), self.settings.restarts
+        while most and (start := self._with_returned(fit)):
+            if not left:
+                return replace(fit, converged=False)
+            again, left = self._descend(start, None, most), left - 1
+            fit = replace(again, first=fit.first, iterations=fit.iterations + again.iterations)
+        return fit
+
+    def _with_returned(self, fit: Fit) -> Point | None:
+        """The fit's result with windows that were left out and can be simulated there; None where there are none."""
+        if not fit.infeasible.any():
+            return None
+        start = self.begin(fit.z, fit.delta)
+        return start if (fit.infeasible & ~start.infeasible).any() else None
+
+    def _descend(self, best: Point, known: Slopes | None, most: int) -> Fit:
+        """Levenberg–Marquardt in the windows that the start can simulate."""
+        settings = self.settings
         slopes, stale = self._first_slopes(best, known), known is not None
         best, weight, linear = self._linear(best, slopes)
-        most = settings.iterations if iterations is None else iterations
-        first, damping, taken = linear, settings.damping, 0
+        first, damping, taken, converged = linear, settings.damping, 0, False
         for taken in range(1, most + 1):
             trial = self._trial(best, linear, damping, weight)
             gain = best.cost - trial.cost
             if gain >= 0:
                 done = gain <= settings.tolerance * best.cost
+                converged = done and damping <= _HARDLY_DAMPED and not best.infeasible.all()
                 stale = gain <= settings.refresh * best.cost
                 best, damping, known = trial, damping / settings.damping_down, None
                 if done or taken == most:
@@ -94,7 +120,8 @@ class Fitter:
                 continue
             best, weight, linear = self._linear(best, slopes)
         best, _, linear = self._linear(best, slopes)
-        return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, linear, first, slopes, taken)
+        ended = (linear, first, slopes, taken, converged)
+        return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
 
     def begin(self, z: Array, delta: Array) -> Point:
         """A start: in each window the given state correction, or none where that fits better.

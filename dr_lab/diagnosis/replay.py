@@ -22,6 +22,7 @@ from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
 _ROUNDING = 1e-9  # s
+_LARGEST = float(np.finfo(float).max) ** 0.25  # noise standard deviations; below, products of slopes stay finite
 
 
 class Replay:
@@ -84,8 +85,9 @@ class Replay:
             delta: corrections of the initial states in the tangent space, shape (c, w, 2 nv).
 
         Returns:
-            Residuals, shape (c, w, m), zero for samples that do not exist and in windows that diverge, where numbers
-            overflow; and which windows are infeasible, (c, w).
+            Residuals, shape (c, w, m), zero for samples that do not exist and in windows that diverge; and which
+            windows are infeasible, (c, w): those that diverge, and those whose residuals are no finite numbers or so
+            large that a cost made of them would be none.
         """
         tape, infeasible = self.simulate(z, delta)
         blocks = []
@@ -94,7 +96,10 @@ class Replay:
             difference = residual(samples.channel, simulated, samples.value) / samples.std
             exists = (samples.fitted | samples.scored) & ~infeasible[..., None]
             blocks.append(np.where(exists[..., None], difference, 0.0).reshape(*difference.shape[:2], -1))
-        return np.concatenate(blocks, axis=2), infeasible
+        residuals = np.concatenate(blocks, axis=2)
+        lost = ~(np.abs(residuals) < _LARGEST).all(axis=2)  # NaN is not below
+        residuals[lost] = 0.0
+        return residuals, infeasible | lost
 
     def reading(self, z: Array, tape: Tape, channel: Channel) -> Reading:
         """What the sensor of a channel reports of a tape under contexts z (c, n)."""

@@ -68,6 +68,7 @@ class SolverSettings:
         huber: residuals beyond this many robust standard deviations count linearly.
         prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
         start_iterations: steps spent on each further start before the best one goes on.
+        restarts: most times that a fit goes on with windows that diverged at its start and do so no more at its end.
         batch: most simulations at a time for the columns of a Jacobian, though all windows of one column; it bounds
             the memory.
 
@@ -87,12 +88,14 @@ class SolverSettings:
     huber: float
     prior_spans: float
     start_iterations: int
+    restarts: int
     batch: int
 
     def __post_init__(self) -> None:
         positive = ("damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
-        least = {"iterations": 1.0, "start_iterations": 1.0, "batch": 1.0, "tolerance": 0.0, "refresh": 0.0}
-        require_numbers(self, "solver", positive=positive, least={**least, "damping_up": 1.0, "damping_down": 1.0})
+        least = dict.fromkeys(("iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0)
+        least |= dict.fromkeys(("tolerance", "refresh", "restarts"), 0.0)
+        require_numbers(self, "solver", positive=positive, least=least)
 
 
 @dataclass(frozen=True)

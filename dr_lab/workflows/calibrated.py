@@ -37,7 +37,8 @@ def describe(study: Study, explained: Explained) -> Described:
     estimate, table = entries.parameters(study, explained)
     predicted = predicted_score(study, explained.model, explained.fit.z)
     labels = [effect.label for effect in explained.model.effects]
-    return Described(explained, estimate, entries.rung(labels, explained.held_out, predicted, table))
+    rung = entries.rung(labels, explained.held_out, predicted, table)
+    return Described(explained, estimate, {**rung, "fit": entries.fitted(explained.fit)})
 
 
 def as_given(study: Study) -> tuple[Score, dict[str, Any]]:

@@ -9,6 +9,7 @@ from dr_lab.diagnosis import trust
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
 from dr_lab.diagnosis.evidence import noise_floor
+from dr_lab.diagnosis.fit import Fit
 from dr_lab.diagnosis.localise import Region
 from dr_lab.diagnosis.rank import Bench, Candidate, Explained
 from dr_lab.diagnosis.score import Score
@@ -64,6 +65,31 @@ def rung(labels: Sequence[str], refitted: Score, predicted: Score, parameters: M
         },
         "parameters": dict(parameters),
     }
+
+
+def fitted(fit: Fit) -> dict[str, Any]:
+    """How a fit ended, and how many of its windows diverge and took no part in it."""
+    return {
+        "converged": fit.converged,
+        "iterations": fit.iterations,
+        "windows": len(fit.infeasible),
+        "infeasible_windows": int(fit.infeasible.sum()),
+    }
+
+
+def fit_notes(models: Sequence[Explained]) -> list[dict[str, Any]]:
+    """Notes on fits of a ladder's models that lack windows or did not converge."""
+    notes = []
+    for model in models:
+        effects, end = model.model.effects, fitted(model.fit)
+        name = f"The fit with {effects[-1].label}" if effects else "The calibration"
+        if end["infeasible_windows"]:
+            told = f"{name} lacks {end['infeasible_windows']} of {end['windows']} windows, whose simulation diverges."
+            notes.append({"kind": "infeasible_windows", "message": f"{told} Its parameters hold for the others alone."})
+        if not end["converged"]:
+            told = f"{name} did not converge in {end['iterations']} steps: its parameters may not be the best."
+            notes.append({"kind": "not_converged", "message": f"{told} Raise solver.iterations, or begin nearer."})
+    return notes
 
 
 def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dict[str, Any]]:

@@ -35,9 +35,10 @@ def fit(
     """
     study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
     found = describe(study, calibrate(study))
-    z, score = found.explained.fit.z, found.explained.held_out
+    z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)
     report = {
-        **entries.header("fit", study),
+        **header,
+        "notes": [*entries.fit_notes([found.explained]), *header["notes"]],
         "verdict": None,
         "as_given": as_given(study)[1],
         "ladder": [found.rung],

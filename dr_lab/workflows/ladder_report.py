@@ -42,7 +42,12 @@ def report_ladder(
     header = entries.header(verb, study)
     report = {
         **header,
-        "notes": [*header["notes"], *entries.refused(ladder.refused), *entries.dropped(ladder.dropped)],
+        "notes": [
+            *entries.fit_notes(ladder.models),
+            *header["notes"],
+            *entries.refused(ladder.refused),
+            *entries.dropped(ladder.dropped),
+        ],
         "verdict": _verdict(ladder, study.bench.evidence),
         "gap_closed": ladder.closed(study.bench.evidence),
         "reason": _reason(study, first),

@@ -4,10 +4,12 @@ from diagnosis_machines import (
     NOISE,
     PENDULUM,
     PENDULUM_PARAMETERS,
+    dragged,
     evidence_settings,
     log_of,
     model_of,
     pendulum,
+    slow_then_fast,
     solver_settings,
     swinging,
     windows_of,
@@ -160,3 +162,47 @@ def test_a_start_takes_in_each_window_the_better_of_given_and_expected_states() 
     np.testing.assert_array_equal(start.delta[::2], 0.0)
     np.testing.assert_array_equal(start.delta[1::2], fit.delta[1::2])
     np.testing.assert_allclose(start.residuals[1::2], fit.residuals[1::2], atol=1e-9)
+
+
+def from_a_light_start(start: float, **changes: float) -> tuple[int, Fit]:
+    """Fit of a log whose fast windows diverge at the start, and the number of these."""
+    model = dragged(1.0)
+    replay = Replay(model, windows_of(model, [slow_then_fast("log", 0)]), 1)
+    _, diverging = replay.residuals(np.array([[start]]), np.zeros((1, len(replay.windows), replay.nstate)))
+    return int(diverging.sum()), Fitter(replay, solver_settings(**changes)).run(np.array([start]))
+
+
+def test_windows_that_diverge_at_the_start_come_back() -> None:
+    diverging, fit = from_a_light_start(0.05)
+    assert diverging > 0
+    assert not fit.infeasible.any()
+    assert fit.converged
+    assert fit.z[0] == pytest.approx(1.0, rel=2e-3)
+    assert fit.cost == pytest.approx(fit.residuals.size, rel=0.25)
+
+
+def test_a_fit_that_could_have_windows_back_is_not_converged() -> None:
+    diverging, fit = from_a_light_start(0.05, restarts=0)
+    assert fit.infeasible.sum() == diverging
+    assert not fit.converged
+
+
+def test_windows_that_stay_out_are_counted() -> None:
+    diverging, fit = from_a_light_start(0.005)
+    assert fit.infeasible.sum() == diverging > 0
+    assert not fit.converged
+
+
+def test_residuals_that_are_no_numbers_leave_a_finite_cost() -> None:
+    model, logs = pendulum(), logs_of(pendulum(), TRUTH, 1)
+    fit = Fitter(Replay(model, windows_of(model, logs, noise=1e-200), 1), solver_settings()).run(model.space.nominal)
+    assert fit.infeasible.all()
+    assert np.isfinite(fit.cost)
+    assert not fit.converged
+
+
+def test_a_fit_without_iterations_is_not_converged() -> None:
+    model = pendulum()
+    fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1), solver_settings())
+    assert fitter.run(model.space.nominal).converged
+    assert not fitter.run(model.space.nominal, iterations=0).converged

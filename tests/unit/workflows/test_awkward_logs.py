@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from diagnosis_machines import (
     NOISE,
+    dragged,
     evidence_settings,
     localise_settings,
     log_of,
@@ -17,6 +18,7 @@ from diagnosis_machines import (
     pendulum,
     predicted_settings,
     simulated,
+    slow_then_fast,
     solver_settings,
     swinging,
     windows_settings,
@@ -84,6 +86,9 @@ def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> Non
     values = report["ladder"][0]["parameters"]
     assert values["rod.mass"]["value"] == pytest.approx(TRUTH[0], rel=0.05)
     assert set(values["rod.mass"]["per_log"]) <= {"log_0", "log_1"}
+    ended = report["ladder"][0]["fit"]
+    assert (ended["converged"], ended["infeasible_windows"]) == (True, 0)
+    assert not {"infeasible_windows", "not_converged"} & {note["kind"] for note in report["notes"]}
     assert (tmp_path / "report.json").is_file()
     assert (tmp_path / "review.rrd").is_file()
 
@@ -108,6 +113,20 @@ def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:
     assert report["ladder"][0]["held_out"]["chi2"] == pytest.approx(1.0, abs=0.1)
     assert report["ladder"][0]["parameters"]["hinge.damping"]["value"] == pytest.approx(0.08, rel=0.03)
     assert report["where"] == []
+
+
+def test_windows_that_diverge_are_counted_in_the_report_and_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = measured([slow_then_fast("log_0", 0)], [slow_then_fast("log_1", 1)])
+    report = fitted(dragged(0.005, high=0.006), data, tmp_path)
+    ended = report["ladder"][0]["fit"]
+    assert 0 < ended["infeasible_windows"] < ended["windows"]
+    assert not ended["converged"]
+    told = f"The calibration lacks {ended['infeasible_windows']} of {ended['windows']} windows"
+    for text in (capsys.readouterr().out, (tmp_path / "report.md").read_text()):
+        assert told in " ".join(text.split())
+        assert "The calibration did not converge in" in " ".join(text.split())
 
 
 def test_a_model_that_diverges_says_so_before_any_fit(tmp_path: Path) -> None:
