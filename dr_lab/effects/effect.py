@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, TypeVar
 
 import mujoco
@@ -23,12 +23,16 @@ FAMILIES = ("friction", "transmission", "actuator", "inertia", "environment", "s
 class Scales:
     """Typical magnitudes of the machine in its logs; they give an effect's bounds their size.
 
+    Of joints that no channel measures they are those of the nominal model, as it moves in the logs.
+
     Attributes:
         lowest: lowest position by joint, rad or m.
         highest: highest position by joint, rad or m.
         speed: 95th percentile of |q̇| by joint, rad/s or m/s.
         torque: RMS generalised force needed for the measured motion by joint, N·m or N.
         command: largest |command| by actuator, in the command's unit.
+        unmeasured: joints of which no channel tells the position.
+        unknown: joints of which neither a channel nor the nominal model's motion tells anything.
     """
 
     lowest: Mapping[str, float]
@@ -36,11 +40,19 @@ class Scales:
     speed: Mapping[str, float]
     torque: Mapping[str, float]
     command: Mapping[str, float]
+    unmeasured: frozenset[str] = frozenset()
+    unknown: frozenset[str] = frozenset()
 
     @property
     def position(self) -> Mapping[str, float]:
         """Range of motion by joint, rad or m."""
         return {joint: self.highest[joint] - lowest for joint, lowest in self.lowest.items()}
+
+    def assuming(self, magnitude: float) -> "Scales":
+        """The scales if every joint that nothing is known of had the same magnitude, in SI units, in all respects."""
+        assumed = dict.fromkeys(self.unknown, magnitude)
+        names = ("highest", "speed", "torque")
+        return replace(self, **{name: {**getattr(self, name), **assumed} for name in names})
 
 
 class Effect(ABC):
@@ -200,7 +212,7 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
 
     Raises:
         UnknownNameError: the effect cannot sit there; the message lists where it can.
-        ModelError: the effect declares no parameter.
+        ModelError: the effect declares no parameter, or the size of its bounds is not known.
     """
     sites = effect.sites(model)
     if site not in sites:
@@ -208,6 +220,11 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
     short = effect.parameters(model, site, scales)
     if not short:
         raise ModelError(f"Effect {effect.name!r} declares no parameter at {site!r}.")
+    if scales.unknown and short != effect.parameters(model, site, scales.assuming(1.0)):
+        raise ModelError(
+            f"The bounds of its parameters have no size: no channel measures {', '.join(sorted(scales.unknown))}, and "
+            "the nominal model rests there in the logs, or diverges. Log the joint's position or excite it."
+        )
     label = f"{effect.name}@{site}."
     full = tuple(Parameter(label + p.name, p.unit, p.nominal, p.low, p.high) for p in short)
     starts = tuple({label + k: v for k, v in start.items()} for start in effect.starts(short))

@@ -49,7 +49,7 @@ class EndStop(JointEffect):
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The places of the stops."""
         travel = scales.position.get(site, 0.0)
-        if travel <= 0:
+        if travel <= 0 or site in scales.unmeasured:
             raise ModelError("An end stop shows only at a joint that is measured and moves in the logs.")
         unit = "m" if slides(model, site) else "rad"
         top, bottom = scales.highest[site] + self.beyond * travel, scales.lowest[site] - self.beyond * travel

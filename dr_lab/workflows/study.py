@@ -8,8 +8,9 @@ import mujoco
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
 from dr_lab.diagnosis.rank import Bench
-from dr_lab.diagnosis.scales import machine_scales
+from dr_lab.diagnosis.scales import machine_scales, with_replay
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.diagnosis.states import fit_states
 from dr_lab.diagnosis.windows import Windows, cut
 from dr_lab.effects.effect import Scales
 from dr_lab.errors import ConfigError
@@ -83,9 +84,19 @@ def prepare(
         windows=windows,
         prediction=predicted,
         local=localise,
-        scales=machine_scales(compiled, measurements.fit, windows.smoother),
+        scales=_scales(model, compiled, measurements, windows.smoother, bench),
         floor=numerical_floor(model, held_out, measurements, windows, count),
     )
+
+
+def _scales(
+    model: Model, compiled: mujoco.MjModel, measurements: MeasurementSet, smoother: float, bench: Bench
+) -> Scales:
+    """Scales of the fit logs; of joints that no channel measures, those of the nominal model in these logs."""
+    found = machine_scales(compiled, measurements.fit, smoother)
+    if not found.unmeasured:
+        return found
+    return with_replay(found, *fit_states(model, model.space.nominal, bench.fit, bench.solver, bench.threads))
 
 
 def _thread_count(threads: int | None) -> int:

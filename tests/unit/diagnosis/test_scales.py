@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
-from diagnosis_machines import clock, log_of, model_of, pendulum
+from diagnosis_machines import clock, log_of, model_of, pendulum, simulated, solver_settings, windows_of
 
-from dr_lab.diagnosis.scales import machine_scales
+from dr_lab.diagnosis.scales import machine_scales, with_replay
+from dr_lab.diagnosis.states import fit_states
+from dr_lab.effects.effect import Scales
 from dr_lab.trajectory import Array, Log, Signal
 
 TIME = clock(5000)
@@ -54,3 +56,57 @@ def test_a_joint_without_a_channel_still_carries_its_weight() -> None:
     found = machine_scales(model, [log(rail_position=swing())], 0.03)
     assert found.speed["hinge"] == 0.0
     assert found.torque["hinge"] > 0.0
+
+
+TWO = """<mujoco model="two"><compiler angle="radian"/><option timestep="0.002" integrator="RK4"/><worldbody>
+  <body><joint name="seen" axis="0 1 0"/><geom size="0.1" mass="1" pos="0 0 -1"/></body>
+  <body pos="0 5 0"><joint name="hidden" axis="0 1 0"/><geom size="0.1" mass="1" pos="0 0 -1"/></body>
+</worldbody></mujoco>"""
+
+
+def coupled() -> dict[str, Array]:
+    """The cart moved by its pole, which swings out from 0.5 rad."""
+    return simulated(model_of(CARTPOLE).nominal(), None, 3.0, qpos=[0.0, 0.5])
+
+
+def with_model(xml: str, seen: Log) -> Scales:
+    """Scales of a log, and of the model in it."""
+    model = model_of(xml)
+    replay, fit = fit_states(model, model.space.nominal, windows_of(model, [seen]), solver_settings(), 1)
+    return with_replay(machine_scales(model.nominal(), [seen], 0.03), replay, fit)
+
+
+def test_a_joint_that_no_channel_measures_has_the_scales_of_the_models_motion() -> None:
+    motion = coupled()
+    channels = {f"{name}.position": (motion["time"], motion["qpos"][:, k]) for k, name in enumerate(("rail", "hinge"))}
+    both = machine_scales(model_of(CARTPOLE).nominal(), [log_of("a", channels)], 0.03)
+    found = with_model(CARTPOLE, log_of("a", {"rail.position": channels["rail.position"]}))
+    assert (found.unmeasured, found.unknown) == ({"hinge"}, set())
+    assert found.position["hinge"] == pytest.approx(both.position["hinge"], rel=0.1)
+    assert found.speed["hinge"] == pytest.approx(both.speed["hinge"], rel=0.1)
+    assert found.torque["hinge"] == pytest.approx(both.torque["hinge"], rel=0.1)
+    assert found.speed["rail"] == pytest.approx(both.speed["rail"], rel=1e-9)
+
+
+def test_where_the_velocity_alone_is_measured_the_range_is_the_models() -> None:
+    motion = coupled()
+    velocity = motion["qvel"][:, 1]
+    found = with_model(CARTPOLE, log_of("a", {"hinge.velocity": (motion["time"], velocity)}))
+    assert "hinge" in found.unmeasured
+    assert found.position["hinge"] > 0.1
+    assert found.speed["hinge"] == pytest.approx(np.percentile(np.abs(velocity), 95), rel=0.05)
+
+
+def test_of_a_joint_that_rests_unseen_nothing_is_known() -> None:
+    motion = simulated(model_of(TWO).nominal(), None, 3.0, qpos=[0.5, 0.0])
+    found = with_model(TWO, log_of("a", {"seen.position": (motion["time"], motion["qpos"][:, 0])}))
+    assert found.unknown == {"hidden"}
+
+
+def test_of_a_model_that_diverges_nothing_is_known() -> None:
+    motion = coupled()
+    stiff = CARTPOLE.replace('type="slide"', 'type="slide" damping="1e6"').replace(
+        "<world", '<option integrator="RK4"/><world'
+    )
+    found = with_model(stiff, log_of("a", {"rail.position": (motion["time"], motion["qpos"][:, 0])}))
+    assert found.unknown == {"hinge"}

@@ -1,5 +1,7 @@
 """The catalogue on machines on which some effects cannot act."""
 
+from dataclasses import replace
+
 import mujoco
 import pytest
 from effect_machines import NAMES, block, catalogue_effect, scales_of
@@ -50,6 +52,15 @@ def test_inertia_from_geometry_keeps_a_payload_out() -> None:
     xml = """<mujoco><compiler inertiafromgeom="true"/><worldbody><body name="ball">
       <joint name="hinge" axis="0 1 0"/><geom size="0.1" pos="0 0 -1"/></body></worldbody></mujoco>"""
     assert set(found(from_spec("ball", mujoco.MjSpec.from_string(xml), {})).refused) == {"payload@ball"}
+
+
+def test_no_bounds_are_made_up_where_a_joint_is_unknown() -> None:
+    known = scales_of(block())
+    blind = candidates(block(), EFFECTS, replace(known, unknown=frozenset({"rail"})), block().nominal())
+    assert {"viscous_friction@rail", "coulomb_friction@rail", "spring@rail"} <= set(blind.refused)
+    assert all("no channel measures rail" in reason for reason in blind.refused.values())
+    assert {"armature@rail", "actuator_delay@drive", "payload@block"} <= {one.label for one in blind.placed}
+    assert labels(block()) == {one.label for one in blind.placed} | set(blind.refused)
 
 
 def test_effects_go_by_their_own_names() -> None:

@@ -1,5 +1,7 @@
 """A block that turns back at a stop."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from effect_machines import block, motion, placed, scales_of, with_effect
@@ -27,3 +29,5 @@ def test_stops_begin_outside_the_travel_and_start_inside() -> None:
 def test_a_joint_that_rests_shows_no_stop() -> None:
     with pytest.raises(ModelError, match="measured and moves"):
         placed(block(), "end_stop", "rail", Scales({}, {}, {}, {}, {}))
+    with pytest.raises(ModelError, match="measured and moves"):
+        placed(block(), "end_stop", "rail", replace(scales_of(block()), unmeasured=frozenset({"rail"})))
