@@ -118,7 +118,7 @@ def climb(
         found = candidates(last.model, effects, scales, compiled)
         placed = [effect for effect in found.placed if effect.label not in ladder.dropped]
         ranking = rank(bench, last, placed, watch(len(placed)))
-        rung = Rung(last, ranking, decide(last, ranking, bench.evidence))
+        rung = Rung(last, ranking, decide(last, ranking, bench.evidence, bench.scored))
         ladder = replace(ladder, rungs=(*ladder.rungs, rung), refused={**found.refused, **ladder.refused})
         if not rung.verdict.effects or len(ladder.steps) >= most:
             return ladder

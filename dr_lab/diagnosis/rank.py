@@ -70,7 +70,7 @@ class Bench:
 
     Attributes:
         fit: windows that parameters are fitted on.
-        held_out: windows that only score.
+        held_out: windows that only score; `fit` itself where no log is held out.
         solver: settings of the fits.
         evidence: settings of the comparison.
         threads: threads in all.
@@ -81,6 +81,11 @@ class Bench:
     solver: SolverSettings
     evidence: EvidenceSettings
     threads: int
+
+    @property
+    def scored(self) -> str:
+        """The logs that score, in words."""
+        return "fit logs" if self.held_out is self.fit else "held-out logs"
 
 
 def explain(bench: Bench, model: Model, start: Array, delta: Array | None = None) -> Explained:

@@ -31,11 +31,19 @@ class Verdict:
     reason: str
 
 
-def decide(base: Explained, ranking: Sequence[Candidate], settings: EvidenceSettings) -> Verdict:
+def decide(
+    base: Explained, ranking: Sequence[Candidate], settings: EvidenceSettings, scored: str = "held-out logs"
+) -> Verdict:
     """Judge a ranking, most evidence first.
 
     Among supported candidates that the best one does not beat beyond its interval, those with the fewest parameters
     stand: a richer effect that explains nothing more is not a rival.
+
+    Args:
+        base: the model without them.
+        ranking: the candidates.
+        settings: when a gain counts.
+        scored: the logs that the scores are from, in words.
     """
     backed = [c for c in ranking if _backed(c, settings)]
     group = _inseparable(backed, settings)
@@ -43,7 +51,7 @@ def decide(base: Explained, ranking: Sequence[Candidate], settings: EvidenceSett
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}
     labels = tuple(c.effect.label for c in group)
     kind = _kind(base, group, status, settings)
-    return Verdict(kind, labels, status, absorbed, _reason(kind, base, group, status, settings))
+    return Verdict(kind, labels, status, absorbed, _reason(kind, base, group, status, settings, scored))
 
 
 def _backed(candidate: Candidate, settings: EvidenceSettings) -> bool:
@@ -61,21 +69,36 @@ def _kind(base: Explained, group: Sequence[Candidate], status: Mapping[str, str]
 
 
 def _reason(
-    kind: str, base: Explained, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings
+    kind: str,
+    base: Explained,
+    group: Sequence[Candidate],
+    status: Mapping[str, str],
+    settings: EvidenceSettings,
+    scored: str,
 ) -> str:
     """The verdict in words, with the figures that it rests on."""
-    chi2 = base.held_out.chi2
     labels = ", ".join(c.effect.label for c in group)
     if kind == "named":
-        after = group[0].explained.held_out.chi2
-        return f"{labels} lowers the held-out χ² from {chi2:.3f} to {after:.3f}, beyond every other candidate."
+        return f"{labels} {_worth(base, group[0], settings)} on the {scored}, beyond every other candidate."
     if kind == "equivalent":
-        return f"{labels} explain the held-out logs equally well; these data cannot separate them."
+        return f"{labels} explain the {scored} equally well; these data cannot separate them."
     floor = noise_floor(base.held_out.freedom, settings)
     place = f"above the noise floor ({floor:.3g})" if kind == "unexplained" else "at the noise floor"
-    told = f"The model is {place}, held-out χ² {chi2:.3f}, and no effect of the catalogue lowers it credibly."
+    mean = f"mean χ² {base.held_out.chi2:.3f} on the {scored}"
+    told = f"The model is {place}, {mean}, and no effect of the catalogue lowers it credibly."
     silent = ", ".join(label for label, each in status.items() if each == "not_excited")
     return f"{told} Over the whole width of their bounds these would not show: {silent}." if silent else told
+
+
+def _worth(base: Explained, candidate: Candidate, settings: EvidenceSettings) -> str:
+    """What decides for a candidate, and beside it the mean χ², on which a single wild window weighs more."""
+    gain, means = candidate.gain, (base.held_out.chi2, candidate.explained.held_out.chi2)
+    needed = settings.threshold + settings.penalty * len(candidate.effect.parameters)
+    interval = f"{100 * settings.confidence:g} % interval from {gain.total_low:.4g}, {needed:g} needed"
+    return (
+        f"closes {100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {gain.total:.4g} ({interval}), "
+        f"mean χ² {means[0]:.3f} before and {means[1]:.3f} after,"
+    )
 
 
 def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> list[Candidate]:

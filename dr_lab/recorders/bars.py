@@ -45,7 +45,7 @@ def ladder_canvas(ladder: Sequence[Step]) -> Canvas:
 
 
 def log_ranking(root: Branch, ranking: Sequence[Mapping[str, Any]], look: Look) -> None:
-    """Draw the best candidates: the share of the held-out χ² that each removes, with its interval."""
+    """Draw the best candidates: the share of χ² that each removes, with its interval."""
     colours = {"named": "after", "equivalent": "before"}
     rows = [
         _Row(
@@ -57,12 +57,12 @@ def log_ranking(root: Branch, ranking: Sequence[Mapping[str, Any]], look: Look) 
         for row in ranking[:_MOST]
     ]
     low = min([0.0, *(row.interval[0] for row in rows if row.interval)])
-    axis = linear_axis("share of the held-out χ² that the effect removes [%]", max(low, _WORST), 100.0)
+    axis = linear_axis("share of χ² that the effect removes [%]", max(low, _WORST), 100.0)
     _log_rows(root, ranking_canvas(ranking), rows, axis, 0.0, look)
 
 
 def log_ladder(root: Branch, ladder: Sequence[Step], pair: Sequence[Step], look: Look) -> None:
-    """Draw the models from first to last: held-out χ² on a logarithmic axis that starts at the noise floor, 1.
+    """Draw the models from first to last: χ² on a logarithmic axis that starts at the noise floor, 1.
 
     Args:
         root: where to.
@@ -73,7 +73,7 @@ def log_ladder(root: Branch, ladder: Sequence[Step], pair: Sequence[Step], look:
     colours = {step.name: role for step, role in zip(pair, SIMULATED, strict=False)}
     chi2 = [step.held_out["chi2"] for step in ladder]
     known = [value for value in chi2 if value]
-    axis = decade_axis("held-out χ² (1 = noise floor)", min([1.0, *known]), max([10.0, *known]) * 1.2)
+    axis = decade_axis("χ² (1 = noise floor)", min([1.0, *known]), max([10.0, *known]) * 1.2)
     rows = [
         _Row(
             f"{step.name} · χ² {number(value)}",

@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 from dr_lab.recorders.bars import ladder_canvas, ranking_canvas
 from dr_lab.recorders.branch import TIMELINE, entity_path
 from dr_lab.recorders.eye import eye_controls
-from dr_lab.recorders.ladder import steps
+from dr_lab.recorders.ladder import scored, steps
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE, MEASURED, SIMULATED, Overlay
 from dr_lab.recorders.scatter import CANVAS
@@ -20,7 +20,7 @@ from dr_lab.trajectory import Array
 # Rows of plots that can be read on one sheet.
 _ROWS = 4
 _LINKED = rrb.TimeAxis(link="LinkToGlobal")
-_RANKING = "Ranking (blue: named, orange: equivalent, grey: neither; white line: interval)"
+_RANKING = "Ranking on {} (blue: named, orange: equivalent, grey: neither; white line: interval)"
 
 
 def review_blueprint(
@@ -179,10 +179,12 @@ def _scatters(overlay: Overlay) -> rrb.Container:
 
 
 def _ladder(report: Mapping[str, Any]) -> rrb.Spatial2DView:
-    return ladder_canvas(steps(report)).view(["diagnosis", "ladder"], "Ladder: held-out error of each model")
+    return ladder_canvas(steps(report)).view(
+        ["diagnosis", "ladder"], f"Ladder: error of each model on {scored(report)}"
+    )
 
 
 def _ranking(report: Mapping[str, Any]) -> rrb.Container:
-    chart = ranking_canvas(report["ranking"]).view(["diagnosis", "ranking"], _RANKING)
+    chart = ranking_canvas(report["ranking"]).view(["diagnosis", "ranking"], _RANKING.format(scored(report)))
     table = rrb.TextDocumentView(origin="diagnosis/ranking_table", name="Candidates")
     return rrb.Horizontal(chart, table, column_shares=[5, 6], name="Ranking")

@@ -12,7 +12,7 @@ class Step:
     Attributes:
         name: what it is, or what it has beyond the model before it, e.g. ``+ coulomb_friction@arm``.
         effects: labels of all its effects.
-        held_out: its errors on held-out logs, as in `gap.schema.json`.
+        held_out: its errors on held-out logs, or on those that `scored` says, as in `gap.schema.json`.
         parameters: its parameters, likewise.
     """
 
@@ -33,6 +33,11 @@ def steps(report: Mapping[str, Any]) -> list[Step]:
         plain = "calibrated" if made else "model as given"
         made.append(Step(" ".join(new) or plain, effects, rung["held_out"], rung["parameters"]))
     return made
+
+
+def scored(report: Mapping[str, Any]) -> str:
+    """Which logs the errors of a report are from: ``held-out logs``, or ``fit logs`` where none is held out."""
+    return "held-out logs" if report.get("logs", {}).get("held_out", True) else "fit logs"
 
 
 def before_after(report: Mapping[str, Any]) -> list[Step]:

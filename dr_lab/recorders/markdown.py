@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dr_lab.recorders.ladder import candidate_name
+from dr_lab.recorders.ladder import candidate_name, scored
 from dr_lab.recorders.quantity import number, percent
 from dr_lab.recorders.tables import (
     channel_table,
@@ -34,7 +34,7 @@ def report_markdown(report: Mapping[str, Any]) -> str:
         verdict_markdown(report),
         _section("Ladder of models", ladder_table(report)),
         _section("Reasons", _reasons(report)),
-        _section("Error by channel, on held-out logs", channel_table(report)),
+        _section(f"Error by channel, on {scored(report)}", channel_table(report)),
         _section("Candidates", ranking_table(report.get("ranking", []))),
         _section("Parameters", parameter_table(parameters)),
         _trades(report, parameters),

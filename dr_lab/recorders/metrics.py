@@ -1,4 +1,4 @@
-"""`metrics.csv`: the error of every model on held-out logs, for spreadsheets and data frames."""
+"""`metrics.csv`: the error of every model on the scored logs, for spreadsheets and data frames."""
 
 import csv
 import io

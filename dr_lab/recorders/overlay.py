@@ -1,4 +1,4 @@
-"""What a recording shows of one held-out log: measured and simulated, side by side."""
+"""What a recording shows of one scored log: measured and simulated, side by side."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ SIMULATED = (BEFORE, AFTER)
 
 @dataclass(frozen=True)
 class Overlay:
-    """One held-out log, or a stretch of it, measured and simulated.
+    """One scored log, or a stretch of it, measured and simulated.
 
     Roles are ``measured``, ``before`` (the model as given or calibrated) and ``after`` (with the effects); a role
     that a run has not is left out.

@@ -43,7 +43,7 @@ def write_review(
         path: the file, by custom ``review.rrd``.
         report: as in `gap.schema.json`.
         report_md: the page made from it.
-        overlays: held-out logs; the first is shown on opening, the others have tabs.
+        overlays: the scored logs; the first is shown on opening, the others have tabs.
         geometry: the model whose bodies the poses belong to.
         look: colours, rates and the eye.
 

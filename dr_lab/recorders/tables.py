@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dr_lab.recorders.ladder import before_after, candidate_name, status, steps
+from dr_lab.recorders.ladder import before_after, candidate_name, scored, status, steps
 from dr_lab.recorders.quantity import ABSENT, number, percent, uncertain
 
 # Tables that hold one column a channel stay readable up to here; machines with more get the table by channel alone.
@@ -47,7 +47,12 @@ def error_table(report: Mapping[str, Any]) -> str:
         for channel, row in report["noise"].items()
     ]
     return table(
-        [f"held-out {_error_name(report)}", *(["before", "after"] if len(pair) == 2 else ["model"]), "noise"], rows
+        [
+            f"{_error_name(report)} on {scored(report)}",
+            *(["before", "after"] if len(pair) == 2 else ["model"]),
+            "noise",
+        ],
+        rows,
     )
 
 
@@ -67,7 +72,7 @@ def channel_table(report: Mapping[str, Any]) -> str:
 
 
 def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
-    """Candidates, best first: status, held-out χ², gain with its interval and the effect's own parameters."""
+    """Candidates, best first: status, χ², gain with its interval and the effect's own parameters."""
     rows = [
         [
             str(place),

@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import Any
 
-from dr_lab.recorders.ladder import candidate_name, steps
+from dr_lab.recorders.ladder import candidate_name, scored, steps
 from dr_lab.recorders.quantity import number, percent
 
 
 def verdict_markdown(report: Mapping[str, Any]) -> str:
-    """What was found, how far the held-out error fell, and what remains."""
+    """What was found, how far the error fell, and what remains."""
     return " ".join(part for part in (f"{_found(report)} {_fall(report)}", _remaining(report)) if part)
 
 
@@ -47,14 +47,14 @@ def _equivalent(report: Mapping[str, Any]) -> str:
 
 
 def _fall(report: Mapping[str, Any]) -> str:
-    """Held-out χ² of each model, and of the named candidate where it was not added yet."""
+    """χ² of each model on the scored logs, and of the named candidate where it was not added yet."""
     errors = [f"{number(step.held_out['chi2'])} ({step.name})" for step in steps(report)]
     if not report["ladder"][-1]["effects"]:
         named = [row for row in report.get("ranking", []) if row["status"] == "named"]
         errors += [f"{number(row['held_out_chi2'])} (+ {candidate_name(row)})" for row in named]
     # Longer ladders have their own table; the sentence keeps the ends and the calibrated model, which effects improve.
     told = errors if len(errors) <= 3 else [*errors[:2], "…", errors[-1]]
-    return f"Held-out χ²: {' → '.join(told)}; 1 is the noise floor."
+    return f"χ² on {scored(report)}: {' → '.join(told)}; 1 is the noise floor."
 
 
 def _remaining(report: Mapping[str, Any]) -> str:

@@ -60,7 +60,7 @@ def add(
 def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[str], None]) -> Ladder:
     base = ladder.models[-1]
     ranking = rank(study.bench, base, [effect], done)
-    rung = Rung(base, ranking, decide(base, ranking, study.bench.evidence))
+    rung = Rung(base, ranking, decide(base, ranking, study.bench.evidence, study.bench.scored))
     return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, Step(ranking[0].explained, ())))
 
 

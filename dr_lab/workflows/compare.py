@@ -28,7 +28,9 @@ def compare(
     threads: int | None,
     run_dir: Path,
 ) -> dict[str, Any]:
-    """Compare the model as given with its held-out logs; nothing is fitted but the windows' start states.
+    """Compare the model as given with its held-out logs, or the fit logs where none is held out.
+
+    Nothing is fitted but the windows' start states.
 
     Returns:
         The report (schema dr_lab/gap/1) whose ladder holds the one model.

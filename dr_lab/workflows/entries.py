@@ -108,7 +108,7 @@ def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dic
 
 
 def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[dict[str, Any]]:
-    """Candidates in the verdict's order; `gain` is the share of the held-out χ² that an effect removes."""
+    """Candidates in the verdict's order; `gain` is the share of the χ² on the scored logs that an effect removes."""
     rows = []
     order = {label: place for place, label in enumerate(verdict.effects)}
     for candidate in sorted(found, key=lambda c: order.get(c.effect.label, len(order))):
@@ -247,7 +247,7 @@ def _step_note(study: Study) -> list[dict[str, Any]]:
 def _split_note(measured: MeasurementSet) -> list[dict[str, Any]]:
     if measured.held_out:
         return []
-    message = "No log is held out: the scores below are on the logs that the parameters were fitted on."
+    message = "No log is held out: all scores are on the fit logs, which flatter what is fitted to them."
     return [{"kind": "no_held_out", "message": message}]
 
 

@@ -20,7 +20,7 @@ def predicted_score(study: Study, model: Model, z: Array) -> Score:
 
 
 def failure(study: Study, model: Model, z: Array) -> dict[str, Any]:
-    """Report entries on where the model fails on the held-out logs."""
+    """Report entries on where the model fails on the held-out logs, or the fit logs where none is held out."""
     bench, prediction, settings = study.bench, study.prediction, study.local
     replay, fit = fit_states(model, z, study.predicted, bench.solver, bench.threads)
     error = horizon_error(replay, fit, prediction.run_in, prediction.margin, settings.horizons)

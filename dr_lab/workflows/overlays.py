@@ -1,4 +1,4 @@
-"""What the recordings show: held-out logs, measured and simulated before and after."""
+"""What the recordings show: the scored logs, measured and simulated before and after."""
 
 from collections.abc import Mapping
 from dataclasses import replace

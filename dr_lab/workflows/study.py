@@ -67,10 +67,11 @@ def prepare(
         )
     compiled = model.nominal()
     count = _thread_count(threads)
-    held_out = measurements.held_out or measurements.fit
+    scored = measurements.held_out or measurements.fit
+    fit = cut(measurements.fit, measurements, compiled, windows)
     bench = Bench(
-        fit=cut(measurements.fit, measurements, compiled, windows),
-        held_out=cut(held_out, measurements, compiled, windows),
+        fit=fit,
+        held_out=cut(scored, measurements, compiled, windows) if measurements.held_out else fit,
         solver=solver,
         evidence=evidence,
         threads=count,
@@ -80,12 +81,12 @@ def prepare(
         compiled=compiled,
         measurements=measurements,
         bench=bench,
-        predicted=cut(held_out, measurements, compiled, predicted),
+        predicted=cut(scored, measurements, compiled, predicted),
         windows=windows,
         prediction=predicted,
         local=localise,
         scales=_scales(model, compiled, measurements, windows.smoother, bench),
-        floor=numerical_floor(model, held_out, measurements, windows, count),
+        floor=numerical_floor(model, scored, measurements, windows, count),
     )
 
 

@@ -1,4 +1,4 @@
-"""`simulated.mcap`: the held-out logs beside what the models make of them, for any MCAP tool."""
+"""`simulated.mcap`: the scored logs beside what the models make of them, for any MCAP tool."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

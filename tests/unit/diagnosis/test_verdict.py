@@ -1,4 +1,4 @@
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
@@ -27,6 +27,14 @@ def score(level: float, seed: int = 0) -> Score:
     return Score(
         float(sums.sum() / COUNT / WINDOWS), {}, {}, {}, sums, np.full(WINDOWS, COUNT), np.arange(WINDOWS) // 10, 0
     )
+
+
+def wild(level: float) -> Score:
+    """The same, but for one window far off."""
+    whole = score(level)
+    sums = whole.window_sum.copy()
+    sums[7] = 700.0 * COUNT
+    return replace(whole, chi2=float(sums.sum() / COUNT / WINDOWS), window_sum=sums)
 
 
 @dataclass(frozen=True)
@@ -65,6 +73,28 @@ def test_the_one_effect_that_closes_the_gap_is_named() -> None:
         "viscous_friction@rail": "rejected",
     }
     assert "20" in verdict.reason
+
+
+def test_the_reason_prints_what_decides_and_where_it_is_from() -> None:
+    base = model(20.0)
+    found = candidate(base, "coulomb_friction", wild(1.0), CLEAR)
+    reason = decide(base, [found], SETTINGS, "fit logs").reason
+    assert found.explained.held_out.chi2 > base.held_out.chi2  # one wild window, which the mean alone follows
+    assert f"closes {100 * found.gain.gap:.3g} % of a typical window's gap" in reason
+    assert f"evidence Δχ² {found.gain.total:.4g} (99 % interval from {found.gain.total_low:.4g}, 27 needed)" in reason
+    assert f"mean χ² {base.held_out.chi2:.3f} before and {found.explained.held_out.chi2:.3f} after" in reason
+    assert "on the fit logs" in reason
+    assert "lowers" not in reason
+
+
+@pytest.mark.parametrize(("level", "rivals"), [(20.0, 1), (20.0, 2), (20.0, 0), (1.0, 0)])
+def test_no_reason_speaks_of_held_out_logs_where_there_are_none(level: float, rivals: int) -> None:
+    base = model(level)
+    ranking = [candidate(base, name, 1.0, CLEAR) for name in ("coulomb_friction", "constant_offset")[:rivals]]
+    for scored in ("fit logs", "held-out logs"):
+        reason = decide(base, ranking, SETTINGS, scored).reason
+        assert scored in reason
+        assert ("held-out" in reason) == (scored == "held-out logs")
 
 
 def test_what_explains_but_little_of_a_gap_is_not_named() -> None:

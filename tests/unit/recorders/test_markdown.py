@@ -15,7 +15,10 @@ def _cells(text: str, first: str) -> list[str]:
 
 def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None:
     text = report_markdown(close_report)
-    assert "**The missing effect is named:** `coulomb_friction@arm`. Held-out χ²: 355 (model as given) → 213.4" in text
+    assert (
+        "**The missing effect is named:** `coulomb_friction@arm`. χ² on held-out logs: 355 (model as given) → 213.4"
+        in text
+    )
     assert "213.4 (calibrated) → 1.003 (+ coulomb_friction@arm); 1 is the noise floor." in text
     assert "What remains is noise." in text
     assert _cells(text, "model as given") == ["model as given", "355", "0.0712", "0.0501"]
@@ -83,8 +86,17 @@ def test_unexplained_rest_is_told_apart_from_the_verdict(close_report: dict[str,
 def test_calibration_alone_is_set_beside_the_model_as_given(close_report: dict[str, Any]) -> None:
     fit = close_report | {"verb": "fit", "verdict": None, "ladder": close_report["ladder"][:1], "ranking": []}
     text = report_markdown(fit)
-    assert "**Calibrated on the logs.** Held-out χ²: 355 (model as given) → 213.4 (calibrated)" in text
+    assert "**Calibrated on the logs.** χ² on held-out logs: 355 (model as given) → 213.4 (calibrated)" in text
     assert _cells(text, "`arm.position`")[3:7] == ["0.0611", "0.0412", "0.0712", "0.0512"]
+
+
+def test_errors_on_fit_logs_are_not_called_held_out(close_report: dict[str, Any]) -> None:
+    close_report["rungs"] = []
+    assert "held-out" in report_markdown(close_report | {"logs": {"fit": ["a"], "held_out": ["b"]}})
+    text = report_markdown(close_report | {"logs": {"fit": ["a", "b"], "held_out": []}})
+    assert "χ² on fit logs: 355 (model as given)" in text
+    assert "## Error by channel, on fit logs" in text
+    assert "held-out" not in text.lower()
 
 
 def test_long_ladders_are_told_by_their_ends(close_report: dict[str, Any]) -> None:

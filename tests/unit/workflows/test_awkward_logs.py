@@ -1,5 +1,6 @@
 """Logs that are short, slow, blind or silent still give a report."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +24,7 @@ from diagnosis_machines import (
     swinging,
     windows_settings,
 )
+from effect_machines import catalogue_effect
 from hydra.utils import instantiate
 from recorder_samples import read_recording
 
@@ -30,7 +32,9 @@ from dr_lab.cli.compose import compose
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log, MeasurementSet
+from dr_lab.workflows.add import add
 from dr_lab.workflows.fit import fit
+from dr_lab.workflows.study import prepare
 
 TRUTH = np.array([0.6, 0.08])
 BLIND = """<mujoco model="blind"><compiler angle="radian"/><option timestep="0.002" integrator="RK4"/>
@@ -42,19 +46,26 @@ BLIND = """<mujoco model="blind"><compiler angle="radian"/><option timestep="0.0
 DAMPING = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 0.5}}
 
 
+def settings(*look: str) -> dict[str, Any]:
+    return {
+        **study_settings(),
+        "recorder": instantiate(compose("fit", list(look)).recorder),
+    }
+
+
+def study_settings() -> dict[str, Any]:
+    return {
+        "windows": windows_settings(max_windows=4),
+        "predicted": predicted_settings(max_windows=4),
+        "solver": solver_settings(),
+        "evidence": evidence_settings(),
+        "localise": localise_settings(),
+        "threads": 1,
+    }
+
+
 def fitted(model: Model, data: MeasurementSet, folder: Path, *look: str) -> dict[str, Any]:
-    return fit(
-        model,
-        data,
-        windows_settings(max_windows=4),
-        predicted_settings(max_windows=4),
-        solver_settings(),
-        evidence_settings(),
-        localise_settings(),
-        instantiate(compose("fit", list(look)).recorder),
-        1,
-        folder,
-    )
+    return fit(model, data, **settings(*look), run_dir=folder)
 
 
 def logs(seconds: float = 3.0) -> list[Log]:
@@ -93,6 +104,24 @@ def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> Non
     assert (tmp_path / "review.rrd").is_file()
 
 
+def test_nothing_is_called_held_out_where_nothing_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    report = add(
+        pendulum(),
+        measured([slow(log) for log in logs(1.5)]),
+        {"viscous_friction": catalogue_effect("viscous_friction")},
+        {"joint": "hinge"},
+        **settings(),
+        run_dir=tmp_path,
+    )
+    assert "on the fit logs" in report["reason"]
+    (said,) = [note["message"] for note in report["notes"] if note["kind"] == "no_held_out"]
+    shown = str(read_recording(tmp_path / "review.rrd"))
+    for text in (capsys.readouterr().out, (tmp_path / "report.md").read_text(), shown):
+        told = " ".join(text.split())
+        assert "χ² on fit logs" in told
+        assert not re.search("held.out", told.replace(said, ""))
+
+
 def test_of_a_long_log_the_beginning_is_shown_and_the_note_says_so(tmp_path: Path) -> None:
     report = fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path, "recorder.longest=1.0")
     (note,) = [note for note in report["notes"] if note["kind"] == "shown"]
@@ -109,7 +138,11 @@ def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:
         read = motion["sensordata"] + NOISE * np.random.default_rng(k).normal(size=(1000, 7))
         channels = {"sensor.gyro": (motion["time"], read[:, :3]), "sensor.pose": (motion["time"], read[:, 3:])}
         found.append(log_of(f"log_{k}", channels))
-    report = fitted(model, measured(found[:1], found[1:]), tmp_path)
+    data = measured(found[:1], found[1:])
+    scales = prepare(model, data, **study_settings()).scales
+    assert (scales.unmeasured, scales.unknown) == ({"hinge"}, set())
+    assert 1.0 < scales.speed["hinge"] < 4.0  # rad/s, of swings from 0.6 rad
+    report = fitted(model, data, tmp_path)
     assert report["ladder"][0]["held_out"]["chi2"] == pytest.approx(1.0, abs=0.1)
     assert report["ladder"][0]["parameters"]["hinge.damping"]["value"] == pytest.approx(0.08, rel=0.03)
     assert report["where"] == []
