@@ -93,7 +93,9 @@ class SolverSettings:
 
     def __post_init__(self) -> None:
         positive = ("damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
-        least = dict.fromkeys(("iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0)
+        least: dict[str, float] = dict.fromkeys(
+            ("iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0
+        )
         least |= dict.fromkeys(("tolerance", "refresh", "restarts"), 0.0)
         require_numbers(self, "solver", positive=positive, least=least)
 
