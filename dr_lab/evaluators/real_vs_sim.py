@@ -1,6 +1,6 @@
 """What a policy is worth on a machine that its model does not know everything of."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -131,18 +131,7 @@ class RealVsSimEvaluator(Evaluator):
 
     def _on_plant(self, subject: Subject, twin: Episode, name: str) -> Episode:
         """The episode on the plant that begins as its twin in the model."""
-        setting, plant = subject.setting, self.plant
-        task, space = setting.task, setting.space
-        low, high = task.action_bounds(twin.geometry)
-        told = space.to_unit(space.nominal)[None] if setting.show_context else np.empty((1, 0))
-
-        def controller(instant: int, position: Vector, velocity: Vector) -> Vector:
-            del instant
-            seen = np.concatenate([task.observe(_fields(np.array([position]), np.array([velocity]))), told], axis=1)
-            with torch.no_grad():
-                action = subject.policy(torch.from_numpy(seen.astype(np.float32)))
-            return np.clip(action.double().numpy()[0], low, high).tolist()
-
+        task, plant = subject.setting.task, self.plant
         seconds = task.frame_skip * float(twin.geometry.opt.timestep)
         time = np.arange(task.time_limit + 1, dtype=np.float64) * seconds
         experiment = Experiment(
@@ -155,7 +144,7 @@ class RealVsSimEvaluator(Evaluator):
             start=(*twin.qpos[0].tolist(), *twin.qvel[0].tolist()),
             accuracy=plant.accuracy,
         )
-        states, actions = track(experiment, controller)
+        states, actions = track(experiment, _controller(subject, twin))
         joints, degrees = len(plant.joints), states.shape[1] // 2
         qpos, qvel = states[:, :joints], states[:, degrees : degrees + joints]
         reward = rewards(task, qpos, qvel, actions, seconds)
@@ -171,6 +160,22 @@ class RealVsSimEvaluator(Evaluator):
             reward=reward,
             ended="terminated" if task.terminated(_fields(qpos[[last]], qvel[[last]])).any() else "truncated",
         )
+
+
+def _controller(subject: Subject, twin: Episode) -> Callable[[int, Vector, Vector], Vector]:
+    """What the policy does in a state of the plant."""
+    setting, task, space = subject.setting, subject.setting.task, subject.setting.space
+    low, high = task.action_bounds(twin.geometry)
+    told = space.to_unit(space.nominal)[None] if setting.show_context else np.empty((1, 0))
+
+    def controller(instant: int, position: Vector, velocity: Vector) -> Vector:
+        del instant
+        seen = np.concatenate([task.observe(_fields(np.array([position]), np.array([velocity]))), told], axis=1)
+        with torch.no_grad():
+            action = subject.policy(torch.from_numpy(seen.astype(np.float32)))
+        return np.clip(action.double().numpy()[0], low, high).tolist()
+
+    return controller
 
 
 def rewards(task: Task, qpos: Array, qvel: Array, actions: Array, seconds: float) -> Array:

@@ -52,24 +52,28 @@ def summarize(
         UnknownNameError: no run has a key over which they are to be taken together.
     """
     folder = Path(sweep).expanduser()
-    name = folder.resolve().name or str(folder)
     runs, unfinished = find_runs(folder)
     require_known(runs, aggregate)
     groups = grouped(runs, aggregate, ignored)
     repeated, divided = repeated_runs(runs, ignored), divided_runs(groups, [*ignored, *aggregate])
     notes = [*repeated, *divided, *missing_figures(runs, figures)]
     cells = [summed_up(group, figures, statistics) for group in groups]
+    name = folder.resolve().name or str(folder)
     page = summary_page(name, groups, cells, [*_unfinished(unfinished), *notes], statistics)
     report = _report(folder, groups, cells) | {"unfinished": unfinished, "notes": notes, "run": str(run_dir)}
     write_text(run_dir / "runs.csv", runs_csv(runs, figures))
     write_text(run_dir / "groups.csv", groups_csv(groups, cells))
     write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
     write_text(run_dir / "report.md", page)
-    labels, pages = [group.label for group in groups], {"Summary": page, "Runs": runs_page(runs, figures)}
-    record = SweepRecord(name, labels, bands(groups, statistics), marginals(groups), grids(groups), pages)
-    write_sweep_review(run_dir / "review.rrd", record, recorder)
+    pages = {"Summary": page, "Runs": runs_page(runs, figures)}
+    write_sweep_review(run_dir / "review.rrd", _record(name, groups, statistics, pages), recorder)
     Console().print(Markdown(page))
     return report
+
+
+def _record(name: str, groups: Sequence[Group], statistics: Statistics, pages: Mapping[str, str]) -> SweepRecord:
+    labels = [group.label for group in groups]
+    return SweepRecord(name, labels, bands(groups, statistics), marginals(groups), grids(groups), pages)
 
 
 def _unfinished(names: Sequence[str]) -> list[str]:

@@ -70,13 +70,7 @@ class DDPG(Algorithm):
         require_numbers(self, "algorithm", positive=positive, least=least, most={"gamma": 1.0, "tau": 1.0})
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.critic = critic(interface.observation + len(interface.low), derived_seed(seed, "critic"))
-        self.loss = DDPGLoss(
-            TensorDictModule(nn.Sequential(self.actor.body, nn.Tanh()), ["observation"], ["action"]),
-            ValueOperator(_Joined(self.critic.body), ["observation", "action"]),
-            loss_function="l2",
-            delay_actor=True,
-            delay_value=True,
-        )
+        self.loss = _loss(self.actor, self.critic)
         self.loss.make_value_estimator(gamma=gamma)
         self.targets = SoftUpdate(self.loss, tau=tau)
         self.actor_adam = torch.optim.Adam(self.actor.body.parameters(), lr=actor_rate)
@@ -175,6 +169,17 @@ class DDPG(Algorithm):
         if held["_len"]:
             self.buffer.extend(TensorDict().load_state_dict(held["_storage"], strict=False)[: held["_len"]])
         self.buffer.writer.load_state_dict(state["_writer"])
+
+
+def _loss(actor: DeterministicActor, critic: Critic) -> DDPGLoss:
+    """TorchRL's loss of both networks, on actions in units of their bounds."""
+    return DDPGLoss(
+        TensorDictModule(nn.Sequential(actor.body, nn.Tanh()), ["observation"], ["action"]),
+        ValueOperator(_Joined(critic.body), ["observation", "action"]),
+        loss_function="l2",
+        delay_actor=True,
+        delay_value=True,
+    )
 
 
 class _Joined(nn.Module):
