@@ -13,7 +13,15 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.workflows.sweep_summary.doubts import divided_runs, missing_figures, repeated_runs, require_known
-from dr_lab.workflows.sweep_summary.groups import Cells, Estimate, Group, Statistics, grouped, summed_up
+from dr_lab.workflows.sweep_summary.groups import (
+    Cells,
+    Estimate,
+    Group,
+    Statistics,
+    grouped,
+    shared_figures,
+    summed_up,
+)
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
 from dr_lab.workflows.sweep_summary.runs import SUMMARY_SCHEMA, find_runs
 from dr_lab.workflows.sweep_summary.tables import groups_csv, runs_csv, runs_page, summary_page
@@ -59,7 +67,9 @@ def summarize(
     notes = [*repeated, *divided, *missing_figures(runs, figures)]
     cells = [summed_up(group, figures, statistics) for group in groups]
     name = folder.resolve().name or str(folder)
-    page = summary_page(name, groups, cells, [*_unfinished(unfinished), *notes], statistics)
+    page = summary_page(
+        name, groups, cells, shared_figures(groups, figures), [*_unfinished(unfinished), *notes], statistics
+    )
     report = _report(folder, groups, cells) | {"unfinished": unfinished, "notes": notes, "run": str(run_dir)}
     write_text(run_dir / "runs.csv", runs_csv(runs, figures))
     write_text(run_dir / "groups.csv", groups_csv(groups, cells))

@@ -113,6 +113,23 @@ def figures_of(run: Run, figures: Mapping[str, Sequence[str]]) -> dict[str, Figu
     return picked(run.report, figures.get(str(run.report.get("schema")), ()))
 
 
+def shared_figures(groups: Sequence[Group], figures: Mapping[str, Sequence[str]]) -> dict[str, Figure]:
+    """Figures that are known of every run of several groups, and the same.
+
+    Args:
+        groups: of runs; of one alone no figure counts as shared, for there is nothing that it could differ between.
+        figures: paths into a report, by its schema.
+    """
+    if len(groups) == 1:
+        return {}
+    first, *others = [figures_of(run, figures) for group in groups for run in group.runs]
+    return {
+        name: value
+        for name, value in first.items()
+        if is_known(value) and all(other.get(name) == value for other in others)
+    }
+
+
 def summed_up(group: Group, figures: Mapping[str, Sequence[str]], statistics: Statistics) -> Cells:
     """Interquartile mean with its interval of every number, and how often every word came up, by path."""
     each = [figures_of(run, figures) for run in group.runs]

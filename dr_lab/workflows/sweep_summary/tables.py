@@ -18,18 +18,24 @@ from dr_lab.workflows.sweep_summary.groups import (
     is_known,
     known_in,
 )
-from dr_lab.workflows.sweep_summary.runs import Run
+from dr_lab.workflows.sweep_summary.runs import Figure, Run
 
 
 def summary_page(
-    sweep: str, groups: Sequence[Group], cells: Sequence[Cells], notes: Sequence[str], statistics: Statistics
+    sweep: str,
+    groups: Sequence[Group],
+    cells: Sequence[Cells],
+    shared: Mapping[str, Figure],
+    notes: Sequence[str],
+    statistics: Statistics,
 ) -> str:
-    """What differs between groups, and their figures.
+    """What differs between groups, and their figures; those that all runs share, in one sentence.
 
     Args:
         sweep: its name.
         groups: of runs.
         cells: the figures of each.
+        shared: figures that are the same in every run.
         notes: sentences for its end.
         statistics: how the runs of a group were summed up.
     """
@@ -37,9 +43,12 @@ def summary_page(
     rows = [
         [name, *(group.settings[key] for key in keys), _runs(row[name], len(group.runs)), _cell(row[name])]
         for name in dict.fromkeys(name for row in cells for name in row)
+        if name not in shared
         for group, row in zip(groups, cells, strict=True)
         if name in row
     ]
+    alike = ", ".join(f"{name} {value if isinstance(value, str) else number(value)}" for name, value in shared.items())
+    told = [f"The same in all runs: {alike}."] if shared else []
     count = sum(len(group.runs) for group in groups)
     lines = [
         f"# {count} runs of {sweep}",
@@ -48,7 +57,7 @@ def summary_page(
         "",
         table(["figure", *keys, "runs", "mean (interval)"], rows),
     ]
-    return "\n\n".join(["\n".join(lines), *notes]) + "\n"
+    return "\n\n".join(["\n".join(lines), *told, *notes]) + "\n"
 
 
 def _runs(cell: Cell, members: int) -> str:
