@@ -1,6 +1,6 @@
 """Play between the teeth of a gear."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -68,9 +68,9 @@ class Backlash(MotorSideEffect):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Nothing: the motor moves between the steps."""
 
-    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The motor in its gap."""
-        drive, step = JointDrive.of(compiled, site), float(compiled.opt.timestep)
+        drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
         return (_Parting(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed),)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:

@@ -1,7 +1,7 @@
 """The contract of an effect: where it can sit, its parameters, and how it edits a fresh spec."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, TypeVar
 
@@ -134,15 +134,15 @@ class Effect(ABC):
         del site, values, compiled
         return ()
 
-    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """What acts from step to step beside the edit, where MJCF has no element for it.
 
         Args:
             site: the element the effect sits at.
             values: by short parameter name, one for each simulation, shape (n,).
-            compiled: the compiled model with the effect.
+            models: the compiled model of each simulation, with all effects at its context; the layout is the same.
         """
-        del site, values, compiled
+        del site, values, models
         return ()
 
     def lacking(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> str:
@@ -194,9 +194,9 @@ class PlacedEffect:
         """What `command` does, step by step; `values` by full name."""
         return self.effect.drivers(self.site, self._short(values), compiled)
 
-    def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """What acts from step to step; `values` by full name."""
-        return self.effect.force_laws(self.site, self._short(values), compiled)
+        return self.effect.force_laws(self.site, self._short(values), models)
 
     def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """What an exported MJCF file lacks of the effect; `values` by full name."""

@@ -78,8 +78,9 @@ class Formula(JointEffect):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Nothing: the force comes before every step."""
 
-    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The force of each step."""
+        compiled = models[0]
         joint = compiled.joint(site)
         at = np.flatnonzero(
             (compiled.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (compiled.actuator_trnid[:, 0] == joint.id)

@@ -1,6 +1,6 @@
 """A transmission that gives way before it slips."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -64,9 +64,9 @@ class Hysteresis(JointEffect):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Nothing: the force comes before every step."""
 
-    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The force of each step."""
-        return (_Yielding(int(compiled.joint(site).dofadr[0]), values["torque"], values["displacement"]),)
+        return (_Yielding(int(models[0].joint(site).dofadr[0]), values["torque"], values["displacement"]),)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Little resistance that yields after several ways."""

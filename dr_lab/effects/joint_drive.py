@@ -1,10 +1,13 @@
 """What the actuators of one joint give it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
+from dr_lab.physics.compiled_contexts import distinct
 from dr_lab.trajectory import Array
 
 _STEP = 1e-4  # of controls, rad, m, rad/s and m/s; actuators are affine but for their limits
@@ -14,44 +17,71 @@ _STEP = 1e-4  # of controls, rad, m, rad/s and m/s; actuators are affine but for
 class JointDrive:
     """tau = constant + by_control · u + by_position q + by_velocity v, which every memoryless actuator follows.
 
-    Limits of controls and forces are not in it, nor is what delays and activations hold back.
+    Limits of controls and forces are not in it, nor is what delays and activations hold back: a late command counts
+    from the moment it is given. Forces without a command that are bounded or cog follow no such line and are left out.
 
     Attributes:
         address: of the joint's position in qpos.
         dof: of the joint.
-        constant: generalised force at rest at the origin without a command, N·m or N.
-        by_control: of each control, shape (nu,).
-        by_position: N·m/rad or N/m.
-        by_velocity: N·m·s/rad or N·s/m.
+        constant: generalised force of n simulations at rest at the origin without a command, N·m or N, shape (n,).
+        by_control: of each control, shape (n, nu).
+        by_position: N·m/rad or N/m, shape (n,).
+        by_velocity: N·m·s/rad or N·s/m, shape (n,).
     """
 
     address: int
     dof: int
-    constant: float
+    constant: Array
     by_control: Array
-    by_position: float
-    by_velocity: float
+    by_position: Array
+    by_velocity: Array
 
     @classmethod
-    def of(cls, model: mujoco.MjModel, joint: str) -> "JointDrive":
-        """The drive of a hinge or slide joint, from differences about the model's initial state."""
-        address, dof = int(model.joint(joint).qposadr[0]), int(model.joint(joint).dofadr[0])
-        data = mujoco.MjData(model)
-
-        def force(**changed: int) -> float:
-            mujoco.mj_resetData(model, data)
-            for field, entry in changed.items():
-                getattr(data, field)[entry] += _STEP
-            mujoco.mj_forward(model, data)
-            return float(data.qfrc_actuator[dof])
-
-        still = force()
-        by_control = np.array([(force(ctrl=column) - still) / _STEP for column in range(model.nu)])
-        by_position, by_velocity = (force(qpos=address) - still) / _STEP, (force(qvel=dof) - still) / _STEP
-        constant = still - by_position * float(model.qpos0[address])
-        return cls(address, dof, constant, by_control, by_position, by_velocity)
+    def of(cls, models: Sequence[mujoco.MjModel], joint: str) -> "JointDrive":
+        """The drive of a hinge or slide joint in n models of one layout, by differences about their initial states."""
+        unique, which = distinct(models)
+        row, data = unique[0].joint(joint).id, mujoco.MjData(unique[0])
+        lines = np.array([_line(model, data, row) for model in unique])[which]
+        address, dof = int(unique[0].jnt_qposadr[row]), int(unique[0].jnt_dofadr[row])
+        return cls(address, dof, lines[:, 0], lines[:, 3:], lines[:, 1], lines[:, 2])
 
     def force(self, qpos: Array, qvel: Array, control: Array) -> Array:
         """Generalised force in N·m or N of n simulations, shape (n,); arguments of shape (n, nq), (n, nv), (n, nu)."""
         moving = self.by_position * qpos[:, self.address] + self.by_velocity * qvel[:, self.dof]
-        return self.constant + control @ self.by_control + moving
+        return self.constant + np.einsum("nu,nu->n", control, self.by_control) + moving
+
+
+def _line(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> list[float]:
+    """Constant and slopes by position, velocity and each control; `data` of a model of this layout is overwritten."""
+    address, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+    bent = _bent(model, joint)
+    outputs, gears = model.actuator_outadr[bent], model.actuator_gear[bent, 0]
+
+    def force(**changed: int) -> float:
+        mujoco.mj_resetData(model, data)
+        for field, entry in changed.items():
+            getattr(data, field)[entry] += _STEP
+        _hold_commands(model, data)
+        mujoco.mj_forward(model, data)
+        return float(data.qfrc_actuator[dof] - data.actuator_force[outputs] @ gears)
+
+    still = force()
+    slopes = [(force(**{field: entry}) - still) / _STEP for field, entry in (("qpos", address), ("qvel", dof))]
+    by_control = [(force(ctrl=column) - still) / _STEP for column in range(model.nu)]
+    return [still - slopes[0] * float(model.qpos0[address]), *slopes, *by_control]
+
+
+def _bent(model: mujoco.MjModel, joint: int) -> NDArray[np.intp]:
+    """Actuators at the joint that take no command and whose force is bounded or cogs."""
+    at_joint = (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (model.actuator_trnid[:, 0] == joint)
+    cogs = model.actuator_biastype == int(mujoco.mjtBias.mjBIAS_DCMOTOR)
+    return np.flatnonzero(at_joint & (model.actuator_ctrlnum == 0) & (model.actuator_forcelimited | cogs))
+
+
+def _hold_commands(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Let actuators that remember commands have had the present ones all along."""
+    for actuator in np.flatnonzero(model.actuator_history[:, 0]):
+        samples = int(model.actuator_history[actuator, 0])
+        times = np.arange(-samples, 0) * model.opt.timestep
+        values = np.full(samples, data.ctrl[model.actuator_ctrladr[actuator]])
+        mujoco.mj_initCtrlHistory(model, data, int(actuator), times, values)

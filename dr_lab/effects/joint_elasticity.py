@@ -1,6 +1,6 @@
 """A shaft, belt or harmonic drive that twists between motor and link."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -77,9 +77,9 @@ class JointElasticity(MotorSideEffect):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Nothing: the motor moves between the steps."""
 
-    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The motor on its spring."""
-        drive, step = JointDrive.of(compiled, site), float(compiled.opt.timestep)
+        drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
         return (_Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"]),)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:

@@ -1,6 +1,6 @@
 """Friction of a gear that grows with the torque it carries."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -57,9 +57,9 @@ class LoadDependentFriction(JointEffect):
         """Make the joint's friction constraint hard."""
         self.constraint.add(spec, joint_of(spec, site), 0.0)
 
-    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The friction loss of each step."""
-        return (_Loaded(int(compiled.joint(site).dofadr[0]), values["share"]),)
+        return (_Loaded(int(models[0].joint(site).dofadr[0]), values["share"]),)
 
 
 @dataclass(frozen=True)

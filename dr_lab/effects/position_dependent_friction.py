@@ -63,9 +63,9 @@ class PositionDependentFriction(JointEffect):
         """Make the joint's friction constraint hard."""
         self.constraint.add(spec, joint_of(spec, site), 0.0)
 
-    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The friction loss of each step."""
-        joint = compiled.joint(site)
+        joint = models[0].joint(site)
         phases = (values["mean"], values["sine"], values["cosine"])
         return (_Uneven(int(joint.qposadr[0]), int(joint.dofadr[0]), *phases),)
 

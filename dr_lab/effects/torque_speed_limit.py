@@ -1,6 +1,6 @@
 """A motor whose largest torque falls with its speed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.compiled_contexts import distinct
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -70,13 +71,15 @@ class TorqueSpeedLimit(ActuatorEffect):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Nothing: the bound comes before every step."""
 
-    def force_laws(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The bound of each step."""
-        row = compiled.actuator(site).id
-        dof = int(compiled.jnt_dofadr[compiled.actuator_trnid[row, 0]])
-        gain, gear = compiled.actuator_gainprm[row, 0], compiled.actuator_gear[row, 0]
-        column = int(compiled.actuator_ctrladr[row])
-        return (_Bounded(column, dof, float(gain), float(gear), values["inverse_stall"], values["inverse_speed"]),)
+        unique, which = distinct(models)
+        row = unique[0].actuator(site).id
+        dof = int(unique[0].jnt_dofadr[unique[0].actuator_trnid[row, 0]])
+        column = int(unique[0].actuator_ctrladr[row])
+        drives = np.array([(model.actuator_gainprm[row, 0], model.actuator_gear[row, 0]) for model in unique])
+        gain, gear = drives[which].T
+        return (_Bounded(column, dof, gain, gear, values["inverse_stall"], values["inverse_speed"]),)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Limits that the logs reach at high speed."""
@@ -88,12 +91,12 @@ class TorqueSpeedLimit(ActuatorEffect):
 
 @dataclass(frozen=True)
 class _Bounded(Law):
-    """Bound of one command; inverse stall torque and speed of shape (n,)."""
+    """Bound of one command; gain, gear, inverse stall torque and speed of shape (n,)."""
 
     column: int
     dof: int
-    gain: float
-    gear: float
+    gain: Array
+    gear: Array
     stall: Array
     speed: Array
 

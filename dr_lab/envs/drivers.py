@@ -1,6 +1,6 @@
 """What a policy's commands go through before they reach the physics."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -47,9 +47,9 @@ class Drivers:
         """The drivers, in order of the effects."""
         return tuple(law for effect in self.effects for law in effect.drivers(values, compiled))
 
-    def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The drivers, as laws between steps."""
-        return self.drivers(values, compiled)
+        return self.drivers(values, models[0])
 
     def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """Nothing that the effects do not say."""

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 from mujoco.batch import MODEL_FIELDS, Batch
+from numpy.typing import NDArray
 
 from dr_lab.physics.stepper import CHANGED
 from dr_lab.trajectory import Array
@@ -29,15 +30,20 @@ class CompiledContexts:
 
     def write(self, models: Sequence[mujoco.MjModel]) -> None:
         """Write the models of all simulations, shape (nsim,); the same model may stand for many."""
-        unique = list({id(model): model for model in models}.values())
-        row = {id(model): k for k, model in enumerate(unique)}
-        which = np.array([row[id(model)] for model in models])
+        unique, which = distinct(models)
         for name in MODEL_FIELDS:
             values = [_field(model, name) for model in unique]
             nominal = _field(self._compiled, name)
             if name in self._expanded or any(not np.array_equal(value, nominal) for value in values):
                 self._expanded.add(name)
                 self._batch.expand(name)[:] = np.stack(values)[which]
+
+
+def distinct(models: Sequence[mujoco.MjModel]) -> tuple[list[mujoco.MjModel], NDArray[np.intp]]:
+    """The models that are different objects, and for each of the n models which of them it is, shape (n,)."""
+    unique = list({id(model): model for model in models}.values())
+    row = {id(model): k for k, model in enumerate(unique)}
+    return unique, np.array([row[id(model)] for model in models])
 
 
 def _field(model: mujoco.MjModel, name: str) -> Array:

@@ -66,8 +66,13 @@ class ModelEffect(Protocol):
         """What `command` does, step by step; `values` by name, one for each simulation, shape (n,)."""
         ...
 
-    def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """What acts from step to step beside the edit; `values` by name, one for each simulation, shape (n,)."""
+    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+        """What acts from step to step beside the edit.
+
+        Args:
+            values: values by name, one for each simulation, shape (n,).
+            models: the compiled model of each simulation, with all effects at its context; the layout is the same.
+        """
         ...
 
     def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
@@ -150,10 +155,10 @@ class Model:
             series = effect.command(values, actuator, series, self.spec.option)
         return series
 
-    def laws(self, z: Array, compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """What acts from step to step in n simulations with contexts z (n, parameters)."""
+    def laws(self, z: Array, models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+        """What acts from step to step in n simulations with contexts z (n, parameters), compiled to `models`."""
         values = {name: z[:, i] for i, name in enumerate(self.space.names)}
-        return tuple(law for effect in self.effects for law in effect.force_laws(values, compiled))
+        return tuple(law for effect in self.effects for law in effect.force_laws(values, models))
 
     def _columns(self, z: Array) -> dict[str, Array]:
         return {name: z[:, i, None, None] for i, name in enumerate(self.space.names)}

@@ -71,7 +71,7 @@ class Simulator:
         self._models: list[mujoco.MjModel] = [self.compiled] * nsim
         self._uncompiled = np.zeros(nsim, bool)
         nominal = np.tile(model.space.nominal, (nsim, 1))
-        self._lawful = bool(model.laws(nominal, self.compiled))
+        self._lawful = bool(model.laws(nominal, self._models))
         self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled)
         self._stepper: Stepper | None = None
         # Fields are copied from compiled models with laws alone, so that only then all need the same pictures.
@@ -107,7 +107,7 @@ class Simulator:
         self._written.write(self._models)
         self._contexts[rows] = z
         before = self._stepper
-        self._stepper = Stepper(self.batch, self.compiled, self.model.laws(self._contexts, self.compiled))
+        self._stepper = Stepper(self.batch, self.compiled, self.model.laws(self._contexts, self._models))
         if before is not None:
             self._stepper.recall(before.memory)
 

@@ -1,6 +1,6 @@
 """The improved model as plain MJCF, and the rollout that it reproduces."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,11 +76,11 @@ class Beside:
         fixed = {name: np.array([value]) for name, value in self.values.items()}
         return tuple(law for effect in self.effects for law in effect.drivers(fixed, compiled))
 
-    def force_laws(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
+    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """What acts from step to step, the same in all simulations."""
         del values
         fixed = {name: np.array([value]) for name, value in self.values.items()}
-        return tuple(law for effect in self.effects for law in effect.force_laws(fixed, compiled))
+        return tuple(law for effect in self.effects for law in effect.force_laws(fixed, models))
 
     def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """What the file lacks, in one line."""

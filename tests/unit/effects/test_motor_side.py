@@ -87,7 +87,7 @@ def test_teeth_in_contact_are_rigid() -> None:
 
 def drive(actuator: str) -> tuple[Model, JointDrive]:
     model = block(actuator)
-    return model, JointDrive.of(model.nominal(), "rail")
+    return model, JointDrive.of([model.nominal()], "rail")
 
 
 def test_a_drive_is_what_its_actuators_give() -> None:
@@ -110,3 +110,29 @@ def test_a_clipped_command_is_made_up_for() -> None:
     )
     gained = np.diff(rollout.qvel[0, 240:, 0]) / STEP
     np.testing.assert_allclose(gained, 2.0 / MASS, rtol=1e-3)
+
+
+def test_a_drive_is_that_of_each_simulation() -> None:
+    model = block()
+    scaled = model.with_effect(placed(model, "torque_scale", "drive"))
+    models = [scaled.compile(np.array([factor])) for factor in (0.5, 1.5)]
+    motor = JointDrive.of([models[1], models[0], models[1]], "rail")
+    np.testing.assert_allclose(motor.by_control, [[1.5], [0.5], [1.5]], rtol=1e-9)
+
+
+def test_a_late_command_counts_at_once() -> None:
+    model = block()
+    late = model.with_effect(placed(model, "actuator_delay", "drive"))
+    motor = JointDrive.of([late.compile(np.array([0.02]))], "rail")
+    np.testing.assert_allclose(motor.by_control, [[1.0]], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("stribeck_friction", {"excess": 1.0}), ("constant_offset", {"torque": 0.7})]
+)
+def test_a_drive_has_what_follows_a_line(name: str, values: Mapping[str, float]) -> None:
+    """A clipped force would be taken far beyond its clip."""
+    extended = block().with_effect(placed(block(), name, "rail"))
+    z = extended.space.vector({f"{name}@rail.{key}": value for key, value in values.items()})
+    motor = JointDrive.of([extended.compile(z)], "rail")
+    np.testing.assert_allclose([motor.constant[0], motor.by_velocity[0]], [values.get("torque", 0.0), 0.0], atol=1e-9)
