@@ -6,14 +6,14 @@ from typing import ClassVar
 
 import mujoco
 
-from dr_lab.effects.dry_friction import DryFriction
+from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, add_passive_force, joint_of, slides
+from dr_lab.effects.joint_effect import add_passive_force, joint_of, slides
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class AsymmetricFriction(JointEffect):
+class AsymmetricFriction(DryFrictionEffect):
     """Dry friction of a screw, seal or worm gear that runs more easily in one direction than in the other.
 
     tau = −tau_m (1 + s) while v > 0, tau = tau_m (1 − s) while v < 0, anything between them at rest: tau_m as MuJoCo's
@@ -34,7 +34,6 @@ class AsymmetricFriction(JointEffect):
         start_asymmetries: s of these fits.
     """
 
-    constraint: DryFriction
     factor: float
     least: float
     start_mean: float
@@ -55,7 +54,7 @@ class AsymmetricFriction(JointEffect):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Add the mean to the joint's friction loss, and the force that takes from one direction what it gives."""
         joint, mean = joint_of(spec, site), values["mean"]
-        self.constraint.add(spec, joint, mean)
+        joint.frictionloss += mean
         add_passive_force(spec, joint.name, f"{self.name}@{site}").biasprm[0] = -values["asymmetry"] * mean
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:

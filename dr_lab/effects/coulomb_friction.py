@@ -6,14 +6,14 @@ from typing import ClassVar
 
 import mujoco
 
-from dr_lab.effects.dry_friction import DryFriction
+from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
+from dr_lab.effects.joint_effect import joint_of, slides
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class CoulombFriction(JointEffect):
+class CoulombFriction(DryFrictionEffect):
     """Dry friction: constant against the motion, and up to the same size against any force while at rest.
 
     tau = −tau_c sign(v) while sliding, |tau| ≤ tau_c at rest; MuJoCo's ``frictionloss``, made hard by `DryFriction`
@@ -29,7 +29,6 @@ class CoulombFriction(JointEffect):
         least: smallest upper bound of tau_c, for joints that hardly move [N·m or N].
     """
 
-    constraint: DryFriction
     factor: float
     least: float
 
@@ -46,4 +45,4 @@ class CoulombFriction(JointEffect):
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Add the torque to the joint's friction loss."""
-        self.constraint.add(spec, joint_of(spec, site), values["torque"])
+        joint_of(spec, site).frictionloss += values["torque"]

@@ -5,6 +5,8 @@ from typing import Any
 
 import mujoco
 
+from dr_lab.effects.joint_effect import JointEffect, joint_of
+
 
 @dataclass(frozen=True)
 class DryFriction:
@@ -29,11 +31,11 @@ class DryFriction:
     rate_first_order: float
     rate_rk4: float
 
-    def add(self, spec: mujoco.MjSpec, joint: Any, torque: float) -> None:  # noqa: ANN401 (MjsJoint)
-        """Add `torque` to the joint's friction loss.
+    def harden(self, spec: mujoco.MjSpec, joint: Any) -> None:  # noqa: ANN401 (MjsJoint)
+        """Make the joint's constraint this hard.
 
         A joint that has friction loss of its own keeps the constraint settings that its author chose: otherwise
-        torque = 0 would not be the same physics.
+        an absent effect would not be the same physics.
         """
         if joint.frictionloss == 0:
             rk4 = spec.option.integrator == mujoco.mjtIntegrator.mjINT_RK4
@@ -41,4 +43,18 @@ class DryFriction:
             # negative: stiffness and damping themselves; a friction constraint has no position, so no stiffness acts
             joint.solref_friction = [-((damping / 2) ** 2), -damping]
             joint.solimp_friction[:2] = self.impedance
-        joint.frictionloss += torque
+
+
+@dataclass(frozen=True)
+class DryFrictionEffect(JointEffect):
+    """An effect whose force is the friction-loss constraint of its joint.
+
+    Attributes:
+        constraint: how hard the friction constraint is.
+    """
+
+    constraint: DryFriction
+
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
+        """Make the friction constraint hard where the model has none, whatever a parameter makes of its size."""
+        self.constraint.harden(spec, joint_of(spec, site))

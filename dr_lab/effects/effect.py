@@ -87,6 +87,14 @@ class Effect(ABC):
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Parameters at a site, with short names, nominal = absent and bounds scaled to the machine."""
 
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
+        """Write into a fresh spec at its nominal values what the effect needs there in every context.
+
+        Raises:
+            ModelError: it cannot act at this site of this model.
+        """
+        del spec, site
+
     @abstractmethod
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Write the effect into a fresh spec; `values` by short parameter name.
@@ -177,6 +185,10 @@ class PlacedEffect:
     def label(self) -> str:
         """``effect@site``."""
         return f"{self.effect.name}@{self.site}"
+
+    def prepare(self, spec: mujoco.MjSpec) -> None:
+        """Write into a fresh spec at its nominal values what the effect needs in every context."""
+        self.effect.prepare(spec, self.site)
 
     def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
         """Write the effect into a fresh spec; `values` by full name."""

@@ -7,16 +7,16 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from dr_lab.effects.dry_friction import DryFriction
+from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, driven, joint_of
+from dr_lab.effects.joint_effect import driven
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class LoadDependentFriction(JointEffect):
+class LoadDependentFriction(DryFrictionEffect):
     """Dry friction between loaded teeth: proportional to what the motor and the outside press onto the gear.
 
     |tau| ≤ K |tau_m − tau_e|, against the motion: tau_m the actuators' torque at the joint, tau_e the outside's, which
@@ -34,7 +34,6 @@ class LoadDependentFriction(JointEffect):
         most: largest K.
     """
 
-    constraint: DryFriction
     most: float
 
     name: ClassVar[str] = "load_dependent_friction"
@@ -54,8 +53,7 @@ class LoadDependentFriction(JointEffect):
         return (Parameter("share", "1", 0.0, 0.0, self.most),)
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Make the joint's friction constraint hard."""
-        self.constraint.add(spec, joint_of(spec, site), 0.0)
+        """Nothing: the friction loss comes before every step."""
 
     def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The friction loss of each step."""

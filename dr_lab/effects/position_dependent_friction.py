@@ -7,16 +7,16 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from dr_lab.effects.dry_friction import DryFriction
+from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
+from dr_lab.effects.joint_effect import slides
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class PositionDependentFriction(JointEffect):
+class PositionDependentFriction(DryFrictionEffect):
     """Dry friction of a bent shaft, an eccentric gear or a worn bearing: once in a turn it is largest.
 
     |tau| ≤ tau_m max(0, 1 + a sin(q) + b cos(q)), against the motion. Written into MuJoCo's ``frictionloss`` before
@@ -35,7 +35,6 @@ class PositionDependentFriction(JointEffect):
         start_shares: (a, b) of these fits.
     """
 
-    constraint: DryFriction
     factor: float
     least: float
     start_mean: float
@@ -60,8 +59,7 @@ class PositionDependentFriction(JointEffect):
         return (Parameter("mean", "N·m", 0.0, 0.0, high), *shares)
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Make the joint's friction constraint hard."""
-        self.constraint.add(spec, joint_of(spec, site), 0.0)
+        """Nothing: the friction loss comes before every step."""
 
     def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The friction loss of each step."""

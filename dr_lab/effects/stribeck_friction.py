@@ -6,14 +6,14 @@ from typing import ClassVar
 
 import mujoco
 
-from dr_lab.effects.dry_friction import DryFriction
+from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, add_passive_force, joint_of, slides
+from dr_lab.effects.joint_effect import add_passive_force, joint_of, slides
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class StribeckFriction(JointEffect):
+class StribeckFriction(DryFrictionEffect):
     """Dry friction that drops from static to kinetic as the joint starts to move; viscous friction is separate.
 
     tau(v) = −sign(v) (tau_c + tau_e exp(−(v/v_s)²)) while sliding, |tau| ≤ tau_c + tau_e at rest.
@@ -40,7 +40,6 @@ class StribeckFriction(JointEffect):
         start_speeds: v_s of these fits, shares of the joint's speed.
     """
 
-    constraint: DryFriction
     clips: Sequence[tuple[float, float]]
     factor: float
     least: float
@@ -70,7 +69,7 @@ class StribeckFriction(JointEffect):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Add the static torque to the friction loss, and the forces that take the excess back."""
         joint, excess = joint_of(spec, site), values["excess"]
-        self.constraint.add(spec, joint, values["kinetic"] + excess)
+        joint.frictionloss += values["kinetic"] + excess
         for i, (share, width) in enumerate(self.clips):
             force = add_passive_force(spec, joint.name, f"{self.name}@{site}.{i}")
             force.biasprm[2] = share * excess / (width * values["speed"])

@@ -30,6 +30,9 @@ class Drivers:
     label: str = "drivers"
     parameters: tuple[Parameter, ...] = ()
 
+    def prepare(self, spec: mujoco.MjSpec) -> None:
+        """Nothing, as `edit`."""
+
     def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
         """Nothing: they act between the steps."""
 

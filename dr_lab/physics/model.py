@@ -36,6 +36,10 @@ class ModelEffect(Protocol):
         """The effect's parameters, nominal = absent."""
         ...
 
+    def prepare(self, spec: mujoco.MjSpec) -> None:
+        """Write into a fresh spec at its nominal values what the effect needs in every context."""
+        ...
+
     def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
         """Write the effect into a fresh spec; `values` by parameter name."""
         ...
@@ -119,6 +123,8 @@ class Model:
         """Fresh spec with the context z written into it; z shape (n,)."""
         values = self.space.mapping(z)
         spec = self.spec.copy()
+        for effect in self.effects:
+            effect.prepare(spec)
         for parameter in self.declared:
             self.targets[parameter.name].write(spec, values[parameter.name])
         for effect in self.effects:

@@ -53,6 +53,9 @@ class Beside:
     label: str = "beside_model.xml"
     parameters: tuple[Parameter, ...] = ()
 
+    def prepare(self, spec: mujoco.MjSpec) -> None:
+        """Nothing, as `edit`."""
+
     def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
         """Nothing: the physics is in the file."""
 

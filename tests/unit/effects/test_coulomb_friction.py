@@ -1,8 +1,10 @@
 import mujoco
 import numpy as np
 import pytest
-from effect_machines import block, motion, with_effect
+from effect_machines import NAMES, block, catalogue_effect, hanging, motion, placed, with_effect
 
+from dr_lab.effects.dry_friction import DryFrictionEffect
+from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array
 
 MASS, STIFFNESS, TORQUE, START = 2.0, 200.0, 8.0, 0.37
@@ -59,3 +61,18 @@ def test_adds_to_friction_loss_and_keeps_the_authors_constraint() -> None:
     compiled = with_effect(block(joint=joint), "coulomb_friction", "rail", torque=2.0)
     assert compiled.dof_frictionloss[0] == 3.0
     assert compiled.dof_solref[0].tolist() == [0.05, 1.0]
+
+
+@pytest.mark.parametrize(
+    "effect", sorted(name for name in NAMES if isinstance(catalogue_effect(name), DryFrictionEffect))
+)
+@pytest.mark.parametrize(("own", "hard"), [(0.0, True), (0.2, False)])
+def test_how_hard_the_constraint_is_depends_on_no_parameter(effect: str, own: float, hard: bool) -> None:
+    """The nominal friction loss decides, wherever a fit takes it."""
+    friction = {"target": "joint.hinge.frictionloss", "unit": "N·m", "low": 0.0, "high": 0.5}
+    declared = from_spec("pendulum", hanging(f'frictionloss="{own}"').spec, {"friction": friction})
+    model = declared.with_effect(placed(declared, effect, "hinge"))
+    compiled = [model.compile(model.space.vector({"friction": value})) for value in (0.0, 5e-5, 0.3)]
+    settings = [np.concatenate([each.dof_solref[0], each.dof_solimp[0]]) for each in compiled]
+    np.testing.assert_array_equal(settings, [settings[0]] * 3)
+    assert (settings[0][0] < 0) == hard
