@@ -8,7 +8,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from dr_lab.effects.body_effect import moving_bodies, with_inertial
+from dr_lab.effects.body_effect import body_of, moving_bodies, with_inertial
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.felt import inverse_forces
 from dr_lab.physics.parameter import Parameter
@@ -56,6 +56,10 @@ class CentreOfMassOffset(Effect):
         del scales
         bound = self.factor * _radius(model, site)
         return tuple(Parameter(axis, "m", 0.0, -bound, bound) for axis in self._felt(model, site))
+
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
+        """Have the body's mass matrix stored whole, which MuJoCo spares a body whose centre is its origin."""
+        body_of(spec, site).simple = False
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Move the centre of mass."""

@@ -111,6 +111,9 @@ class Target:
     def write(self, spec: mujoco.MjSpec, value: float) -> None:
         """Set the value in a fresh spec (the caller's copy).
 
+        MuJoCo stores less of the mass matrix of a body whose centre of mass is its origin (``simple``), which no
+        centre may then leave; a body whose centre is set is stored whole, at every value.
+
         Raises:
             UnknownNameError: the element is not in the model.
         """
@@ -124,6 +127,8 @@ class Target:
             getattr(element, self.attribute)[self.index] = value
         else:
             setattr(element, self.attribute, value / self._unit(spec))
+        if self.attribute == "ipos":
+            element.simple = False
 
     def fields(self, model: mujoco.MjModel) -> tuple[FieldEdit, ...]:
         """Compiled fields that carry the value, empty where the model must be recompiled (sizes, densities)."""

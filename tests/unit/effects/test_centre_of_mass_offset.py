@@ -1,7 +1,17 @@
 import mujoco
 import numpy as np
 import pytest
-from effect_machines import CONF, acceleration, block, catalogue_effect, hanging, motion, placed, with_effect
+from effect_machines import (
+    CONF,
+    acceleration,
+    block,
+    catalogue_effect,
+    hanging,
+    motion,
+    placed,
+    replayed,
+    with_effect,
+)
 
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model, from_spec, load
@@ -67,3 +77,19 @@ def test_models_that_ignore_inertial_are_refused() -> None:
     machine = hung(SHAPE, compiler='inertiafromgeom="true"')
     with pytest.raises(ModelError, match="inertiafromgeom"):
         with_effect(machine, "centre_of_mass_offset", "rod", x=0.01)
+
+
+def test_a_centre_at_the_origin_and_one_off_it_go_side_by_side() -> None:
+    """MuJoCo stores a body with its centre at its origin in a shorter form, which no other model may join."""
+    xml = """<mujoco><worldbody><body name="rod">
+      <joint type="slide" axis="1 0 0"/><joint axis="0 1 0"/>
+      <inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/></body></worldbody></mujoco>"""
+    model = from_spec("rolling", mujoco.MjSpec.from_string(xml), {})
+    extended = model.with_effect(placed(model, "centre_of_mass_offset", "rod"))
+    z = np.stack([extended.space.nominal, extended.space.high])
+    paths = replayed(extended, z, np.zeros((1, 50, 0)), np.zeros((1, 5, 0)))
+    alone = [replayed(extended, row[None], np.zeros((1, 50, 0)), np.zeros((1, 5, 0)))[0] for row in z]
+    np.testing.assert_allclose(paths, alone, rtol=0, atol=1e-12)
+    plain = replayed(model, np.empty((1, 0)), np.zeros((1, 50, 0)), np.zeros((1, 5, 0)))
+    np.testing.assert_allclose(paths[:1], plain, rtol=0, atol=1e-12)
+    assert np.abs(paths[1] - paths[0]).max() > 1e-3

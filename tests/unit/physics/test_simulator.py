@@ -135,6 +135,29 @@ def test_fields_and_recompiled_models_agree(name: str) -> None:
     np.testing.assert_allclose(one.qpos, other.qpos, atol=1e-12)
 
 
+def test_a_centre_of_mass_may_leave_the_bodys_origin() -> None:
+    """MuJoCo stores a body with its centre there in a shorter form, from which nothing may then be moved."""
+    xml = """<mujoco><worldbody><body name="b">
+      <joint type="slide" axis="1 0 0"/><joint axis="0 1 0" damping="0.1"/>
+      <inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/>
+      <geom size="0.02" contype="0" conaffinity="0"/><site name="s"/>
+    </body></worldbody><sensor><accelerometer site="s"/></sensor></mujoco>"""
+    com = {"target": "body.b.ipos[0]", "unit": "m", "low": -0.2, "high": 0.2}
+    model = from_spec("simple", mujoco.MjSpec.from_string(xml), {"com": com})
+    values = np.array([[0.0], [0.1], [-0.2], [0.0]])
+    simulator = Simulator(model, 4, threads=1)
+    rollout = simulator.replay(values, *start(model, 4, 1), np.zeros((1, 40, 0)), np.zeros((1, 1, 0)))
+    assert not rollout.infeasible.any()
+    for value, qpos, sensed in zip(values, rollout.qpos, rollout.sensordata, strict=True):
+        compiled = model.compile(value)
+        data = mujoco.MjData(compiled)
+        data.qpos[:] = qpos[0]
+        for k in range(40):
+            mujoco.mj_step(compiled, data)
+            np.testing.assert_allclose(qpos[k + 1], data.qpos, atol=1e-12)
+            np.testing.assert_allclose(sensed[k], data.sensordata, atol=1e-9)
+
+
 def test_contexts_start_from_nominal_every_time() -> None:
     simulator = Simulator(toy(FIELDS), 1)
     for _ in range(3):
