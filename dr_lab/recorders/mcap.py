@@ -92,7 +92,7 @@ def write_mcap(
         metadata: key–value pairs of the record named ``"dr_lab"``, e.g. run id and schema version.
 
     Raises:
-        DataError: the shapes of a topic disagree, or a time is not finite.
+        DataError: the shapes of a topic disagree, a time is not finite, or a log or publish time lies before 0.
         DrLabError: the file cannot be written.
     """
     encoded = [_encode(topic) for topic in topics]
@@ -162,6 +162,8 @@ def _check(
     for name, time in {"log_time": log_time, **times}.items():
         if np.shape(time) != (count,) or not np.isfinite(time).all():
             raise DataError(f"Topic {topic!r}: {name} must be {count} finite times; got shape {np.shape(time)}.")
+        if name != "stamp" and np.min(time, initial=0.0) < 0:
+            raise DataError(f"Topic {topic!r}: {name} begins at {np.min(time):g} s; MCAP has no times before 0 s.")
     for name, values in fields.items():
         if values is not None and np.shape(values) != (count, width):
             expected = f"({count}, {width}) (messages, names)"

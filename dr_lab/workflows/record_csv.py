@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,7 +19,8 @@ class CsvSource:
     """Logs as they were read: in SI units, cleaned, on each log's aligned clock.
 
     A joint state needs a position of every joint. Where joints were sampled at different times, or some have no
-    velocity, the missing numbers are NaN, which readers leave out.
+    velocity, the missing numbers are NaN, which readers leave out. A log that begins before time 0, where MCAP has no
+    times, is shifted as a whole to begin at 0; the file's metadata say by how much.
 
     Attributes:
         measurements: the logs.
@@ -44,6 +45,8 @@ class CsvSource:
         return {}
 
     def _named(self, log: Log) -> NamedLog:
+        shift = max(0.0, -min(signal.time[0] for signal in (*log.outputs.values(), *log.commands.values())))
+        log = replace(log, outputs=_later(log.outputs, shift), commands=_later(log.commands, shift))
         joints = _joint_states(self.joint_topic, log)
         sensors = [
             _floats(f"{self.sensor_topic}/{name.removeprefix(_SENSOR)}", signal)
@@ -54,7 +57,12 @@ class CsvSource:
         notes = {f"note.{number}": note.message for number, note in enumerate(log.notes)}
         # A stretch of a log is called stem[a:b], which no file should be.
         name = re.sub(r"[^\w.\-]+", "_", log.name).strip("_")
-        return NamedLog(name, (*joints, *sensors, *commands), {"source": self.measurements.name, **notes})
+        shifted = {"shift": f"{shift:.9f} s"} if shift else {}
+        return NamedLog(name, (*joints, *sensors, *commands), {"source": self.measurements.name, **shifted, **notes})
+
+
+def _later(signals: Mapping[str, Signal], shift: float) -> dict[str, Signal]:
+    return {name: replace(signal, time=signal.time + shift) for name, signal in signals.items()}
 
 
 def _joint_states(topic: str, log: Log) -> list[JointStates]:

@@ -29,9 +29,9 @@ def write_simulated(
     """
     free, parts, shifts = 0.0, [], {}
     for overlay in overlays:
-        first, last = overlay.span()
-        shift = max(0.0, free - first)
-        free = last + shift + _PAUSE
+        ends = [*overlay.span(), *(time for command in overlay.commands.values() for time in command.time[[0, -1]])]
+        shift = max(0.0, free - min(ends))
+        free = max(ends) + shift + _PAUSE
         shifts[f"{overlay.log}.shift"] = f"{shift:.9f} s"
         parts.append((overlay, shift))
     topics = [topic for overlay, shift in parts for topic in _topics(overlay, shift)]

@@ -10,7 +10,9 @@ from omegaconf import OmegaConf
 from dr_lab.__main__ import main
 from dr_lab.cli.compose import compose
 from dr_lab.errors import DataError
-from dr_lab.recorders.mcap import JointStates
+from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.log import read_log
+from dr_lab.recorders.mcap import JointStates, write_mcap
 from dr_lab.trajectory import Log, MeasurementSet, Signal
 from dr_lab.workflows.record_csv import CsvSource
 
@@ -64,6 +66,11 @@ def test_a_table_becomes_ros2_messages_in_si(tmp_path: Path) -> None:
     np.testing.assert_array_equal(after.commands["motor"].value, before.commands["motor"].value)
 
 
+@pytest.fixture
+def contract() -> DataContract:
+    return instantiate(compose("compare", []).measurements.contract)
+
+
 def source(**outputs: Signal) -> CsvSource:
     named = {signal.name: signal for signal in outputs.values()}
     log = Log("a", named, {})
@@ -84,3 +91,28 @@ def test_a_velocity_without_its_position_is_refused() -> None:
     speed = Signal("a.velocity", "rad/s", np.array([0.0, 0.2]), np.array([1.0, 2.0]))
     with pytest.raises(DataError, match=r"a\.velocity"):
         list(source(speed=speed).logs(0))
+
+
+def test_a_clock_that_begins_before_0_is_recorded_and_read_back_equal(tmp_path: Path, contract: DataContract) -> None:
+    time = np.linspace(-0.5, 0.5, 51)
+    joint = Signal("elbow.position", "rad", time, np.sin(time))
+    command = Signal("motor", "V", time - 0.001, np.cos(time))
+    log = Log("a", {joint.name: joint}, {command.name: command})
+    (named,) = CsvSource(MeasurementSet("bench", (log,), (), {}, {}), "/j", "/command", "/s").logs(0)
+    assert named.metadata["shift"] == "0.501000000 s"
+    write_mcap(tmp_path / "a.mcap", named.topics, {}, named.metadata)
+    read = read_log(
+        tmp_path / "a.mcap",
+        {joint.name: {"topic": "/j", "field": "position[elbow]", "unit": "rad", "clock": "header"}},
+        {command.name: {"topic": "/command/motor", "field": "data[0]", "unit": "V"}},
+        contract,
+    )
+    for before, after in ((joint, read.outputs[joint.name]), (command, read.commands[command.name])):
+        np.testing.assert_array_equal(after.value, before.value)
+        np.testing.assert_allclose(after.time - 0.501, before.time, rtol=0, atol=2e-9)
+
+
+def test_a_recorded_log_from_0_on_keeps_its_times() -> None:
+    (log,) = source(joint=Signal("a.position", "rad", np.array([0.1, 0.2]), np.zeros(2))).logs(0)
+    assert "shift" not in log.metadata
+    np.testing.assert_array_equal(log.topics[0].log_time, [0.1, 0.2])

@@ -1,0 +1,36 @@
+"""`simulated.mcap`, read by a library that dr_lab did not write."""
+
+from pathlib import Path
+
+import numpy as np
+from mcap.reader import make_reader
+
+from dr_lab.recorders.overlay import BEFORE, Overlay
+from dr_lab.trajectory import Signal
+from dr_lab.workflows.write_simulated import write_simulated
+
+
+def shown(log: str, begin: float, command_begin: float) -> Overlay:
+    time = begin + 0.01 * np.arange(100)
+    joint = Signal("hinge.position", "rad", time, np.sin(time))
+    command = Signal("drive", "N·m", command_begin + 0.01 * np.arange(120), np.zeros(120))
+    still = np.zeros((1, 1, 3)), np.zeros((1, 1, 4))
+    simulated = {BEFORE: {joint.name: joint.value}}
+    measured, sent = {joint.name: joint}, {command.name: command}
+    return Overlay(log, time[:1], {BEFORE: still}, measured, simulated, {}, sent, {joint.name: 0.1})
+
+
+def test_logs_whose_commands_begin_before_0_or_overlap_are_shifted(tmp_path: Path) -> None:
+    path = tmp_path / "simulated.mcap"
+    write_simulated(path, [shown("a", 0.0, -0.3), shown("b", 0.0, -0.2)], {}, {})
+    with path.open("rb") as file:
+        reader = make_reader(file)
+        (metadata,) = [record.metadata for record in reader.iter_metadata()]
+        times = {"/real/joint_states": [], "/command": []}
+        for _, channel, message in reader.iter_messages(topics=list(times)):
+            times[channel.topic].append(message.log_time * 1e-9)
+    # Log a lies from 0.3 to 1.29 s, its commands from 0 to 1.19 s; b's first command follows a second later.
+    assert metadata == {"a.shift": "0.300000000 s", "b.shift": "2.490000000 s"}
+    assert times["/command"][0] == 0.0
+    np.testing.assert_allclose([times["/real/joint_states"][k] for k in (0, 100)], [0.3, 2.49])
+    np.testing.assert_allclose(np.diff(times["/command"])[119], 1.1)
