@@ -123,7 +123,7 @@ def _windowed(
     logs: Sequence[Log], gaps: Mapping[str, float], settings: WindowSettings
 ) -> tuple[list[Log], list[Array]]:
     """Logs that hold a window, and the simulated starts in each."""
-    begins = [_begins(log, gaps, settings) for log in logs]
+    begins = [window_begins(log, gaps, settings) for log in logs]
     kept = [k for k, b in enumerate(begins) if len(b)]
     if not kept:
         need = settings.length + settings.run_in + 2 * settings.margin
@@ -142,8 +142,17 @@ def _span(log: Log, past: float) -> tuple[float, float]:
     return max(starts), min(s.time[-1] for s in log.outputs.values())
 
 
-def _begins(log: Log, gaps: Mapping[str, float], settings: WindowSettings) -> Array:
-    """Simulated starts of the windows of a log that no gap touches, at most `max_windows`, evenly spread."""
+def window_begins(log: Log, gaps: Mapping[str, float], settings: WindowSettings) -> Array:
+    """Simulated starts of the windows of a log that no gap touches, at most `max_windows`, evenly spread.
+
+    Args:
+        log: the log; every signal has a sample.
+        gaps: longest time in s between two samples that is not a gap, by channel.
+        settings: how to cut.
+
+    Returns:
+        Times on the log's clock in s, shape (w,); none where the log has no room for a window.
+    """
     first, last = _span(log, settings.past)
     total = settings.run_in + settings.length + 2 * settings.margin
     waits = {name: gaps.get(name, np.inf) for name in log.commands}

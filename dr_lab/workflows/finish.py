@@ -35,7 +35,7 @@ def finish(
     """Write the run folder and print the summary.
 
     Files: ``report.json``, ``report.md``, ``metrics.csv``, ``review.rrd``, ``simulated.mcap``; with an improved model
-    (role ``after``) also ``model.xml``, ``rollout.npz`` and ``context.yaml``.
+    (role ``after``) also ``model.xml``, ``rollout.npz`` (where a log is shown) and ``context.yaml``.
 
     Args:
         study: model and logs.
@@ -54,13 +54,12 @@ def finish(
         if estimate is not None:
             write_context(run_dir / "context.yaml", estimate)
         logs = shown_logs(study, look.longest)
-        notes = [*notes, *_shortened(study, logs)]
+        plain = _plain(report, [*notes, *_shortened(study, logs, look.longest)], run_dir)
+        write_report(run_dir, plain)  # first, so that no fault of a recording costs the hours before it
         played = [play_log(study, log, shown) for log in logs]
         overlays = [overlay(study, log, shown, p, look) for log, p in zip(logs, played, strict=True)]
-        if AFTER in shown:
+        if AFTER in shown and played:
             write_rollout(run_dir / "rollout.npz", played[0][AFTER])
-        plain = _plain(report, notes, run_dir)
-        write_report(run_dir, plain)
         write_review(run_dir / "review.rrd", plain, report_markdown(plain), overlays, study.compiled, look)
         write_simulated(run_dir / "simulated.mcap", overlays, _attachments(run_dir, shown), _metadata(plain))
     console.print(Markdown(_summary(plain)))
@@ -72,19 +71,29 @@ def _plain(report: Mapping[str, Any], notes: Sequence[Mapping[str, Any]], run_di
     return cast(dict[str, Any], to_plain({**report, **more}))
 
 
-def _shortened(study: Study, shown: Sequence[Log]) -> list[dict[str, Any]]:
-    """Notes on logs of which the recordings show the beginning alone."""
-    whole = {log.name: log for log in (*study.measurements.fit, *study.measurements.held_out)}
-    seconds = [
-        (log.name, *(max(s.time[-1] for s in each.outputs.values()) for each in (log, whole[log.name])))
-        for log in shown
-    ]
-    message = "The recordings show it up to {:.0f} s of {:.0f} s; recorder.longest=… shows more."
-    return [
-        {"kind": "shown", "log": name, "message": message.format(end, last)}
-        for name, end, last in seconds
-        if end < last
-    ]
+def _shortened(study: Study, shown: Sequence[Log], longest: float) -> list[dict[str, Any]]:
+    """Notes on logs of which the recordings show the beginning alone, or nothing."""
+    ends = {log.name: _end(log) for log in shown}
+    notes = []
+    for log in study.measurements.held_out or study.measurements.fit:
+        if log.name not in ends:
+            message = (
+                f"The recordings leave it out: it holds no gapless window within recorder.longest={longest:g} s. "
+                "Show more seconds, or shorten windows.length."
+            )
+        elif ends[log.name] < _end(log):
+            message = (
+                f"The recordings show it up to {ends[log.name]:.0f} s of {_end(log):.0f} s; recorder.longest=… shows "
+                "more."
+            )
+        else:
+            continue
+        notes.append({"kind": "shown", "log": log.name, "message": message})
+    return notes
+
+
+def _end(log: Log) -> float:
+    return max(signal.time[-1] for signal in log.outputs.values())
 
 
 def _summary(report: Mapping[str, Any]) -> str:

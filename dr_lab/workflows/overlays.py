@@ -9,8 +9,9 @@ import numpy as np
 from dr_lab.diagnosis.channels import residual as channel_residual
 from dr_lab.diagnosis.channels import resolve
 from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
+from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.states import fit_states
-from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.diagnosis.windows import Windows, cut, window_begins
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
@@ -26,10 +27,12 @@ _EVERY_WINDOW = 10**9
 def shown_logs(study: Study, longest: float) -> tuple[Log, ...]:
     """Logs that recordings show: the held-out ones, or the fit logs where none is held out, if they hold a window.
 
-    Of longer logs their first `longest` seconds, so that a recording of hours takes no more memory than one of minutes.
+    Of longer logs their first `longest` seconds, so that a recording of hours takes no more memory than one of minutes;
+    where no window lies in these, because commands begin later, as many seconds from the first window on.
     """
     logs = study.measurements.held_out or study.measurements.fit
-    return tuple(_beginning(log, longest) for log in logs if log.name in study.predicted.logs)
+    parts = (_beginning(study, log, longest) for log in logs if log.name in study.predicted.logs)
+    return tuple(part for part in parts if part is not None)
 
 
 def play_log(study: Study, log: Log, models: Mapping[str, tuple[Model, Array]]) -> dict[str, Played]:
@@ -87,8 +90,15 @@ def residuals(log: Log, study: Study, simulated: Mapping[str, Array]) -> dict[st
     return found
 
 
-def _beginning(log: Log, seconds: float) -> Log:
-    end = min(signal.time[0] for signal in log.outputs.values()) + seconds
+def _beginning(study: Study, log: Log, seconds: float) -> Log | None:
+    """The log up to so many seconds after its first sample, or its first window; None if neither can be played."""
+    sample = min(signal.time[0] for signal in log.outputs.values())
+    window = study.predicted.begin[study.predicted.log == study.predicted.logs.index(log.name)].min()
+    parts = (_until(log, start + seconds) for start in (sample, window))
+    return next((part for part in parts if _is_playable(study, part)), None)
+
+
+def _until(log: Log, end: float) -> Log:
     outputs, commands = (
         {name: replace(s, time=s.time[s.time <= end], value=s.value[s.time <= end]) for name, s in signals.items()}
         for signals in (log.outputs, log.commands)
@@ -96,9 +106,19 @@ def _beginning(log: Log, seconds: float) -> Log:
     return replace(log, outputs=outputs, commands=commands)
 
 
+def _is_playable(study: Study, log: Log) -> bool:
+    if not all(map(len, (*log.outputs.values(), *log.commands.values()))):
+        return False
+    cuts = (_one_after_another(study, length) for length in (study.prediction.length, study.local.length))
+    return all(len(window_begins(log, study.measurements.gaps, settings)) for settings in cuts)
+
+
+def _one_after_another(study: Study, length: float, most: int = _EVERY_WINDOW) -> WindowSettings:
+    return replace(study.prediction, length=length, stride=length, max_windows=most)
+
+
 def _consecutive(study: Study, log: Log, length: float, most: int = _EVERY_WINDOW) -> Windows:
-    settings = replace(study.prediction, length=length, stride=length, max_windows=most)
-    return cut([log], study.measurements, study.compiled, settings)
+    return cut([log], study.measurements, study.compiled, _one_after_another(study, length, most))
 
 
 def _forces(study: Study, log: Log, model: Model, z: Array) -> dict[str, ResidualForce]:

@@ -29,7 +29,7 @@ from hydra.utils import instantiate
 from recorder_samples import read_recording
 
 from dr_lab.cli.compose import compose
-from dr_lab.errors import ModelError
+from dr_lab.errors import DrLabError, ModelError
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log, MeasurementSet
 from dr_lab.workflows.add import add
@@ -128,6 +128,36 @@ def test_of_a_long_log_the_beginning_is_shown_and_the_note_says_so(tmp_path: Pat
     assert (note["log"], note["message"][:45]) == ("log_1", "The recordings show it up to 1 s of 3 s; reco")
     path = read_recording(tmp_path / "review.rrd")["/log_1/signal/hinge.position/measured"]
     assert max(path["t"]) == pytest.approx(1.0)
+
+
+def test_where_commands_begin_after_what_is_shown_the_first_window_on_is_shown(tmp_path: Path) -> None:
+    late = logs()[1]
+    (command,) = late.commands.values()
+    kept = command.time >= 1.5
+    late = replace(late, commands={command.name: replace(command, time=command.time[kept], value=command.value[kept])})
+    report = fitted(pendulum(), measured(logs()[:1], [late]), tmp_path, "recorder.longest=1.0")
+    (note,) = [note for note in report["notes"] if note["kind"] == "shown"]
+    assert note["message"].startswith("The recordings show it up to 3 s of 3 s;")
+    path = read_recording(tmp_path / "review.rrd")["/log_1/signal/hinge.position/measured"]
+    assert max(path["t"]) == pytest.approx(2.56, abs=0.003)  # 1.5 s + 0.06 s of commands before the first window + 1 s
+
+
+def test_a_log_too_long_for_any_window_that_may_be_shown_is_left_out_and_the_report_stands(tmp_path: Path) -> None:
+    report = fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path, "recorder.longest=0.2")
+    (note,) = [note for note in report["notes"] if note["kind"] == "shown"]
+    assert note["log"] == "log_1"
+    assert "leave it out: it holds no gapless window within recorder.longest=0.2 s" in note["message"]
+    assert {"report.json", "review.rrd", "simulated.mcap", "model.xml"} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_the_report_is_written_before_the_recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> None:
+        raise DrLabError("unplayable")
+
+    monkeypatch.setattr("dr_lab.workflows.finish.play_log", fails)
+    with pytest.raises(DrLabError, match="unplayable"):
+        fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path)
+    assert (tmp_path / "report.json").is_file()
 
 
 def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:
