@@ -1,8 +1,9 @@
 """Measured logs as MCAP: what a CSV file holds, for tools that read ROS 2 messages."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import chain, count
 
 import numpy as np
 
@@ -37,14 +38,15 @@ class CsvSource:
     def logs(self, seed: int) -> Iterator[NamedLog]:
         """The logs to fit on, then those held out; nothing is random."""
         del seed
-        return map(self._named, (*self.measurements.fit, *self.measurements.held_out))
+        logs = (*self.measurements.fit, *self.measurements.held_out)
+        return map(self._named, logs, _stems(log.name for log in logs))
 
     def companions(self, seed: int) -> Mapping[str, bytes]:
         """None."""
         del seed
         return {}
 
-    def _named(self, log: Log) -> NamedLog:
+    def _named(self, log: Log, stem: str) -> NamedLog:
         shift = max(0.0, -min(signal.time[0] for signal in (*log.outputs.values(), *log.commands.values())))
         log = replace(log, outputs=_later(log.outputs, shift), commands=_later(log.commands, shift))
         joints = _joint_states(self.joint_topic, log)
@@ -55,10 +57,19 @@ class CsvSource:
         ]
         commands = [_floats(f"{self.command_topic}/{name}", signal) for name, signal in log.commands.items()]
         notes = {f"note.{number}": note.message for number, note in enumerate(log.notes)}
-        # A stretch of a log is called stem[a:b], which no file should be.
-        name = re.sub(r"[^\w.\-]+", "_", log.name).strip("_")
         shifted = {"shift": f"{shift:.9f} s"} if shift else {}
-        return NamedLog(name, (*joints, *sensors, *commands), {"source": self.measurements.name, **shifted, **notes})
+        origin = {"source": self.measurements.name, "log": log.name}
+        return NamedLog(stem, (*joints, *sensors, *commands), {**origin, **shifted, **notes})
+
+
+def _stems(names: Iterable[str]) -> tuple[str, ...]:
+    """File names for logs: a stretch is called log[a:b], which no file should be; equal ones are counted."""
+    stems: list[str] = []
+    for name in names:
+        plain = re.sub(r"[^\w.\-]+", "_", name).strip("_")
+        counted = chain([plain], (f"{plain}_{number}" for number in count(2)))
+        stems.append(next(stem for stem in counted if stem not in stems))
+    return tuple(stems)
 
 
 def _later(signals: Mapping[str, Signal], shift: float) -> dict[str, Signal]:

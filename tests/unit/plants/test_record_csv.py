@@ -116,3 +116,12 @@ def test_a_recorded_log_from_0_on_keeps_its_times() -> None:
     (log,) = source(joint=Signal("a.position", "rad", np.array([0.1, 0.2]), np.zeros(2))).logs(0)
     assert "shift" not in log.metadata
     np.testing.assert_array_equal(log.topics[0].log_time, [0.1, 0.2])
+
+
+def test_stretches_whose_names_differ_by_their_brackets_alone_get_files_of_their_own() -> None:
+    joint = Signal("a.position", "rad", np.array([0.1, 0.2]), np.zeros(2))
+    names = ("log_1[:3]", "log_1[3:]", "log_1_3_2", "run/a b")
+    logs = tuple(Log(name, {joint.name: joint}, {}) for name in names)
+    recorded = list(CsvSource(MeasurementSet("bench", logs[:2], logs[2:], {}, {}), "/j", "/c", "/s").logs(0))
+    assert [log.name for log in recorded] == ["log_1_3", "log_1_3_2", "log_1_3_2_2", "run_a_b"]
+    assert [log.metadata["log"] for log in recorded] == list(names)
