@@ -64,6 +64,12 @@ def available(model: mujoco.MjModel) -> dict[str, Channel]:
     return {channel.name: channel for channel in channels}
 
 
+def unmeasured_joints(model: mujoco.MjModel, names: Sequence[str]) -> tuple[str, ...]:
+    """Hinge and slide joints of which the named channels show neither the position nor the velocity."""
+    joints = (model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in _SCALAR_JOINTS)
+    return tuple(name for name in joints if not {f"{name}.position", f"{name}.velocity"} & set(names))
+
+
 @dataclass(frozen=True)
 class Tape:
     """Rollouts laid out for reading: c contexts × w windows × s steps of length `step`.

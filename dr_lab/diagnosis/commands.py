@@ -23,6 +23,13 @@ def actuator_columns(model: mujoco.MjModel, logs: Sequence[Log]) -> dict[str, in
     return {name: names[name] for log in logs for name in log.commands}
 
 
+def silent_actuators(model: mujoco.MjModel, logs: Sequence[Log]) -> tuple[str, ...]:
+    """Actuators that no log has a command for, so that their controls are 0."""
+    sent = {name for log in logs for name in log.commands}
+    moved = (model.actuator(i).name for i in range(model.nactuator) if model.actuator_ctrlnum[i] > 0)
+    return tuple(name for name in moved if name not in sent)
+
+
 def averages(commands: Mapping[str, Signal], columns: Mapping[str, int], nu: int, edges: Array) -> Array:
     """Time average over each step of commands that hold until their next sample.
 

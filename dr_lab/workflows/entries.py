@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from dr_lab.diagnosis import trust
+from dr_lab.diagnosis.channels import unmeasured_joints
+from dr_lab.diagnosis.commands import silent_actuators
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
 from dr_lab.diagnosis.evidence import noise_floor
@@ -45,7 +47,13 @@ def header(verb: str, study: Study) -> dict[str, Any]:
         "logs": {"fit": [log.name for log in measured.fit], "held_out": [log.name for log in measured.held_out]},
         "windows": {"length": study.windows.length, "fit": len(study.bench.fit), "held_out": len(study.bench.held_out)},
         "clocks": _clocks(measured),
-        "notes": [*_unit_note(study), *_step_note(study), *_split_note(measured), *_data_notes(measured)],
+        "notes": [
+            *_unit_note(study),
+            *_step_note(study),
+            *_silent_notes(study),
+            *_split_note(measured),
+            *_data_notes(measured),
+        ],
     }
 
 
@@ -242,6 +250,26 @@ def _step_note(study: Study) -> list[dict[str, Any]]:
         f"within a window, which can pass for missing physics. Set timestep {study.floor.proposed:g} s in the MJCF."
     )
     return [{"kind": "time_step", "signal": worst, "message": message}]
+
+
+def _silent_notes(study: Study) -> list[dict[str, Any]]:
+    """What the model has and the measurements do not name."""
+    logs = (*study.measurements.fit, *study.measurements.held_out)
+    sent, shown = (", ".join(signals) or "none" for signals in (logs[0].commands, logs[0].outputs))
+    notes = []
+    if actuators := silent_actuators(study.compiled, logs):
+        message = (
+            f"No command is measured for {', '.join(actuators)}: simulated with the control 0. Measured commands: "
+            f"{sent}. If it was driven, name its channel in measurements.commands."
+        )
+        notes.append({"kind": "no_command", "message": message})
+    if joints := unmeasured_joints(study.compiled, tuple(logs[0].outputs)):
+        message = (
+            f"No position or velocity is measured of joint {', '.join(joints)}: what it does is guessed from the other "
+            f"channels. Measured: {shown}. If a log holds it, name its channel in measurements.outputs."
+        )
+        notes.append({"kind": "no_output", "message": message})
+    return notes
 
 
 def _split_note(measured: MeasurementSet) -> list[dict[str, Any]]:

@@ -102,6 +102,7 @@ def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> Non
     assert not {"infeasible_windows", "not_converged"} & {note["kind"] for note in report["notes"]}
     assert (tmp_path / "report.json").is_file()
     assert (tmp_path / "review.rrd").is_file()
+    assert not {"no_command", "no_output"} & {note["kind"] for note in report["notes"]}
 
 
 def test_nothing_is_called_held_out_where_nothing_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -158,6 +159,21 @@ def test_the_report_is_written_before_the_recordings(tmp_path: Path, monkeypatch
     with pytest.raises(DrLabError, match="unplayable"):
         fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path)
     assert (tmp_path / "report.json").is_file()
+
+
+def test_actuators_and_joints_that_no_channel_shows_are_told(tmp_path: Path) -> None:
+    model = model_of(
+        BLIND.replace("<sensor>", '<actuator><motor name="fan" joint="hinge"/></actuator><sensor>'), DAMPING
+    )
+    motion = simulated(model.compile(np.array([0.08])), None, 2.0, qpos=[0.6])
+    read = motion["sensordata"][:, :3] + NOISE * np.random.default_rng(0).normal(size=(1000, 3))
+    data = measured([log_of("log_0", {"sensor.gyro": (motion["time"], read)})])
+    notes = {note["kind"]: note["message"] for note in fitted(model, data, tmp_path)["notes"]}
+    assert (
+        "No command is measured for fan: simulated with the control 0. Measured commands: none." in notes["no_command"]
+    )
+    assert "No position or velocity is measured of joint hinge" in notes["no_output"]
+    assert "Measured: sensor.gyro." in notes["no_output"]
 
 
 def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:
