@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.errors import DataError
-from dr_lab.measurements.clocks import ClockLine, describe, fit_line, pool, steps
+from dr_lab.measurements.clocks import describe, fit_line, pool, steps
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.samples import Samples, Stamps
 from dr_lab.measurements.signal_map import ChannelMap
@@ -20,7 +20,7 @@ class Aligned:
     Attributes:
         times: by channel, s on the log's clock, latency subtracted, in the order of the samples.
         clocks: how each channel's clock was mapped, by channel.
-        notes: clocks that do not run straight.
+        notes: stamps that nobody set, and clocks that do not run straight.
     """
 
     times: Mapping[str, Array]
@@ -39,7 +39,8 @@ def align(
 
     Stamps of the log, of the publisher and of a table's column are taken as they are. Header stamps are another
     computer's clock: offset and drift against the log time are estimated for each topic (see
-    `dr_lab.measurements.clocks.fit_line`), once for topics that share a clock.
+    `dr_lab.measurements.clocks.fit_line`), once for topics that share a clock. The log time stands for header stamps
+    that nobody set.
 
     Args:
         channels: all channels.
@@ -53,27 +54,36 @@ def align(
     """
     chosen = {channel.name: channel.clock or natural_clock for channel in channels}
     stamps = {channel.name: _stamps(channel, samples[channel.name], chosen[channel.name], file) for channel in channels}
-    pairs = {
-        samples[name].stream: (stamps[name].elapsed, samples[name].stamps["log"].elapsed)
-        for name, clock in chosen.items()
-        if clock == "header"
-    }
+    headed = {samples[name].stream: samples[name].stamps for name, clock in chosen.items() if clock == "header"}
+    pairs = {topic: _pair(found) for topic, found in headed.items()}
     lines = pool({topic: fit_line(*pair, contract) for topic, pair in pairs.items()}, pairs, contract)
-    notes = [note for topic, pair in pairs.items() for note in steps(topic, *pair, lines[topic], contract)]
+    notes = [note for topic, found in headed.items() for note in _unset(topic, found["header"].elapsed)]
+    notes += [note for topic, pair in pairs.items() for note in steps(topic, *pair, lines[topic], contract)]
     times: dict[str, Array] = {}
     clocks: dict[str, ClockFit] = {}
     for channel in channels:
         name, clock = channel.name, chosen[channel.name]
-        line = lines[samples[name].stream] if clock == "header" else ClockLine(stamps[name].zero, 0.0)
-        times[name] = line.to_log(stamps[name].elapsed) - channel.latency
-        clocks[name] = _describe(clock, stamps[name], samples[name], line)
+        time, clocks[name] = stamps[name].elapsed + stamps[name].zero, ClockFit(clock, 0.0, 0.0, 0.0)
+        if clock == "header":
+            line, both = lines[samples[name].stream], samples[name].stamps
+            time = np.where(np.isnan(time), both["log"].elapsed, line.to_log(stamps[name].elapsed))
+            clocks[name] = describe(clock, *_pair(both), line, stamps[name].zero)
+        times[name] = time - channel.latency
     return Aligned(times, clocks, tuple(notes))
 
 
-def _describe(clock: str, stamps: Stamps, samples: Samples, line: ClockLine) -> ClockFit:
-    if clock != "header":
-        return ClockFit(clock, 0.0, 0.0, 0.0)
-    return describe(clock, stamps.elapsed, samples.stamps["log"].elapsed, line, stamps.zero)
+def _pair(stamps: Mapping[str, Stamps]) -> tuple[Array, Array]:
+    """Header stamps that somebody set, and the log times of the same messages."""
+    known = np.isfinite(stamps["header"].elapsed)
+    return stamps["header"].elapsed[known], stamps["log"].elapsed[known]
+
+
+def _unset(topic: str, elapsed: Array) -> list[Note]:
+    count = int(np.isnan(elapsed).sum())
+    if count == 0:
+        return []
+    message = f"{topic}: {count} of {len(elapsed)} header stamps are 0, nobody set them; the log time stands for them."
+    return [Note("unset_stamps", "", message, count)]
 
 
 def _stamps(channel: ChannelMap, samples: Samples, clock: str, file: str) -> Stamps:

@@ -22,6 +22,9 @@ from dr_lab.trajectory import Array, Note
 _DECODER = "ros2_reflection"
 _CLOCK_COLUMNS = {"log": "message_log_time", "publish": "message_publish_time", "header": "ros2_timestamp"}
 _NANO = 1e-9
+# A header stamp of 0 is taken for one that nobody set, unless a clock that runs as the others' passes through 0 there
+# (a simulator's first message): its delay to the log differs from the usual one by less than this many ns.
+_STARTS = 1_000_000_000
 
 
 class _Topic(NamedTuple):
@@ -34,7 +37,7 @@ class McapSource:
     """An MCAP file; a cut one is recovered as far as its messages are complete.
 
     Times count from the log time of the file's first message, and within the header's clock from the header stamp
-    first read.
+    first read. A header stamp of 0 that its clock does not pass through is one that nobody set.
 
     Args:
         path: the file.
@@ -81,7 +84,12 @@ class McapSource:
         rows = _common([part.rows for part in found.values()])
         parts = {name: part.value[np.searchsorted(part.rows, rows)] for name, part in found.items()}
         missing = len(topic.messages) - len(rows)
-        stamps = {clock: self._relative(clock, ns[rows]) for clock, ns in topic.stamps.items()}
+        chosen = {clock: ns[rows] for clock, ns in topic.stamps.items()}
+        start = int(self._info.message_start_time_ns)
+        stamps = {
+            clock: self._header(ns, chosen["log"]) if clock == "header" else Stamps(_seconds(ns, start), zero=0.0)
+            for clock, ns in chosen.items()
+        }
         return Samples(combine(channel, parts.__getitem__), stamps, channel.topic, missing)
 
     def _inspect(self) -> Any:  # noqa: ANN401  (the class is private to Rerun)
@@ -139,13 +147,23 @@ class McapSource:
         }
         return _in_log_order(messages, stamps, kind)
 
-    def _relative(self, clock: str, nanoseconds: NDArray[np.int64]) -> Stamps:
-        start = int(self._info.message_start_time_ns)
-        if clock != "header" or len(nanoseconds) == 0:
-            return Stamps(_seconds(nanoseconds, start), zero=0.0)
-        if self._header_zero is None:
-            self._header_zero = int(nanoseconds[0])
-        return Stamps(_seconds(nanoseconds, self._header_zero), zero=(self._header_zero - start) * _NANO)
+    def _header(self, stamped: NDArray[np.int64], log: NDArray[np.int64]) -> Stamps:
+        known = _is_set(stamped, log)
+        if self._header_zero is None and len(stamped):
+            self._header_zero = int(stamped[known][0])
+        zero = self._header_zero or 0
+        elapsed = np.where(known, _seconds(stamped, zero), np.nan)
+        return Stamps(elapsed, zero=(zero - int(self._info.message_start_time_ns)) * _NANO)
+
+
+def _is_set(stamped: NDArray[np.int64], log: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which header stamps somebody set; all, where all are 0."""
+    known = stamped != 0
+    if not known.any():
+        return ~known
+    delay = log - stamped
+    usual = int(np.sort(delay[known])[known.sum() // 2])
+    return known | (np.abs(delay - usual) < _STARTS)
 
 
 def _in_log_order(messages: pa.StructArray, stamps: dict[str, NDArray[np.int64]], kind: str) -> _Topic:

@@ -15,7 +15,7 @@ class Stamps:
     """The stamps of one clock.
 
     Attributes:
-        elapsed: s since a zero that all channels of the file share for this clock, shape (n,).
+        elapsed: s since a zero that all channels of the file share for this clock, shape (n,); NaN where nobody set it.
         zero: that zero in s after the file's own (its first log time, or its first row); a robot's clock may be off
             by decades, and a difference that large would cost `elapsed` its digits.
     """

@@ -145,6 +145,38 @@ def test_clocks_that_are_not_there(folder: Path, tmp_path: Path, contract: DataC
         read_log(tmp_path / "zero.mcap", {"arm.position": OUTPUTS["arm.position"]}, {}, contract, clock="header")
 
 
+def stamped(path: Path, stamp: Array, log_time: Array) -> Path:
+    write_mcap(path, [JointStates("/joint_states", ("arm",), stamp, log_time, np.sin(log_time)[:, None])], {}, {})
+    return path
+
+
+@pytest.mark.parametrize("unset", [slice(1), slice(50), slice(400, 401), slice(None, None, 3)])
+def test_the_log_time_stands_for_header_stamps_of_0(tmp_path: Path, contract: DataContract, unset: slice) -> None:
+    true = np.linspace(0.0, 2.0, 1000, endpoint=False)
+    stamp = EPOCH - 20.0 + true
+    stamp[unset] = 0.0
+    late = np.random.default_rng(0).exponential(0.3e-3, 1000)
+    path = stamped(tmp_path / "a.mcap", stamp, EPOCH + true + late)
+    log = read_log(path, {"arm.position": OUTPUTS["arm.position"] | {"latency": 0.0}}, {}, contract, clock="header")
+    (note,) = [note for note in log.notes if note.kind == "unset_stamps"]
+    assert note.count == len(true[unset])
+    assert f"{note.count} of 1000 header stamps are 0, nobody set them; the log time stands for them" in note.message
+    arm = log.outputs["arm.position"]
+    named = {time: index for index, time in enumerate(np.sin(EPOCH + true + late).tolist())}
+    places = [named[value] for value in arm.value.tolist()]
+    expected = np.where(stamp == 0.0, true + late, true)[places]
+    assert len(arm) > 990
+    np.testing.assert_allclose(arm.time - expected, (arm.time - expected).mean(), atol=20e-6)
+    assert log.clocks["arm.position"].offset == pytest.approx(20.0, abs=20e-6)
+
+
+def test_a_simulators_clock_may_begin_at_0(tmp_path: Path, contract: DataContract) -> None:
+    time = np.linspace(0.0, 2.0, 1000, endpoint=False)
+    path = stamped(tmp_path / "a.mcap", time, EPOCH + time + 0.01)
+    log = read_log(path, {"arm.position": OUTPUTS["arm.position"]}, {}, contract, clock="header")
+    assert (log.notes, len(log.outputs["arm.position"])) == ((), 1000)
+
+
 @pytest.mark.parametrize(
     ("change", "error", "message"),
     [
