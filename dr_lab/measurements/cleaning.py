@@ -46,11 +46,17 @@ def drop_not_finite(name: str, time: Array, value: Array, log: str = "") -> Clea
     return Cleaned(time[good], value[good], (note,))
 
 
-def drop_unordered(name: str, time: Array, value: Array) -> Cleaned:
+def drop_unordered(name: str, time: Array, value: Array, *, held: bool = False) -> Cleaned:
     """Make the times increase; report what stood in the way.
 
     Samples that came out of order over a few places (a network's reordering) are sorted. A longer step back is a clock
-    that was set: the samples that lie before an earlier one are dropped. So are repeats of a time.
+    that was set: the samples that lie before an earlier one are dropped. Of several at one time the first is kept.
+
+    Args:
+        name: channel.
+        time: shape (n,).
+        value: shape (n,) or (n, k).
+        held: whether a value holds until the next; then the last of several at one time is kept, which holds from then.
     """
     order = np.argsort(time, kind="stable")
     moved = np.abs(order - np.arange(len(time)))
@@ -61,18 +67,20 @@ def drop_unordered(name: str, time: Array, value: Array) -> Cleaned:
         notes.append(Note("reordered", name, f"{name}: {count} samples came out of order and were sorted.", count))
     latest = np.maximum.accumulate(time)
     before = np.concatenate([[-np.inf], latest[:-1]])
-    same, back = time == before, time < before
-    if same.any():
-        count = int(same.sum())
-        message = f"{name}: {count} samples repeat the time of an earlier one and were dropped."
-        notes.append(Note("duplicates", name, message, count))
+    back = time < before
     if back.any():
         count, far = int(back.sum()), float((before - time)[back].max())
         message = (
             f"{name}: time goes back by up to {far:.3g} s; the {count} samples before an earlier one were dropped."
         )
         notes.append(Note("back_steps", name, message, count))
-    keep = ~(same | back)
+    time, value = time[~back], value[~back]
+    same = np.diff(time) == 0
+    if same.any():
+        count = int(same.sum())
+        other = "are followed by another at the same time" if held else "repeat the time of an earlier one"
+        notes.append(Note("duplicates", name, f"{name}: {count} samples {other} and were dropped.", count))
+    keep = ~np.append(same, False) if held else ~np.append(False, same)
     return Cleaned(time[keep], value[keep], tuple(notes))
 
 

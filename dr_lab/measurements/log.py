@@ -84,7 +84,7 @@ def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContr
 
 def _output(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract: DataContract) -> Signal:
     channel = part.channel
-    time, value = _sound(part, keep, log, notes)
+    time, value = _sound(part, keep, log, notes, held=False)
     if channel.wrap:
         _, value, found = unwrap(channel.name, value)
         notes += found
@@ -107,13 +107,13 @@ def _output(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract:
 
 
 def _command(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract: DataContract) -> Signal:
-    time, value = _sound(part, keep, log, notes)
+    time, value = _sound(part, keep, log, notes, held=True)
     if np.isfinite(longest_wait([time], contract, on_change=True)):
         notes += find_gaps(part.channel.name, time, contract)
     return Signal(part.channel.name, part.channel.unit.name, time, value)
 
 
-def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note]) -> tuple[Array, Array]:
+def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note], *, held: bool) -> tuple[Array, Array]:
     """Finite samples in the order of time."""
     name = part.channel.name
     if not keep.any():
@@ -122,7 +122,7 @@ def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note]) -> tuple[A
         message = f"{name}: {part.missing} messages of {part.channel.topic} do not hold it."
         notes.append(Note("partial", name, message, part.missing))
     finite = drop_not_finite(name, part.time[keep], part.value[keep], log)
-    ordered = drop_unordered(name, finite.time, finite.value)
+    ordered = drop_unordered(name, finite.time, finite.value, held=held)
     notes += [*finite.notes, *ordered.notes]
     return ordered.time, ordered.value
 

@@ -34,8 +34,8 @@ def test_a_clock_that_was_set_back_loses_what_it_repeats() -> None:
     cleaned = drop_unordered("q", time, np.arange(240.0))
     np.testing.assert_array_equal(cleaned.time, np.arange(200.0))
     np.testing.assert_array_equal(cleaned.value, np.concatenate([np.arange(100.0), np.arange(140.0, 240.0)]))
-    assert [(note.kind, note.count) for note in cleaned.notes] == [("duplicates", 1), ("back_steps", 39)]
-    assert "goes back by up to 39 s" in cleaned.notes[1].message
+    assert [(note.kind, note.count) for note in cleaned.notes] == [("back_steps", 39), ("duplicates", 1)]
+    assert "goes back by up to 39 s" in cleaned.notes[0].message
 
 
 def test_a_few_samples_out_of_order_are_sorted_and_duplicates_go() -> None:
@@ -44,6 +44,18 @@ def test_a_few_samples_out_of_order_are_sorted_and_duplicates_go() -> None:
     np.testing.assert_array_equal(cleaned.time, [0.0, 1.0, 1.5, 1.8, 2.0, 3.0])
     np.testing.assert_array_equal(cleaned.value, [0.0, 1.0, 4.0, 5.0, 3.0, 6.0])
     assert [(note.kind, note.count) for note in cleaned.notes] == [("reordered", 3), ("duplicates", 1)]
+
+
+def test_of_values_that_hold_the_last_at_one_time_counts() -> None:
+    """Stairs of a command whose edges are written as two rows, once with a third; a row that came late among them."""
+    time = np.array([0.0, 1.0, 1.0, 2.0, 2.0, 1.5, 2.0, 3.0])
+    value = np.array([0.0, 0.0, 5.0, 5.0, 7.0, 6.0, -5.0, -5.0])
+    cleaned = drop_unordered("motor", time, value, held=True)
+    np.testing.assert_array_equal(cleaned.time, [0.0, 1.0, 1.5, 2.0, 3.0])
+    np.testing.assert_array_equal(cleaned.value, [0.0, 5.0, 6.0, -5.0, -5.0])
+    duplicates = next(note for note in cleaned.notes if note.kind == "duplicates")
+    assert duplicates.message == "motor: 3 samples are followed by another at the same time and were dropped."
+    np.testing.assert_array_equal(drop_unordered("q", time, value).value, [0.0, 0.0, 6.0, 5.0, -5.0])
 
 
 def test_clean_samples_pass_untouched() -> None:

@@ -74,6 +74,15 @@ def test_a_constant_command_holds(tmp_path: Path, contract: DataContract) -> Non
     np.testing.assert_array_equal(log.commands["m"].value, [3.0])
 
 
+def test_an_edge_of_a_command_may_be_two_rows_of_one_time(tmp_path: Path, contract: DataContract) -> None:
+    time = np.repeat(TIME, 2)[1:]
+    level = np.where(TIME < 2.0, -1.0, 1.0)
+    path = csv(tmp_path / "a.csv", time=time, q=np.repeat(ANGLE, 2)[1:], u=np.repeat(level, 2)[:-1])
+    log = read_log(path, Q, U, contract)
+    np.testing.assert_array_equal(log.commands["m"].value[:-1], level[:-1])
+    np.testing.assert_array_equal(log.commands["m"].time, log.outputs["q.position"].time)
+
+
 def test_all_nan_and_one_sample(tmp_path: Path, contract: DataContract) -> None:
     with pytest.raises(DataError, match=r"'q.position': all 2000 samples are NaN"):
         read_log(csv(tmp_path / "a.csv", time=TIME, q=np.nan), Q, {}, contract)
