@@ -9,6 +9,8 @@ class DataContract:
 
     Attributes:
         minimum_samples: fewest samples a measured channel may have.
+        longest_period: s, samples that usually lie farther apart have times in another unit.
+        longest_mean_wait: s, a channel whose samples lie farther apart on average has stamps from another epoch.
         gap: a time between two samples that is longer than this many usual periods is a gap.
         event_share: a command with more gaps than this share of its samples is sent on change; it has no gaps.
         glitch: a glitch lies further than this many noise standard deviations from its neighbours' curve …
@@ -31,6 +33,8 @@ class DataContract:
     """
 
     minimum_samples: int
+    longest_period: float
+    longest_mean_wait: float
     gap: float
     event_share: float
     glitch: float

@@ -14,6 +14,7 @@ from dr_lab.measurements.glitches import drop_glitches
 from dr_lab.measurements.noise import estimate_noise
 from dr_lab.measurements.raw_log import RawChannel, RawLog, TimeAxis, read_raw
 from dr_lab.measurements.recordings import Recording
+from dr_lab.measurements.sampling import check_sampling
 from dr_lab.measurements.signal_map import channel_maps
 from dr_lab.measurements.unit_check import check_units
 from dr_lab.trajectory import Array, Log, Note, Signal
@@ -72,7 +73,8 @@ def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContr
     commands: dict[str, Signal] = {}
     for part in raw.outputs:
         keep = ~((part.time < start) | (part.time > stop))
-        outputs[part.channel.name] = _output(part, keep, name, notes, contract)
+        clock = raw.clocks[part.channel.name].clock
+        outputs[part.channel.name] = _output(part, keep, name, clock, notes, contract)
     for part in raw.commands:
         held = part.time[part.time <= start].max(initial=-np.inf)
         keep = ~((part.time < held) | (part.time > stop))
@@ -82,9 +84,10 @@ def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContr
     return Log(name, outputs, commands, tuple(notes), raw.clocks)
 
 
-def _output(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract: DataContract) -> Signal:
+def _output(part: RawChannel, keep: Mask, log: str, clock: str, notes: list[Note], contract: DataContract) -> Signal:
     channel = part.channel
     time, value = _sound(part, keep, log, notes, held=False)
+    check_sampling(f"Log {log!r}: channel {channel.name!r} ({channel.source})", time, clock, contract)
     if channel.wrap:
         _, value, found = unwrap(channel.name, value)
         notes += found

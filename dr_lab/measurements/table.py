@@ -11,7 +11,7 @@ import pyarrow.parquet
 from dr_lab.errors import DataError, UnknownNameError
 from dr_lab.measurements.samples import Samples, Stamps, combine
 from dr_lab.measurements.signal_map import ChannelMap
-from dr_lab.measurements.units import unit
+from dr_lab.measurements.units import Unit, unit
 from dr_lab.trajectory import Array, Note
 
 
@@ -28,7 +28,7 @@ class TableSource:
         table: the rows that count, from `grouped`; None takes the whole file.
 
     Raises:
-        DataError: empty or unreadable file, or a time column without a time.
+        DataError: empty or unreadable file, a time column without a time, or one whose unit is none of time.
         UnknownNameError: no such column; the message lists them.
     """
 
@@ -76,7 +76,7 @@ class TableSource:
             if len(known) == 0:
                 raise DataError(f"{self._path}: column {name!r} holds no time.")
             elapsed = time - known[0]
-        return elapsed * unit(time_unit).factor
+        return elapsed * _time_unit(time_unit).factor
 
     def _column(self, name: str) -> Array:
         if name not in self._columns:
@@ -100,6 +100,16 @@ def grouped(path: Path, column: str) -> dict[str, pa.Table]:
     coded = _column(table, column, path).combine_chunks().dictionary_encode()
     places = coded.indices.to_numpy(zero_copy_only=False)
     return {_text(value): table.filter(pa.array(places == k)) for k, value in enumerate(coded.dictionary)}
+
+
+def _time_unit(text: str) -> Unit:
+    found = unit(text)
+    if found.dimension != "[time]" and (found.dimension, found.factor) != ("dimensionless", 1.0):
+        raise DataError(
+            f"time.unit is {text!r} of dimension {found.dimension}; expected s, ms, us, ns, min or h, or 1 for one "
+            "that counts samples, with the seconds of a sample in time.scale."
+        )
+    return found
 
 
 def _text(value: pa.Scalar) -> str:

@@ -68,6 +68,37 @@ def test_degrees_declared_as_radians_are_refused(tmp_path: Path, contract: DataC
         read_log(path, Q, {}, contract)
 
 
+@pytest.mark.parametrize(("scale", "unit", "remedy"), [(1e9, "ns", "1e-9"), (1e6, "µs", "1e-6"), (1e3, "ms", "1e-3")])
+def test_times_in_another_unit_than_declared_are_refused_with_the_scale(
+    tmp_path: Path, contract: DataContract, scale: float, unit: str, remedy: str
+) -> None:
+    path = csv(tmp_path / "a.csv", time=scale * TIME, q=ANGLE)
+    with pytest.raises(DataError, match=rf"'q\.position' \(column q\).* in {unit}, set time\.scale={remedy}, or raise"):
+        read_log(path, Q, {}, contract)
+    log = read_log(path, Q, {}, contract, time=TimeAxis(scale=float(remedy)))
+    np.testing.assert_allclose(log.outputs["q.position"].time, TIME, atol=1e-9)
+
+
+@pytest.mark.parametrize(("row", "stamp", "cut"), [(0, -1.7e9, "start"), (-1, 1.7e9, "stop")])
+def test_a_stamp_from_another_epoch_is_refused_and_can_be_cut_off(
+    tmp_path: Path, contract: DataContract, row: int, stamp: float, cut: str
+) -> None:
+    time = TIME.copy()
+    time[row] = stamp
+    path = csv(tmp_path / "a.csv", time=time, q=ANGLE)
+    with pytest.raises(DataError, match=rf"2000 samples in 1\.7e\+09 s.* Cut them off with time\.{cut}=8\.5e\+08,"):
+        read_log(path, Q, {}, contract)
+    log = read_log(path, Q, {}, contract, time=TimeAxis(**{cut: 8.5e8}))
+    assert len(log.outputs["q.position"]) == 1999
+
+
+@pytest.mark.parametrize("unit", ["deg", "Hz", "m"])
+def test_a_unit_that_is_none_of_time_is_refused(tmp_path: Path, contract: DataContract, unit: str) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, q=ANGLE)
+    with pytest.raises(DataError, match=rf"time\.unit is '{unit}' of dimension .*; expected s, ms"):
+        read_log(path, Q, {}, contract, time=TimeAxis(unit=unit))
+
+
 def test_a_constant_command_holds(tmp_path: Path, contract: DataContract) -> None:
     u = np.where(np.arange(2000) == 0, 3.0, np.nan)
     log = read_log(csv(tmp_path / "a.csv", time=TIME, q=ANGLE, u=u), Q, U, contract)
