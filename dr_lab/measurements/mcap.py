@@ -15,6 +15,7 @@ from rerun.chunk import McapReader
 
 from dr_lab.errors import DataError, UnknownNameError
 from dr_lab.measurements.field_path import Rows, extract
+from dr_lab.measurements.mcap_chunks import damaged_chunks
 from dr_lab.measurements.samples import Samples, Stamps, combine
 from dr_lab.measurements.signal_map import ChannelMap, names_of
 from dr_lab.trajectory import Array, Note
@@ -43,7 +44,7 @@ class McapSource:
         path: the file.
 
     Raises:
-        DataError: empty, not an MCAP, or without messages.
+        DataError: empty, not an MCAP, cut before its first message, or without messages.
     """
 
     natural_clock = "log"
@@ -54,6 +55,8 @@ class McapSource:
         self._header_zero: int | None = None
         self._topics: dict[str, _Topic] = {}
         self._info = self._inspect()
+        if self._info.message_count == 0 and self._recover:
+            raise DataError(f"{path} is cut before its first message was complete. Leave it out of logs.")
         if self._info.message_count == 0:
             raise DataError(f"{path} holds no messages. Record it again, or leave it out of logs.")
 
@@ -71,7 +74,7 @@ class McapSource:
 
         Raises:
             UnknownNameError: no such topic, field or joint; the message lists those there are.
-            DataError: a topic that cannot be decoded, or a field that holds no numbers.
+            DataError: a topic that is damaged or cannot be decoded, or a field that holds no numbers.
         """
         if not channel.topic:
             raise DataError(
@@ -111,6 +114,20 @@ class McapSource:
                 f"{self._path} is damaged and nothing in it could be recovered: {error}. Leave it out of logs."
             ) from error
 
+    def _batches(self, topic: str) -> list[pa.RecordBatch]:
+        damaged, count = (0, 0) if self._recover else damaged_chunks(self._path, topic)
+        if damaged:
+            raise self._damaged(f"{damaged} of {count} chunks with {topic} are not as they were written")
+        try:
+            return [chunk.to_record_batch() for chunk in self._reader(topic).stream()]
+        except RuntimeError as error:  # Rerun's, followed by its own backtrace
+            raise self._damaged(str(error).splitlines()[0].rstrip(" :")) from error
+
+    def _damaged(self, reason: str) -> DataError:
+        return DataError(
+            f"{self._path} is damaged ({reason}). Copy it again, mend it with mcap recover, or leave it out of logs."
+        )
+
     def _reader(self, topic: str | None = None) -> McapReader:
         chosen = None if topic is None else [f"^{re.escape(topic)}$"]
         return McapReader(self._path, decoders=[_DECODER], include_topic_regex=chosen, recover=self._recover)
@@ -129,9 +146,8 @@ class McapSource:
     def _read(self, name: str) -> _Topic:
         schema = self._channels[name].schema
         kind = schema.name if schema else "no schema"
-        batches = [chunk.to_record_batch() for chunk in self._reader(name).stream()]
         suffix = ":message"
-        batches = [b for b in batches if any(column.endswith(suffix) for column in b.schema.names)]
+        batches = [b for b in self._batches(name) if any(column.endswith(suffix) for column in b.schema.names)]
         if not batches:
             encoding = f"{self._channels[name].message_encoding} with schema {schema.encoding if schema else 'none'}"
             raise DataError(

@@ -1,12 +1,13 @@
 """The channels of one file in SI on the file's log clock, before anything is dropped."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from dr_lab.errors import ConfigError, DataError
+from dr_lab.errors import ConfigError, DataError, require_numbers
 from dr_lab.measurements.alignment import align
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.mcap import McapSource
@@ -15,6 +16,8 @@ from dr_lab.measurements.samples import Source
 from dr_lab.measurements.signal_map import ChannelMap
 from dr_lab.measurements.table import TableSource
 from dr_lab.trajectory import Array, ClockFit, Note
+
+_EXAMPLES = {"scale": ", e.g. 1e-9 for ns", "start": " of seconds", "stop": " of seconds"}
 
 
 @dataclass(frozen=True)
@@ -27,6 +30,9 @@ class TimeAxis:
         scale: factor into that unit, e.g. the period where the column counts samples.
         start: s, earlier samples are left out.
         stop: s, later samples are left out.
+
+    Raises:
+        ConfigError: a number is none, or the scale is not above 0.
     """
 
     column: str = "time"
@@ -34,6 +40,14 @@ class TimeAxis:
     scale: float = 1.0
     start: float | None = None
     stop: float | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("scale", "start", "stop"):
+            value = getattr(self, key)
+            known = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+            if not known and not (value is None and key != "scale"):
+                raise ConfigError(f"time.{key} is {value!r}; expected a number{_EXAMPLES[key]}.")
+        require_numbers(self, "time", positive=("scale",))
 
 
 @dataclass(frozen=True)

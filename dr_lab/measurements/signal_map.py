@@ -117,11 +117,16 @@ def channel_maps(entries: Mapping[str, Mapping[str, Any]], clock: str) -> tuple[
 
 
 def _check_keys(name: str, settings: Mapping[str, Any]) -> None:
+    if not isinstance(settings, Mapping):
+        raise ConfigError(
+            f"Channel {name!r} is {settings!r}; expected its entry, e.g. {{column: NAME, unit: rad}} or "
+            "{topic: NAME, field: PATH, unit: rad}. To leave the channel out, remove it: ~measurements.outputs.…"
+        )
     known = {f.name for f in fields(ChannelMap)} - {"name", "readings", "vector"} | {"field", "column"}
     for key in settings:
         if key not in known:
             raise UnknownNameError("key", str(key), known, f"the entry of channel {name!r}")
-    given = {key for key in ("topic", "field", "column") if settings.get(key) not in (None, "")}
+    given = {key for key in ("topic", "field", "column") if settings.get(key) not in (None, "", [], {})}
     if given not in ({"topic", "field"}, {"column"}):
         expected = "topic and field (MCAP) or column (CSV, Parquet)"
         raise ConfigError(f"Channel {name!r}: give {expected}; got {', '.join(sorted(given)) or 'neither'}.")
@@ -157,6 +162,8 @@ def _sign(name: str, value: object) -> float:
 def _number(name: str, key: str, value: object) -> float:
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         raise ConfigError(f"Channel {name!r}: {key} is {value!r}; expected a number.")
+    if key == "scale" and value == 0:
+        raise ConfigError(f"Channel {name!r}: scale is 0, which leaves nothing of its numbers; give another.")
     if key == "noise_std" and value <= 0:
         raise ConfigError(f"Channel {name!r}: noise_std must be > 0; got {value!r}. Write null to estimate it.")
     return float(value)

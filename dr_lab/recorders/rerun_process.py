@@ -10,13 +10,14 @@ from typing import IO
 
 import rerun_cli
 
-from dr_lab.errors import DrLabError
+from dr_lab.errors import ConfigError, DrLabError
 
 # Rerun listens on every network by default; a recording is nobody else's business.
 LOCAL = "127.0.0.1"
 # s: a viewer that has not answered by then never will; a cold start on a slow machine takes up to ten.
 START_LIMIT = 60.0
 POLL = 0.05
+_LAST_PORT = 65535
 
 
 def viewer_binary() -> str:
@@ -34,7 +35,14 @@ def viewer_binary() -> str:
 
 
 def free_port(wanted: int = 0) -> int:
-    """A port of this machine that nobody listens on: the wanted one, or any other where it is taken (0: any)."""
+    """A port of this machine that nobody listens on: the wanted one, or any other where it is taken (0: any).
+
+    Raises:
+        ConfigError: there is no such port.
+        DrLabError: none is free.
+    """
+    if not 0 <= wanted <= _LAST_PORT:
+        raise ConfigError(f"There is no port {wanted}; give page_port and data_port up to {_LAST_PORT}, 0 for any.")
     for port in (wanted, 0):
         with socket.socket() as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -1,7 +1,7 @@
 """MCAP files written by other libraries and by dr_lab, whole and damaged."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -187,6 +187,33 @@ def test_files_that_are_no_mcap(tmp_path: Path, content: bytes, message: str) ->
     path = tmp_path / "a.mcap"
     path.write_bytes(content)
     with pytest.raises(DataError, match=message):
+        McapSource(path)
+
+
+@pytest.mark.parametrize(
+    ("damaged", "reason"),
+    [
+        (lambda whole: whole.index(b"dr_lab\0\0\0\0"), "1 of 2 chunks with /joint_states are not as they were written"),
+        (lambda whole: len(whole) // 4, "1 of 2 chunks with /joint_states are not as they were written"),
+        (lambda whole: whole.rindex(b"sensor_msgs/msg/JointState") + 60, "MCAP error: Invalid schema"),
+    ],
+)
+def test_damaged_records_are_one_clear_error(tmp_path: Path, damaged: Callable[[bytes], int], reason: str) -> None:
+    path = tmp_path / "a.mcap"
+    write_mcap(path, [one_topic(3000)], {}, {})
+    whole = path.read_bytes()
+    at = damaged(whole)
+    path.write_bytes(whole[:at] + bytes(byte ^ 0x5A for byte in whole[at : at + 40]) + whole[at + 40 :])
+    with pytest.raises(DataError, match=rf"a\.mcap is damaged \({reason}.*\)\. Copy it again") as raised:
+        values(path, "/joint_states", "position[arm]")
+    assert len(str(raised.value).splitlines()) == 1
+
+
+def test_a_file_cut_before_its_first_message_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    write_mcap(path, [one_topic(3000)], {}, {})
+    path.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(DataError, match="is cut before its first message was complete"):
         McapSource(path)
 
 

@@ -2,7 +2,7 @@
 
 import dataclasses
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from csv_logs import ANGLE, TIME, Q, csv
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.log import read_log
+from dr_lab.measurements.raw_log import TimeAxis
 from dr_lab.measurements.read import read
 from dr_lab.recorders.mcap import FloatArrays, JointStates, write_mcap
 from dr_lab.trajectory import Array
@@ -184,6 +185,8 @@ def test_a_simulators_clock_may_begin_at_0(tmp_path: Path, contract: DataContrac
         ({"unit": "radd"}, DataError, r"no unit 'radd'"),
         ({"unit": None}, ConfigError, r"give its unit"),
         ({"sign": 2}, ConfigError, r"sign must be 1 or -1; got 2"),
+        ({"scale": 0}, ConfigError, r"scale is 0, which leaves nothing"),
+        ({"column": []}, ConfigError, r"got neither"),
         ({"noise_std": 0.0}, ConfigError, r"noise_std must be > 0"),
         ({"noise_std": float("nan")}, ConfigError, r"noise_std is nan; expected a number"),
         ({"clock": "headr"}, UnknownNameError, r"no clock 'headr' .*Did you mean 'header'\?"),
@@ -199,6 +202,29 @@ def test_wrong_entries_are_explained(
     path = csv(tmp_path / "a.csv", time=TIME, q=ANGLE)
     with pytest.raises(error, match=message):
         read_log(path, {"q.position": {"column": "q", "unit": "rad"} | change}, {}, contract)
+
+
+@pytest.mark.parametrize("entry", [None, "q"])
+def test_a_channel_without_an_entry_is_explained(tmp_path: Path, contract: DataContract, entry: object) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, q=ANGLE)
+    with pytest.raises(ConfigError, match=r"Channel 'q.position' is .*; expected its entry, e\.g\. \{column: NAME"):
+        read_log(path, {"q.position": cast(Any, entry)}, {}, contract)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"scale": "1e-9s"}, r"time\.scale is '1e-9s'; expected a number, e\.g\. 1e-9 for ns"),
+        ({"scale": None}, r"time\.scale is None"),
+        ({"scale": 0}, r"time\.scale is 0; expected a number above 0"),
+        ({"scale": float("nan")}, r"time\.scale is nan"),
+        ({"scale": -1.0}, r"time\.scale is -1; expected a number above 0"),
+        ({"start": "1 s"}, r"time\.start is '1 s'; expected a number of seconds"),
+    ],
+)
+def test_a_time_axis_that_is_none_is_explained(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        TimeAxis(**settings)
 
 
 @pytest.mark.parametrize(
