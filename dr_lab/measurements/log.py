@@ -87,17 +87,19 @@ def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContr
 def _output(part: RawChannel, keep: Mask, log: str, clock: str, notes: list[Note], contract: DataContract) -> Signal:
     channel = part.channel
     time, value = _sound(part, keep, log, notes, held=False)
-    check_sampling(f"Log {log!r}: channel {channel.name!r} ({channel.source})", time, clock, contract)
     if channel.wrap:
         _, value, found = unwrap(channel.name, value)
         notes += found
     elif channel.unit.name == "rad":
         notes += find_wraps(channel.name, value, contract)
     if len(time) < contract.minimum_samples:
+        why = "".join(f" {note.message}" for note in notes if note.signal == channel.name)
         raise DataError(
             f"Log {log!r}: channel {channel.name!r} ({channel.source}) has {len(time)} usable samples; at least "
-            f"{contract.minimum_samples} are needed. Give a longer log."
+            f"{contract.minimum_samples} are needed.{why} "
+            f"{'Mend that in the file' if why else 'Give a longer log'}, or leave it out of logs."
         )
+    check_sampling(f"Log {log!r}: channel {channel.name!r} ({channel.source})", time, clock, contract)
     signal = Signal(channel.name, channel.unit.name, time, value)
     wait = longest_wait([time], contract, on_change=False)
     if value.ndim == 1 and np.ptp(value) > 0.0:

@@ -62,12 +62,18 @@ class McapSource:
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """Whether the file was cut, and what survived."""
-        if not self._recover:
-            return ()
-        count = self._info.message_count
-        message = f"{self._path.name} ends early (interrupted recording); {count} complete messages were recovered."
-        return (Note("cut", "", message, count),)
+        """Whether the file was cut, and what survived; messages of the topics read so far that could not be decoded."""
+        notes = []
+        if self._recover:
+            count = self._info.message_count
+            message = f"{self._path.name} ends early (interrupted recording); {count} complete messages were recovered."
+            notes.append(Note("cut", "", message, count))
+        for name, topic in self._topics.items():
+            count = self._channels[name].message_count
+            if lost := count - len(topic.messages):
+                message = f"{lost} of {count} messages of {name} could not be decoded and were left out."
+                notes.append(Note("undecoded", "", message, lost))
+        return tuple(notes)
 
     def samples(self, channel: ChannelMap) -> Samples:
         """Read one channel.

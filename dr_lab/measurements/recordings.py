@@ -4,10 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import pyarrow as pa
-
 from dr_lab.errors import ConfigError
 from dr_lab.measurements.table import grouped
+from dr_lab.measurements.table_file import Rows
 
 TABLES = (".csv", ".txt", ".parquet")
 
@@ -22,7 +21,7 @@ class Recording:
     """
 
     path: Path
-    rows: pa.Table | None = None
+    rows: Rows | None = None
 
 
 def recordings(files: Mapping[str, Path], group: str | None) -> dict[str, Recording]:

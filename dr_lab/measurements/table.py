@@ -1,16 +1,14 @@
 """CSV and Parquet logs: one row a sample, one column a quantity, one column the time."""
 
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.csv
-import pyarrow.parquet
 
 from dr_lab.errors import DataError, UnknownNameError
 from dr_lab.measurements.samples import Samples, Stamps, combine
 from dr_lab.measurements.signal_map import ChannelMap
+from dr_lab.measurements.table_file import Rows, load
 from dr_lab.measurements.units import Unit, unit
 from dr_lab.trajectory import Array, Note
 
@@ -25,7 +23,7 @@ class TableSource:
         time_column: column with the rows' times.
         time_unit: unit of that column; a column of timestamps needs none.
         time_scale: factor into that unit, e.g. the period where the column counts samples.
-        table: the rows that count, from `grouped`; None takes the whole file.
+        rows: those that count, from `grouped`; None takes the whole file.
 
     Raises:
         DataError: empty or unreadable file, a time column without a time, or one whose unit is none of time.
@@ -35,17 +33,17 @@ class TableSource:
     natural_clock = "column"
 
     def __init__(
-        self, path: Path, time_column: str, time_unit: str, time_scale: float = 1.0, table: pa.Table | None = None
+        self, path: Path, time_column: str, time_unit: str, time_scale: float = 1.0, rows: Rows | None = None
     ) -> None:
         self._path = path
-        self._table = _load(path) if table is None else table
+        self._rows = load(path) if rows is None else rows
         self._columns: dict[str, Array] = {}
         self._stamps = Stamps(time_scale * self._elapsed(time_column, time_unit), zero=0.0)
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """A table is whole or not readable: nothing to report."""
-        return ()
+        """How the file was read, and whether its last row was cut."""
+        return self._rows.notes
 
     def samples(self, channel: ChannelMap) -> Samples:
         """Read one channel.
@@ -70,6 +68,7 @@ class TableSource:
             # Subtract first, in integers: nanoseconds since 1970 have more digits than a float64.
             first = column.drop_null()[0]
             elapsed = (column.fill_null(first).to_numpy() - first.as_py()).astype(np.float64)
+            elapsed[column.is_null().to_numpy()] = np.nan
         else:
             time = _numbers(column, name, self._path)
             known = time[np.isfinite(time)]
@@ -84,10 +83,10 @@ class TableSource:
         return self._columns[name]
 
     def _raw(self, name: str) -> pa.ChunkedArray:
-        return _column(self._table, name, self._path)
+        return _column(self._rows.table, name, self._path)
 
 
-def grouped(path: Path, column: str) -> dict[str, pa.Table]:
+def grouped(path: Path, column: str) -> dict[str, Rows]:
     """Rows of a table by the value of a column, in the order in which the values first appear.
 
     Rows without a value belong to no group.
@@ -96,10 +95,13 @@ def grouped(path: Path, column: str) -> dict[str, pa.Table]:
         DataError: empty or unreadable file.
         UnknownNameError: no such column; the message lists them.
     """
-    table = _load(path)
-    coded = _column(table, column, path).combine_chunks().dictionary_encode()
+    rows = load(path)
+    coded = _column(rows.table, column, path).combine_chunks().dictionary_encode()
     places = coded.indices.to_numpy(zero_copy_only=False)
-    return {_text(value): table.filter(pa.array(places == k)) for k, value in enumerate(coded.dictionary)}
+    return {
+        _text(value): Rows(rows.table.filter(pa.array(places == k)), rows.notes)
+        for k, value in enumerate(coded.dictionary)
+    }
 
 
 def _time_unit(text: str) -> Unit:
@@ -119,29 +121,11 @@ def _text(value: pa.Scalar) -> str:
 
 def _column(table: pa.Table, name: str, path: Path) -> pa.ChunkedArray:
     if name not in table.column_names:
-        raise UnknownNameError("column", name, table.column_names, path.name)
+        alone = " (one column: neither commas nor semicolons nor tabs in its header)" if table.num_columns == 1 else ""
+        raise UnknownNameError("column", name, table.column_names, f"{path.name}{alone}")
     if (count := table.column_names.count(name)) > 1:
         raise DataError(f"{path} has {count} columns {name!r}. Give each column a name of its own.")
     return table.column(name)
-
-
-def _load(path: Path) -> pa.Table:
-    try:
-        if path.suffix == ".parquet":
-            table = pyarrow.parquet.read_table(path)
-        else:
-            convert = pyarrow.csv.ConvertOptions(strings_can_be_null=True)
-            table = pyarrow.csv.read_csv(path, convert_options=convert)
-    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        reason = str(error).splitlines()[0]
-        raise DataError(f"Cannot read {path}: {reason}. Expected a header line and one row a sample.") from error
-    if table.num_rows == 0:
-        raise DataError(f"{path} holds no rows. Record it again, or leave it out of logs.")
-    return table.rename_columns(_stripped(table.column_names))
-
-
-def _stripped(names: Iterable[str]) -> list[str]:
-    return [name.strip() for name in names]
 
 
 def _numbers(column: pa.ChunkedArray, name: str, path: Path) -> Array:

@@ -133,7 +133,10 @@ def notes_list(notes: Sequence[Mapping[str, Any]]) -> str:
     def place(note: Mapping[str, Any]) -> str:
         return " ".join(f"`{note[key]}`" for key in ("log", "signal") if note.get(key))
 
-    return "\n".join(f"- {place(note)}{': ' if place(note) else ''}{note['message']}" for note in notes)
+    def said(note: Mapping[str, Any]) -> str:
+        return note["message"].removeprefix(f"{note.get('signal')}: ")
+
+    return "\n".join(f"- {place(note)}{': ' if place(note) else ''}{said(note)}" for note in notes)
 
 
 def _how_to_look(report: Mapping[str, Any]) -> str:

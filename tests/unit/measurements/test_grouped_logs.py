@@ -56,7 +56,7 @@ def test_groups_keep_their_order_and_leave_out_rows_without_a_value(tmp_path: Pa
     table = pa.table({"run": ["b", "a", None, "b"], "half": [0.5, 1.0, 1.0, 0.5]})
     pyarrow.parquet.write_table(table, tmp_path / "runs.parquet")
     found = grouped(tmp_path / "runs.parquet", "run")
-    assert {name: rows.num_rows for name, rows in found.items()} == {"b": 2, "a": 1}
+    assert {name: rows.table.num_rows for name, rows in found.items()} == {"b": 2, "a": 1}
     assert list(found) == ["b", "a"]
     assert list(grouped(tmp_path / "runs.parquet", "half")) == ["0.5", "1"]
 

@@ -235,6 +235,25 @@ def test_other_encodings_are_named(tmp_path: Path) -> None:
         values(tmp_path / "json.mcap", "/q", "q")
 
 
+def test_messages_that_cannot_be_decoded_are_counted(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="ros2")
+        schema = writer.register_schema(FLOAT64_TYPE.name, "ros2msg", FLOAT64_TYPE.text.encode())
+        channel = writer.register_channel("/u", "cdr", schema)
+        for k in range(50):
+            data = encode_floats(np.array([float(k)]))[0].tobytes()[: 6 if k % 10 == 3 else None]
+            writer.add_message(channel, log_time=k, publish_time=k, data=data)
+        writer.finish()
+    source = McapSource(path)
+    read = source.samples(channel_map("u", {"topic": "/u", "field": "data", "unit": "V"}, "")).value
+    np.testing.assert_array_equal(read, [k for k in range(50) if k % 10 != 3])
+    (note,) = source.notes
+    assert (note.kind, note.count) == ("undecoded", 5)
+    assert note.message == "5 of 50 messages of /u could not be decoded and were left out."
+
+
 def test_overlapping_chunks_come_in_the_order_of_log_time(tmp_path: Path) -> None:
     with (tmp_path / "a.mcap").open("wb") as file:
         writer = Writer(file, chunk_size=64)

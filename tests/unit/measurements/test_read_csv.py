@@ -9,6 +9,7 @@ from csv_logs import ANGLE, TIME, Q, U, csv
 from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.log import TimeAxis, read_log
+from dr_lab.measurements.read import read
 
 
 def test_sign_scale_offset_and_combinations_make_joint_angles(tmp_path: Path, contract: DataContract) -> None:
@@ -112,6 +113,19 @@ def test_an_edge_of_a_command_may_be_two_rows_of_one_time(tmp_path: Path, contra
     log = read_log(path, Q, U, contract)
     np.testing.assert_array_equal(log.commands["m"].value[:-1], level[:-1])
     np.testing.assert_array_equal(log.commands["m"].time, log.outputs["q.position"].time)
+
+
+def test_too_few_samples_say_what_became_of_the_others(tmp_path: Path, contract: DataContract) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME[::-1], q=ANGLE)
+    with pytest.raises(DataError, match=r"1 usable samples; .* q\.position: time goes back .* the 1999 samples before"):
+        read_log(path, Q, {}, contract)
+
+
+def test_a_cut_table_is_told_by_each_of_its_groups(tmp_path: Path, contract: DataContract) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, q=ANGLE, g=np.repeat([1, 2], 1000))
+    path.write_text(path.read_text()[:-8])
+    found = read("bench", [str(path)], Q, contract, group="g")
+    assert [(log.name, [note.kind for note in log.notes]) for log in found.fit] == [("a/1", ["cut"]), ("a/2", ["cut"])]
 
 
 def test_all_nan_and_one_sample(tmp_path: Path, contract: DataContract) -> None:

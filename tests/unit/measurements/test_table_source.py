@@ -72,11 +72,55 @@ def test_a_topic_entry_is_refused(csv: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("t;q\n0,0;1,5\n1,0;-,25\n", "columns between semicolons and numbers with decimal commas."),
+        ("t;q\r\n0;1,5\r\n1;-0,25\r\n", "columns between semicolons and numbers with decimal commas."),
+        ("t;q\n0.0;1.5\n1.0;-0.25\n", "columns between semicolons."),
+        ("t\tq\n0.0\t1.5\n1.0\t-0.25\n", "columns between tabs."),
+    ],
+)
+def test_the_header_tells_the_separator(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(text.encode())
+    np.testing.assert_array_equal(column(path, "q", "t", "s"), [1.5, -0.25])
+    assert [note.message for note in TableSource(path, "t", "s").notes] == [f"a.csv is read as {said}"]
+
+
+def test_a_header_of_one_column_says_what_separates(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("t q\n0 1\n")
+    with pytest.raises(UnknownNameError, match=r"a\.csv \(one column: neither commas nor semicolons nor tabs"):
+        column(tmp_path / "a.csv", "q", "t", "s")
+
+
+@pytest.mark.parametrize("last", ["3", "3,"])
+def test_a_last_row_that_breaks_off_is_left_out_and_told(tmp_path: Path, last: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"t,q,u\n0,1,1\n1,2,1\n{last}")
+    np.testing.assert_array_equal(column(path, "q", "t", "s"), [1, 2])
+    (note,) = TableSource(path, "t", "s").notes
+    assert (note.kind, note.count) == ("cut", 2)
+    assert note.message == "a.csv ends within a row (interrupted recording); 2 complete rows were kept."
+
+
+def test_a_whole_table_has_no_note(csv: Path) -> None:
+    assert TableSource(csv, "time_ms", "ms").notes == ()
+
+
+def test_a_missing_whole_number_of_time_is_no_time(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("t,q\n5,1\n,2\n7,3\n")
+    samples = TableSource(tmp_path / "a.csv", "t", "s").samples(channel_map("q", {"column": "q", "unit": "rad"}, ""))
+    np.testing.assert_array_equal(samples.stamps["column"].elapsed, [0.0, np.nan, 2.0])
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "Cannot read"),
         ("t,q\n", "holds no rows"),
         ("t,q\n0,1\n1\n", "Cannot read"),
+        ("t,q\n0,1\n1\n2,3", "Cannot read"),
+        ("t,q\n0,1\n1,2,3", "Cannot read"),
         ("t,q\n,1\n,2\n", "holds no time"),
         ("t,q,q\n0,1,2\n1,1,2\n", "has 2 columns 'q'"),
     ],

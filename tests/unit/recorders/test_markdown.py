@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 from markdown_it import MarkdownIt
 
-from dr_lab.recorders.markdown import report_markdown
+from dr_lab.recorders.markdown import notes_list, report_markdown
 
 
 def _cells(text: str, first: str) -> list[str]:
@@ -147,3 +147,14 @@ def test_an_experiment_that_decides_nothing_is_not_recommended(close_report: dic
 def test_what_free_parameters_absorb_is_no_rival(close_report: dict[str, Any]) -> None:
     close_report["ranking"][1] |= {"status": "equivalent", "absorbed_by_parameters": True}
     assert _cells(report_markdown(close_report), "2")[2] == "absorbed"
+
+
+def test_a_note_names_its_signal_once() -> None:
+    notes = [
+        {"log": "a", "signal": "arm.position", "message": "arm.position: 4 samples came out of order and were sorted."},
+        {"log": "a", "signal": "", "message": "a.csv ends within a row."},
+    ]
+    told = notes_list(notes).splitlines()
+    assert told == [
+        "- `a` `arm.position`: 4 samples came out of order and were sorted.", "- `a`: a.csv ends within a row."
+    ]  # fmt: skip
