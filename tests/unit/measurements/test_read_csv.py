@@ -80,16 +80,19 @@ def test_times_in_another_unit_than_declared_are_refused_with_the_scale(
     np.testing.assert_allclose(log.outputs["q.position"].time, TIME, atol=1e-9)
 
 
-@pytest.mark.parametrize(("row", "stamp", "cut"), [(0, -1.7e9, "start"), (-1, 1.7e9, "stop")])
+@pytest.mark.parametrize(
+    ("row", "stamp", "cut", "axis"),
+    [(0, -1.7e9, "start", TimeAxis(start=8.5e8)), (-1, 1.7e9, "stop", TimeAxis(stop=8.5e8))],
+)
 def test_a_stamp_from_another_epoch_is_refused_and_can_be_cut_off(
-    tmp_path: Path, contract: DataContract, row: int, stamp: float, cut: str
+    tmp_path: Path, contract: DataContract, row: int, stamp: float, cut: str, axis: TimeAxis
 ) -> None:
     time = TIME.copy()
     time[row] = stamp
     path = csv(tmp_path / "a.csv", time=time, q=ANGLE)
     with pytest.raises(DataError, match=rf"2000 samples in 1\.7e\+09 s.* Cut them off with time\.{cut}=8\.5e\+08,"):
         read_log(path, Q, {}, contract)
-    log = read_log(path, Q, {}, contract, time=TimeAxis(**{cut: 8.5e8}))
+    log = read_log(path, Q, {}, contract, time=axis)
     assert len(log.outputs["q.position"]) == 1999
 
 

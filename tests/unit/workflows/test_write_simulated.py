@@ -11,9 +11,9 @@ from dr_lab.workflows.write_simulated import write_simulated
 
 
 def shown(log: str, begin: float, command_begin: float) -> Overlay:
-    time = begin + 0.01 * np.arange(100)
+    time = np.linspace(begin, begin + 0.99, 100)
     joint = Signal("hinge.position", "rad", time, np.sin(time))
-    command = Signal("drive", "N·m", command_begin + 0.01 * np.arange(120), np.zeros(120))
+    command = Signal("drive", "N·m", np.linspace(command_begin, command_begin + 1.19, 120), np.zeros(120))
     still = np.zeros((1, 1, 3)), np.zeros((1, 1, 4))
     simulated = {BEFORE: {joint.name: joint.value}}
     measured, sent = {joint.name: joint}, {command.name: command}
