@@ -11,10 +11,9 @@ import yaml
 from dr_lab.__main__ import main
 from dr_lab.errors import DataError
 from dr_lab.sweeps.overrides import by_key, differing
-from dr_lab.workflows.sweep_summary.groups import Statistics, figures_of, grouped, shared_figures, summed_up
+from dr_lab.workflows.sweep_summary.groups import Statistics, figures_of, grouped, summed_up
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
 from dr_lab.workflows.sweep_summary.runs import beside, find_runs, picked
-from dr_lab.workflows.sweep_summary.tables import summary_page
 
 STATISTICS = Statistics(confidence=0.95, resamples=200, seed=0)
 FIGURES = {"dr_lab/train/1": ["final_return", "context.*.mean"], "dr_lab/gap/1": ["verdict", "remaining.chi2"]}
@@ -150,25 +149,6 @@ def test_a_figure_counts_the_runs_that_have_it(tmp_path: Path) -> None:
     assert lost["figures"]["final_return"] == {"iqm": None, "low": None, "high": None, "runs": 0}
     with (folder / "runs.csv").open(encoding="utf-8", newline="") as file:
         assert [row["final_return"] for row in csv.DictReader(file)][:5] == ["", "2.0", "", "4.0", "6.0"]
-
-
-def test_what_all_runs_share_is_said_once(sweep: Path) -> None:
-    groups = grouped(find_runs(sweep)[0], ["seed"])
-    shared = shared_figures(groups, FIGURES)
-    assert shared == {"context.torso.size.mean": 0.05}
-    cells = [summed_up(group, FIGURES, STATISTICS) for group in groups]
-    page = summary_page("sweep", groups, cells, shared, [], STATISTICS)
-    assert "The same in all runs: context.torso.size.mean 0.05." in page
-    assert [line.split("|")[1].strip() for line in page.splitlines() if line.startswith("| final")] == [
-        "final_return"
-    ] * 2
-    assert "| context" not in page
-
-
-def test_one_group_shares_nothing_with_others(tmp_path: Path) -> None:
-    for seed in range(2):
-        trained(tmp_path / str(seed), 1.0, [1.0, 0.0], f"seed={seed}")
-    assert shared_figures(grouped(find_runs(tmp_path)[0], ["seed"]), FIGURES) == {}
 
 
 def test_paths_pick_from_a_report() -> None:

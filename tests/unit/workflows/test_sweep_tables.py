@@ -1,0 +1,35 @@
+from pathlib import Path
+
+from dr_lab.workflows.sweep_summary.groups import Group, Statistics, shared_figures, summed_up
+from dr_lab.workflows.sweep_summary.runs import Run
+from dr_lab.workflows.sweep_summary.tables import summary_page
+
+STATISTICS = Statistics(confidence=0.95, resamples=200, seed=0)
+FIGURES = {"dr_lab/train/1": ["final_return", "mass", "verdict"]}
+
+
+def group(label: str, *returns: float | None) -> Group:
+    reports = [
+        {"schema": "dr_lab/train/1", "final_return": value, "mass": 0.05, "verdict": "none"} for value in returns
+    ]
+    runs = [Run(str(k), Path(str(k)), {}, {}, report) for k, report in enumerate(reports)]
+    return Group({"learner": label}, runs, label)
+
+
+def test_what_all_runs_share_is_said_once() -> None:
+    groups = [group("lsdr", 10.0, 11.0), group("none", 10.0, 10.0)]
+    shared = shared_figures(groups, FIGURES)
+    assert shared == {"mass": 0.05, "verdict": "none"}
+    cells = [summed_up(each, FIGURES, STATISTICS) for each in groups]
+    page = summary_page("sweep", groups, cells, shared, [], STATISTICS)
+    assert "The same in all runs: mass 0.05, verdict none." in page
+    assert page.count("| final_return |") == 2
+    assert "| mass |" not in page
+
+
+def test_one_group_shares_nothing_with_others() -> None:
+    assert shared_figures([group("lsdr", 1.0, 1.0)], FIGURES) == {}
+
+
+def test_what_one_run_lacks_is_not_shared() -> None:
+    assert "final_return" not in shared_figures([group("lsdr", 1.0, None), group("none", 1.0)], FIGURES)
