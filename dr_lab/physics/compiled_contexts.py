@@ -15,8 +15,8 @@ class CompiledContexts:
     """Gives each simulation of a batch its own compiled model, field by field.
 
     `Batch.set_models` takes whole models but then lets no field be changed from step to step. Fields that a compiler
-    derives are among those written, so nothing is left to compute. What laws change from step to step is written anew
-    every time, whether the models differ in it or not.
+    derives are among those written, so nothing is left to compute. What laws changed from step to step is put back in
+    all simulations, whether they get another model or not.
 
     Args:
         batch: the simulations.
@@ -27,16 +27,20 @@ class CompiledContexts:
         self._batch = batch
         self._compiled = compiled
         self._expanded = set(CHANGED)
+        self._unchanged: dict[str, Array] = {}
 
-    def write(self, models: Sequence[mujoco.MjModel]) -> None:
-        """Write the models of all simulations, shape (nsim,); the same model may stand for many."""
+    def write(self, models: Sequence[mujoco.MjModel], rows: NDArray[np.intp]) -> None:
+        """Write the models of some simulations, one for each row; the same model may stand for many."""
+        for name, values in self._unchanged.items():
+            self._batch.expand(name)[:] = values
         unique, which = distinct(models)
         for name in MODEL_FIELDS:
             values = [_field(model, name) for model in unique]
             nominal = _field(self._compiled, name)
             if name in self._expanded or any(not np.array_equal(value, nominal) for value in values):
                 self._expanded.add(name)
-                self._batch.expand(name)[:] = np.stack(values)[which]
+                self._batch.expand(name)[rows] = np.stack(values)[which]
+        self._unchanged = {name: self._batch.expand(name).copy() for name in CHANGED}
 
 
 def distinct(models: Sequence[mujoco.MjModel]) -> tuple[list[mujoco.MjModel], NDArray[np.intp]]:

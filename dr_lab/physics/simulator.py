@@ -104,7 +104,7 @@ class Simulator:
         if not self._lawful:
             self.batch.set_models(self._models)
             return
-        self._written.write(self._models)
+        self._written.write([self._models[row] for row in rows], rows)
         self._contexts[rows] = z
         before = self._stepper
         self._stepper = Stepper(self.batch, self.compiled, self.model.laws(self._contexts, self._models))

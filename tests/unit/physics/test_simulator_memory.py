@@ -57,6 +57,21 @@ def test_a_new_context_leaves_what_the_others_remember(effects: Sequence[str]) -
 
 
 @pytest.mark.parametrize("effects", LAWS)
+def test_contexts_given_one_by_one_are_those_given_at_once(effects: Sequence[str]) -> None:
+    model = lawful(effects)
+    z = model.space.low + np.array([[0.3], [0.7]]) * (model.space.high - model.space.low)
+    one, other = Simulator(model, 2), Simulator(model, 2)
+    one.set_contexts(z[::-1])
+    moved(one)
+    for row in range(2):
+        one.set_contexts(z[[row]], np.array([row]))
+    one.reset()
+    other.set_contexts(z)
+    other.reset()
+    np.testing.assert_array_equal(moved(one), moved(other))
+
+
+@pytest.mark.parametrize("effects", LAWS)
 def test_recalled_simulations_go_on_as_if_never_stopped(effects: Sequence[str]) -> None:
     model = lawful(effects)
     one, other = Simulator(model, 2), Simulator(model, 2)
