@@ -86,9 +86,10 @@ class InputCorrelation:
 def input_correlations(replay: Replay, fit: Point, commands: dict[str, int], lags: int) -> list[InputCorrelation]:
     """Correlate every channel's residual with every command, over windows laid on the steps' grid.
 
-    The 99 % band is z/√n_eff with n_eff = n / Σ_k ρ_r(k) ρ_u(k) over the lags (Bartlett 1935), so coloured residuals do
-    not pass for missing physics, and z such that the largest coefficient of all lags stays within it (Šidák 1967). A
-    peak at a positive lag says that u(t − lag) → y is mis-modelled; at negative lags it is feedback.
+    The 99 % band is z/√n_eff with n_eff = n / Σ_k (1 − |k|/m) ρ_r(k) ρ_u(k) over all lags |k| < m of a window of m
+    samples (Bartlett 1935), so that neither coloured residuals nor commands held for longer than the lags shown pass
+    for missing physics, and z such that the largest coefficient of all lags stays within it (Šidák 1967). A peak at a
+    positive lag says that u(t − lag) → y is mis-modelled; at negative lags it is feedback.
 
     Args:
         replay: windows.
@@ -119,11 +120,19 @@ def _correlate(signal: str, command: str, error: Array, u: Array, lags: int, ste
     error, u = (x - x.mean() for x in (error, u))
     lag = range(-lags, lags + 1)
     correlation = np.array([_at_lag(u, error, k) for k in lag])
-    colour = [_at_lag(error, error, k) * _at_lag(u, u, k) for k in range(1, lags + 1)]
-    effective = error.size / max(1.0, 1 + 2 * float(np.sum(colour)))
     each = _CONFIDENCE ** (1 / len(lag))  # of every lag, so that all hold together
-    band = float(ndtri((1 + each) / 2) / np.sqrt(effective))
+    band = float(ndtri((1 + each) / 2) / np.sqrt(_independent(error, u)))
     return InputCorrelation(signal, command, np.array(lag, float), correlation, band, step)
+
+
+def _independent(error: Array, u: Array) -> float:
+    """Number of independent samples among the products of two signals of mean 0, shape (w, m) each."""
+    m = error.shape[1]
+    spectra = (np.abs(np.fft.rfft(np.stack([error, u]), 2 * m)) ** 2).sum(1)
+    products = np.fft.irfft(spectra)[:, :m]  # Σ x(t) x(t + k) over all windows
+    error_at, u_at = products / np.where(products[:, :1] > 0, products[:, :1], 1.0)
+    colour = error_at * u_at / (1 - np.arange(m) / m)  # either of them holds the factor 1 − k/m of the shorter overlap
+    return error.size / max(1.0, 2 * float(colour.sum()) - float(colour[0]))
 
 
 def _at_lag(first: Array, second: Array, lag: int) -> float:

@@ -14,6 +14,7 @@ from diagnosis_machines import (
     steps_command,
     swinging,
     windows_of,
+    windows_settings,
 )
 from scipy.signal import lfilter
 
@@ -104,6 +105,19 @@ def test_independent_residuals_stay_within_the_band(colour: float) -> None:
         found = input_correlations(replay, point_of(replay, residuals), replay.commands, LAGS)[0]
         inside += abs(found.peak[1]) < found.band
     assert inside >= 290  # 99 % of the peaks, three standard deviations below: 292 of 300
+
+
+def test_a_command_held_longer_than_the_lags_does_not_pass_for_the_cause_of_a_growing_error() -> None:
+    command = steps_command("drive", 1.0, 6.0, seed=0, period=0.6)
+    log = replace(swinging("a", pendulum().nominal(), 0, seconds=6.0), commands={"drive": command})
+    replay = Replay(pendulum(), windows_of(pendulum(), [log], windows_settings(length=0.6, stride=0.6)), 1)
+    rng, (windows, samples) = np.random.default_rng(1), replay.scored.shape
+    inside = 0
+    for _ in range(300):
+        residuals = rng.normal(size=(windows, 1)) * np.linspace(0, 1, samples) ** 2
+        found = input_correlations(replay, point_of(replay, residuals), replay.commands, LAGS)[0]
+        inside += abs(found.peak[1]) < found.band
+    assert inside >= 290  # as above
 
 
 def test_slow_channels_get_fewer_lags_and_windows_that_diverge_none() -> None:
