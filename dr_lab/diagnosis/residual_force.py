@@ -19,11 +19,13 @@ class ResidualForce:
         position: joint position in the middle of each window, rad or m, shape (w,).
         velocity: mean joint velocity of each window, rad/s or m/s, shape (w,).
         force: force that would remove the error, N·m or N, NaN where the simulation diverges, shape (w,).
+        noise: standard deviation that the measurements' noise alone gives the force, N·m or N, shape (w,).
     """
 
     position: Array
     velocity: Array
     force: Array
+    noise: Array
 
 
 def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
@@ -32,7 +34,8 @@ def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
     An acceleration Δa that is missing from a window's start on shows as r(t) = S(t) δ + Δa ∫₀ᵗ S_v(τ) dτ, where S are
     the slopes by the start state, S_v those by the joint's velocity (a constant push is a train of velocity steps), and
     δ is how far the fitted start gave way to it. Least squares over all samples of the window give Δa of the joints
-    whose position is measured, and F = M(q) Δa with the model's mass matrix at the window's middle.
+    whose position is measured, and F = M(q) Δa with the model's mass matrix at the window's middle. White noise of the
+    samples goes the same way: Δa = G r has the covariance G Gᵀ, and F that of M G.
 
     Args:
         replay: short windows.
@@ -44,22 +47,23 @@ def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
     if not measured:
         return {}
     dofs = [channel.dof for channel in measured]
-    accelerations = np.zeros((len(replay.windows), model.nv))
-    accelerations[:, dofs] = _accelerations(replay, fit, dofs)
+    accelerations, covariance = _accelerations(replay, fit, dofs)
     middle = tape.qpos[0][:, tape.qpos.shape[2] // 2]
-    forces = _forces(model, middle, accelerations)
+    mass = _masses(model, middle, dofs)
+    forces = np.einsum("wij,wj->wi", mass, accelerations)
     forces[fit.infeasible] = np.nan
+    noise = np.sqrt(np.einsum("wij,wjk,wik->wi", mass, covariance, mass))
     velocity = tape.qvel[0].mean(1)
     return {
         channel.name.removesuffix(".position"): ResidualForce(
-            middle[:, channel.address], velocity[:, channel.dof], forces[:, channel.dof]
+            middle[:, channel.address], velocity[:, channel.dof], forces[:, k], noise[:, k]
         )
-        for channel in measured
+        for k, channel in enumerate(measured)
     }
 
 
-def _accelerations(replay: Replay, fit: StateFit, dofs: list[int]) -> Array:
-    """Missing accelerations of the given degrees of freedom, shape (w, len(dofs))."""
+def _accelerations(replay: Replay, fit: StateFit, dofs: list[int]) -> tuple[Array, Array]:
+    """Missing accelerations of n degrees of freedom, shape (w, n), and their covariance by noise, shape (w, n, n)."""
     used = (replay.fitted | replay.scored) & ~fit.infeasible[:, None]
     nv = fit.slopes.shape[2] // 2
     pushes = np.stack([_integral(replay, fit.slopes[..., nv + dof]) for dof in dofs], axis=2)
@@ -71,8 +75,9 @@ def _accelerations(replay: Replay, fit: StateFit, dofs: list[int]) -> Array:
     basis = basis / size[:, None]
     prior = np.concatenate([replay.windows.prior.std**-2.0, np.zeros(len(dofs))]) / size**2
     ridge = (prior + np.finfo(float).eps)[:, :, None] * np.eye(size.shape[1])
-    solved = np.linalg.solve(basis.transpose(0, 2, 1) @ basis + ridge, basis.transpose(0, 2, 1) @ residuals[..., None])
-    return -solved[:, 2 * nv :, 0] / size[:, 2 * nv :]
+    squares = basis.transpose(0, 2, 1) @ basis
+    towards = np.linalg.solve(squares + ridge, basis.transpose(0, 2, 1))[:, 2 * nv :] / size[:, 2 * nv :, None]
+    return -(towards @ residuals[..., None])[..., 0], towards @ towards.transpose(0, 2, 1)
 
 
 def _integral(replay: Replay, slope: Array) -> Array:
@@ -86,10 +91,14 @@ def _integral(replay: Replay, slope: Array) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def _forces(model: mujoco.MjModel, qpos: Array, accelerations: Array) -> Array:
-    data, forces = mujoco.MjData(model), np.zeros_like(accelerations)
-    for q, a, out in zip(qpos, accelerations, forces, strict=True):
+def _masses(model: mujoco.MjModel, qpos: Array, dofs: list[int]) -> Array:
+    """Mass matrix of n degrees of freedom at each position, shape (w, n, n)."""
+    data, masses = mujoco.MjData(model), np.empty((len(qpos), len(dofs), len(dofs)))
+    units, column = np.eye(model.nv)[dofs], np.empty(model.nv)
+    for q, mass in zip(qpos, masses, strict=True):
         data.qpos[:] = q
         mujoco.mj_fwdPosition(model, data)
-        mujoco.mj_mulM(model, data, out, a)
-    return forces
+        for row, unit in zip(mass, units, strict=True):
+            mujoco.mj_mulM(model, data, column, unit)
+            row[:] = column[dofs]
+    return masses

@@ -88,7 +88,8 @@ def _missing_forces(rows: Sequence[Mapping[str, Any]]) -> str:
     for row in rows:
         could = "" if row["ceiling"] is None else f" (a force of the measured state could: {percent(row['ceiling'])})"
         sizes = " → ".join(f"{number(row[key], 3)}" for key in ("rms_first", "rms_last"))
-        lines.append(f"- `{row['joint']}`: {sizes} {row['unit']} RMS, {percent(row['explained'])} explained{could}.")
+        beyond = f"{row['unit']} RMS beyond the noise's {number(row['noise'], 3)}"
+        lines.append(f"- `{row['joint']}`: {sizes} {beyond}, {percent(row['explained'])} explained{could}.")
         left = row["left"]
         if left and left["terms"]:
             terms = " ".join(_term(term, first=k == 0) for k, term in enumerate(left["terms"]))

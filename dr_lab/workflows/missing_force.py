@@ -21,8 +21,10 @@ _PARTS = 8  # of a single log, in place of logs
 def missing_forces(study: Study, models: Sequence[Explained]) -> list[dict[str, Any]]:
     """Joint by joint: missing force of the first and the last model, and what is left to explain.
 
-    ``ceiling`` is the share of the first model's missing force that any function of the measured state could explain,
-    ``explained`` the share that the effects took away; ``formula`` belongs to what the last model misses.
+    Sizes are those beyond ``noise``, the root mean square that the measurements' noise alone gives the first model's
+    force. ``ceiling`` is the share of its mean square that any function of the measured state could explain,
+    ``explained`` the share that the effects took away; ``left`` belongs to what the last model misses, its shares to
+    all of that force, noise included.
     """
     windows = _short(study)
     replays = [_forces(study, windows, explained) for explained in (models[0], models[-1])]
@@ -50,16 +52,28 @@ def _entry(
     settings, groups = study.local.formula, _groups(replay.windows)
     before = sparse_formula(first[joint].force, unit, _variables(replay, first), groups, settings)
     after = sparse_formula(last[joint].force, unit, _variables(replay, last), groups, settings)
-    squares = mean_square(first[joint].force), mean_square(last[joint].force)
+    missing, left = _beyond_noise(first[joint]), _beyond_noise(last[joint])
+    reached = before.ceiling * mean_square(first[joint].force) if before else None
     return {
         "joint": joint,
         "unit": unit,
-        "rms_first": squares[0] ** 0.5,
-        "rms_last": squares[1] ** 0.5,
-        "explained": 1.0 - squares[1] / squares[0] if squares[0] > 0 else 0.0,
-        "ceiling": before.ceiling if before else None,
+        "rms_first": missing**0.5,
+        "rms_last": left**0.5,
+        "noise": _noise(first[joint]) ** 0.5,
+        "explained": 1.0 - left / missing if missing > 0 else 0.0,
+        "ceiling": min(reached / missing, 1.0) if reached is not None and missing > 0 else None,
         "left": _left(after),
     }
+
+
+def _beyond_noise(part: ResidualForce) -> float:
+    """Mean square of a force without the share that the measurements' noise has in it."""
+    return max(mean_square(part.force) - _noise(part), 0.0)
+
+
+def _noise(part: ResidualForce) -> float:
+    """Mean square that noise alone gives a force, over the windows that have one."""
+    return mean_square(np.where(np.isfinite(part.force), part.noise, np.nan))
 
 
 def _left(formula: Formula | None) -> dict[str, Any] | None:

@@ -54,6 +54,16 @@ def test_a_constant_torque_is_recovered(settings: WindowSettings, torque: float)
     assert np.std(found) < 0.012
 
 
+@pytest.mark.parametrize("settings", SHORT, ids=["predicted", "refitted"])
+def test_forces_of_a_right_model_scatter_as_their_noise_says(settings: WindowSettings) -> None:
+    model = pendulum()
+    logs = [swinging(f"log_{k}", model.nominal(), k) for k in range(8)]
+    replay, fit = fit_states(model, model.space.nominal, windows_of(model, logs, settings), solver_settings(), 1)
+    found = residual_forces(replay, fit)["hinge"]
+    scatter = np.mean((found.force / found.noise) ** 2)
+    assert scatter == pytest.approx(1.0, abs=4 * np.sqrt(2 / len(found.force)))
+
+
 def test_friction_shows_as_a_force_against_the_velocity() -> None:
     def rub(data: mujoco.MjData) -> None:
         data.qfrc_applied[0] = -0.1 * np.sign(data.qvel[0])
