@@ -1,12 +1,13 @@
 """Does one model explain held-out windows better than another? Paired gains with a block bootstrap."""
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
+from scipy.stats import t as student
 
-from dr_lab.diagnosis.blocks import blocks
+from dr_lab.diagnosis.blocks import Indices, blocks
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.trajectory import Array
@@ -22,9 +23,11 @@ class Gain:
         high: upper end.
         gap: share of the worse model's χ² above the noise floor of 1 that the better one closes, the χ² of a model
             being exp(mean ln(1 + χ²_w)) − 1 over the windows; 1 where the worse one is at the floor.
-        total: Σ_w 2 n_w ln((1 + χ²_w worse)/(1 + χ²_w better)), which is Δχ² near the noise floor and the
-            log-likelihood ratio with an unknown error far above it; no single wild window decides.
-        total_low: lower end of its interval; −∞ where the better model diverges in a window that the worse simulates.
+        total: Σ_w (D_w worse − D_w better), the difference of the deviances −2 ln L of a window whose residuals are
+            noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²) above. It
+            is Δχ² near the noise floor, and no single wild window decides far above it.
+        total_low: lower end of its interval; −∞ where the better model diverges in a window that the worse simulates,
+            and where there are too few blocks of data for an interval.
         wins: share of windows in which the χ² is lower.
     """
 
@@ -40,28 +43,45 @@ class Gain:
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
     """Gain of `better` over `worse`, window by window.
 
-    The intervals are percentile bootstraps over blocks of consecutive windows within logs, which keep the correlation
-    of residuals inside a block.
+    The intervals are bootstraps over logs, and in each over blocks of consecutive windows, which keep the correlation
+    of residuals inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an
+    interval reaches to ±√(n/(n − 1)) t_{n−1} standard deviations; below `settings.least_compared` blocks it is
+    unbounded. Logs are often too few for a t of their own: one of two that gets worse forbids support, but they may
+    gain unequally.
+
+    Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §3.8 (resampling at two levels);
+    Hesterberg, The American Statistician 69 (2015) 371 (expanded percentiles).
     """
     both = (worse.window_count > 0) & (better.window_count > 0)
     if not both.any():
         return Gain(share=0.0, low=-np.inf, high=0.0, gap=0.0, total=0.0, total_low=-np.inf, wins=0.0)
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
-    evidence = 2 * count * np.log((1 + theirs / count) / (1 + ours / count))
+    evidence = _deviance(theirs, count) - _deviance(ours, count)
     resampled = _resampled(np.stack([theirs, ours, evidence]), worse.log[both], settings)
-    tail = 50 * (1 - settings.confidence)
-    low, high = np.percentile(1 - resampled[1] / resampled[0], [tail, 100 - tail])
+    share, n = float((theirs - ours).sum() / theirs.sum()), block_count(worse.log[both], settings)
+    low, high = _interval(share, 1 - resampled[1] / resampled[0], n, settings)
     diverges = ((worse.window_count > 0) & (better.window_count == 0)).any()
     before, after = (_typical(sums, count) for sums in (theirs, ours))
     return Gain(
-        share=float((theirs - ours).sum() / theirs.sum()),
-        low=float(low),
-        high=float(high),
+        share=share,
+        low=low,
+        high=min(high, 1.0),
         gap=(before - after) / (before - 1) if before > 1 else 1.0,
         total=float(evidence.sum()),
-        total_low=-np.inf if diverges else float(np.percentile(resampled[2], tail)),
+        total_low=-np.inf if diverges else _interval(float(evidence.sum()), resampled[2], n, settings)[0],
         wins=float((theirs > ours).mean()),
     )
+
+
+def block_count(log: Indices, settings: EvidenceSettings) -> int:
+    """Number of blocks that windows make, `log` being the index of each window's log, shape (w,)."""
+    return len(blocks(log, settings.block, settings.least_blocks))
+
+
+def _deviance(sums: Array, count: Array) -> Array:
+    """−2 ln L of each window, but for a constant, at the likeliest variance of at least the noise's."""
+    level = sums / count
+    return count * np.where(level > 1, 1 + np.log(np.maximum(level, 1)), level)
 
 
 def _typical(sums: Array, count: Array) -> float:
@@ -90,8 +110,35 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
     return gain.total_low > 0 and enough and gain.gap >= settings.least_gap
 
 
-def _resampled(sums: Array, log: NDArray[np.intp], settings: EvidenceSettings) -> Array:
-    """Sums over resampled blocks of windows, shape (rows, w) → (rows, resamples)."""
-    parts = np.array([sums[:, b].sum(1) for b in blocks(log, settings.block, settings.least_blocks)])
-    picks = np.random.default_rng(settings.seed).integers(0, len(parts), (settings.resamples, len(parts)))
-    return parts[picks].sum(1).T
+def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:
+    """Sums over resampled logs and blocks of windows within them, shape (rows, w) → (rows, resamples)."""
+    groups = blocks(log, settings.block, settings.least_blocks)
+    sizes = np.unique([log[b[0]] for b in groups], return_counts=True)[1]
+    parts = np.array([sums[:, b].sum(1) for b in groups])
+    return (_drawn(tuple(sizes.tolist()), settings.gain_resamples, settings.seed) @ parts).T
+
+
+@functools.lru_cache(maxsize=2)
+def _drawn(sizes: tuple[int, ...], resamples: int, seed: int) -> Array:
+    """How often each resample holds each block, shape (resamples, blocks); `sizes` are the logs' numbers of blocks."""
+    rng, count = np.random.default_rng(seed), len(sizes)
+    logs = rng.multinomial(count, np.full(count, 1 / count), resamples).T
+    drawn = [rng.multinomial(size * log, np.full(size, 1 / size)) for size, log in zip(sizes, logs, strict=True)]
+    return np.concatenate(drawn, axis=1).astype(np.float64)
+
+
+def _interval(estimate: float, resampled: Array, count: int, settings: EvidenceSettings) -> tuple[float, float]:
+    """Interval of an estimate from its resamples over `count` blocks.
+
+    Its ends are percentiles of the resamples, as rare as the width asks for; where none is so rare, there are too few
+    blocks for percentiles and the resamples' standard deviation is taken.
+    """
+    if count < settings.least_compared:
+        return -np.inf, np.inf
+    width = np.sqrt(count / (count - 1)) * student.isf((1 - settings.confidence) / 2, count - 1)
+    rare = norm.sf(width)
+    if rare < 1 / len(resampled):
+        half = width * resampled.std()
+        return float(estimate - half), float(estimate + half)
+    low, high = np.quantile(resampled, [rare, 1 - rare])
+    return float(low), float(high)

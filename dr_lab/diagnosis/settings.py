@@ -112,7 +112,9 @@ class EvidenceSettings:
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
         least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.
-        resamples: number of bootstrap resamples.
+        least_compared: number of blocks of held-out windows below which no difference between models is supported.
+        resamples: number of bootstrap resamples of a fit's parameters.
+        gain_resamples: the same of a paired gain, whose interval of few blocks needs rare percentiles.
         seed: of the resampling.
         threshold: least evidence on the held-out windows, as Δχ², that separates two models.
         least_gap: share of the worse model's χ² above the noise floor that separates two models.
@@ -132,7 +134,9 @@ class EvidenceSettings:
     block: int
     least_blocks: int
     least_trusted: int
+    least_compared: int
     resamples: int
+    gain_resamples: int
     seed: int
     threshold: float
     least_gap: float
@@ -144,8 +148,9 @@ class EvidenceSettings:
 
     def __post_init__(self) -> None:
         least: dict[str, float] = dict.fromkeys(
-            ("most_fits", "block", "least_blocks", "least_trusted", "resamples"), 1.0
+            ("most_fits", "block", "least_blocks", "least_trusted", "resamples", "gain_resamples"), 1.0
         )
+        least["least_compared"] = 2.0
         least |= dict.fromkeys(
             (
                 "least_promise",

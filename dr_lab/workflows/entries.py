@@ -10,7 +10,7 @@ from dr_lab.diagnosis.channels import unmeasured_joints
 from dr_lab.diagnosis.commands import silent_actuators
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
-from dr_lab.diagnosis.evidence import noise_floor
+from dr_lab.diagnosis.evidence import block_count, noise_floor
 from dr_lab.diagnosis.fit import Fit
 from dr_lab.diagnosis.localise import Region
 from dr_lab.diagnosis.rank import Bench, Candidate, Explained
@@ -162,6 +162,19 @@ def trade(label: str, first: Explained, rival: str, second: Explained, bench: Be
         f"{t.name} {t.second:.4g} instead of {t.first:.4g} {t.unit}" for t in trades(first, second, bench.evidence)
     ]
     return f"{rival} in place of {label}: {', '.join(moved) if moved else 'all other parameters keep their values'}."
+
+
+def few_blocks(bench: Bench) -> list[dict[str, Any]]:
+    """Note that the held-out windows are too few for any difference between models to count."""
+    count, least = block_count(bench.held_out.log, bench.evidence), bench.evidence.least_compared
+    if count >= least:
+        return []
+    message = (
+        f"The held-out windows make {count} block{'s' if count > 1 else ''} of data; differences between models count "
+        f"from {least} blocks on (evidence.least_compared), so no effect is supported here, whatever it gains. Record "
+        "more, hold out more logs or cut shorter windows (windows.length)."
+    )
+    return [{"kind": "few_blocks", "message": message, "count": count}]
 
 
 def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:

@@ -40,14 +40,10 @@ def report_ladder(
     described = [describe(study, explained) for explained in ladder.models]
     base, last, first = ladder.base, ladder.models[-1], ladder.rungs[0]
     header = entries.header(verb, study)
+    notes = [*entries.few_blocks(study.bench), *entries.refused(ladder.refused), *entries.dropped(ladder.dropped)]
     report = {
         **header,
-        "notes": [
-            *entries.fit_notes(ladder.models),
-            *header["notes"],
-            *entries.refused(ladder.refused),
-            *entries.dropped(ladder.dropped),
-        ],
+        "notes": [*entries.fit_notes(ladder.models), *header["notes"], *notes],
         "verdict": _verdict(ladder, study.bench.evidence),
         "gap_closed": ladder.closed(study.bench.evidence),
         "reason": _reason(study, first),

@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from dr_lab.diagnosis.evidence import noise_floor, paired_gain, supported
+from dr_lab.diagnosis.evidence import block_count, noise_floor, paired_gain, supported
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 
@@ -12,7 +15,9 @@ SETTINGS = EvidenceSettings(
     block=3,
     least_blocks=8,
     least_trusted=3,
+    least_compared=3,
     resamples=2000,
+    gain_resamples=20000,
     seed=0,
     threshold=25.0,
     least_gap=0.1,
@@ -24,9 +29,9 @@ SETTINGS = EvidenceSettings(
 )
 
 
-def score(sums: np.ndarray, count: float = 100.0) -> Score:
+def score(sums: np.ndarray, count: float = 100.0, logs: int = 2) -> Score:
     counts = np.full(len(sums), count)
-    log = np.repeat([0, 1], len(sums) // 2)
+    log = np.repeat(np.arange(logs), len(sums) // logs)
     return Score(float(sums.sum() / counts.sum()), {}, {}, {}, sums, counts, log, 0)
 
 
@@ -51,12 +56,15 @@ def test_evidence_near_the_noise_floor_is_the_difference_of_chi2() -> None:
     better = np.full(30, 100.0)
     gain = paired_gain(score(better + 2), score(better), SETTINGS)
     assert np.isclose(gain.total, 60, rtol=0.01)
+    below = paired_gain(score(better), score(better - 2), SETTINGS)
+    assert np.isclose(below.total, 60, rtol=1e-9)  # exactly where all that is left is noise
 
 
 def test_evidence_far_above_the_floor_does_not_depend_on_the_noise() -> None:
     better = 1e6 * chi2(30, 1)
     one, other = (paired_gain(score(2 * k * better), score(k * better), SETTINGS).total for k in (1, 1000))
     assert np.isclose(one, other, rtol=1e-4)
+    assert np.isclose(one, 30 * 100 * np.log(2), rtol=1e-4)  # −2 ln of the likelihoods' ratio, each error unknown
 
 
 def test_a_wild_window_that_both_share_hides_nothing() -> None:
@@ -82,6 +90,45 @@ def test_four_windows_of_one_log_show_their_scatter() -> None:
         Score(row.mean() / 100, {}, {}, {}, row, np.full(4, 100.0), np.zeros(4, np.intp), 0) for row in sums
     )
     assert not supported(paired_gain(worse, better, SETTINGS), 1, SETTINGS)
+
+
+def coloured(logs: int, windows: int, seed: int) -> np.ndarray:
+    """Gains of windows of variance 1 and mean 0 of which neighbours in a log correlate by 0.3, shape (w,)."""
+    noise = np.random.default_rng(seed).normal(size=(logs, 50 + windows))
+    return np.asarray(lfilter([np.sqrt(1 - 0.3**2)], [1.0, -0.3], noise, axis=1))[:, 50:].ravel()
+
+
+@pytest.mark.parametrize(("logs", "windows", "least", "count"), [(1, 12, 4, 4), (2, 12, 8, 8), (1, 90, 8, 30)])
+def test_the_interval_holds_the_truth_as_often_as_it_says(logs: int, windows: int, least: int, count: int) -> None:
+    settings = replace(SETTINGS, least_blocks=least)
+    base = np.full(logs * windows, 50.0)
+    assert block_count(score(base, logs=logs).log, settings) == count
+    inside = beyond = 0
+    for seed in range(150):
+        gain = 0.05 * coloured(logs, windows, seed)
+        of_share = paired_gain(score(base, logs=logs), score(base * (0.7 - gain), logs=logs), settings)
+        inside += of_share.low <= 0.3 <= of_share.high
+        beyond += paired_gain(score(base + gain, logs=logs), score(base, logs=logs), settings).total_low > 0
+    assert inside >= 0.97 * 150  # of 99 %
+    assert beyond <= 0.02 * 150  # of 0.5 %
+
+
+def test_too_few_blocks_support_nothing() -> None:
+    better = np.full(3, 100.0)
+    few, enough = (paired_gain(score(5 * b, logs=1), score(b, logs=1), SETTINGS) for b in (better[:2], better))
+    assert (few.low, few.high, few.total_low) == (-np.inf, 1.0, -np.inf)
+    assert not supported(few, 1, SETTINGS)
+    assert supported(enough, 1, SETTINGS)
+
+
+def test_what_makes_one_of_two_logs_worse_is_not_supported() -> None:
+    worse, better = np.full(24, 750.0), np.repeat([300.0, 795.0], 12)
+    assert not supported(paired_gain(score(worse), score(better), SETTINGS), 1, SETTINGS)
+
+
+def test_what_helps_logs_unequally_is_supported() -> None:
+    worse, better = np.full(24, 750.0), np.repeat([300.0, 600.0], 12)
+    assert supported(paired_gain(score(worse), score(better), SETTINGS), 1, SETTINGS)
 
 
 def test_an_unmodelled_remainder_weakens_the_evidence() -> None:
