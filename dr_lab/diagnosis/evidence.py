@@ -26,8 +26,8 @@ class Gain:
         total: Σ_w (D_w worse − D_w better), the difference of the deviances −2 ln L of a window whose residuals are
             noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²) above. It
             is Δχ² near the noise floor, and no single wild window decides far above it.
-        total_low: lower end of its interval; −∞ where the better model diverges in a window that the worse simulates,
-            and where there are too few blocks of data for an interval.
+        total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
+            worse simulates, and where there are too few blocks of data for an interval.
         wins: share of windows in which the χ² is lower.
     """
 
@@ -59,16 +59,17 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     evidence = _deviance(theirs, count) - _deviance(ours, count)
     resampled = _resampled(np.stack([theirs, ours, evidence]), worse.log[both], settings)
     share, n = float((theirs - ours).sum() / theirs.sum()), block_count(worse.log[both], settings)
-    low, high = _interval(share, 1 - resampled[1] / resampled[0], n, settings)
-    diverges = ((worse.window_count > 0) & (better.window_count == 0)).any()
+    tail = 1 - settings.confidence
+    low, high = _interval(share, 1 - resampled[1] / resampled[0], n, tail / 2, settings)
+    total, diverges = float(evidence.sum()), ((worse.window_count > 0) & (better.window_count == 0)).any()
     before, after = (_typical(sums, count) for sums in (theirs, ours))
     return Gain(
         share=share,
         low=low,
         high=min(high, 1.0),
         gap=(before - after) / (before - 1) if before > 1 else 1.0,
-        total=float(evidence.sum()),
-        total_low=-np.inf if diverges else _interval(float(evidence.sum()), resampled[2], n, settings)[0],
+        total=total,
+        total_low=-np.inf if diverges else _interval(total, resampled[2], n, tail, settings)[0],
         wins=float((theirs > ours).mean()),
     )
 
@@ -127,15 +128,17 @@ def _drawn(sizes: tuple[int, ...], resamples: int, seed: int) -> Array:
     return np.concatenate(drawn, axis=1).astype(np.float64)
 
 
-def _interval(estimate: float, resampled: Array, count: int, settings: EvidenceSettings) -> tuple[float, float]:
-    """Interval of an estimate from its resamples over `count` blocks.
+def _interval(
+    estimate: float, resampled: Array, count: int, tail: float, settings: EvidenceSettings
+) -> tuple[float, float]:
+    """Interval of an estimate from its resamples over `count` blocks, beyond either end of which `tail` lies.
 
     Its ends are percentiles of the resamples, as rare as the width asks for; where none is so rare, there are too few
     blocks for percentiles and the resamples' standard deviation is taken.
     """
     if count < settings.least_compared:
         return -np.inf, np.inf
-    width = np.sqrt(count / (count - 1)) * student.isf((1 - settings.confidence) / 2, count - 1)
+    width = np.sqrt(count / (count - 1)) * student.isf(tail, count - 1)
     rare = norm.sf(width)
     if rare < 1 / len(resampled):
         half = width * resampled.std()

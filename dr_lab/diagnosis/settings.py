@@ -108,7 +108,7 @@ class EvidenceSettings:
         most_fits: number of candidates that are fitted at most, the most promising ones.
         least_promise: share of the largest gain on the fit windows, first as predicted, then as reached: candidates
             that promise less stay unfitted.
-        confidence: of the intervals of paired gains.
+        confidence: of the intervals of paired gains, and of the lower bound of their evidence.
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
         least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.

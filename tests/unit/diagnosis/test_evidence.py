@@ -110,7 +110,7 @@ def test_the_interval_holds_the_truth_as_often_as_it_says(logs: int, windows: in
         inside += of_share.low <= 0.3 <= of_share.high
         beyond += paired_gain(score(base + gain, logs=logs), score(base, logs=logs), settings).total_low > 0
     assert inside >= 0.97 * 150  # of 99 %
-    assert beyond <= 0.02 * 150  # of 0.5 %
+    assert beyond <= 0.03 * 150  # of 1 %
 
 
 def test_too_few_blocks_support_nothing() -> None:
