@@ -27,7 +27,7 @@ class Gain:
             noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²) above. It
             is Δχ² near the noise floor, and no single wild window decides far above it.
         total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
-            worse simulates, and where there are too few blocks of data for an interval.
+            worse simulates, NaN where there are too few blocks of data to know.
         wins: share of windows in which the χ² is lower.
     """
 
@@ -45,8 +45,8 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
 
     The intervals are bootstraps over logs, and in each over blocks of consecutive windows, which keep the correlation
     of residuals inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an
-    interval reaches to ±√(n/(n − 1)) t_{n−1} standard deviations; below `settings.least_compared` blocks it is
-    unbounded. Logs are often too few for a t of their own: one of two that gets worse forbids support, but they may
+    interval reaches to ±√(n/(n − 1)) t_{n−1} standard deviations; below `settings.least_compared` blocks it is not
+    known. Logs are often too few for a t of their own: one of two that gets worse forbids support, but they may
     gain unequally.
 
     Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §3.8 (resampling at two levels);
@@ -66,7 +66,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     return Gain(
         share=share,
         low=low,
-        high=min(high, 1.0),
+        high=float(np.minimum(high, 1.0)),
         gap=(before - after) / (before - 1) if before > 1 else 1.0,
         total=total,
         total_low=-np.inf if diverges else _interval(total, resampled[2], n, tail, settings)[0],
@@ -106,8 +106,13 @@ def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
 
 
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
-    """Whether a gain is beyond its interval, the threshold and the penalty of the added parameters, and no trifle."""
+    """Whether a gain is beyond its interval, the threshold and the penalty of the added parameters, and no trifle.
+
+    Where the interval is not known, every window must gain, and as much of the gap be closed as is asked of a cause.
+    """
     enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
+    if np.isnan(gain.total_low):
+        return enough and gain.wins == 1 and gain.gap >= settings.least_named
     return gain.total_low > 0 and enough and gain.gap >= settings.least_gap
 
 
@@ -137,7 +142,7 @@ def _interval(
     blocks for percentiles and the resamples' standard deviation is taken.
     """
     if count < settings.least_compared:
-        return -np.inf, np.inf
+        return np.nan, np.nan
     width = np.sqrt(count / (count - 1)) * student.isf(tail, count - 1)
     rare = norm.sf(width)
     if rare < 1 / len(resampled):

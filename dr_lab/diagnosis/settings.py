@@ -112,7 +112,7 @@ class EvidenceSettings:
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
         least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.
-        least_compared: number of blocks of held-out windows below which no difference between models is supported.
+        least_compared: number of blocks of held-out windows below which no interval of a difference is known.
         resamples: number of bootstrap resamples of a fit's parameters.
         gain_resamples: the same of a paired gain, whose interval of few blocks needs rare percentiles.
         seed: of the resampling.

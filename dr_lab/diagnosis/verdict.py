@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isnan
 
 from dr_lab.diagnosis.evidence import noise_floor, paired_gain, supported
 from dr_lab.diagnosis.rank import Candidate, Explained
@@ -94,7 +95,8 @@ def _worth(base: Explained, candidate: Candidate, settings: EvidenceSettings) ->
     """What decides for a candidate, and beside it the mean χ², on which a single wild window weighs more."""
     gain, means = candidate.gain, (base.held_out.chi2, candidate.explained.held_out.chi2)
     needed = settings.threshold + settings.penalty * len(candidate.effect.parameters)
-    interval = f"{100 * settings.confidence:g} % interval from {gain.total_low:.4g}, {needed:g} needed"
+    low = f"{100 * settings.confidence:g} % interval from {gain.total_low:.4g}"
+    interval = f"{'too few data for an interval' if isnan(gain.total_low) else low}, {needed:g} needed"
     return (
         f"closes {100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {gain.total:.4g} ({interval}), "
         f"mean χ² {means[0]:.3f} before and {means[1]:.3f} after,"

@@ -51,7 +51,7 @@ def log_ranking(root: Branch, ranking: Sequence[Mapping[str, Any]], look: Look) 
         _Row(
             f"{candidate_name(row)} · χ² {number(row['held_out_chi2'])}",
             _as_percent(row["gain"]),
-            (_as_percent(row["gain_ci"][0]), _as_percent(row["gain_ci"][1])),
+            None if None in row["gain_ci"] else (_as_percent(row["gain_ci"][0]), _as_percent(row["gain_ci"][1])),
             look.colour(colours.get(status(row), "noise")),
         )
         for row in ranking[:_MOST]

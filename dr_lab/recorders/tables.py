@@ -89,7 +89,9 @@ def _outcome(row: Mapping[str, Any]) -> tuple[str, str, str]:
     """χ², gain and parameters of a candidate; of one that was not fitted, what it promised."""
     if not row.get("fitted", True):
         return ABSENT, f"≈ {percent(max(row['predicted_gain'], 0.0))} promised, not fitted", ABSENT
-    gain = f"{percent(row['gain'])} ({percent(row['gain_ci'][0])} … {percent(row['gain_ci'][1])})"
+    low, high = row["gain_ci"]
+    interval = "" if low is None and high is None else f" ({percent(low)} … {percent(high)})"
+    gain = f"{percent(row['gain'])}{interval}"
     return number(row["held_out_chi2"]), gain, "; ".join(_own_parameters(row)) or ABSENT
 
 

@@ -165,14 +165,15 @@ def trade(label: str, first: Explained, rival: str, second: Explained, bench: Be
 
 
 def few_blocks(bench: Bench) -> list[dict[str, Any]]:
-    """Note that the held-out windows are too few for any difference between models to count."""
+    """Note that the held-out windows are too few for an interval of any difference between models."""
     count, least = block_count(bench.held_out.log, bench.evidence), bench.evidence.least_compared
     if count >= least:
         return []
     message = (
-        f"The held-out windows make {count} block{'s' if count > 1 else ''} of data; differences between models count "
-        f"from {least} blocks on (evidence.least_compared), so no effect is supported here, whatever it gains. Record "
-        "more, hold out more logs or cut shorter windows (windows.length)."
+        f"The held-out windows make {count} block{'s' if count > 1 else ''} of data; from {least} on "
+        "(evidence.least_compared) the scatter of gains is known. Here an effect counts that lowers the error in every "
+        f"window and closes {100 * bench.evidence.least_named:g} % of the gap (evidence.least_named): do not trust it "
+        "far. Record more, hold out more logs or cut shorter windows (windows.length)."
     )
     return [{"kind": "few_blocks", "message": message, "count": count}]
 

@@ -113,12 +113,28 @@ def test_the_interval_holds_the_truth_as_often_as_it_says(logs: int, windows: in
     assert beyond <= 0.03 * 150  # of 1 %
 
 
-def test_too_few_blocks_support_nothing() -> None:
+@pytest.mark.parametrize(
+    ("worse", "better", "holds"),
+    [
+        ([500.0, 500.0], [90.0, 90.0], True),  # the whole gap
+        ([500.0, 500.0], [300.0, 300.0], False),  # about half of it
+        ([500.0, 100.0], [90.0, 101.0], False),  # not in every window
+        ([110.0, 110.0], [100.0, 100.0], False),  # below the threshold
+    ],
+)
+def test_without_an_interval_every_window_must_gain_much(
+    worse: list[float], better: list[float], *, holds: bool
+) -> None:
+    gain = paired_gain(score(np.array(worse), logs=1), score(np.array(better), logs=1), SETTINGS)
+    assert np.isnan([gain.low, gain.high, gain.total_low]).all()
+    assert supported(gain, 1, SETTINGS) == holds
+
+
+def test_three_blocks_have_an_interval() -> None:
     better = np.full(3, 100.0)
-    few, enough = (paired_gain(score(5 * b, logs=1), score(b, logs=1), SETTINGS) for b in (better[:2], better))
-    assert (few.low, few.high, few.total_low) == (-np.inf, 1.0, -np.inf)
-    assert not supported(few, 1, SETTINGS)
-    assert supported(enough, 1, SETTINGS)
+    gain = paired_gain(score(5 * better, logs=1), score(better, logs=1), SETTINGS)
+    assert gain.low == pytest.approx(0.8)
+    assert supported(gain, 1, SETTINGS)
 
 
 def test_what_makes_one_of_two_logs_worse_is_not_supported() -> None:
