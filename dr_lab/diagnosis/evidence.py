@@ -29,6 +29,7 @@ class Gain:
         total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
             worse simulates, NaN where there are too few blocks of data to know.
         wins: share of windows in which the χ² is lower.
+        clear: whether every window gains and the worse model is above the noise floor.
     """
 
     share: float
@@ -38,6 +39,7 @@ class Gain:
     total: float
     total_low: float
     wins: float
+    clear: bool
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -54,7 +56,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     """
     both = (worse.window_count > 0) & (better.window_count > 0)
     if not both.any():
-        return Gain(share=0.0, low=-np.inf, high=0.0, gap=0.0, total=0.0, total_low=-np.inf, wins=0.0)
+        return Gain(share=0.0, low=-np.inf, high=0.0, gap=0.0, total=0.0, total_low=-np.inf, wins=0.0, clear=False)
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     evidence = _deviance(theirs, count) - _deviance(ours, count)
     resampled = _resampled(np.stack([theirs, ours, evidence]), worse.log[both], settings)
@@ -71,6 +73,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         total=total,
         total_low=-np.inf if diverges else _interval(total, resampled[2], n, tail, settings)[0],
         wins=float((theirs > ours).mean()),
+        clear=bool((theirs > ours).all() and not diverges and worse.chi2 > noise_floor(worse.freedom, settings)),
     )
 
 
@@ -108,12 +111,12 @@ def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """Whether a gain is beyond its interval, the threshold and the penalty of the added parameters, and no trifle.
 
-    Where the interval is not known, every window must gain, and as much of the gap be closed as is asked of a cause.
+    Few blocks make the interval wide, or leave none. It is not asked for where a model above the noise floor gets
+    better in every window and as much of its gap is closed as is asked of a cause.
     """
     enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
-    if np.isnan(gain.total_low):
-        return enough and gain.wins == 1 and gain.gap >= settings.least_named
-    return gain.total_low > 0 and enough and gain.gap >= settings.least_gap
+    certain = gain.total_low > 0 or (gain.clear and gain.gap >= settings.least_named)
+    return certain and enough and gain.gap >= settings.least_gap
 
 
 def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:

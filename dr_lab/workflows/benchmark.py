@@ -147,4 +147,5 @@ def _write(
         "Hidden effects": effects_page(outcomes, spelt),
     }
     write_benchmark_review(run_dir / "review.rrd", picture, pages)
-    Console().print(Markdown("\n\n".join([rates_page(result), machines_page(result), misses_page(result)])))
+    told = [rates_page(result), machines_page(result), f"Misses:\n\n{misses_page(result)}"]
+    Console().print(Markdown("\n\n".join(told)))

@@ -119,7 +119,7 @@ def test_the_interval_holds_the_truth_as_often_as_it_says(logs: int, windows: in
         ([500.0, 500.0], [90.0, 90.0], True),  # the whole gap
         ([500.0, 500.0], [300.0, 300.0], False),  # about half of it
         ([500.0, 100.0], [90.0, 101.0], False),  # not in every window
-        ([110.0, 110.0], [100.0, 100.0], False),  # below the threshold
+        ([115.0, 115.0], [100.0, 100.0], False),  # below the noise floor
     ],
 )
 def test_without_an_interval_every_window_must_gain_much(
@@ -128,6 +128,13 @@ def test_without_an_interval_every_window_must_gain_much(
     gain = paired_gain(score(np.array(worse), logs=1), score(np.array(better), logs=1), SETTINGS)
     assert np.isnan([gain.low, gain.high, gain.total_low]).all()
     assert supported(gain, 1, SETTINGS) == holds
+
+
+def test_a_wide_interval_does_not_hide_what_every_window_shows() -> None:
+    worse, better = np.array([300.0, 500.0, 2000.0, 400.0]), np.full(4, 101.0)
+    gain = paired_gain(score(worse, logs=1), score(better, logs=1), SETTINGS)
+    assert gain.total_low < 0 < gain.total
+    assert supported(gain, 1, SETTINGS)
 
 
 def test_three_blocks_have_an_interval() -> None:
