@@ -69,7 +69,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         share=share,
         low=low,
         high=float(np.minimum(high, 1.0)),
-        gap=(before - after) / (before - 1) if before > 1 else 1.0,
+        gap=min((before - after) / (before - 1), 1.0) if before > 1 else 1.0,
         total=total,
         total_low=-np.inf if diverges else _interval(total, resampled[2], n, tail, settings)[0],
         wins=float((theirs > ours).mean()),
@@ -132,8 +132,10 @@ def _drawn(sizes: tuple[int, ...], resamples: int, seed: int) -> Array:
     """How often each resample holds each block, shape (resamples, blocks); `sizes` are the logs' numbers of blocks."""
     rng, count = np.random.default_rng(seed), len(sizes)
     logs = rng.multinomial(count, np.full(count, 1 / count), resamples).T
-    drawn = [rng.multinomial(size * log, np.full(size, 1 / size)) for size, log in zip(sizes, logs, strict=True)]
-    return np.concatenate(drawn, axis=1).astype(np.float64)
+    drawn = np.empty((resamples, sum(sizes)))
+    for size, end, log in zip(sizes, np.cumsum(sizes), logs, strict=True):
+        drawn[:, end - size : end] = rng.multinomial(size * log, np.full(size, 1 / size))
+    return drawn
 
 
 def _interval(

@@ -49,7 +49,7 @@ def with_replay(found: Scales, replay: Replay, fit: StateFit) -> Scales:
     seen = {samples.channel.name for samples in replay.windows.samples}
     blind = [joint for joint in found.unmeasured if f"{joint}.velocity" not in seen]
     if fit.infeasible.all():
-        return replace(found, unknown=frozenset(blind))
+        return replace(found, unknown=found.unmeasured)
     own = _scales(replay.compiled, *_replayed(replay, fit))
     return replace(
         found,

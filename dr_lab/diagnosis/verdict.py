@@ -148,4 +148,5 @@ def _status(
         return "named" if len(group) == 1 else "equivalent"
     if candidate.identifiability.alone < settings.threshold:
         return "not_excited"
-    return "equivalent" if candidate.effect.label in absorbed and candidate.gain.low <= 0 else "rejected"
+    gains = candidate.gain.low > 0  # of too few data nobody knows
+    return "equivalent" if candidate.effect.label in absorbed and not gains else "rejected"

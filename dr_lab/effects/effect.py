@@ -51,8 +51,13 @@ class Scales:
     def assuming(self, magnitude: float) -> "Scales":
         """The scales if every joint that nothing is known of had the same magnitude, in SI units, in all respects."""
         assumed = dict.fromkeys(self.unknown, magnitude)
-        names = ("highest", "speed", "torque")
-        return replace(self, **{name: {**getattr(self, name), **assumed} for name in names})
+        reached = {joint: self.lowest[joint] + magnitude for joint in self.unknown}
+        return replace(
+            self,
+            highest={**self.highest, **reached},
+            speed={**self.speed, **assumed},
+            torque={**self.torque, **assumed},
+        )
 
 
 class Effect(ABC):

@@ -137,6 +137,11 @@ def test_a_wide_interval_does_not_hide_what_every_window_shows() -> None:
     assert supported(gain, 1, SETTINGS)
 
 
+def test_no_more_than_the_gap_is_closed() -> None:
+    noise = chi2(12, 0)
+    assert paired_gain(score(1.05 * 100 / noise.mean() * noise), score(0.9 * noise), SETTINGS).gap == 1.0
+
+
 def test_three_blocks_have_an_interval() -> None:
     better = np.full(3, 100.0)
     gain = paired_gain(score(5 * better, logs=1), score(better, logs=1), SETTINGS)

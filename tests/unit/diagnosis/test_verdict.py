@@ -205,6 +205,19 @@ def test_what_free_parameters_can_replace_is_told() -> None:
     assert verdict.status == {"armature@rail": "equivalent", "coulomb_friction@rail": "rejected"}
 
 
+def test_what_free_parameters_can_replace_is_told_of_few_data_as_well() -> None:
+    base = model(few(1.0))
+    verdict = decide(base, [candidate(base, "armature", few(1.0), ABSORBED)], SETTINGS)
+    assert verdict.status == {"armature@rail": "equivalent"}
+
+
+def few(level: float) -> Score:
+    """One window of one log."""
+    whole = score(level)
+    one = np.arange(1)
+    return replace(whole, window_sum=whole.window_sum[one], window_count=whole.window_count[one], log=whole.log[one])
+
+
 def diverging(level: float, windows: int) -> Score:
     whole = score(level)
     lost = np.arange(WINDOWS) < windows

@@ -54,9 +54,12 @@ def test_inertia_from_geometry_keeps_a_payload_out() -> None:
     assert set(found(from_spec("ball", mujoco.MjSpec.from_string(xml), {})).refused) == {"payload@ball"}
 
 
-def test_no_bounds_are_made_up_where_a_joint_is_unknown() -> None:
+@pytest.mark.parametrize("away", [0.0, 1.0, 3.0])  # m
+def test_no_bounds_are_made_up_where_a_joint_is_unknown(away: float) -> None:
     known = scales_of(block())
-    blind = candidates(block(), EFFECTS, replace(known, unknown=frozenset({"rail"})), block().nominal())
+    lowest, highest = ({joint: end + away for joint, end in ends.items()} for ends in (known.lowest, known.highest))
+    scales = replace(known, lowest=lowest, highest=highest, unknown=frozenset({"rail"}))
+    blind = candidates(block(), EFFECTS, scales, block().nominal())
     assert {"viscous_friction@rail", "coulomb_friction@rail", "spring@rail"} <= set(blind.refused)
     assert all("no channel measures rail" in reason for reason in blind.refused.values())
     assert {"armature@rail", "actuator_delay@drive", "payload@block"} <= {one.label for one in blind.placed}
