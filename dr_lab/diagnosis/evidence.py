@@ -45,13 +45,13 @@ class Gain:
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
     """Gain of `better` over `worse`, window by window.
 
-    The intervals are bootstraps over logs, and in each over blocks of consecutive windows, which keep the correlation
-    of residuals inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an
-    interval reaches to ±√(n/(n − 1)) t_{n−1} standard deviations; below `settings.least_compared` blocks it is not
-    known. Logs are often too few for a t of their own: one of two that gets worse forbids support, but they may
-    gain unequally.
+    The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
+    inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an interval reaches to
+    ±√(n/(n − 1)) t_{n−1} standard deviations; below `settings.least_compared` blocks it is not known. Logs themselves
+    are not resampled: of the two or three that are usually held out each would have to gain, which the first of two
+    missing effects need not do.
 
-    Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §3.8 (resampling at two levels);
+    Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks);
     Hesterberg, The American Statistician 69 (2015) 371 (expanded percentiles).
     """
     both = (worse.window_count > 0) & (better.window_count > 0)
@@ -120,22 +120,16 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
 
 
 def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:
-    """Sums over resampled logs and blocks of windows within them, shape (rows, w) → (rows, resamples)."""
-    groups = blocks(log, settings.block, settings.least_blocks)
-    sizes = np.unique([log[b[0]] for b in groups], return_counts=True)[1]
-    parts = np.array([sums[:, b].sum(1) for b in groups])
-    return (_drawn(tuple(sizes.tolist()), settings.gain_resamples, settings.seed) @ parts).T
+    """Sums over resampled blocks of windows, shape (rows, w) → (rows, resamples)."""
+    parts = np.array([sums[:, b].sum(1) for b in blocks(log, settings.block, settings.least_blocks)])
+    return (_drawn(len(parts), settings.gain_resamples, settings.seed) @ parts).T
 
 
 @functools.lru_cache(maxsize=2)
-def _drawn(sizes: tuple[int, ...], resamples: int, seed: int) -> Array:
-    """How often each resample holds each block, shape (resamples, blocks); `sizes` are the logs' numbers of blocks."""
-    rng, count = np.random.default_rng(seed), len(sizes)
-    logs = rng.multinomial(count, np.full(count, 1 / count), resamples).T
-    drawn = np.empty((resamples, sum(sizes)))
-    for size, end, log in zip(sizes, np.cumsum(sizes), logs, strict=True):
-        drawn[:, end - size : end] = rng.multinomial(size * log, np.full(size, 1 / size))
-    return drawn
+def _drawn(count: int, resamples: int, seed: int) -> Array:
+    """How often each resample holds each of `count` blocks, shape (resamples, count)."""
+    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), resamples)
+    return drawn.astype(np.float64)
 
 
 def _interval(

@@ -149,11 +149,6 @@ def test_three_blocks_have_an_interval() -> None:
     assert supported(gain, 1, SETTINGS)
 
 
-def test_what_makes_one_of_two_logs_worse_is_not_supported() -> None:
-    worse, better = np.full(24, 750.0), np.repeat([300.0, 795.0], 12)
-    assert not supported(paired_gain(score(worse), score(better), SETTINGS), 1, SETTINGS)
-
-
 def test_what_helps_logs_unequally_is_supported() -> None:
     worse, better = np.full(24, 750.0), np.repeat([300.0, 600.0], 12)
     assert supported(paired_gain(score(worse), score(better), SETTINGS), 1, SETTINGS)
