@@ -53,7 +53,8 @@ def _csv(path: Path) -> Rows:
         header, _, body = file.read(_LOOK).decode("latin-1").partition("\n")
         file.seek(max(0, path.stat().st_size - _LOOK))
         unfinished = file.read().decode("utf-8", "replace").rpartition("\n")[2].strip()
-    separator = max(_SEPARATORS, key=header.count)
+    bare = re.sub(r'"[^"]*"', "", header)  # a name between quotes may hold any of them
+    separator = max(_SEPARATORS, key=bare.count)
     decimal = "," if separator != "," and _COMMA.search(body) and not _POINT.search(body) else "."
     cut = 0
 

@@ -10,6 +10,7 @@ import pytest
 from dr_lab.errors import DataError, UnknownNameError
 from dr_lab.measurements.signal_map import channel_map
 from dr_lab.measurements.table import TableSource
+from dr_lab.measurements.table_file import load
 
 TEXT = "time_ms, q1,q2,flag,name\n10,0.5,1,true,a\n20,,2,false,b\n30,1.5,nan,true,c\n"
 
@@ -135,3 +136,10 @@ def test_a_broken_parquet(tmp_path: Path) -> None:
     (tmp_path / "a.parquet").write_bytes(b"PAR1 not really")
     with pytest.raises(DataError, match="Cannot read"):
         column(tmp_path / "a.parquet", "q", "t", "s")
+
+
+@pytest.mark.parametrize("header", ['t,"q;raw;rad"', 't;"q, raw, rad"'])
+def test_a_quoted_name_does_not_choose_the_separator(tmp_path: Path, header: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"{header}\n0{header[1]}1\n")
+    assert load(path).table.column_names == ["t", header.split('"')[1]]
