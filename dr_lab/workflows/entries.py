@@ -6,21 +6,19 @@ from typing import Any
 import numpy as np
 
 from dr_lab.diagnosis import trust
-from dr_lab.diagnosis.channels import unmeasured_joints
-from dr_lab.diagnosis.commands import silent_actuators
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
-from dr_lab.diagnosis.evidence import block_count, noise_floor
+from dr_lab.diagnosis.evidence import noise_floor
 from dr_lab.diagnosis.fit import Fit
 from dr_lab.diagnosis.localise import Region
 from dr_lab.diagnosis.rank import Bench, Candidate, Explained
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.trade import trades
-from dr_lab.diagnosis.unit_suspicion import suspect_degrees
 from dr_lab.diagnosis.verdict import Verdict
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.trajectory import Array, MeasurementSet
+from dr_lab.workflows.notes import study_notes
 from dr_lab.workflows.study import Study
 
 SCHEMA = "dr_lab/gap/1"
@@ -47,13 +45,7 @@ def header(verb: str, study: Study) -> dict[str, Any]:
         "logs": {"fit": [log.name for log in measured.fit], "held_out": [log.name for log in measured.held_out]},
         "windows": {"length": study.windows.length, "fit": len(study.bench.fit), "held_out": len(study.bench.held_out)},
         "clocks": _clocks(measured),
-        "notes": [
-            *_unit_note(study),
-            *_step_note(study),
-            *_silent_notes(study),
-            *_split_note(measured),
-            *_data_notes(measured),
-        ],
+        "notes": study_notes(study),
     }
 
 
@@ -83,21 +75,6 @@ def fitted(fit: Fit) -> dict[str, Any]:
         "windows": len(fit.infeasible),
         "infeasible_windows": int(fit.infeasible.sum()),
     }
-
-
-def fit_notes(models: Sequence[Explained]) -> list[dict[str, Any]]:
-    """Notes on fits of a ladder's models that lack windows or did not converge."""
-    notes = []
-    for model in models:
-        effects, end = model.model.effects, fitted(model.fit)
-        name = f"The fit with {effects[-1].label}" if effects else "The calibration"
-        if end["infeasible_windows"]:
-            told = f"{name} lacks {end['infeasible_windows']} of {end['windows']} windows, whose simulation diverges."
-            notes.append({"kind": "infeasible_windows", "message": f"{told} Its parameters hold for the others alone."})
-        if not end["converged"]:
-            told = f"{name} did not converge in {end['iterations']} steps: its parameters may not be the best."
-            notes.append({"kind": "not_converged", "message": f"{told} Raise solver.iterations, or begin nearer."})
-    return notes
 
 
 def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dict[str, Any]]:
@@ -164,38 +141,6 @@ def trade(label: str, first: Explained, rival: str, second: Explained, bench: Be
     return f"{rival} in place of {label}: {', '.join(moved) if moved else 'all other parameters keep their values'}."
 
 
-def few_blocks(bench: Bench) -> list[dict[str, Any]]:
-    """Note that the held-out windows are too few for an interval of any difference between models."""
-    count, least = block_count(bench.held_out.log, bench.evidence), bench.evidence.least_compared
-    if count >= least:
-        return []
-    message = (
-        f"The held-out windows make {count} block{'s' if count > 1 else ''} of data; from {least} on "
-        "(evidence.least_compared) the scatter of gains is known. Here an effect counts that lowers the error in every "
-        f"window and closes {100 * bench.evidence.least_named:g} % of the gap (evidence.least_named): do not trust it "
-        "far. Record more, hold out more logs or cut shorter windows (windows.length)."
-    )
-    return [{"kind": "few_blocks", "message": message, "count": count}]
-
-
-def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:
-    """Notes on effects that were not tried, one for each reason.
-
-    Args:
-        reasons: why, by ``effect@site``.
-    """
-    return [
-        {"kind": "not_tried", "message": f"Not tried: {', '.join(k for k in reasons if reasons[k] == why)}. {why}"}
-        for why in dict.fromkeys(reasons.values())
-    ]
-
-
-def dropped(labels: Sequence[str]) -> list[dict[str, Any]]:
-    """Notes on effects that later ones made superfluous."""
-    told = "was added, and dropped again: beside the effects that followed, the logs do without it."
-    return [{"kind": "dropped", "message": f"{label} {told}"} for label in labels]
-
-
 def horizons(error: HorizonError) -> list[dict[str, Any]]:
     """Error against the time predicted open loop."""
     return [
@@ -239,63 +184,3 @@ def _clocks(measured: MeasurementSet) -> dict[str, Any]:
         for log in (*measured.fit, *measured.held_out)
         if log.clocks
     }
-
-
-def _unit_note(study: Study) -> list[dict[str, Any]]:
-    bench = study.bench
-    found = suspect_degrees(study.model, study.measurements, study.windows, bench.solver, bench.threads)
-    if found is None:
-        return []
-    names = ", ".join(found.channels)
-    message = (
-        f"{names} in radians, as declared, leave χ² {found.chi2:.3g}; read as degrees {found.chi2_degrees:.3g}: the "
-        "factor 57.3 = 180/π is suspected. Write unit: deg if the numbers are degrees."
-    )
-    return [{"kind": "unit", "message": message}]
-
-
-def _step_note(study: Study) -> list[dict[str, Any]]:
-    coarse = {name: share for name, share in study.floor.share.items() if share > 1}
-    if not coarse:
-        return []
-    worst = max(coarse, key=lambda name: coarse[name])
-    message = (
-        f"The time step of {study.floor.step:g} s alone moves {worst} by {coarse[worst]:.2g} noise standard deviations "
-        f"within a window, which can pass for missing physics. Set timestep {study.floor.proposed:g} s in the MJCF."
-    )
-    return [{"kind": "time_step", "signal": worst, "message": message}]
-
-
-def _silent_notes(study: Study) -> list[dict[str, Any]]:
-    """What the model has and the measurements do not name."""
-    logs = (*study.measurements.fit, *study.measurements.held_out)
-    sent, shown = (", ".join(signals) or "none" for signals in (logs[0].commands, logs[0].outputs))
-    notes = []
-    if actuators := silent_actuators(study.compiled, logs):
-        message = (
-            f"No command is measured for {', '.join(actuators)}: simulated with the control 0. Measured commands: "
-            f"{sent}. If it was driven, name its channel in measurements.commands."
-        )
-        notes.append({"kind": "no_command", "message": message})
-    if joints := unmeasured_joints(study.compiled, tuple(logs[0].outputs)):
-        message = (
-            f"No position or velocity is measured of joint {', '.join(joints)}: what it does is guessed from the other "
-            f"channels. Measured: {shown}. If a log holds it, name its channel in measurements.outputs."
-        )
-        notes.append({"kind": "no_output", "message": message})
-    return notes
-
-
-def _split_note(measured: MeasurementSet) -> list[dict[str, Any]]:
-    if measured.held_out:
-        return []
-    message = "No log is held out: all scores are on the fit logs, which flatter what is fitted to them."
-    return [{"kind": "no_held_out", "message": message}]
-
-
-def _data_notes(measured: MeasurementSet) -> list[dict[str, Any]]:
-    return [
-        {"log": log.name, "kind": note.kind, "signal": note.signal, "message": note.message, "count": note.count}
-        for log in (*measured.fit, *measured.held_out)
-        for note in log.notes
-    ]

@@ -13,6 +13,7 @@ from dr_lab.workflows import entries
 from dr_lab.workflows.calibrated import as_given, calibrate, describe
 from dr_lab.workflows.finish import finish
 from dr_lab.workflows.localised import failure
+from dr_lab.workflows.notes import fit_notes
 from dr_lab.workflows.study import prepare
 
 
@@ -38,7 +39,7 @@ def fit(
     z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)
     report = {
         **header,
-        "notes": [*entries.fit_notes([found.explained]), *header["notes"]],
+        "notes": [*fit_notes([found.explained]), *header["notes"]],
         "verdict": None,
         "as_given": as_given(study)[1],
         "ladder": [found.rung],

@@ -1,6 +1,6 @@
 """Report of a ladder: models with falling error, the ranking that chose each, and what is left."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +8,8 @@ from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
-from dr_lab.workflows import entries
-from dr_lab.workflows.calibrated import as_given, describe
+from dr_lab.workflows import entries, notes
+from dr_lab.workflows.calibrated import Described, as_given, describe
 from dr_lab.workflows.finish import finish
 from dr_lab.workflows.localised import failure
 from dr_lab.workflows.missing_force import missing_forces
@@ -38,12 +38,19 @@ def report_ladder(
         The report (schema dr_lab/gap/1).
     """
     described = [describe(study, explained) for explained in ladder.models]
+    base, last = ladder.base, ladder.models[-1]
+    report = _report(verb, study, ladder, described) | {"next_experiment": next_experiment}
+    before = (base.model, base.fit.z) if last is not base else (study.model, study.model.space.nominal)
+    shown = {BEFORE: before, AFTER: (last.model, last.fit.z)}
+    return finish(study, report, shown, run_dir, look, described[-1].estimate)
+
+
+def _report(verb: str, study: Study, ladder: Ladder, described: Sequence[Described]) -> dict[str, Any]:
     base, last, first = ladder.base, ladder.models[-1], ladder.rungs[0]
     header = entries.header(verb, study)
-    notes = [*entries.few_blocks(study.bench), *entries.refused(ladder.refused), *entries.dropped(ladder.dropped)]
-    report = {
+    return {
         **header,
-        "notes": [*entries.fit_notes(ladder.models), *header["notes"], *notes],
+        "notes": [*notes.fit_notes(ladder.models), *header["notes"], *_ladder_notes(study, ladder)],
         "verdict": _verdict(ladder, study.bench.evidence),
         "gap_closed": ladder.closed(study.bench.evidence),
         "reason": _reason(study, first),
@@ -54,15 +61,15 @@ def report_ladder(
         ],
         "ranking": entries.ranking(study, first.ranking, first.verdict),
         "rungs": [_rung(study, rung) for rung in ladder.rungs],
-        "next_experiment": next_experiment,
         "remaining": entries.remaining(last.held_out.chi2, last.held_out.freedom, study.bench.evidence),
         "worst_direction": entries.worst_direction(last),
         "missing_force": missing_forces(study, ladder.models),
         **failure(study, base.model, base.fit.z),
     }
-    before = (base.model, base.fit.z) if last is not base else (study.model, study.model.space.nominal)
-    shown = {BEFORE: before, AFTER: (last.model, last.fit.z)}
-    return finish(study, report, shown, run_dir, look, described[-1].estimate)
+
+
+def _ladder_notes(study: Study, ladder: Ladder) -> list[dict[str, Any]]:
+    return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *notes.dropped(ladder.dropped)]
 
 
 def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:

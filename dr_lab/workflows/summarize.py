@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from dr_lab.workflows.sweep_summary.groups import (
     summed_up,
 )
 from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
-from dr_lab.workflows.sweep_summary.runs import SUMMARY_SCHEMA, find_runs
+from dr_lab.workflows.sweep_summary.runs import SUMMARY_SCHEMA, Run, find_runs
 from dr_lab.workflows.sweep_summary.tables import groups_csv, runs_csv, runs_page, summary_page
 
 
@@ -59,38 +60,66 @@ def summarize(
         ConfigError: not one of the figures was found.
         UnknownNameError: no run has a key over which they are to be taken together.
     """
-    folder = Path(sweep).expanduser()
+    found = _compared(Path(sweep).expanduser(), aggregate, ignored, figures, statistics)
+    shared = shared_figures(found.groups, figures)
+    page = summary_page(found.name, found.groups, found.cells, shared, found.told, statistics)
+    report = _report(sweep, found) | {"run": str(run_dir)}
+    _write(run_dir, found, figures, page, report)
+    write_sweep_review(run_dir / "review.rrd", _record(found, figures, statistics, page), recorder)
+    Console().print(Markdown(page))
+    return report
+
+
+@dataclass(frozen=True)
+class _Compared:
+    """Runs of a folder with what makes groups of them."""
+
+    name: str
+    runs: Sequence[Run]
+    unfinished: Sequence[str]
+    groups: Sequence[Group]
+    cells: Sequence[Cells]
+    notes: Sequence[str]
+
+    @property
+    def told(self) -> list[str]:
+        """Sentences for the page."""
+        lacking = [f"Without a report: {', '.join(self.unfinished)}."] if self.unfinished else []
+        return [*lacking, *self.notes]
+
+
+def _compared(
+    folder: Path,
+    aggregate: Sequence[str],
+    ignored: Sequence[str],
+    figures: Mapping[str, Sequence[str]],
+    statistics: Statistics,
+) -> _Compared:
     runs, unfinished = find_runs(folder)
     require_known(runs, aggregate)
     groups = grouped(runs, aggregate, ignored)
     repeated, divided = repeated_runs(runs, ignored), divided_runs(groups, [*ignored, *aggregate])
     notes = [*repeated, *divided, *missing_figures(runs, figures)]
     cells = [summed_up(group, figures, statistics) for group in groups]
-    name = folder.resolve().name or str(folder)
-    page = summary_page(
-        name, groups, cells, shared_figures(groups, figures), [*_unfinished(unfinished), *notes], statistics
-    )
-    report = _report(folder, groups, cells) | {"unfinished": unfinished, "notes": notes, "run": str(run_dir)}
-    write_text(run_dir / "runs.csv", runs_csv(runs, figures))
-    write_text(run_dir / "groups.csv", groups_csv(groups, cells))
+    return _Compared(folder.resolve().name or str(folder), runs, unfinished, groups, cells, notes)
+
+
+def _write(
+    run_dir: Path, found: _Compared, figures: Mapping[str, Sequence[str]], page: str, report: Mapping[str, Any]
+) -> None:
+    write_text(run_dir / "runs.csv", runs_csv(found.runs, figures))
+    write_text(run_dir / "groups.csv", groups_csv(found.groups, found.cells))
     write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
     write_text(run_dir / "report.md", page)
-    pages = {"Summary": page, "Runs": runs_page(runs, figures)}
-    write_sweep_review(run_dir / "review.rrd", _record(name, groups, statistics, pages), recorder)
-    Console().print(Markdown(page))
-    return report
 
 
-def _record(name: str, groups: Sequence[Group], statistics: Statistics, pages: Mapping[str, str]) -> SweepRecord:
+def _record(found: _Compared, figures: Mapping[str, Sequence[str]], statistics: Statistics, page: str) -> SweepRecord:
+    groups, pages = found.groups, {"Summary": page, "Runs": runs_page(found.runs, figures)}
     labels = [group.label for group in groups]
-    return SweepRecord(name, labels, bands(groups, statistics), marginals(groups), grids(groups), pages)
+    return SweepRecord(found.name, labels, bands(groups, statistics), marginals(groups), grids(groups), pages)
 
 
-def _unfinished(names: Sequence[str]) -> list[str]:
-    return [f"Without a report: {', '.join(names)}."] if names else []
-
-
-def _report(folder: Path, groups: Sequence[Group], cells: Sequence[Cells]) -> dict[str, Any]:
+def _report(sweep: str, found: _Compared) -> dict[str, Any]:
     entries = [
         {
             "settings": dict(group.settings),
@@ -102,8 +131,10 @@ def _report(folder: Path, groups: Sequence[Group], cells: Sequence[Cells]) -> di
                 for name, cell in row.items()
             },
         }
-        for group, row in zip(groups, cells, strict=True)
+        for group, row in zip(found.groups, found.cells, strict=True)
     ]
-    plain = to_plain({"schema": SUMMARY_SCHEMA, "verb": "summarize", "sweep": folder, "groups": entries})
+    plain = to_plain(
+        {"schema": SUMMARY_SCHEMA, "verb": "summarize", "sweep": Path(sweep).expanduser(), "groups": entries}
+    )
     assert isinstance(plain, dict)
-    return plain
+    return plain | {"unfinished": found.unfinished, "notes": found.notes}

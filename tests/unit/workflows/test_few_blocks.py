@@ -4,7 +4,7 @@ from typing import Any, cast
 import pytest
 from diagnosis_machines import evidence_settings, pendulum, swinging, windows_of, windows_settings
 
-from dr_lab.workflows.entries import few_blocks
+from dr_lab.workflows.notes import few_blocks
 
 
 @pytest.mark.parametrize(("windows", "told"), [(1, "1 block of data"), (2, "2 blocks of data"), (3, None)])
