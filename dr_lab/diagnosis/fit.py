@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.normal_equations import NormalEquations
-from dr_lab.diagnosis.point import Point, better_start, huber_weights
+from dr_lab.diagnosis.point import Point, better_start, huber_weights, window_costs
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.slopes import Slopes, differences
@@ -28,6 +28,7 @@ class Fit(Point):
     Attributes:
         equations: Gauss–Newton model at the point, with the slopes of the last linearisation, in unit-cube parameters.
         first: the same at the start.
+        window_costs: cost of each window, zero where it diverges, shape (w,).
         slopes: Jacobian at the last linearisation.
         iterations: steps taken.
         converged: whether the last step, hardly damped, lowered the cost by less than the tolerance, with every window
@@ -36,6 +37,7 @@ class Fit(Point):
 
     equations: NormalEquations
     first: NormalEquations
+    window_costs: Array
     slopes: Slopes
     iterations: int
     converged: bool
@@ -44,6 +46,11 @@ class Fit(Point):
     def order(self) -> tuple[int, float]:
         """What makes one fit of the same windows better than another: fewer that diverge, then a lower cost."""
         return int(self.infeasible.sum()), self.cost
+
+    def below(self, other: "Fit") -> float:
+        """By how much the cost is below another fit's of the same windows, in those that neither lets diverge."""
+        alone = self.window_costs[other.infeasible].sum() - other.window_costs[self.infeasible].sum()
+        return other.cost - self.cost + float(alone)
 
 
 class Fitter:
@@ -119,8 +126,9 @@ class Fitter:
                     break
                 continue
             best, weight, linear = self._linear(best, slopes)
-        best, _, linear = self._linear(best, slopes)
-        ended = (linear, first, slopes, taken, converged)
+        best, weight, linear = self._linear(best, slopes)
+        costs = np.where(best.infeasible, 0.0, window_costs(best, weight, self._precision))
+        ended = (linear, first, costs, slopes, taken, converged)
         return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
 
     def begin(self, z: Array, delta: Array) -> Point:

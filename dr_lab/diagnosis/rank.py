@@ -127,7 +127,7 @@ def rank(
         wave = [k for k in near or order[:1] if k not in found]
         wave.sort(key=lambda k: -len(placed[k].parameters))  # those that take longest begin
         found |= dict(zip(wave, _side_by_side(bench.threads, stop, wave, finish), strict=True))
-        reachable = max((base.fit.cost - c.explained.fit.cost for c in found.values()), default=0.0)
+        reachable = max((c.explained.fit.below(base.fit) for c in found.values()), default=0.0)
     for k in set(order) - found.keys():
         found[k] = _unfitted(base, placed[k], looks[k], bench.evidence)
         done(placed[k].label)

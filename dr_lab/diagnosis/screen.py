@@ -42,16 +42,16 @@ def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> Look:
             rows[-1][space.index(name)] = value
     fits = [fitter.run(z, base.delta, base.slopes, iterations=0) for z in rows]
     known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
-    lowest = min(_reachable(fitter, fit) for fit in fits)
+    gain = max(_reachable(fitter, fit, base) for fit in fits)
     absent = replace(fits[0], slopes=base.slopes)
-    return Look(absent, tuple(rows[1:]), max(known, key=lambda i: i.alone), base.cost - lowest)
+    return Look(absent, tuple(rows[1:]), max(known, key=lambda i: i.alone), gain)
 
 
-def _reachable(fitter: Fitter, fit: Fit) -> float:
-    """Cost behind a full linear step; parameters that it would push through their bounds stay."""
+def _reachable(fitter: Fitter, fit: Fit, base: Fit) -> float:
+    """How far below the base's cost a full linear step leads; parameters that it would push through bounds stay."""
     unit = fitter.space.to_unit(fit.z)
     gradient = fit.first.window_information()[1].sum(0) + fit.first.prior_gradient
-    return fit.cost - fit.first.decrease(_movable(unit, gradient))
+    return fit.below(base) + fit.first.decrease(_movable(unit, gradient))
 
 
 def _movable(unit: Array, gradient: Array) -> np.ndarray:

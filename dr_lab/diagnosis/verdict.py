@@ -126,8 +126,16 @@ def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candi
     """
     if any(c.explained.held_out.chi2 > noise_floor(c.explained.held_out.freedom, settings) for c in group):
         return group
-    chi2 = [c.explained.fit.cost + float(c.explained.held_out.window_sum.sum()) for c in group]
-    return [c for c, each in zip(group, chi2, strict=True) if each < min(chi2) + settings.threshold]
+    best = min(group, key=lambda c: _excess(c, group[0]))
+    return [c for c in group if _excess(c, best) < settings.threshold]
+
+
+def _excess(candidate: Candidate, other: Candidate) -> float:
+    """How much larger χ² a candidate leaves in all logs than another, in the windows that both simulate."""
+    ours, theirs = candidate.explained.held_out, other.explained.held_out
+    both = (ours.window_count > 0) & (theirs.window_count > 0)
+    held_out = float((ours.window_sum - theirs.window_sum)[both].sum())
+    return held_out + other.explained.fit.below(candidate.explained.fit)
 
 
 def _nearness(candidate: Candidate) -> tuple[int, float]:

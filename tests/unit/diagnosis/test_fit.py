@@ -193,6 +193,15 @@ def test_windows_that_stay_out_are_counted() -> None:
     assert not fit.converged
 
 
+def test_fits_are_compared_in_windows_that_neither_lets_diverge() -> None:
+    (count, few), (_, all_of_them) = from_a_light_start(0.05, restarts=0), from_a_light_start(0.05)
+    kept = ~few.infeasible
+    assert few.infeasible.sum() == count
+    assert all_of_them.below(few) == pytest.approx(few.cost - all_of_them.window_costs[kept].sum(), rel=1e-3, abs=0.1)
+    assert few.below(all_of_them) == pytest.approx(-all_of_them.below(few))
+    assert all_of_them.window_costs.sum() == pytest.approx(all_of_them.cost, rel=1e-3)
+
+
 def test_residuals_that_are_no_numbers_leave_a_finite_cost() -> None:
     model, logs = pendulum(), logs_of(pendulum(), TRUTH, 1)
     fit = Fitter(Replay(model, windows_of(model, logs, noise=1e-200), 1), solver_settings()).run(model.space.nominal)

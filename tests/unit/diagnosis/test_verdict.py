@@ -43,6 +43,10 @@ class Fitted:
 
     cost: float
 
+    def below(self, other: "Fitted") -> float:
+        """By how much the cost is below another's."""
+        return other.cost - self.cost
+
 
 def model(level: float | Score, cost: float = 0.0) -> Explained:
     nothing = cast(Any, None)
