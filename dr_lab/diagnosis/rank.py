@@ -107,9 +107,10 @@ def rank(
     """Look at every candidate beside the base, fit those worth it, score; the most held-out evidence comes first.
 
     A linear step at absent and at each further start predicts what a candidate could gain. The most promising ones are
-    fitted; where they gain less than predicted, so are those whose prediction stands up to that. Equal evidence is
-    ordered by fewest parameters. Candidates run side by side, one thread each, so that no core is asked for twice;
-    `done` is told each label. A failure or Ctrl-C ends all of them at their next simulation.
+    fitted, half of them with a single parameter; where they gain less than predicted, so are those whose prediction
+    stands up to that. Equal evidence is ordered by fewest parameters. Candidates run side by side, one thread each, so
+    that no core is asked for twice; `done` is told each label. A failure or Ctrl-C ends all of them at their next
+    simulation.
     """
     stop, settings = Event(), bench.evidence
     looks = _side_by_side(bench.threads, stop, placed, lambda e: _look(bench, base, e, stop))
@@ -123,8 +124,8 @@ def rank(
 
     reachable = max((look.gain for look in looks), default=0.0)
     for _ in range(2):
-        near = [k for k in order[: settings.most_fits] if looks[k].gain >= settings.least_promise * reachable]
-        wave = [k for k in near or order[:1] if k not in found]
+        near = [k for k in order if looks[k].gain >= settings.least_promise * reachable] or order[:1]
+        wave = _shortlist([k for k in near if k not in found], placed, settings.most_fits - len(found))
         wave.sort(key=lambda k: -len(placed[k].parameters))  # those that take longest begin
         found |= dict(zip(wave, _side_by_side(bench.threads, stop, wave, finish), strict=True))
         reachable = max((c.explained.fit.below(base.fit) for c in found.values()), default=0.0)
@@ -132,6 +133,16 @@ def rank(
         found[k] = _unfitted(base, placed[k], looks[k], bench.evidence)
         done(placed[k].label)
     return tuple(sorted((found[k] for k in order), key=lambda c: (-c.gain.total, len(c.effect.parameters))))
+
+
+def _shortlist(order: Sequence[int], placed: Sequence[PlacedEffect], most: int) -> list[int]:
+    """Of candidates in the order of their promise at most so many: those first, and as many with one parameter.
+
+    Whatever holds another effect promises at least as much; it must not take the simpler one's place.
+    """
+    half = order[: (most + 1) // 2]
+    simple = [k for k in order if len(placed[k].parameters) == 1 and k not in half]
+    return list(dict.fromkeys([*half, *simple[: most // 2], *order]))[:most]
 
 
 def _side_by_side(threads: int, stop: Event, items: Sequence[_In], work: Callable[[_In], _Out]) -> list[_Out]:

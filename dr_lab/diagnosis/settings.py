@@ -105,7 +105,7 @@ class EvidenceSettings:
     """Which candidates are worth a fit, and when their gain on held-out windows counts.
 
     Attributes:
-        most_fits: number of candidates that are fitted at most, the most promising ones.
+        most_fits: number of candidates that are fitted at most: the most promising, half of them with one parameter.
         least_promise: share of the largest gain on the fit windows, first as predicted, then as reached: candidates
             that promise less stay unfitted.
         confidence: of the intervals of paired gains, and of the lower bound of their evidence.

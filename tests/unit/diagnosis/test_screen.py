@@ -14,11 +14,16 @@ from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
 
 NAMES = ("quadratic_drag", "viscous_friction", "constant_offset", "spring", "torque_scale", "actuator_delay")
+DRY_FRICTIONS = ("coulomb_friction", "stribeck_friction", "asymmetric_friction", "position_dependent_friction")
 OFFSET = 0.03  # N·m
 
 
 def push(data: mujoco.MjData) -> None:
     data.qfrc_applied[0] = OFFSET
+
+
+def rub(data: mujoco.MjData) -> None:
+    data.qfrc_applied[0] = -OFFSET * np.tanh(data.qvel[0] / 0.005)
 
 
 def drive(data: mujoco.MjData) -> None:
@@ -74,3 +79,13 @@ def test_only_what_promises_enough_is_fitted(most_fits: int, least_promise: floa
         assert rest.predicted <= min(c.predicted for c in fitted)
         assert rest.explained.held_out.chi2 == base.held_out.chi2
     assert np.isfinite([c.predicted for c in ranking]).all()
+
+
+def test_what_holds_a_simpler_effect_does_not_take_its_place() -> None:
+    bench, base = bench_of(rub, most_fits=2, least_promise=0.0)
+    model, catalogue = pendulum(), {name: catalogue_effect(name) for name in DRY_FRICTIONS}
+    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
+    ranking = rank(bench, base, placed, lambda _: None)
+    promised = {c.effect.effect.name: c.predicted for c in ranking}
+    assert sum(promise > promised["coulomb_friction"] for promise in promised.values()) >= 2
+    assert "coulomb_friction" in {c.effect.effect.name for c in ranking if c.fitted}
