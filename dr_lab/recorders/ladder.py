@@ -35,6 +35,11 @@ def steps(report: Mapping[str, Any]) -> list[Step]:
     return made
 
 
+def failing(report: Mapping[str, Any]) -> str:
+    """The model whose places of failure, horizons and correlations a report tells: the first of its ladder."""
+    return "calibrated model" if "as_given" in report else "model as given"
+
+
 def scored(report: Mapping[str, Any]) -> str:
     """Which logs the errors of a report are from: ``held-out logs``, or ``fit logs`` where none is held out."""
     return "held-out logs" if report.get("logs", {}).get("held_out", True) else "fit logs"

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dr_lab.recorders.ladder import candidate_name, scored
+from dr_lab.recorders.ladder import candidate_name, failing, scored
 from dr_lab.recorders.quantity import number, percent
 from dr_lab.recorders.tables import (
     channel_table,
@@ -39,10 +39,10 @@ def report_markdown(report: Mapping[str, Any]) -> str:
         _section("Parameters", parameter_table(parameters)),
         _trades(report, parameters),
         _section("Parameters by log", per_log_table(parameters)),
-        _section("Where the model fails", _where(report.get("where", []))),
+        _section(f"Where the {failing(report)} fails", _where(report.get("where", []))),
         _section("Missing forces", _missing_forces(report.get("missing_force", []))),
-        _section("Error and horizon", horizon_table(report)),
-        _section("Residual and command", _correlations(report.get("input_correlation", []))),
+        _section(f"Error of the {failing(report)} and horizon", horizon_table(report)),
+        _section(f"Residual of the {failing(report)} and command", _correlations(report.get("input_correlation", []))),
         _section("Next experiment", _next_experiment(report.get("next_experiment"))),
         _section("Noise floor", noise_table(report["noise"])),
         _section("Notes", notes_list(report.get("notes", []))),

@@ -13,9 +13,8 @@ def verdict_markdown(report: Mapping[str, Any]) -> str:
 
 
 def _found(report: Mapping[str, Any]) -> str:
-    named = _listed(report["ladder"][-1]["effects"] or _with_status(report, "named"))
     sentences = {
-        "named": f"**The missing effect is named:** {named}.",
+        "named": _named(report["ladder"][-1]["effects"] or _with_status(report, "named")),
         "equivalent": _equivalent(report),
         "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
         "unexplained": _unexplained(report),
@@ -24,6 +23,10 @@ def _found(report: Mapping[str, Any]) -> str:
     added = report["ladder"][-1]["effects"]
     done = "**Calibrated on the logs.**" if len(steps(report)) > 1 else "**Measured against the model.**"
     return sentences.get(report.get("verdict") or "", f"**Added:** {_listed(added)}." if added else done)
+
+
+def _named(effects: list[str]) -> str:
+    return f"**The missing {'effects are' if len(effects) > 1 else 'effect is'} named:** {_listed(effects)}."
 
 
 def _unexplained(report: Mapping[str, Any]) -> str:
@@ -39,10 +42,10 @@ def _unexplained(report: Mapping[str, Any]) -> str:
 def _equivalent(report: Mapping[str, Any]) -> str:
     """Which effects stand alone, and which ones the logs cannot tell apart."""
     added = [(rung["effects"][-1], rung.get("rivals", [])) for rung in report["ladder"] if rung["effects"]]
-    alone = _listed([effect for effect, rivals in added if not rivals])
+    alone = [effect for effect, rivals in added if not rivals]
     groups = [_listed([effect, *rivals]) for effect, rivals in added if rivals]
     told = "; ".join(groups) or _listed(_with_status(report, "equivalent")) or "the best candidates"
-    named = f"**The missing effect is named:** {alone}. " if alone else ""
+    named = f"{_named(alone)} " if alone else ""
     return f"{named}**Equivalent effects:** these logs cannot tell apart {told}."
 
 

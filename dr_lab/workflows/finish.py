@@ -9,6 +9,7 @@ from rich.markdown import Markdown
 
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
+from dr_lab.recorders.ladder import failing
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.markdown import ladder_table, notes_list, ranking_table, report_markdown, verdict_markdown
 from dr_lab.recorders.overlay import AFTER, BEFORE
@@ -101,7 +102,7 @@ def _summary(report: Mapping[str, Any]) -> str:
     others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
     parts = [verdict_markdown(report), ladder_table(report), ranking_table(ranking[:_SHOWN]) + others]
     where = [f"- {r['signal']}, {r['region']}: {100 * r['share']:.0f} % of its error" for r in report.get("where", [])]
-    parts.append("Where it fails:\n\n" + "\n".join(where[:3]) if where else "")
+    parts.append(f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else "")
     notes = report.get("notes", [])
     left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
     parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")

@@ -71,6 +71,18 @@ def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_repor
     assert "cannot tell apart `payload@pole`, `armature@pole`" in text
 
 
+def test_several_effects_are_named_in_the_plural(close_report: dict[str, Any]) -> None:
+    second = close_report["ladder"][1] | {"effects": ["coulomb_friction@arm", "payload@pole"]}
+    close_report["ladder"] = [*close_report["ladder"], second]
+    assert "**The missing effects are named:** `coulomb_friction@arm`, `payload@pole`." in report_markdown(close_report)
+
+
+def test_the_places_of_failure_say_of_which_model(close_report: dict[str, Any]) -> None:
+    assert "## Where the calibrated model fails" in report_markdown(close_report)
+    del close_report["as_given"]
+    assert "## Where the model as given fails" in report_markdown(close_report)
+
+
 def test_diagnose_without_an_added_rung_shows_the_candidate(close_report: dict[str, Any]) -> None:
     close_report["ladder"] = close_report["ladder"][:1]
     assert "213.4 (calibrated) → 1.004 (+ coulomb_friction@arm)" in report_markdown(close_report)
