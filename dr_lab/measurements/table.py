@@ -1,5 +1,6 @@
 """CSV and Parquet logs: one row a sample, one column a quantity, one column the time."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from dr_lab.measurements.signal_map import ChannelMap
 from dr_lab.measurements.table_file import Rows, load
 from dr_lab.measurements.units import Unit, unit
 from dr_lab.trajectory import Array, Note
+
+_NUMBER = re.compile(r"\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?\s*")
 
 
 class TableSource:
@@ -135,6 +138,15 @@ def _numbers(column: pa.ChunkedArray, name: str, path: Path) -> Array:
     if pa.types.is_timestamp(kind):
         column = column.cast(pa.int64())
     elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)):
-        example = next((value for value in column.to_pylist() if value is not None), None)
-        raise DataError(f"{path.name}: column {name!r} holds {kind} (e.g. {example!r}), not numbers.")
+        raise DataError(
+            f"{path.name}: column {name!r} holds {kind} (e.g. {_no_number(column)!r}), not numbers. Write numbers "
+            "without thousands separators, with the same decimal mark in all columns, and nothing where there is none; "
+            "or name another column."
+        )
     return column.cast(pa.float64()).to_numpy(zero_copy_only=False).astype(np.float64)
+
+
+def _no_number(column: pa.ChunkedArray) -> object:
+    """The first value that is no number, with either decimal mark, or else the first."""
+    values = [value for value in column.to_pylist() if value is not None]
+    return next((value for value in values if not _NUMBER.fullmatch(str(value))), values[0] if values else None)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.csv
 import pyarrow.parquet
 
@@ -12,7 +13,8 @@ from dr_lab.errors import DataError
 from dr_lab.trajectory import Note
 
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-_COMMA, _POINT = (re.compile(rf"(^|[;\t])\s*[-+]?\d*{mark}\d+", re.MULTILINE) for mark in (",", r"\."))
+# A number that may have a decimal comma, and one whose commas may be thousands separators instead.
+_COMMA, _THOUSANDS = r"^\s*[-+]?(\d+|\d*,\d+|\d+,)([eE][-+]?\d+)?\s*$", r"^\s*[-+]?([1-9]\d{0,2}(,\d{3})+|\d+)\s*$"
 _LOOK = 65536  # bytes from either end of a file that are looked at before it is read
 
 
@@ -32,30 +34,63 @@ class Rows:
 def load(path: Path) -> Rows:
     """Read a whole table, CSV or, by its suffix, Parquet.
 
-    The header tells what separates the columns of a CSV: commas, semicolons or tabs; beside the latter two numbers may
-    have decimal commas. A last line that breaks off before its last column is left out.
+    The header tells what separates the columns of a CSV: commas, semicolons or tabs. Its numbers have decimal points,
+    or all of them decimal commas; numbers of the other kind, or with thousands separators, are left as text. Where
+    commas may be either and other columns have points, they stay text too. A last line that breaks off before its last
+    column is left out.
 
     Raises:
         DataError: empty or unreadable file.
     """
     try:
         rows = Rows(pyarrow.parquet.read_table(path), ()) if path.suffix == ".parquet" else _csv(path)
-    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+        names = [name.strip() for name in rows.table.column_names]
+    except UnicodeDecodeError as error:
+        raise DataError(
+            f"Cannot read {path}: it is no UTF-8 text ({error.reason} at byte {error.start} of a name); files saved as "
+            "Latin-1 or UTF-16 are none. Save it as UTF-8."
+        ) from error
+    except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0]
         raise DataError(f"Cannot read {path}: {reason}. Expected a header line and one row a sample.") from error
     if rows.table.num_rows == 0:
         raise DataError(f"{path} holds no rows. Record it again, or leave it out of logs.")
-    return Rows(rows.table.rename_columns([name.strip() for name in rows.table.column_names]), rows.notes)
+    return Rows(rows.table.rename_columns(names), rows.notes)
 
 
 def _csv(path: Path) -> Rows:
     with path.open("rb") as file:
-        header, _, body = file.read(_LOOK).decode("latin-1").partition("\n")
+        header, first, *_ = [*file.read(_LOOK).decode("latin-1").splitlines(), "", ""]
         file.seek(max(0, path.stat().st_size - _LOOK))
         unfinished = file.read().decode("utf-8", "replace").rpartition("\n")[2].strip()
-    bare = re.sub(r'"[^"]*"', "", header)  # a name between quotes may hold any of them
-    separator = max(_SEPARATORS, key=bare.count)
-    decimal = "," if separator != "," and _COMMA.search(body) and not _POINT.search(body) else "."
+    separator, decimal = _separator(header, first), "."
+    table, cut = _parsed(path, separator, decimal, unfinished)
+    if _has_decimal_commas(table, separator):
+        decimal = ","
+        table, cut = _parsed(path, separator, decimal, unfinished)
+    notes = []
+    if separator != "," or decimal == ",":
+        mark = " and numbers with decimal commas" if decimal == "," else ""
+        notes.append(Note("separator", "", f"{path.name} is read as columns between {_SEPARATORS[separator]}{mark}."))
+    if cut:
+        message = f"{path.name} ends within a row (interrupted recording); {table.num_rows} complete rows were kept."
+        notes.append(Note("cut", "", message, table.num_rows))
+    return Rows(table, tuple(notes))
+
+
+def _separator(header: str, row: str) -> str:
+    """The most frequent separator of the header, of those that are as frequent in a row if there are any."""
+    bare = [re.sub(r'"[^"]*"', "", line) for line in (header, row)]  # what is between quotes may hold any of them
+
+    def fits(mark: str) -> tuple[bool, int]:
+        names, values = (line.count(mark) for line in bare)
+        return 0 < names == values, names
+
+    return max(_SEPARATORS, key=fits)
+
+
+def _parsed(path: Path, separator: str, decimal: str, unfinished: str) -> tuple[pa.Table, int]:
+    """The complete rows, and how many were cut."""
     cut = 0
 
     def on_wrong_length(row: pyarrow.csv.InvalidRow) -> str:
@@ -70,11 +105,22 @@ def _csv(path: Path) -> Rows:
         parse_options=pyarrow.csv.ParseOptions(delimiter=separator, invalid_row_handler=on_wrong_length),
         convert_options=pyarrow.csv.ConvertOptions(strings_can_be_null=True, decimal_point=decimal),
     )
-    notes = []
-    if separator != ",":
-        mark = " and numbers with decimal commas" if decimal == "," else ""
-        notes.append(Note("separator", "", f"{path.name} is read as columns between {_SEPARATORS[separator]}{mark}."))
-    if cut:
-        message = f"{path.name} ends within a row (interrupted recording); {table.num_rows} complete rows were kept."
-        notes.append(Note("cut", "", message, table.num_rows))
-    return Rows(table, tuple(notes))
+    return table, cut
+
+
+def _has_decimal_commas(table: pa.Table, separator: str) -> bool:
+    """Whether a column that is text with decimal points is numbers with decimal commas.
+
+    Commas before three digits each may separate thousands: they decide nothing where commas separate columns or
+    another column has points.
+    """
+    texts = [column for column in table.columns if pa.types.is_string(column.type)]
+    found = [column for column in texts if _all_match(column, _COMMA)]
+    pointed = any(pa.types.is_floating(column.type) for column in table.columns)
+    certain = any(not _all_match(column, _THOUSANDS) for column in found)
+    return certain or (bool(found) and separator != "," and not pointed)
+
+
+def _all_match(column: pa.ChunkedArray, pattern: str) -> bool:
+    matches = pc.call_function("match_substring_regex", [column], pc.MatchSubstringOptions(pattern))
+    return pc.call_function("all", [matches]).as_py()

@@ -143,3 +143,61 @@ def test_a_quoted_name_does_not_choose_the_separator(tmp_path: Path, header: str
     path = tmp_path / "a.csv"
     path.write_text(f"{header}\n0{header[1]}1\n")
     assert load(path).table.column_names == ["t", header.split('"')[1]]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "day;t;q\n15.08.2022;0,0;1,5\n15.08.2022;1,0;-0,25\n",
+        "at;t;q\n10.30;0,0;1,5\n10.31;1,0;-0,25\n",
+        "version;t;q\n1.2;0;1,5\n1.2;1;-0,25\n",
+        't;q\n"0,0";"1,5"\n"1,0";"-0,25"\n',
+        't,q\n0,"1,5"\n1,"-0,25"\n',
+        "day;t;q\n" + "15.08.2022;0;0\n" * 9_998 + "15.08.2022;0;1,5\n15.08.2022;1;-0,25\n",
+    ],
+    ids=["dates", "times of day", "versions", "quoted", "quoted between commas", "late"],
+)
+def test_decimal_commas_are_seen_wherever_they_stand(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    source = TableSource(path, "t", "s")
+    samples = source.samples(channel_map("sensor.x", {"column": "q", "unit": "1"}, ""))
+    np.testing.assert_array_equal(samples.value[-2:], [1.5, -0.25])
+    np.testing.assert_array_equal(samples.stamps["column"].elapsed[-2:], [0.0, 1.0])
+    assert source.notes[0].message.endswith("and numbers with decimal commas.")
+
+
+@pytest.mark.parametrize(
+    ("text", "example"),
+    [
+        ("t;q;x\n0,0;1;1.500,25\n1,0;2;2,5\n", "1.500,25"),
+        ("t;q;x\n0,0;1;1.500\n1,0;2;2.500\n", "1.500"),
+        ("t;q;x\n0.0;1;1,500\n1.0;2;2,500\n", "1,500"),
+        ('t,q,x\n0,1,"1,500"\n1,2,"2,500"\n', "1,500"),
+        ("t;q;x\n0,0;1;2,5\n1,0;2;-\n", "-"),
+    ],
+    ids=["both", "points beside decimal commas", "commas beside points", "commas between quotes", "a dash"],
+)
+def test_numbers_with_thousands_separators_are_refused(tmp_path: Path, text: str, example: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    np.testing.assert_array_equal(column(path, "q", "t", "s"), [1, 2])
+    with pytest.raises(DataError, match=rf"'x' holds string \(e\.g\. '{example}'\), .* without thousands separators"):
+        column(path, "x", "t", "s")
+
+
+@pytest.mark.parametrize(
+    ("name", "row"), [("q [x,y,z]", "0;1.5"), ("q [a,b]", '0;"1,2,3"')], ids=["commas in a name", "and in a cell"]
+)
+def test_a_separator_of_names_is_one_of_rows(tmp_path: Path, name: str, row: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"t;{name}\n{row}\n")
+    assert load(path).table.column_names == ["t", name]
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-16"])
+def test_names_in_another_encoding_than_utf_8_are_refused(tmp_path: Path, encoding: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes("t,q [°]\n0,1\n".encode(encoding))
+    with pytest.raises(DataError, match=r"Cannot read .* it is no UTF-8 text .* Save it as UTF-8"):
+        load(path)
