@@ -129,9 +129,10 @@ def _windowed(
         need = settings.length + settings.run_in + 2 * settings.margin
         spans = (_span(log, settings.past) for log in logs)
         listed = ", ".join(f"{log.name} {last - first:.3g} s" for log, (first, last) in zip(logs, spans, strict=True))
+        broken = [f" In {log.name} {note.message}" for log in logs for note in log.notes if note.kind == "gap"]
         raise DataError(
-            f"No log holds one gapless window of {need:.3g} s behind {settings.past:g} s of commands (logs: {listed}). "
-            "Shorten windows.length or give longer logs."
+            f"No log holds one gapless window of {need:.3g} s behind {settings.past:g} s of commands (logs: {listed})."
+            f"{''.join(broken[:1])} Shorten windows.length or give longer logs{' or some without gaps' * bool(broken)}."
         )
     return [logs[k] for k in kept], [begins[k] for k in kept]
 

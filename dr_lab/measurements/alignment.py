@@ -96,9 +96,22 @@ def _stamps(channel: ChannelMap, samples: Samples, clock: str, file: str) -> Sta
     stamps = samples.stamps[clock]
     if len(stamps.elapsed) == 0:
         raise DataError(f"Channel {channel.name!r} ({channel.source} of {file}) has no samples.")
-    if len(stamps.elapsed) > 1 and clock != "column" and np.ptp(stamps.elapsed) == 0.0:
+    if clock != "column" and _stands(stamps):
+        others = [other for other, each in samples.stamps.items() if other != clock and not _stands(each)]
+        remedy = (
+            f"Choose another clock: {' or '.join(others)}" if others else "Record it again, or leave it out of logs"
+        )
         raise DataError(
-            f"Channel {channel.name!r} ({channel.source} of {file}): all {clock} stamps are equal, nobody set "
-            "them. Choose another clock: header, publish or log."
+            f"Channel {channel.name!r} ({channel.source} of {file}): all {clock} stamps are equal, nobody set them. "
+            f"{remedy}."
+        )
+    if clock == "header" and _stands(samples.stamps["log"]):
+        raise DataError(
+            f"Channel {channel.name!r} ({channel.source} of {file}): all log times are equal, nobody set them, so that "
+            "header stamps have no place on the log's clock. Write the file again with log times, e.g. the header's."
         )
     return stamps
+
+
+def _stands(stamps: Stamps) -> bool:
+    return len(stamps.elapsed) > 1 and float(np.ptp(stamps.elapsed)) == 0.0

@@ -58,6 +58,8 @@ def drop_unordered(name: str, time: Array, value: Array, *, held: bool = False) 
         value: shape (n,) or (n, k).
         held: whether a value holds until the next; then the last of several at one time is kept, which holds from then.
     """
+    if len(time) == 0:
+        return Cleaned(time, value, ())
     order = np.argsort(time, kind="stable")
     moved = np.abs(order - np.arange(len(time)))
     notes = []
@@ -104,6 +106,8 @@ def find_gaps(name: str, time: Array, contract: DataContract) -> tuple[Note, ...
         f"{name}: {count} gaps longer than {contract.gap:g} periods of {usual * 1e3:.3g} ms; the longest is "
         f"{waits[longest]:.3g} s at {time[longest]:.3g} s. No window reaches across them."
     )
+    if count > contract.event_share * len(waits):
+        message += " If it is published only when it changes, have it published at a steady rate."
     return (Note("gap", name, message, count),)
 
 

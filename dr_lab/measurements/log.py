@@ -14,10 +14,10 @@ from dr_lab.measurements.glitches import drop_glitches
 from dr_lab.measurements.noise import estimate_noise
 from dr_lab.measurements.raw_log import RawChannel, RawLog, TimeAxis, read_raw
 from dr_lab.measurements.recordings import Recording
-from dr_lab.measurements.sampling import check_sampling
+from dr_lab.measurements.sampling import CLOCKS, check_sampling
 from dr_lab.measurements.signal_map import channel_maps
 from dr_lab.measurements.unit_check import check_units
-from dr_lab.trajectory import Array, Log, Note, Signal
+from dr_lab.trajectory import Array, ClockFit, Log, Note, Signal
 
 Mask = NDArray[np.bool_]
 
@@ -79,7 +79,7 @@ def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContr
         held = part.time[part.time <= start].max(initial=-np.inf)
         keep = ~((part.time < held) | (part.time > stop))
         commands[part.channel.name] = _command(part, keep, name, notes, contract)
-    _check_overlap(name, outputs, commands)
+    _check_overlap(name, outputs, commands, raw.clocks)
     notes += check_units(outputs, [part.channel for part in raw.outputs], contract)
     return Log(name, outputs, commands, tuple(notes), raw.clocks)
 
@@ -94,10 +94,11 @@ def _output(part: RawChannel, keep: Mask, log: str, clock: str, notes: list[Note
         notes += find_wraps(channel.name, value, contract)
     if len(time) < contract.minimum_samples:
         why = "".join(f" {note.message}" for note in notes if note.signal == channel.name)
+        enough = int(keep.sum()) + part.missing >= contract.minimum_samples
         raise DataError(
             f"Log {log!r}: channel {channel.name!r} ({channel.source}) has {len(time)} usable samples; at least "
             f"{contract.minimum_samples} are needed.{why} "
-            f"{'Mend that in the file' if why else 'Give a longer log'}, or leave it out of logs."
+            f"{'Mend that in the file' if enough else 'Give a longer log'}, or leave it out of logs."
         )
     check_sampling(f"Log {log!r}: channel {channel.name!r} ({channel.source})", time, clock, contract)
     signal = Signal(channel.name, channel.unit.name, time, value)
@@ -132,14 +133,24 @@ def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note], *, held: b
     return ordered.time, ordered.value
 
 
-def _check_overlap(log: str, outputs: Mapping[str, Signal], commands: Mapping[str, Signal]) -> None:
+def _check_overlap(
+    log: str, outputs: Mapping[str, Signal], commands: Mapping[str, Signal], clocks: Mapping[str, ClockFit]
+) -> None:
     for command in commands.values():
         for output in outputs.values():
             if command.time[0] > output.time[-1] or (command.time[-1] < output.time[0] and len(command) > 1):
+                hint = _clock_hint(clocks[command.name].clock, clocks[output.name].clock)
                 raise DataError(
-                    f"Log {log!r}: {_span(command)} and {_span(output)} do not overlap in time. If their stamps come "
-                    "from different clocks, choose another clock (header, publish or log) for one of them."
+                    f"Log {log!r}: {_span(command)} and {_span(output)} do not overlap in time. {hint}Record them "
+                    "together, or leave the log out."
                 )
+
+
+def _clock_hint(*pair: str) -> str:
+    if pair in (("log", "log"), ("column", "column")):  # one clock; those of headers and publishers may be several
+        return ""
+    others = " or ".join(clock for clock in CLOCKS if {clock} != {*pair})
+    return f"If their clocks ({' and '.join(pair)}) do not agree, choose another clock for one of them: {others}. "
 
 
 def _span(signal: Signal) -> str:

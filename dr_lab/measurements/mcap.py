@@ -38,7 +38,7 @@ class McapSource:
     """An MCAP file; a cut one is recovered as far as its messages are complete.
 
     Times count from the log time of the file's first message, and within the header's clock from the header stamp
-    first read. A header stamp of 0 that its clock does not pass through is one that nobody set.
+    first read of a topic that has any. A header stamp of 0 that its clock does not pass through is one that nobody set.
 
     Args:
         path: the file.
@@ -171,7 +171,7 @@ class McapSource:
 
     def _header(self, stamped: NDArray[np.int64], log: NDArray[np.int64]) -> Stamps:
         known = _is_set(stamped, log)
-        if self._header_zero is None and len(stamped):
+        if self._header_zero is None and stamped.any():
             self._header_zero = int(stamped[known][0])
         zero = self._header_zero or 0
         elapsed = np.where(known, _seconds(stamped, zero), np.nan)

@@ -6,7 +6,7 @@ from diagnosis_machines import STEP, clock, measured, model_of, pendulum, steps_
 
 from dr_lab.diagnosis.windows import Windows, cut
 from dr_lab.errors import DataError
-from dr_lab.trajectory import Array, Log, Signal
+from dr_lab.trajectory import Array, Log, Note, Signal
 
 TWO = """<mujoco model="two"><worldbody>
   <body name="a"><joint name="hinge" axis="0 1 0"/><geom size="0.1"/></body>
@@ -142,6 +142,12 @@ def test_a_log_that_is_too_short_is_left_out() -> None:
 def test_logs_that_are_all_too_short_are_an_error_with_their_lengths() -> None:
     with pytest.raises(DataError, match=r"No log holds one gapless window of 0\.34 s .*a 0\.298 s"):
         windows_of(pendulum(), [log("a", times(0.3))])
+
+
+def test_logs_that_are_all_broken_by_gaps_say_so() -> None:
+    broken = replace(log("a", np.concatenate([times(0.3), times(0.3) + 9.0])), notes=(Note("gap", "", "q: 1 gap."),))
+    with pytest.raises(DataError, match=r"\(logs: a 9\.3 s\)\. In a q: 1 gap\. Shorten .* or some without gaps\."):
+        windows_of(pendulum(), [broken])
 
 
 def test_windows_between_the_samples_are_an_error() -> None:

@@ -64,6 +64,20 @@ def test_clean_samples_pass_untouched() -> None:
     assert drop_unordered("q", time, time).notes == ()
 
 
+def test_no_samples_are_in_order() -> None:
+    for held in (False, True):
+        cleaned = drop_unordered("q", np.empty(0), np.empty((0, 2)), held=held)
+        assert (len(cleaned.time), cleaned.value.shape, cleaned.notes) == (0, (0, 2), ())
+
+
+def test_many_gaps_ask_for_a_steady_rate(contract: DataContract) -> None:
+    steady = np.arange(0.0, 10.0, 0.01)
+    (rare,) = find_gaps("q", np.concatenate([steady, steady + 20.0]), contract)
+    (often,) = find_gaps("q", (np.arange(30)[:, None] + 0.01 * np.arange(20)).ravel(), contract)
+    assert "steady rate" not in rare.message
+    assert often.message.endswith("If it is published only when it changes, have it published at a steady rate.")
+
+
 def test_gaps_are_counted_in_usual_periods(contract: DataContract) -> None:
     time = np.linspace(0.0, 2.0, 1000, endpoint=False)
     time[400:] += 0.5

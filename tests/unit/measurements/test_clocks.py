@@ -1,10 +1,15 @@
 """Known offset and drift come back from messages with one-sided delays."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from dr_lab.measurements.clocks import ClockLine, describe, fit_line, pool, steps
 from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.mcap import McapSource
+from dr_lab.measurements.signal_map import channel_map
+from dr_lab.recorders.mcap import JointStates, write_mcap
 from dr_lab.trajectory import Array
 
 TRUE = ClockLine(offset=0.25, drift=40e-6)
@@ -79,3 +84,17 @@ def test_a_clock_that_was_set_is_reported(contract: DataContract) -> None:
     notes = steps("/imu", elapsed, log, fit_line(elapsed, log, contract), contract)
     assert [note.kind for note in notes] == ["clock"]
     assert "/imu leaves a straight line by" in notes[0].message
+
+
+def test_a_topic_whose_headers_nobody_set_takes_no_digits_from_the_others(tmp_path: Path) -> None:
+    time = 1.7e9 + np.linspace(0.0, 2.0, 500)
+    topics = [
+        JointStates(topic, ("arm",), stamp, time, np.sin(time)[:, None])
+        for topic, stamp in {"/unset": 0.0 * time, "/set": time - 20.0}.items()
+    ]
+    write_mcap(tmp_path / "a.mcap", topics, {}, {})
+    source = McapSource(tmp_path / "a.mcap")
+    entries = ({"topic": topic.topic, "field": "position[arm]", "unit": "rad"} for topic in topics)
+    _, found = (source.samples(channel_map("arm.position", entry, "")).stamps["header"] for entry in entries)
+    assert found.elapsed[0] == 0.0
+    assert found.zero == pytest.approx(-20.0, abs=1e-6)
