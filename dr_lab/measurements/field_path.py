@@ -127,7 +127,8 @@ def _labels(parent: pa.StructArray) -> list[str]:
         return []
     dimensions = parent.field("layout").field("dim")
     first = next((row for row in dimensions if len(row)), None)
-    return first[0]["label"].as_py().split(",") if first is not None else []
+    label = first[0]["label"].as_py() if first is not None else ""
+    return label.split(",") if label else []
 
 
 def _numbers(array: pa.Array, where: str) -> Array:

@@ -69,7 +69,7 @@ class McapSource:
             message = f"{self._path.name} ends early (interrupted recording); {count} complete messages were recovered."
             notes.append(Note("cut", "", message, count))
         for name, topic in self._topics.items():
-            count = self._channels[name].message_count
+            count = sum(channel.message_count for channel in self._channels[name])
             if lost := count - len(topic.messages):
                 message = f"{lost} of {count} messages of {name} could not be decoded and were left out."
                 notes.append(Note("undecoded", "", message, lost))
@@ -139,8 +139,12 @@ class McapSource:
         return McapReader(self._path, decoders=[_DECODER], include_topic_regex=chosen, recover=self._recover)
 
     @cached_property
-    def _channels(self) -> dict[str, Any]:
-        return {channel.topic: channel for channel in self._info.channels}
+    def _channels(self) -> dict[str, list[Any]]:
+        """The channels of each topic: a file may give each publisher its own."""
+        found: dict[str, list[Any]] = {}
+        for channel in self._info.channels:
+            found.setdefault(channel.topic, []).append(channel)
+        return found
 
     def _topic(self, name: str) -> _Topic:
         if name not in self._topics:
@@ -150,24 +154,29 @@ class McapSource:
         return self._topics[name]
 
     def _read(self, name: str) -> _Topic:
-        schema = self._channels[name].schema
-        kind = schema.name if schema else "no schema"
-        suffix = ":message"
+        channels, suffix = self._channels[name], ":message"
+        kinds = sorted({channel.schema.name if channel.schema else "no schema" for channel in channels})
         batches = [b for b in self._batches(name) if any(column.endswith(suffix) for column in b.schema.names)]
         if not batches:
-            encoding = f"{self._channels[name].message_encoding} with schema {schema.encoding if schema else 'none'}"
+            encoding, schema = channels[0].message_encoding, channels[0].schema
             raise DataError(
-                f"Topic {name!r} ({kind}) of {self._path.name} holds no message that can be decoded: its encoding is "
-                f"{encoding}; expected cdr with schema ros2msg."
+                f"Topic {name!r} ({' and '.join(kinds)}) of {self._path.name} holds no message that can be decoded: "
+                f"its encoding is {encoding} with schema {schema.encoding if schema else 'none'}; expected cdr with "
+                "schema ros2msg."
             )
-        column = next(c for c in batches[0].schema.names if c.endswith(suffix))
+        column, *others = {c: None for batch in batches for c in batch.schema.names if c.endswith(suffix)}
+        if others:
+            raise DataError(
+                f"Topic {name!r} of {self._path.name} holds messages of several types ({', '.join(kinds)}); expected "
+                "one. Publish each on a topic of its own, or leave the file out of logs."
+            )
         messages = pa.concat_arrays([batch.column(column).flatten() for batch in batches])
         stamps = {
             clock: np.concatenate([batch.column(title).cast(pa.int64()).to_numpy() for batch in batches])
             for clock, title in _CLOCK_COLUMNS.items()
             if all(title in batch.schema.names for batch in batches)
         }
-        return _in_log_order(messages, stamps, kind)
+        return _in_log_order(messages, stamps, kinds[0])
 
     def _header(self, stamped: NDArray[np.int64], log: NDArray[np.int64]) -> Stamps:
         known = _is_set(stamped, log)

@@ -12,8 +12,8 @@ from dr_lab.measurements.alignment import align
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.mcap import McapSource
 from dr_lab.measurements.recordings import TABLES, Recording
-from dr_lab.measurements.samples import Source
-from dr_lab.measurements.signal_map import ChannelMap
+from dr_lab.measurements.samples import Samples, Source
+from dr_lab.measurements.signal_map import SCALARS, ChannelMap
 from dr_lab.measurements.table import TableSource
 from dr_lab.trajectory import Array, ClockFit, Note
 
@@ -90,6 +90,8 @@ def read_raw(
     source = open_source(recording, time)
     channels = (*outputs, *commands)
     samples = {channel.name: source.samples(channel) for channel in channels}
+    for channel in (*(c for c in outputs if c.name.endswith(SCALARS)), *commands):
+        _check_single(channel, samples[channel.name], path.name)
     aligned = align(channels, samples, source.natural_clock, path.name, contract)
     start = -np.inf if time.start is None else time.start
     stop = np.inf if time.stop is None else time.stop
@@ -103,6 +105,14 @@ def read_raw(
     return RawLog(
         path, tuple(map(raw, outputs)), tuple(map(raw, commands)), aligned.clocks, (*source.notes, *aligned.notes)
     )
+
+
+def _check_single(channel: ChannelMap, samples: Samples, file: str) -> None:
+    if samples.value.ndim > 1:
+        raise DataError(
+            f"Channel {channel.name!r} ({channel.source} of {file}) has {samples.value.shape[1]} numbers a sample; a "
+            "command, and a joint's position or velocity, is a single one. Take one entry, e.g. [0], or one column."
+        )
 
 
 def open_source(recording: Recording, time: TimeAxis) -> Source:

@@ -6,7 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from dr_lab.measurements.signal_map import ChannelMap, Reading
+from dr_lab.errors import DataError
+from dr_lab.measurements.signal_map import ChannelMap, Reading, names_of
 from dr_lab.trajectory import Array, Note
 
 
@@ -60,10 +61,27 @@ class Source(Protocol):
 
 
 def combine(channel: ChannelMap, part: Callable[[str], Array]) -> Array:
-    """Weighted sums of the parts that a channel's readings name, shape (n,), (n, k) for a vector channel."""
+    """Weighted sums of the parts that a channel's readings name, shape (n,), (n, k) for a vector channel.
+
+    Raises:
+        DataError: the channel adds lists of different lengths, or makes a vector of lists.
+    """
+    parts = {name: _plain(part(name)) for name in names_of(channel.readings)}
+    widths = {name: values.shape[1:] for name, values in parts.items()}
+    if len({*widths.values()}) > 1 or (channel.vector and any(widths.values())):
+        found = ", ".join(f"{name} {width[0] if width else 1}" for name, width in widths.items())
+        raise DataError(
+            f"Channel {channel.name!r} ({channel.source}) puts together lists of numbers; expected single ones. Their "
+            f"lengths: {found}. Take one entry of each list, e.g. [0]."
+        )
 
     def total(reading: Reading) -> Array:
-        return np.sum([weight * part(name) for name, weight in reading.items()], axis=0)
+        return np.sum([weight * parts[name] for name, weight in reading.items()], axis=0)
 
     sums = [total(reading) for reading in channel.readings]
     return np.stack(sums, axis=-1) if channel.vector else sums[0]
+
+
+def _plain(values: Array) -> Array:
+    """A list of a single number is that number."""
+    return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values

@@ -16,6 +16,7 @@ _DIMENSIONS = {
     ".position": ("dimensionless", "[length]"),
     ".velocity": ("1 / [time]", "[length] / [time]"),
 }
+SCALARS = tuple(_DIMENSIONS)  # endings of the names of channels that are a single number
 _EXAMPLES = {".position": "rad, deg, m or mm", ".velocity": "rad/s, deg/s or m/s"}
 _CLOCKS = ("header", "publish", "log", "column")
 

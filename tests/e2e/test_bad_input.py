@@ -123,7 +123,7 @@ def test_commands_and_outputs_of_different_times(refused: Refused) -> None:
     error = refused("compare", *SMALL, "measurements.commands.motor.latency=100")
     assert "Log 'log_1': 'motor' (-99.9" in error
     assert "do not overlap in time" in error
-    assert "choose another clock (header, publish or log)" in error
+    assert "(log and header) do not agree, choose another clock for one of them: header or publish or log." in error
 
 
 def test_channel_of_nothing_but_nan(refused: Refused, tmp_path: Path) -> None:

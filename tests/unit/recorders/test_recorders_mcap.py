@@ -108,6 +108,11 @@ def test_rerun_plots_both_types_as_scalars_with_joint_names(tmp_path: Path) -> N
         (FloatArrays("/c", ("a", "b"), np.arange(3.0), np.zeros((3, 1))), r"'/c': data .*\(3, 2\).*got \(3, 1\)"),
         (FloatArrays("/c", ("a",), np.array([0.0, np.nan]), np.zeros((2, 1))), "log_time must be 2 finite times"),
         (JointStates("/j", ("a",), np.arange(2.0), np.arange(3.0), np.zeros((3, 1))), "stamp must be 3 finite times"),
+        (
+            FloatArrays("/c", ("a",), np.array([0.0, 1e10]), np.zeros((2, 1))),
+            r"log_time lies up to 1e\+10 s .*Cut such",
+        ),
+        (JointStates("/j", ("a",), np.array([3e9]), np.zeros(1), np.zeros((1, 1))), r"stamp lies up to 3e\+09 s"),
         (FloatArrays("/c", ("a",), np.array([-0.5, 0.0]), np.zeros((2, 1))), r"'/c': log_time begins at -0\.5 s"),
     ],
 )
