@@ -22,6 +22,8 @@ from dr_lab.ros2 import (
 )
 from dr_lab.trajectory import Array
 
+# Largest times in s: MCAP's fit into 63 bits of nanoseconds here, a header's seconds have 31 bits and a sign.
+_LATEST, _LATEST_STAMP = (2**63 - 1) / NANOSECONDS, 2**31 - 1
 # A reader that recovers a cut file loses at most one chunk; below 64 KiB compression and seeking get worse.
 _CHUNK_BYTES = 128 * 1024
 
@@ -92,7 +94,8 @@ def write_mcap(
         metadata: key–value pairs of the record named ``"dr_lab"``, e.g. run id and schema version.
 
     Raises:
-        DataError: the shapes of a topic disagree, a time is not finite, or a log or publish time lies before 0.
+        DataError: the shapes of a topic disagree, a time is not finite or too far from 0, or a log or publish
+            time lies before 0.
         DrLabError: the file cannot be written.
     """
     encoded = [_encode(topic) for topic in topics]
@@ -162,6 +165,13 @@ def _check(
     for name, time in {"log_time": log_time, **times}.items():
         if np.shape(time) != (count,) or not np.isfinite(time).all():
             raise DataError(f"Topic {topic!r}: {name} must be {count} finite times; got shape {np.shape(time)}.")
+        latest = _LATEST_STAMP if name == "stamp" else _LATEST
+        if np.max(np.abs(time), initial=0.0) >= latest:
+            far = np.max(np.abs(time))
+            raise DataError(
+                f"Topic {topic!r}: {name} lies up to {far:.6g} s from 0; expected less than {latest:.6g} s. Cut such "
+                "stamps off, e.g. with time.start and time.stop of the measurements."
+            )
         if name != "stamp" and np.min(time, initial=0.0) < 0:
             raise DataError(f"Topic {topic!r}: {name} begins at {np.min(time):g} s; MCAP has no times before 0 s.")
     for name, values in fields.items():

@@ -1,7 +1,7 @@
 """What a recording shows of one scored log: measured and simulated, side by side."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -28,6 +28,7 @@ class Overlay:
         residual_velocity: by joint, velocity in rad/s or m/s, shape (m,), and by role the residual, shape (m,).
         commands: actuator to signal, each value held until the next.
         noise: channel to standard deviation of the measurement noise, in the channel's unit.
+        gaps: channel to the longest time in s between two samples that is not a gap; one that is left out has none.
         residual_name: what `residual_velocity` holds, with its unit, as the axis says it.
 
     Raises:
@@ -42,6 +43,7 @@ class Overlay:
     residual_velocity: Mapping[str, tuple[Array, Mapping[str, Array]]]
     commands: Mapping[str, Signal]
     noise: Mapping[str, float]
+    gaps: Mapping[str, float] = field(default_factory=dict)
     residual_name: str = "residual"
 
     def __post_init__(self) -> None:

@@ -62,6 +62,7 @@ def overlay(
         },
         commands=log.commands,
         noise={name: study.measurements.noise[name].std for name in log.outputs},
+        gaps=study.measurements.gaps,
         residual_name=f"missing force [{unit}]",
     )
 

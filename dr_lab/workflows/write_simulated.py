@@ -19,7 +19,8 @@ def write_simulated(
 
     Topics: ``/real/joint_states``, ``/sim/joint_states`` (after), ``/sim_before/joint_states``,
     ``/residual/joint_states`` (measured − after), ``/command``. Logs follow one another; one that would overlap its
-    predecessor, or begin before time 0, is shifted, and the metadata say by how much.
+    predecessor, or begin before time 0, is shifted, and the metadata say by how much. Joints that were sampled at other
+    times than the first are interpolated to its times; a message for which one of them pauses is left out.
 
     Args:
         path: the file.
@@ -42,9 +43,10 @@ def _topics(overlay: Overlay, shift: float) -> list[JointStates | FloatArrays]:
     joints = [name.removesuffix(".position") for name in overlay.measured if name.endswith(".position")]
     if not joints:
         return []
-    time = overlay.measured[f"{joints[0]}.position"].time
-    real = np.stack([_at(overlay.measured[f"{j}.position"], time) for j in joints], axis=1)
-    simulated = {role: _columns(overlay, role, joints, time) for role in overlay.simulated}
+    channels = [f"{joint}.position" for joint in joints]
+    time = overlay.measured[channels[0]].time
+    real = _columns(overlay, {c: overlay.measured[c].value for c in channels}, channels, time)
+    simulated = {role: _columns(overlay, values, channels, time) for role, values in overlay.simulated.items()}
     best = simulated.get(AFTER, simulated.get(BEFORE))
     named = {"/real": real, "/sim": best, "/sim_before": simulated.get(BEFORE) if AFTER in simulated else None}
     named["/residual"] = None if best is None else real - best
@@ -60,11 +62,15 @@ def _topics(overlay: Overlay, shift: float) -> list[JointStates | FloatArrays]:
     return topics
 
 
-def _columns(overlay: Overlay, role: str, joints: Sequence[str], time: Array) -> Array:
-    signals = [overlay.measured[f"{j}.position"] for j in joints]
-    values = [overlay.simulated[role][f"{j}.position"] for j in joints]
-    return np.stack([np.interp(time, s.time, v) for s, v in zip(signals, values, strict=True)], axis=1)
+def _columns(overlay: Overlay, values: Mapping[str, Array], channels: Sequence[str], time: Array) -> Array:
+    columns = (_at(overlay.measured[c], values[c], time, overlay.gaps.get(c, np.inf)) for c in channels)
+    return np.stack([*columns], axis=1)
 
 
-def _at(signal: Signal, time: Array) -> Array:
-    return np.interp(time, signal.time, signal.value)
+def _at(signal: Signal, value: Array, time: Array, gap: float) -> Array:
+    """Values at a signal's samples, interpolated to other times; NaN in its gaps and beyond its ends."""
+    after = np.clip(np.searchsorted(signal.time, time), 0, len(signal) - 1)
+    before = np.maximum(after - 1, 0)
+    inside = (time >= signal.time[before]) & (time <= signal.time[after])
+    close = (signal.time[after] - signal.time[before] <= gap) | (time == signal.time[after])
+    return np.where(inside & close, np.interp(time, signal.time, value), np.nan)
