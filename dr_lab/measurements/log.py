@@ -123,7 +123,14 @@ def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note], *, held: b
     """Finite samples in the order of time."""
     name = part.channel.name
     if not keep.any():
-        raise DataError(f"Log {log!r}: channel {name!r} ({part.channel.source}) has no sample in the chosen time.")
+        known = part.time[np.isfinite(part.time)]
+        lie = (
+            f"they lie from {known.min():.6g} to {known.max():.6g} s" if len(known) else "time.start and stop left none"
+        )
+        raise DataError(
+            f"Log {log!r}: channel {name!r} ({part.channel.source}) has no sample in the chosen time; {lie}. Choose "
+            "others, or leave it out of logs."
+        )
     if part.missing:
         message = f"{name}: {part.missing} messages of {part.channel.topic} do not hold it."
         notes.append(Note("partial", name, message, part.missing))

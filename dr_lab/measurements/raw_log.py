@@ -32,7 +32,7 @@ class TimeAxis:
         stop: s, later samples are left out.
 
     Raises:
-        ConfigError: a number is none, or the scale is not above 0.
+        ConfigError: a number is none, the scale is not above 0, or the start not before the stop.
     """
 
     column: str = "time"
@@ -48,6 +48,10 @@ class TimeAxis:
             if not known and not (value is None and key != "scale"):
                 raise ConfigError(f"time.{key} is {value!r}; expected a number{_EXAMPLES[key]}.")
         require_numbers(self, "time", positive=("scale",))
+        if self.start is not None and self.stop is not None and self.start >= self.stop:
+            raise ConfigError(
+                f"time.start is {self.start:g} s and time.stop {self.stop:g} s; expected a stop behind the start."
+            )
 
 
 @dataclass(frozen=True)

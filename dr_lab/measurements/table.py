@@ -13,6 +13,7 @@ from dr_lab.measurements.table_file import Rows, load
 from dr_lab.measurements.units import Unit, unit
 from dr_lab.trajectory import Array, Note
 
+_NUMERIC = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, pa.types.is_decimal)
 _NUMBER = re.compile(r"\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?\s*")
 
 
@@ -24,7 +25,7 @@ class TableSource:
     Args:
         path: the file; the suffix tells which format it has.
         time_column: column with the rows' times.
-        time_unit: unit of that column; a column of timestamps needs none.
+        time_unit: unit of that column; a column of timestamps or durations needs none.
         time_scale: factor into that unit, e.g. the period where the column counts samples.
         rows: those that count, from `grouped`; None takes the whole file.
 
@@ -64,7 +65,7 @@ class TableSource:
 
     def _elapsed(self, name: str, time_unit: str) -> Array:
         column = self._raw(name)
-        if pa.types.is_timestamp(column.type):
+        if pa.types.is_timestamp(column.type) or pa.types.is_duration(column.type):
             time_unit = column.type.unit
             column = column.cast(pa.int64())
         if pa.types.is_integer(column.type) and column.null_count < len(column):
@@ -95,11 +96,14 @@ def grouped(path: Path, column: str) -> dict[str, Rows]:
     Rows without a value belong to no group.
 
     Raises:
-        DataError: empty or unreadable file.
+        DataError: empty or unreadable file, or a column without a value.
         UnknownNameError: no such column; the message lists them.
     """
     rows = load(path)
-    coded = _column(rows.table, column, path).combine_chunks().dictionary_encode()
+    values = _column(rows.table, column, path).combine_chunks()
+    if values.null_count == len(values):
+        raise DataError(f"{path}: column {column!r} holds no value, so it tells no logs apart. Correct group.")
+    coded = values.dictionary_encode()
     places = coded.indices.to_numpy(zero_copy_only=False)
     return {
         _text(value): Rows(rows.table.filter(pa.array(places == k)), rows.notes)
@@ -135,15 +139,15 @@ def _numbers(column: pa.ChunkedArray, name: str, path: Path) -> Array:
     kind = column.type
     if pa.types.is_null(kind):
         return np.full(len(column), np.nan)
-    if pa.types.is_timestamp(kind):
-        column = column.cast(pa.int64())
-    elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)):
+    if not any(is_kind(kind) for is_kind in _NUMERIC):
+        example = f" (e.g. {_no_number(column)!r})" if pa.types.is_string(kind) else ""
         raise DataError(
-            f"{path.name}: column {name!r} holds {kind} (e.g. {_no_number(column)!r}), not numbers. Write numbers "
-            "without thousands separators, with the same decimal mark in all columns, and nothing where there is none; "
-            "or name another column."
+            f"{path.name}: column {name!r} holds {kind}{example}, not numbers. Write numbers without thousands "
+            "separators, with the same decimal mark in all columns, and nothing where there is none; or name another "
+            "column."
         )
-    return column.cast(pa.float64()).to_numpy(zero_copy_only=False).astype(np.float64)
+    column = column.cast(pa.float64(), safe=False)  # of whole numbers beyond 2^53 the last digits are rounded
+    return column.to_numpy(zero_copy_only=False).astype(np.float64)
 
 
 def _no_number(column: pa.ChunkedArray) -> object:

@@ -8,7 +8,7 @@ import pyarrow.parquet
 import pytest
 from csv_logs import Q, csv
 
-from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.errors import ConfigError, DataError, UnknownNameError
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.read import read
 from dr_lab.measurements.split import split
@@ -40,6 +40,13 @@ def test_stretches_of_grouped_logs(tosses: Path, contract: DataContract) -> None
     found = read("t", [str(tosses)], Q, contract, fit=["*/3?[0:0.5]"], held_out=["*[0.6:]"], time=time, group="toss")
     assert [log.name for log in found.fit] == ["tosses/30[0:0.5]", "tosses/31[0:0.5]"]
     assert [len(log.outputs["q.position"]) for log in found.held_out] == [40, 40, 40]
+
+
+def test_a_group_without_values_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,q,toss\n0,1,\n1,2,\n")
+    with pytest.raises(DataError, match=r"column 'toss' holds no value, so it tells no logs apart\. Correct group"):
+        grouped(path, "toss")
 
 
 def test_wrong_groups_are_explained(tosses: Path, contract: DataContract) -> None:

@@ -221,6 +221,7 @@ def test_a_channel_without_an_entry_is_explained(tmp_path: Path, contract: DataC
         ({"scale": 0}, r"time\.scale is 0; expected a number above 0"),
         ({"scale": float("nan")}, r"time\.scale is nan"),
         ({"scale": -1.0}, r"time\.scale is -1; expected a number above 0"),
+        ({"start": 3.0, "stop": 1.0}, r"time\.start is 3 s and time\.stop 1 s; expected a stop behind the start"),
         ({"start": "1 s"}, r"time\.start is '1 s'; expected a number of seconds"),
     ],
 )

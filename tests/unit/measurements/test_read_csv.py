@@ -136,5 +136,8 @@ def test_all_nan_and_one_sample(tmp_path: Path, contract: DataContract) -> None:
         read_log(csv(tmp_path / "a.csv", time=TIME, q=np.nan), Q, {}, contract)
     with pytest.raises(DataError, match=r"'q.position' \(column q\) has 1 usable samples; at least 20 are needed"):
         read_log(csv(tmp_path / "b.csv", time=[0.0], q=[1.0]), Q, {}, contract)
-    with pytest.raises(DataError, match=r"has no sample in the chosen time"):
-        read_log(csv(tmp_path / "c.csv", time=TIME, q=ANGLE), Q, {}, contract, time=TimeAxis(start=9.0))
+    path = csv(tmp_path / "c.csv", time=TIME, q=ANGLE)
+    with pytest.raises(DataError, match=r"has no sample in the chosen time; time\.start and stop left none"):
+        read_log(path, Q, {}, contract, time=TimeAxis(start=9.0))
+    with pytest.raises(DataError, match=r"'c\[7:8\]': .* no sample in the chosen time; they lie from 0 to 3\.998 s"):
+        read("bench", [str(path)], Q, contract, fit=["c[7:8]"])

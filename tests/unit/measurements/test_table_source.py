@@ -1,5 +1,6 @@
 """CSV and Parquet logs."""
 
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,26 @@ def test_parquet_and_timestamps_keep_nanoseconds(tmp_path: Path) -> None:
         samples = source.samples(channel_map("q", {"column": "q", "unit": "rad"}, ""))
         np.testing.assert_allclose(samples.stamps["column"].elapsed, [0.0, 1e-9, 1.000000003], rtol=1e-15)
         np.testing.assert_array_equal(samples.value, [1, 2, 3])
+
+
+def test_whole_numbers_beyond_2_to_53_and_decimals_are_numbers(tmp_path: Path) -> None:
+    table = pa.table({"t": [0.0, 1.0], "i": [2**60 + 1, 7], "d": [Decimal("1.25"), None]})
+    pyarrow.parquet.write_table(table, tmp_path / "a.parquet")
+    np.testing.assert_array_equal(column(tmp_path / "a.parquet", "i", "t", "s"), [2.0**60, 7.0])
+    np.testing.assert_array_equal(column(tmp_path / "a.parquet", "d", "t", "s"), [1.25, np.nan])
+
+
+def test_durations_are_times_and_no_channels(tmp_path: Path) -> None:
+    lasted = pa.array([5_000_000_001, 7_000_000_002], pa.duration("ns"))
+    stamps = pa.array([1_700_000_000_000_000_001] * 2, pa.timestamp("ns"))
+    pyarrow.parquet.write_table(pa.table({"t": lasted, "s": stamps, "q": [1.0, 2.0]}), tmp_path / "a.parquet")
+    samples = TableSource(tmp_path / "a.parquet", "t", "s").samples(
+        channel_map("q", {"column": "q", "unit": "rad"}, "")
+    )
+    np.testing.assert_allclose(samples.stamps["column"].elapsed, [0.0, 2.000000001], rtol=1e-15)
+    for name, kind in {"t": "duration", "s": "timestamp"}.items():
+        with pytest.raises(DataError, match=rf"column '{name}' holds {kind}\[ns\], not numbers"):
+            column(tmp_path / "a.parquet", name, "t", "s")
 
 
 def test_missing_column_lists_those_there_are(csv: Path) -> None:
