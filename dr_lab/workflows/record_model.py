@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -10,7 +11,7 @@ import yaml
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.effects.effect import Effect
 from dr_lab.effects.named import with_named_effects
-from dr_lab.errors import ConfigError, ModelError, UnknownNameError
+from dr_lab.errors import ConfigError, ModelError, UnknownNameError, require_numbers
 from dr_lab.physics.model import Model, joints
 from dr_lab.plants.excitation import SinesAndSteps
 from dr_lab.plants.instruments import Instruments, RobotClock
@@ -49,7 +50,7 @@ class ModelSource:
 
     Raises:
         ConfigError: no log is asked for, or one too short for a command and a sample; the peak of a command is missing,
-            or a parameter lies outside its bounds.
+            a number is not finite, or a parameter lies outside its bounds.
         ModelError: there is no joint to record.
         UnknownNameError: a parameter, effect, site, actuator or joint does not exist.
     """
@@ -68,6 +69,10 @@ class ModelSource:
     command_topic: str
 
     def __post_init__(self) -> None:
+        require_numbers(self, "source", positive=("duration", "travel"), below={"duration": np.inf})
+        for key in ("context", "peaks", "start"):
+            _require_finite(key, getattr(self, key) or {})
+        _require_finite("shares", dict(enumerate(self.shares)))
         slowest = min(self.instruments.sample_rate, self.instruments.command_rate)
         if not self.shares or self.duration * slowest < 2:
             given = f"{len(self.shares)} shares, {self.duration:g} s"
@@ -177,6 +182,12 @@ class ModelSource:
                 raise UnknownNameError("joint", name, names, f"model {self.model.name!r} (start)")
             qpos[compiled.joint(name).qposadr[0]] = value
         return qpos
+
+
+def _require_finite(key: str, values: Mapping[Any, float]) -> None:
+    for name, value in values.items():
+        if not np.isfinite(value):
+            raise ConfigError(f"{key}: {name} is {value:g}; expected a finite number.")
 
 
 def _recorded(compiled: mujoco.MjModel) -> tuple[str, ...]:

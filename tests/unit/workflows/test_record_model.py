@@ -150,6 +150,12 @@ def test_commands_fill_the_range_about_its_middle(tmp_path: Path) -> None:
     [
         (ConfigError, "peaks={motor:NUMBER}", []),
         (ConfigError, "share for each log", [MOTOR, "shares=[]"]),
+        (ConfigError, "source.duration is inf; expected a number below inf", [MOTOR, "duration=inf"]),
+        (ConfigError, "source.duration is nan; expected a number above 0", [MOTOR, "duration=nan"]),
+        (ConfigError, "source.travel is 0; expected a number above 0", [MOTOR, "source.travel=0.0"]),
+        (ConfigError, "shares: 1 is nan; expected a finite number", [MOTOR, "shares=[1.0,nan]"]),
+        (ConfigError, "peaks: motor is inf; expected a finite number", ["peaks={motor:inf}"]),
+        (ConfigError, "start: arm is nan; expected a finite number", [MOTOR, "start={arm:nan}"]),
         (ConfigError, "arm.mass is 95 kg; expected a value within its bounds", [MOTOR, "context={arm.mass:95}"]),
         (UnknownNameError, "Did you mean 'arm.mass'", [MOTOR, "context={arm.mas:0.1}"]),
         (UnknownNameError, "Did you mean 'spring'", [MOTOR, "context={sprin@arm.stiffness:0.1}"]),
