@@ -73,7 +73,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         total=total,
         total_low=-np.inf if diverges else _interval(total, resampled[2], n, tail, settings)[0],
         wins=float((theirs > ours).mean()),
-        clear=bool((theirs > ours).all() and not diverges and worse.chi2 > noise_floor(worse.freedom, settings)),
+        clear=bool((theirs > ours).all() and not diverges and not at_floor(worse, settings)),
     )
 
 
@@ -106,6 +106,11 @@ def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
     if freedom <= 0:
         return settings.floor
     return max(settings.floor, float(chi2.ppf(settings.confidence, freedom)) / freedom)
+
+
+def at_floor(score: Score, settings: EvidenceSettings) -> bool:
+    """Whether what a model leaves passes for noise."""
+    return score.chi2 <= noise_floor(score.freedom, settings)
 
 
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import mujoco
 
-from dr_lab.diagnosis.evidence import paired_gain, supported
+from dr_lab.diagnosis.evidence import at_floor, paired_gain, supported
 from dr_lab.diagnosis.rank import Bench, Candidate, Explained, explain, rank
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.verdict import Verdict, decide
@@ -73,12 +73,13 @@ class Ladder:
     def verdict(self, settings: EvidenceSettings) -> str:
         """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.
 
-        Effects that leave much of the gap are what the catalogue has nearest to the cause rather than the cause:
-        ``unexplained``.
+        Effects that leave much of the gap, and more than noise, are what the catalogue has nearest to the cause rather
+        than the cause: ``unexplained``.
         """
         if not self.steps:
             return self.rungs[0].verdict.kind
-        if self.closed(settings) < settings.least_named:
+        noise = at_floor(self.models[-1].held_out, settings)
+        if not noise and self.closed(settings) < settings.least_named:
             return "unexplained"
         return "equivalent" if any(step.rivals for step in self.steps) else "named"
 

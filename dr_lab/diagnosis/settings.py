@@ -119,7 +119,7 @@ class EvidenceSettings:
         threshold: least evidence on the held-out windows, as Δχ², that separates two models.
         least_gap: share of the worse model's χ² above the noise floor that separates two models.
         least_explained: share of the χ² above the noise floor that an effect must close to be added.
-        least_named: the same of all added effects together, for them to be named as what was missing.
+        least_named: the same of all added effects together, for them to be named where they leave more than noise.
         penalty: Δχ² that each added parameter must earn on top.
         floor: largest χ² per sample that counts as the noise floor, where samples are many.
         absorbed: share of an effect's information below which the free parameters are said to absorb it.

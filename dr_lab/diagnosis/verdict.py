@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
 
-from dr_lab.diagnosis.evidence import noise_floor, paired_gain, supported
+from dr_lab.diagnosis.evidence import at_floor, noise_floor, paired_gain, supported
 from dr_lab.diagnosis.rank import Candidate, Explained
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
@@ -64,7 +64,7 @@ def _backed(candidate: Candidate, settings: EvidenceSettings) -> bool:
 def _kind(base: Explained, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings) -> str:
     if group:
         return "named" if len(group) == 1 else "equivalent"
-    if base.held_out.chi2 > noise_floor(base.held_out.freedom, settings):
+    if not at_floor(base.held_out, settings):
         return "unexplained"
     return "not_excited" if status and set(status.values()) == {"not_excited"} else "none"
 
@@ -124,7 +124,7 @@ def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candi
     interval, which few blocks of data make wide. Above the floor the models are wrong in ways that differ from log to
     log, and the intervals decide.
     """
-    if any(c.explained.held_out.chi2 > noise_floor(c.explained.held_out.freedom, settings) for c in group):
+    if not all(at_floor(c.explained.held_out, settings) for c in group):
         return group
     best = min(group, key=lambda c: _excess(c, group[0]))
     return [c for c in group if _excess(c, best) < settings.threshold]

@@ -119,6 +119,13 @@ def test_what_is_named_closes_most_of_the_gap(left: float, rivals: int, kind: st
     np.testing.assert_allclose(ladder.closed(SETTINGS), closed, rtol=0.05)
 
 
+def test_what_leaves_only_noise_is_named_however_small_the_gap_was() -> None:
+    base, last = model(1.06), model(1.03)
+    ladder = Ladder((), base, (Step(last, ()),))
+    assert ladder.closed(SETTINGS) < SETTINGS.least_named
+    assert ladder.verdict(SETTINGS) == "named"
+
+
 def test_the_first_step_is_what_the_first_rung_names() -> None:
     base = model(20.0)
     ranking = (candidate(base, "coulomb_friction", 9.0, CLEAR),)
