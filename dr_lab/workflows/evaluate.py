@@ -129,7 +129,8 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
 
 def _report(values: Mapping[str, Any], found: Evaluation) -> dict[str, Any]:
     rows = [dict(row) for row in found.rows]
-    own = {"figures": dict(found.figures), "rows": rows, "episodes": described(found.episodes)}
+    units = {axis.name: axis.unit for grid in found.grids for axis in grid.axes}
+    own = {"figures": dict(found.figures), "units": units, "rows": rows, "episodes": described(found.episodes)}
     return cast(dict[str, Any], to_plain({"schema": "dr_lab/evaluate/1", "verb": "evaluate", **values, **own}))
 
 

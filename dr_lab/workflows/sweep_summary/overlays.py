@@ -94,7 +94,8 @@ def _mean_grid(title: str, runs: Sequence[Run]) -> Grid:
                 f"{run.folder} was evaluated over other contexts than {runs[0].folder}, with which it would be "
                 "averaged. Take one of them out, or aggregate over fewer keys: aggregate=…"
             )
-    axes = [ContextAxis(name, "", np.unique([row[name] for row in tables[0]])) for name in names]
+    units = runs[0].report.get("units", {})
+    axes = [ContextAxis(name, units.get(name, ""), np.unique([row[name] for row in tables[0]])) for name in names]
     shape = tuple(len(axis.values) for axis in axes)
     mean, spread = (np.array([_column(table, key) for table in tables]).mean(axis=0).reshape(shape) for key in _CELL)
     return Grid(title, axes, mean, spread)

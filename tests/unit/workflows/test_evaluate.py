@@ -59,6 +59,7 @@ def test_a_grid_is_played_written_and_drawn(run: Path, tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     assert [float(row["return"]) for row in rows] == pytest.approx([row["return"] for row in report["rows"]])
     assert len(rows) == 3
+    assert report["units"] == {"arm.mass": "kg"}
     for name in ("review.rrd", "episodes.mcap"):
         assert (tmp_path / "grid" / name).stat().st_size > 0
     assert len(report["episodes"]) == 3

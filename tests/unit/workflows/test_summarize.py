@@ -179,10 +179,11 @@ def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
             {"size": s, "mass": m, "return": s + m + seed, "std": 1.0} for s in (1.0, 2.0) for m in (3.0, 4.0, 5.0)
         ]
         rows[0]["return"] = None  # infeasible
-        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "rows": rows}
+        units = {"size": "m", "mass": "kg"}
+        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "units": units, "rows": rows}
         write_run(tmp_path / str(seed), report, f"seed={seed}")
     (grid,) = grids(grouped(find_runs(tmp_path)[0], ["seed"])).values()
-    assert [axis.name for axis in grid.axes] == ["size", "mass"]
+    assert [(axis.name, axis.unit) for axis in grid.axes] == [("size", "m"), ("mass", "kg")]
     np.testing.assert_allclose(grid.mean, [[np.nan, 5.5, 6.5], [5.5, 6.5, 7.5]])
 
 
