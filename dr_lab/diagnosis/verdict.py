@@ -113,21 +113,22 @@ def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> lis
         for c in backed[1:]
         if not supported(paired_gain(c.explained.held_out, best.explained.held_out, settings), 0, settings)
     ]
+    group = _likeliest(group, settings)
     fewest = min(len(c.effect.parameters) for c in group)
-    return sorted(_likeliest([c for c in group if len(c.effect.parameters) == fewest], settings), key=_nearness)
+    return sorted((c for c in group if len(c.effect.parameters) == fewest), key=_nearness)
 
 
 def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
-    """Of effects with equally many parameters that leave noise alone, those that all logs hold as likely as the best.
+    """Of effects of which one leaves noise alone, those that all logs hold as likely as the best.
 
     At the noise floor Δχ² is the likelihood ratio, to which the logs that were fitted contribute as well; it needs no
     interval, which few blocks of data make wide. Above the floor the models are wrong in ways that differ from log to
     log, and the intervals decide.
     """
-    if not all(at_floor(c.explained.held_out, settings) for c in group):
+    if not any(at_floor(c.explained.held_out, settings) for c in group):
         return group
-    best = min(group, key=lambda c: _excess(c, group[0]))
-    return [c for c in group if _excess(c, best) < settings.threshold]
+    excess = [_excess(c, group[0]) + settings.penalty * len(c.effect.parameters) for c in group]
+    return [c for c, each in zip(group, excess, strict=True) if each < min(excess) + settings.threshold]
 
 
 def _excess(candidate: Candidate, other: Candidate) -> float:

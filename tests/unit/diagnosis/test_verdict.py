@@ -160,12 +160,12 @@ def test_effects_that_explain_equally_well_are_equivalent() -> None:
     assert verdict.status["actuator_delay@drive"] == "equivalent"
 
 
-def rivals(level: float, cost: float) -> Verdict:
+def rivals(level: float, cost: float, best: str = "coulomb_friction", other: str = "constant_offset") -> Verdict:
     """The verdict on two effects that bring a χ² of 20 down to a level, one of them at a higher cost on fitted logs."""
     base = model(20.0)
     ranking = [
-        candidate(base, "coulomb_friction", level, CLEAR, 9000.0),
-        candidate(base, "constant_offset", level, CLEAR, 9000.0 + cost),
+        candidate(base, best, level, CLEAR, 9000.0),
+        candidate(base, other, level, CLEAR, 9000.0 + cost),
     ]
     return decide(base, ranking, SETTINGS)
 
@@ -174,6 +174,13 @@ def test_at_the_noise_floor_the_fitted_logs_tell_rivals_apart_too() -> None:
     assert SETTINGS.threshold == 25
     assert rivals(1.0, 24.0).kind == "equivalent"
     assert rivals(1.0, 26.0).effects == ("coulomb_friction@rail",)
+
+
+def test_at_the_noise_floor_a_simpler_effect_must_be_as_likely_as_a_richer_one() -> None:
+    """Stribeck friction has two parameters more, which cost 2 each."""
+    assert SETTINGS.penalty == 2
+    for cost, named in ((28.0, "coulomb_friction@rail"), (30.0, "stribeck_friction@rail")):
+        assert rivals(1.0, cost, "stribeck_friction", "coulomb_friction").effects == (named,)
 
 
 def test_above_the_noise_floor_the_fitted_logs_do_not_decide() -> None:
