@@ -95,14 +95,17 @@ class DDPG(Algorithm):
         return self.actor.mean
 
     def update(self, batch: TensorDict) -> Mapping[str, float]:
-        """Put the batch into the normaliser's statistics and the buffer, and take the steps that it earns."""
+        """Put the batch into the normaliser's statistics and the buffer, and take the steps that it earns.
+
+        Figures are NaN where that is none: before `learning_starts`, or after a batch of few control steps.
+        """
         self.actor.normaliser.update(batch["observation"])
         self.buffer.extend(self._transitions(batch))
         before, self.frames = self.frames, self.frames + batch.numel()
-        if self.frames < self.learning_starts:
-            return {"critic_loss": torch.nan, "q": torch.nan}
         steps = int(self.frames * self.steps_per_frame) - int(before * self.steps_per_frame)
-        terms = [self._step() for _ in range(max(1, steps))]
+        if self.frames < self.learning_starts or steps == 0:
+            return {"critic_loss": torch.nan, "q": torch.nan}
+        terms = [self._step() for _ in range(steps)]
         critic_loss, value = torch.stack(terms).mean(0).tolist()
         return {"critic_loss": critic_loss, "q": value}
 

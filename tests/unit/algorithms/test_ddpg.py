@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
 from point_mass import INTERFACE, PointCollector, best, mean_reward
@@ -93,6 +94,17 @@ def test_a_checkpoint_holds_no_more_than_was_collected(tmp_path: Path) -> None:
         save(tmp_path / "c.pt", algorithm.state_dict())
         sizes.append((tmp_path / "c.pt").stat().st_size)
     assert sizes[0] == sizes[1]
+
+
+@pytest.mark.parametrize(("steps_per_frame", "steps"), [(1 / 256, 5), (0.25, 20 * 16)])
+def test_control_steps_earn_gradient_steps_over_several_batches(steps_per_frame: float, steps: int) -> None:
+    algorithm = ddpg(steps_per_frame=steps_per_frame, learning_starts=0, batch_frames=64)
+    taken = []
+    algorithm.loss.register_forward_pre_hook(lambda *_: taken.append(1))
+    batches = collector(algorithm)
+    figures = [algorithm.update(next(batches)) for _ in range(20)]
+    assert len(taken) == steps
+    assert sum(np.isfinite(each["critic_loss"]) for each in figures) == min(steps, 20)
 
 
 def test_one_state_may_be_trained_on_from_twice() -> None:
