@@ -10,7 +10,7 @@ import torch
 from numpy._core import multiarray
 from torch import Tensor
 
-from dr_lab.errors import DataError
+from dr_lab.errors import DataError, DrLabError
 from dr_lab.recorders.files import atomic
 
 # What arrays are made of when they are read; everything else that torch does not know by itself is refused.
@@ -32,10 +32,16 @@ def save(path: Path, state: Mapping[str, Any]) -> None:
         state: as the parts of a run give it.
 
     Raises:
-        DrLabError: the folder cannot be written to.
+        DrLabError: the folder cannot be written to, or the disk is full.
     """
     with atomic(path) as temporary:
-        torch.save(dict(state), temporary)
+        try:
+            torch.save(dict(state), temporary)
+        except (OSError, RuntimeError) as error:  # torch has no other for a full disk
+            raise DrLabError(
+                f"Cannot write the checkpoint {path}: {str(error).partition(chr(10))[0]} It takes a folder with room, "
+                "e.g. hydra.run.dir=FOLDER."
+            ) from error
 
 
 def load(path: Path) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The shared loop: a run that was interrupted equals one that was not."""
 
 import math
+import resource
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, cast
@@ -103,6 +104,20 @@ def test_a_policy_that_is_not_finite_stops_the_run_and_is_not_saved(tmp_path: Pa
     with pytest.raises(DrLabError, match=r"After 960 control steps algorithm\.actor\..* is no longer finite"):
         run.run(3 * FRAMES, ignore)
     assert load(tmp_path / "checkpoint.pt")["history"] == saved["history"]
+
+
+def test_a_full_disk_is_told_and_leaves_the_last_checkpoint(tmp_path: Path) -> None:
+    path = tmp_path / "checkpoint.pt"
+    save(path, {"kept": 1})
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, before[1]))
+    try:
+        with pytest.raises(DrLabError, match=r"Cannot write the checkpoint .*checkpoint\.pt: .* room"):
+            save(path, {"large": torch.zeros(100_000)})
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert load(path) == {"kept": 1}
+    assert [each.name for each in tmp_path.iterdir()] == ["checkpoint.pt"]
 
 
 def test_checkpoints_are_counted_in_control_steps(tmp_path: Path) -> None:
