@@ -106,6 +106,10 @@ class Trainer(Generic[R]):
             if self.due or self.frames >= frames:
                 self._save()
 
+    def close(self) -> None:
+        """End what the collector keeps running, such as workers on other machines."""
+        self._collector.close()
+
     def resume(self, checkpoint: Path) -> None:
         """Go on as if the run that wrote this checkpoint had never been interrupted.
 

@@ -27,7 +27,7 @@ class Subject:
         setting: machine and task.
         policy: what is deployed: without exploration.
         again: gives a trainer that goes on from the trained state, on contexts from another source, with a random seed,
-            and the policy that it trains; it leaves no checkpoint.
+            and the policy that it trains; it leaves no checkpoint, and is to be closed.
         threads: C threads of the physics; None takes every core.
         trained_on: distribution of the contexts, as training left it; None for the nominal context alone.
     """

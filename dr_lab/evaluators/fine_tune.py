@@ -1,12 +1,16 @@
 """What a policy is worth as a beginning: jump-start and asymptote of training on, context by context."""
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.algorithms.rollouts import PolicyRollouts
+from dr_lab.algorithms.trainer import Trainer
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import interquartile_mean
@@ -14,7 +18,7 @@ from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.training import Curve
-from dr_lab.seeding import stream
+from dr_lab.seeding import derived_seed, stream
 from dr_lab.trajectory import Array
 
 
@@ -74,10 +78,12 @@ class FineTuneEvaluator(Evaluator):
             ConfigError: a round trains nothing.
         """
         space = subject.setting.space
-        trainer, policy = subject.again(
-            FixedRandomizer(space, dict(zip(space.names, z.tolist(), strict=True))), self.seed + index
-        )
-        rollouts = subject.rollouts(self.episodes, self.seed, policy)
+        fixed = FixedRandomizer(space, dict(zip(space.names, z.tolist(), strict=True)))
+        trainer, policy = subject.again(fixed, derived_seed(self.seed, "fine_tune", index))
+        with closing(trainer):
+            return self._train_on(trainer, subject.rollouts(self.episodes, self.seed, policy), z)
+
+    def _train_on(self, trainer: Trainer[Any], rollouts: PolicyRollouts, z: Array) -> tuple[list[int], list[float]]:
         wanted, begun = np.repeat(z[None], self.episodes, axis=0), trainer.frames
         frames, returns = [0], [float(rollouts.returns(wanted).mean())]
         if np.isnan(returns[0]):

@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -75,7 +76,7 @@ class GridEvaluator(Evaluator):
 
 def _axis(space: ContextSpace, name: str, *given: float) -> ContextAxis:
     index = space.index(name)
-    if len(given) != 3 or not given[0] < given[1] or given[2] < 2 or given[2] != int(given[2]):
+    if len(given) != 3 or not all(map(isfinite, given)) or given[0] >= given[1] or given[2] < 2 or given[2] % 1:
         raise ConfigError(
             f"evaluator.axes.{name} is {list(given)}; expected [lowest, highest, number of values], at least two."
         )

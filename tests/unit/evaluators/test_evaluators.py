@@ -1,6 +1,8 @@
 """Evaluators on a block that is pushed along a rail: x' grows by F h/m a step, so a return is h F/m · T (T + 1)/2."""
 
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, cast
@@ -51,7 +53,10 @@ class Stronger:
     """Stands for a trainer of batches of 10: its policy pushes with 1 N more for every batch."""
 
     def __init__(self) -> None:
-        self.frames, self.force = 100, 1.0
+        self.frames, self.force, self.closed = 100, 1.0, False
+
+    def close(self) -> None:
+        self.closed = True
 
     def run(self, frames: int, watch: Callable[..., None]) -> None:
         del watch
@@ -130,9 +135,12 @@ def test_three_axes_are_refused(subject: Subject, tmp_path: Path) -> None:
         GridEvaluator(axes=axes, count=2, episodes=1, parallel=1, seed=0).evaluate(subject, tmp_path, print)
 
 
-def test_an_axis_of_one_value_is_refused(subject: Subject, tmp_path: Path) -> None:
-    evaluator = GridEvaluator(axes={"block.mass": [1.0, 2.0, 1]}, count=2, episodes=1, parallel=1, seed=0)
-    with pytest.raises(ConfigError, match=r"evaluator\.axes\.block\.mass is \[1\.0, 2\.0, 1\]; expected \[lowest"):
+@pytest.mark.parametrize("axis", [[1.0, 2.0, 1], [1.0, 2.0, np.inf], [1.0, np.inf, 3], [1.0, 2.0, 2.5]])
+def test_an_axis_without_two_values_is_refused(axis: list[float], subject: Subject, tmp_path: Path) -> None:
+    evaluator = GridEvaluator(axes={"block.mass": axis}, count=2, episodes=1, parallel=1, seed=0)
+    with pytest.raises(
+        ConfigError, match=rf"evaluator\.axes\.block\.mass is {re.escape(str(axis))}; expected \[lowest"
+    ):
         evaluator.evaluate(subject, tmp_path, print)
 
 
@@ -187,6 +195,23 @@ def test_a_context_that_diverges_while_training_on_costs_its_own_round_alone(sub
     np.testing.assert_allclose(infeasible.value, [0.2, 0.2, 0.4])
     wanted = {"jump_start": 0.5, "asymptote": 2.5, "infeasible": 0.2, "infeasible_after": 0.4}
     assert found.figures == pytest.approx(wanted)
+
+
+def test_every_context_has_a_trainer_with_a_seed_of_its_own_that_is_closed(subject: Subject, tmp_path: Path) -> None:
+    trainers, seeds = list[Stronger](), list[int]()
+
+    def watched(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
+        found = again(source, seed)
+        trainers.append(cast(Stronger, found[1]))
+        seeds.append(seed)
+        return found
+
+    near = partial(UniformRandomizer, ranges={"block.mass": [1.999, 2.001]})
+    for seed in (0, 1):
+        evaluator = FineTuneEvaluator(near, contexts=2, rounds=1, frames=10, episodes=1, seed=seed)
+        evaluator.evaluate(replace(subject, again=watched), tmp_path, print)
+    assert all(trainer.closed for trainer in trainers)
+    assert len({0, 1, *seeds}) == 6  # neither among themselves, nor those that the returns are measured with
 
 
 def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
