@@ -28,7 +28,7 @@ from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.tables import table
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 from dr_lab.workflows.episodes import described, keep_episodes, play_episodes
-from dr_lab.workflows.training import CHECKPOINT, Plan
+from dr_lab.workflows.training import CHECKPOINT, Plan, Training
 
 _SHOWN = 40  # rows of the table in the page; all are in returns.csv
 
@@ -105,15 +105,12 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
         threads: C threads of the physics; None takes every core.
 
     Raises:
-        DataError: the checkpoint cannot be read.
+        DataError: the checkpoint cannot be read, or is not of what the configuration beside it describes.
     """
     recorded: Plan = compose("train", [], recorded=folder)["plan"]
     plan = replace(recorded, threads=threads)
-    saved = load(folder / CHECKPOINT)
-    state = saved["algorithm"]
     training = plan.assemble(None)
-    training.algorithm.load_state_dict(state)
-    training.learner.load_state_dict(saved["learner"])
+    state = _restored(training, folder)
     training.collector.close()
 
     def again(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
@@ -125,6 +122,20 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
         return fresh.trainer, fresh.algorithm.deployed
 
     return Subject(folder.name, plan.env, training.algorithm.deployed, again, threads, training.randomizer)
+
+
+def _restored(training: Training, folder: Path) -> Mapping[str, Any]:
+    """Put algorithm and distribution into the state that a run left; gives the algorithm's."""
+    saved = load(folder / CHECKPOINT)
+    try:
+        training.algorithm.load_state_dict(saved["algorithm"])
+        training.learner.load_state_dict(saved["learner"])
+    except (KeyError, RuntimeError, TypeError, ValueError) as error:
+        raise DataError(
+            f"{folder / CHECKPOINT} does not fit {folder / 'config.yaml'}, or is of another version of dr_lab: "
+            f"{' '.join(str(error).split())} Give run=FOLDER of a training run as it was left, or train again."
+        ) from error
+    return saved["algorithm"]
 
 
 def _report(values: Mapping[str, Any], found: Evaluation) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.training import Curve
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 from dr_lab.sweeps.progress import tell
+from dr_lab.trajectory import Array
 from dr_lab.workflows.episodes import described, keep_episodes, play_episodes
 from dr_lab.workflows.snapshots import Snapshots
 from dr_lab.workflows.training import CHECKPOINT, Plan, Training
@@ -111,7 +112,7 @@ def _report(
     history = training.trainer.history
     z = training.randomizer.sample([np.random.default_rng(0)] * 1000)
     context = {
-        p.name: {"unit": p.unit, "low": p.low, "high": p.high, "mean": column.mean(), "std": column.std()}
+        p.name: {"unit": p.unit, "low": p.low, "high": p.high, **_moments(column)}
         for p, column in zip(env.space.parameters, z.T, strict=True)
     }
     for learned in snapshots.marginals():
@@ -133,6 +134,11 @@ def _report(
         "checkpoint": CHECKPOINT,
         "run": run_dir,
     }
+
+
+def _moments(draws: Array) -> dict[str, float]:
+    """Mean and standard deviation, exact where all draws are the same."""
+    return {"mean": draws.mean(), "std": draws.std()} if np.ptp(draws) else {"mean": draws[0], "std": 0.0}
 
 
 def final_return(history: Sequence[Mapping[str, float]]) -> float | None:

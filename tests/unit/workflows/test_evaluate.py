@@ -43,6 +43,12 @@ def test_what_was_trained_on_is_recorded_as_it_was_composed(run: Path) -> None:
     assert "env: ${env}" in text
 
 
+def test_a_context_that_is_fixed_has_no_spread(run: Path) -> None:
+    report = json.loads((run / "report.json").read_text(encoding="utf-8"))
+    arm = report["context"]["arm.mass"]
+    assert (arm["mean"], arm["std"]) == (0.095, 0.0)
+
+
 def evaluated(run: Path, folder: Path, *overrides: str) -> dict[str, Any]:
     folder.mkdir()
     arguments = compose_arguments("evaluate", [f"run={run}", *overrides], (shipped(),))
@@ -90,6 +96,16 @@ def test_the_command_line_evaluates_what_it_has_trained(run: Path, tmp_path: Pat
     done = subprocess.run([program, "evaluate", *asked], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "uniform" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
+
+
+def test_a_checkpoint_of_another_run_is_told(run: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(run, tmp_path / "run")
+    state = load(folder / "checkpoint.pt")
+    del state["algorithm"]["actor"]["log_std"]
+    save(folder / "checkpoint.pt", state)
+    compose = functools.partial(compose_arguments, folders=(shipped(),))
+    with pytest.raises(DataError, match=r"checkpoint\.pt does not fit .*config\.yaml.*log_std"):
+        subject_of(folder, compose, threads=1)
 
 
 def test_a_run_without_a_checkpoint_is_told(tmp_path: Path) -> None:
