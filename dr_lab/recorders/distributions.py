@@ -87,13 +87,14 @@ def ellipse(mean: Array, covariance: Array, content: float) -> tuple[Array, Arra
     return x, y
 
 
-def log_marginals(root: Branch, learned: Mapping[str, Marginal], look: Look) -> None:
+def log_marginals(root: Branch, learned: Mapping[str, Marginal], colours: Mapping[str, Colour], look: Look) -> None:
     """Draw what several runs learnt of one parameter, as it was at their end, over the first one's prior.
 
     Args:
         root: where to.
         learned: the histograms by what the legend calls them, one at least.
-        look: colours and line widths.
+        colours: of each of them.
+        look: all other colours, and line widths.
     """
     first = next(iter(learned.values()))
     density = {label: _density(each.probability[-1], each.edges) for label, each in learned.items()}
@@ -106,7 +107,7 @@ def log_marginals(root: Branch, learned: Mapping[str, Marginal], look: Look) -> 
     chart.line("prior", *_stairs(first.edges, prior), look.colour("noise"), look.line_width)
     legend = {"prior": look.colour("noise")}
     for index, (label, each) in enumerate(learned.items()):
-        legend[label] = look.series(index)
+        legend[label] = colours[label]
         chart.line(f"learned_{index}", *_stairs(each.edges, density[label]), legend[label], look.measured_width / 2)
     chart.legend(legend)
 

@@ -35,8 +35,13 @@ def log_grid(root: Branch, grid: Grid, look: Look, span: tuple[float, float] | N
 
 
 def return_span(grids: Sequence[Grid]) -> tuple[float, float]:
-    """Lowest and highest mean return of all grids; 0 and 1 where there is none."""
-    known = np.concatenate([np.empty(0), *(grid.mean[np.isfinite(grid.mean)] for grid in grids)])
+    """Lowest and highest return that is drawn of all grids; 0 and 1 where there is none.
+
+    Maps show means alone, lines also what lies a standard deviation off.
+    """
+    off = {1: (-1.0, 1.0), 2: (0.0,)}
+    drawn = [grid.mean + sign * grid.spread for grid in grids for sign in off[len(grid.axes)]]
+    known = np.concatenate([np.empty(0), *(each[np.isfinite(each)] for each in drawn)])
     return (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
 
 
@@ -59,13 +64,16 @@ def heat_map(value: Array, low: float, high: float, look: Look) -> np.ndarray:
     return np.where(np.isfinite(value)[..., None], colour, look.colour("ground")[:3]).astype(np.uint8)
 
 
-def log_lines(root: Branch, lines: Mapping[str, Grid], look: Look, span: tuple[float, float]) -> None:
+def log_lines(
+    root: Branch, lines: Mapping[str, Grid], colours: Mapping[str, Colour], look: Look, span: tuple[float, float]
+) -> None:
     """Draw returns over one parameter of several runs in one chart.
 
     Args:
         root: where to.
-        lines: grids over one parameter by what the legend calls them, one at least.
-        look: colours and line widths.
+        lines: grids over the same parameter by what the legend calls them, one at least.
+        colours: of each of them.
+        look: all other colours, and line widths.
         span: lowest and highest return shown.
     """
     axes = [grid.axes[0] for grid in lines.values()]
@@ -73,9 +81,9 @@ def log_lines(root: Branch, lines: Mapping[str, Grid], look: Look, span: tuple[f
     low, high = min(axis.low for axis in across), max(axis.high for axis in across)
     chart = Chart(root, CANVAS, linear_axis(titled(axes[0].name, axes[0].unit), low, high), _returns(*span))
     chart.frame(look.colour("axis"), look.colour("text"))
-    for index, grid in enumerate(lines.values()):
-        _log_cells(Chart(root / str(index), CANVAS, chart.x, chart.y), grid, look, look.series(index))
-    chart.legend({label: look.series(index) for index, label in enumerate(lines)})
+    for index, (label, grid) in enumerate(lines.items()):
+        _log_cells(Chart(root / str(index), CANVAS, chart.x, chart.y), grid, look, colours[label])
+    chart.legend({label: colours[label] for label in lines})
 
 
 def _log_line(root: Branch, grid: Grid, low: float, high: float, look: Look) -> None:

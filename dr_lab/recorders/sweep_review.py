@@ -16,7 +16,7 @@ from dr_lab.recorders.training import Band, Grid, Marginal
 
 # Rerun keeps one layout an application: every recording of a sweep shares this one.
 APPLICATION = "dr_lab_sweep"
-_RETURNS = "returns"  # where lines over one parameter are drawn over one another
+_RETURNS = "returns"  # below which lines over the same parameter are drawn over one another
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class SweepRecord:
         groups: what the runs are told apart by, which gives each its colour.
         bands: figures over control steps, those of the first page first.
         marginals: by parameter, what each group learnt of it.
-        grids: returns over contexts, by group; over one parameter they share one chart.
+        grids: returns over contexts, by group; those over the same parameter alone share one chart.
         pages: Markdown by title; the first stands on the first page.
     """
 
@@ -40,9 +40,13 @@ class SweepRecord:
     pages: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def lines(self) -> dict[str, Grid]:
-        """The grids over one parameter."""
-        return {group: grid for group, grid in self.grids.items() if len(grid.axes) == 1}
+    def lines(self) -> dict[str, dict[str, Grid]]:
+        """The grids over one parameter, by this and by group."""
+        found: dict[str, dict[str, Grid]] = {}
+        for group, grid in self.grids.items():
+            if len(grid.axes) == 1:
+                found.setdefault(grid.axes[0].name, {})[group] = grid
+        return found
 
     @property
     def maps(self) -> dict[str, Grid]:
@@ -54,7 +58,7 @@ def write_sweep_review(path: Path, record: SweepRecord, look: Look) -> None:
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<figure>/<group>``, with the interval's ends, on the timeline ``frames``,
-    ``/distribution/<parameter>``, ``/returns`` and ``/grid/<group>``, ``/pages/<title>``.
+    ``/distribution/<parameter>``, ``/returns/<parameter>`` and ``/grid/<group>``, ``/pages/<title>``.
 
     Args:
         path: the file, by custom ``review.rrd``.
@@ -69,13 +73,14 @@ def write_sweep_review(path: Path, record: SweepRecord, look: Look) -> None:
 
 
 def _log(root: Branch, record: SweepRecord, look: Look) -> None:
+    colours = {group: look.series(index) for index, group in enumerate(record.groups)}
     for band in record.bands:
         _log_band(root / "curve" / band.name / band.group, band, record.groups.index(band.group), look)
     for name, learned in record.marginals.items():
-        distributions.log_marginals(root / "distribution" / name, learned, look)
-    span = grids.return_span(list(record.grids.values()))
-    if record.lines:
-        grids.log_lines(root / _RETURNS, record.lines, look, span)
+        distributions.log_marginals(root / "distribution" / name, learned, colours, look)
+    for name, lines in record.lines.items():
+        grids.log_lines(root / _RETURNS / name, lines, colours, look, grids.return_span(list(lines.values())))
+    span = grids.return_span(list(record.maps.values()))
     for group, grid in record.maps.items():
         grids.log_grid(root / "grid" / group, grid, look, span)
     for title, text in record.pages.items():
@@ -128,7 +133,7 @@ def _learned(record: SweepRecord) -> list[rrb.View]:
 
 
 def _maps(record: SweepRecord) -> list[rrb.View]:
-    lines = [grids.CANVAS.view([_RETURNS], "returns over contexts")] if record.lines else []
+    lines = [grids.CANVAS.view([_RETURNS, name], f"returns over {name}") for name in record.lines]
     return [*lines, *(grids.CANVAS.view(["grid", group], f"returns, {group}") for group in record.maps)]
 
 

@@ -64,7 +64,7 @@ def test_every_page_shows_every_group(viewer: ViewerClient, recording: Path, loo
         "Overview": {"return": [first, second], "p(z) of torso.size": [first, second, prior]},
         "Curves": {"return": [first, second], "entropy": [first]},
         "Learned distributions": {"p(z) of torso.size": [first, second]},
-        "Returns over contexts": {"returns over contexts": [first, second]},
+        "Returns over contexts": {"returns over torso.size": [first, second]},
         "Runs": {"Runs": []},
     }
     require_pages(viewer, expected)

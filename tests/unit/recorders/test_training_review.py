@@ -8,6 +8,7 @@ from scipy.stats import chi2
 from dr_lab.recorders.distributions import CANVAS, ellipse
 from dr_lab.recorders.grids import heat_map, return_span
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.recorders.training import ContextAxis, Curve, Grid, Marginal, Pair
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 
@@ -49,6 +50,35 @@ def test_grids_share_one_span() -> None:
     one, other = (Grid("a", [axis], np.array(mean), np.zeros(2)) for mean in ([1.0, np.nan], [-3.0, 2.0]))
     assert return_span([one, other]) == (-3.0, 2.0)
     assert return_span([]) == (0.0, 1.0)
+
+
+def test_the_span_holds_what_lies_a_standard_deviation_off_a_line_but_not_off_a_map() -> None:
+    axis = ContextAxis("friction", "1", np.array([0.0, 1.0]))
+    assert return_span([Grid("line", [axis], np.array([1.0, 2.0]), np.array([4.0, 0.5]))]) == (-3.0, 5.0)
+    assert return_span([Grid("map", [axis, axis], np.eye(2), np.ones((2, 2)))]) == (0.0, 1.0)
+
+
+def test_lines_over_several_parameters_have_a_chart_each_and_groups_their_colour(
+    tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RERUN_STRICT", "1")
+    axes = {"a": ("friction", "1"), "b": ("torso.size", "m"), "c": ("torso.size", "m")}
+    lines = {
+        group: Grid(group, [ContextAxis(*axis, np.array([0.0, 1.0]))], np.array([1.0, 2.0]), np.ones(2))
+        for group, axis in axes.items()
+    }
+    record = SweepRecord("sweep", list(axes), marginals={"torso.size": {"c": marginal()}}, grids=lines)
+    write_sweep_review(tmp_path / "review.rrd", record, look)
+    found = read_recording(tmp_path / "review.rrd")
+    assert found["/returns/friction/titles"]["Points2D:labels"][-1] == ["friction", "return"]
+    assert found["/returns/torso.size/titles"]["Points2D:labels"][-1] == ["torso.size [m]", "return"]
+    for chart, line, number in (("returns/friction", "0/mean", 0), ("returns/torso.size", "1/mean", 2)):
+        assert colour(found[f"/{chart}/{line}"]["LineStrips2D:colors"]) == look.series(number)
+    assert colour(found["/distribution/torso.size/learned_0"]["LineStrips2D:colors"]) == look.series(2)
+
+
+def colour(column: list) -> tuple[int, ...]:
+    return tuple(int(column[-1][0]).to_bytes(4, "big"))
 
 
 def test_a_recording_of_training_has_everything_at_its_iteration(
