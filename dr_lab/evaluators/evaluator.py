@@ -52,13 +52,15 @@ class Evaluation:
     Attributes:
         figures: what a reader wants to know first, by name.
         rows: the table behind them, one row a context, policy or whatever the evaluator compares; same keys in each.
+        units: of the table's columns that have one.
         grids: returns over contexts.
-        curves: figures over iterations of further training.
+        curves: figures over the control steps of further training.
         episodes: that are worth being looked at.
     """
 
     figures: Mapping[str, float]
     rows: Sequence[Row]
+    units: Mapping[str, str] = field(default_factory=dict)
     grids: Sequence[Grid] = field(default_factory=tuple)
     curves: Sequence[Curve] = field(default_factory=tuple)
     episodes: Sequence[Episode] = field(default_factory=tuple)

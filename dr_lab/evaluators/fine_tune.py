@@ -115,10 +115,11 @@ def _summed_up(space: ContextSpace, drawn: Array, frames: NDArray[np.int64], ret
         for z, r in zip(drawn, returns, strict=True)
     ]
     curves = [
-        Curve("return while training on", "", frames, typical),
-        Curve("infeasible share while training on", "", frames, infeasible),
+        Curve("return while training on", "", frames, typical, over="frames"),
+        Curve("infeasible share while training on", "", frames, infeasible, over="frames"),
     ]
-    return Evaluation(figures, rows, curves=curves if feasible.any() else ())
+    units = {p.name: p.unit for p in space.parameters}
+    return Evaluation(figures, rows, units, curves=curves if feasible.any() else ())
 
 
 def _typical(returns: Array) -> float:

@@ -109,4 +109,5 @@ def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array) -> Evalua
         "best_return": float(feasible.max()) if len(feasible) else float("nan"),
         "infeasible": float(np.mean(~np.isfinite(mean))),
     }
-    return Evaluation(figures, rows, [Grid(title, list(axes), mean.reshape(shape), spread.reshape(shape))])
+    grid = Grid(title, list(axes), mean.reshape(shape), spread.reshape(shape))
+    return Evaluation(figures, rows, {axis.name: axis.unit for axis in axes}, [grid])

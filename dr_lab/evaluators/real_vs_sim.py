@@ -34,9 +34,14 @@ class Pair:
     simulated: Episode
 
     @property
+    def expected(self) -> float:
+        """Return in the model; NaN where this diverged."""
+        return np.nan if self.simulated.ended == "infeasible" else self.simulated.undiscounted
+
+    @property
     def difference(self) -> float:
         """Return on the machine less that in the model."""
-        return self.real.undiscounted - self.simulated.undiscounted
+        return self.real.undiscounted - self.expected
 
     @property
     def rmse(self) -> Array:
@@ -96,23 +101,22 @@ class RealVsSimEvaluator(Evaluator):
             real = self._on_plant(subject, twin, f"real_{number}")
             pairs.append(Pair(real, replace(twin, name=f"simulated_{number}")))
             progress(number / self.episodes)
-        widest = max(pairs, key=lambda pair: abs(pair.difference))
-        return Evaluation(
-            self._figures(pairs), [_row(pair) for pair in pairs], episodes=[widest.real, widest.simulated]
-        )
+        widest = max(pairs, key=lambda pair: np.nan_to_num(abs(pair.difference)))
+        shown = [widest.real, widest.simulated]
+        return Evaluation(self._figures(pairs), [_row(pair) for pair in pairs], _units(widest), episodes=shown)
 
     def _figures(self, pairs: Sequence[Pair]) -> dict[str, float]:
-        """Interquartile means with their intervals; the difference is that of pairs."""
+        """Interquartile means with their intervals, without what diverged; the difference is that of pairs."""
         columns = {
             "real": [pair.real.undiscounted for pair in pairs],
-            "simulated": [pair.simulated.undiscounted for pair in pairs],
+            "simulated": [pair.expected for pair in pairs],
             "difference": [pair.difference for pair in pairs],
         }
         figures = {}
         for name, values in columns.items():
             found = iqm_interval(np.array(values), self.confidence, self.resamples, self.seed)
             figures |= {name: found.value, f"{name}.low": found.low, f"{name}.high": found.high}
-        return figures
+        return figures | {"infeasible": float(np.mean(~np.isfinite(columns["simulated"])))}
 
     def _require_same(self, task: Task, compiled: mujoco.MjModel) -> None:
         joints = [compiled.joint(i).name for i in range(compiled.njnt)]
@@ -201,10 +205,17 @@ def _row(pair: Pair) -> Row:
     return {
         "episode": pair.real.name.removeprefix("real_"),
         "real": pair.real.undiscounted,
-        "simulated": pair.simulated.undiscounted,
+        "simulated": pair.expected,
         "difference": pair.difference,
         **{f"{name}.rmse": float(error) for name, error in zip(names, pair.rmse, strict=True)},
     }
+
+
+def _units(pair: Pair) -> dict[str, str]:
+    """Of the positions' errors."""
+    model = pair.real.geometry
+    slides = model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE
+    return {f"{model.joint(i).name}.rmse": "m" if slide else "rad" for i, slide in enumerate(slides)}
 
 
 def _fields(qpos: Array, qvel: Array) -> dict[str, Array]:

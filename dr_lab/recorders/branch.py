@@ -1,4 +1,4 @@
-"""A place in a recording's tree of entities, and the two ways to write there."""
+"""A place in a recording's tree of entities, and the ways to write there."""
 
 from dataclasses import dataclass
 
@@ -41,13 +41,14 @@ class Branch:
 
     def over_iterations(self, iteration: NDArray[np.integer], columns: rr.ComponentColumnList) -> None:
         """Write columns over iterations of training, shape (n,), in one go."""
-        self._over(ITERATIONS, iteration, columns)
+        self.over(ITERATIONS, iteration, columns)
 
     def over_frames(self, frames: NDArray[np.integer], columns: rr.ComponentColumnList) -> None:
         """Write columns over control steps of training, shape (n,), in one go."""
-        self._over(FRAMES, frames, columns)
+        self.over(FRAMES, frames, columns)
 
-    def _over(self, timeline: str, count: NDArray[np.integer], columns: rr.ComponentColumnList) -> None:
+    def over(self, timeline: str, count: NDArray[np.integer], columns: rr.ComponentColumnList) -> None:
+        """Write columns over what a timeline counts, shape (n,), in one go."""
         self.recording.send_columns(entity_path(*self.parts), [rr.TimeColumn(timeline, sequence=count)], columns)
 
 

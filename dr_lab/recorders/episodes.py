@@ -53,10 +53,10 @@ def log_episodes(root: Branch, episodes: Sequence[Episode], look: Look) -> None:
     (root / "table").static(rr.TextDocument(episodes_table(episodes), media_type=rr.MediaType.MARKDOWN))
 
 
-def log_starts(root: Branch, episodes: Sequence[Episode], look: Look) -> None:
-    """Let the timeline of iterations show the machines as the episodes begin; it knows of no further poses."""
+def log_starts(root: Branch, episodes: Sequence[Episode], look: Look, timeline: str) -> None:
+    """Let a timeline that counts show the machines as the episodes begin; it knows of no further poses."""
     for episode in _drawn(episodes):
-        send_start(root / episode.name / "world" / "machine", episode.geometry, _shot(episode, look).pose)
+        send_start(root / episode.name / "world" / "machine", episode.geometry, _shot(episode, look).pose, timeline)
 
 
 def episodes_table(episodes: Sequence[Episode]) -> str:

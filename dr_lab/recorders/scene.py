@@ -66,12 +66,12 @@ def send_poses(root: Branch, model: mujoco.MjModel, time: Array, pose: tuple[Arr
             (root / _body_name(model, body)).over_time(time[finite], columns)
 
 
-def send_start(root: Branch, model: mujoco.MjModel, pose: tuple[Array, Array]) -> None:
-    """Put the moving bodies into the first of the poses on the timeline of iterations; arguments as `send_poses`."""
+def send_start(root: Branch, model: mujoco.MjModel, pose: tuple[Array, Array], timeline: str) -> None:
+    """Put the moving bodies into the first of the poses at 0 of a timeline that counts; arguments as `send_poses`."""
     for body in _moving_bodies(model):
         translation, quaternion = pose[0][:1, body], np.roll(pose[1][:1, body], -1, axis=-1)
         columns = rr.Transform3D.columns(translation=translation, quaternion=quaternion)
-        (root / _body_name(model, body)).over_iterations(np.zeros(1, int), columns)
+        (root / _body_name(model, body)).over(timeline, np.zeros(1, int), columns)
 
 
 def body_poses(model: mujoco.MjModel, qpos: Array, bodies: Sequence[int] | None = None) -> tuple[Array, Array]:

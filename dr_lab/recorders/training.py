@@ -1,7 +1,8 @@
-"""What is to be seen of a training run: figures over iterations, the learned distribution, returns over contexts."""
+"""What is to be seen of a training run: figures as it goes on, the learned distribution, returns over contexts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,19 +12,21 @@ from dr_lab.trajectory import Array
 
 @dataclass(frozen=True)
 class Curve:
-    """One figure over iterations.
+    """One figure as training goes on.
 
     Attributes:
         name: what it is, e.g. ``return``.
         unit: of its values; empty where it has none.
-        iteration: shape (k,), increasing.
+        at: iterations or control steps, shape (k,), increasing.
         value: shape (k,); NaN where it is unknown.
+        over: which of the two `at` counts, ``frames`` being control steps.
     """
 
     name: str
     unit: str
-    iteration: NDArray[np.integer]
+    at: NDArray[np.integer]
     value: Array
+    over: Literal["iteration", "frames"] = "iteration"
 
 
 @dataclass(frozen=True)

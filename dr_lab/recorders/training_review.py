@@ -8,7 +8,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from dr_lab.recorders import distributions, grids
-from dr_lab.recorders.branch import ITERATIONS, TIMELINE, Branch
+from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
 from dr_lab.recorders.look import Look
@@ -26,7 +26,7 @@ class TrainingRecord:
 
     Attributes:
         name: of the recording.
-        curves: figures over iterations, those of the first page first; one plot a unit and name.
+        curves: figures as training goes on, those of the first page first; one plot a unit and name.
         marginals: one parameter's distribution each.
         pairs: two parameters' ellipses each.
         grids: returns over contexts.
@@ -47,8 +47,8 @@ def write_training_review(path: Path, record: TrainingRecord, look: Look) -> Non
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<name>``, ``/distribution/<parameter>``, ``/distribution/<parameter>, <parameter>``,
-    ``/grid/<title>``, ``/pages/<title>`` on the timeline ``iteration``, ``/episode/<name>/{world,reward,action}`` on
-    ``t``, the time since the episode's start.
+    ``/grid/<title>``, ``/pages/<title>`` on the timeline ``iteration``, curves over control steps on ``frames``,
+    ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the episode's start.
 
     Args:
         path: the file, by custom ``review.rrd``.
@@ -70,7 +70,7 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
                 colors=[look.colour("after")], names=[titled(curve.name, curve.unit)], widths=[look.line_width]
             )
         )
-        place.over_iterations(curve.iteration, rr.Scalars.columns(scalars=curve.value))
+        place.over(curve.over, curve.at, rr.Scalars.columns(scalars=curve.value))
     for marginal in record.marginals:
         distributions.log_marginal(root / "distribution" / marginal.name, marginal, look)
     for pair in record.pairs:
@@ -80,8 +80,9 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
         grids.log_grid(root / "grid" / grid.title, grid, look, span)
     if record.episodes:
         log_episodes(root / ROOT, record.episodes, look)
-    if _over_iterations(record):
-        log_starts(root / ROOT, record.episodes, look)
+    counting = _counting(record)
+    if counting is not None:
+        log_starts(root / ROOT, record.episodes, look, counting)
     for title, text in record.pages.items():
         (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
 
@@ -111,16 +112,20 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
 
 
 def _time(record: TrainingRecord) -> rrb.TimePanel:
-    """The slider over iterations, where anything changes with them, else over the time of episodes."""
-    if _over_iterations(record):
-        return rrb.TimePanel(state="collapsed", timeline=ITERATIONS, play_state="paused")
+    """The slider over what training counts, where anything changes with it, else over the time of episodes."""
+    counting = _counting(record)
+    if counting is not None:
+        return rrb.TimePanel(state="collapsed", timeline=counting, play_state="paused")
     if record.episodes:
         return rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="playing", loop_mode="all")
     return rrb.TimePanel(state="hidden")
 
 
-def _over_iterations(record: TrainingRecord) -> bool:
-    return bool(record.curves or record.marginals or record.pairs)
+def _counting(record: TrainingRecord) -> str | None:
+    """The timeline of what changes while training goes on; None where nothing does."""
+    if record.marginals or record.pairs or any(curve.over == ITERATIONS for curve in record.curves):
+        return ITERATIONS
+    return FRAMES if record.curves else None
 
 
 def _curves(record: TrainingRecord) -> list[rrb.View]:

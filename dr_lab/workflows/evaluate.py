@@ -23,7 +23,7 @@ from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
 from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.quantity import number
+from dr_lab.recorders.quantity import number, titled
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.tables import table
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
@@ -140,8 +140,8 @@ def _restored(training: Training, folder: Path) -> Mapping[str, Any]:
 
 def _report(values: Mapping[str, Any], found: Evaluation) -> dict[str, Any]:
     rows = [dict(row) for row in found.rows]
-    units = {axis.name: axis.unit for grid in found.grids for axis in grid.axes}
-    own = {"figures": dict(found.figures), "units": units, "rows": rows, "episodes": described(found.episodes)}
+    own = {"figures": dict(found.figures), "units": dict(found.units), "rows": rows}
+    own["episodes"] = described(found.episodes)
     return cast(dict[str, Any], to_plain({"schema": "dr_lab/evaluate/1", "verb": "evaluate", **values, **own}))
 
 
@@ -160,8 +160,9 @@ def _write(run_dir: Path, report: Mapping[str, Any], found: Evaluation, subject:
 def _page(report: Mapping[str, Any], subject: Subject) -> str:
     figures = [[name.replace("_", " "), number(value)] for name, value in report["figures"].items()]
     rows = report["rows"]
-    header = list(rows[0]) if rows else []
-    cells = [[_cell(row[key]) for key in header] for row in rows[:_SHOWN]]
+    columns = list(rows[0]) if rows else []
+    header = [titled(name, report["units"].get(name, "")) for name in columns]
+    cells = [[_cell(row[name]) for name in columns] for row in rows[:_SHOWN]]
     more = f"\n\n… and {len(rows) - _SHOWN} more in returns.csv." if len(rows) > _SHOWN else ""
     title = f"# What {subject.name} on {subject.setting.name} returns"
     return f"{title}\n\n{table(['figure', 'value'], figures)}\n\n{table(header, cells)}{more}\n"

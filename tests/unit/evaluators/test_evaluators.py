@@ -169,7 +169,8 @@ def test_training_on_is_followed_from_jump_start_to_asymptote(subject: Subject, 
     assert found.figures["jump_start"] == pytest.approx(float(expected(2.0)), rel=1e-3)
     assert found.figures["asymptote"] == pytest.approx(float(expected(2.0, 5.0)), rel=1e-3)
     curve, infeasible = found.curves
-    np.testing.assert_array_equal(curve.iteration, [0, 20, 40])
+    np.testing.assert_array_equal(curve.at, [0, 20, 40])
+    assert curve.over == infeasible.over == "frames"
     assert not infeasible.value.any()
     np.testing.assert_allclose(curve.value / curve.value[0], [1.0, 3.0, 5.0], rtol=1e-6)
 
@@ -178,7 +179,7 @@ def test_the_curve_stands_at_the_control_steps_that_were_trained(subject: Subjec
     near = partial(UniformRandomizer, ranges={"block.mass": [1.999, 2.001]})
     found = FineTuneEvaluator(near, contexts=1, rounds=2, frames=14, episodes=1, seed=0)
     curve = found.evaluate(subject, tmp_path, print).curves[0]
-    np.testing.assert_array_equal(curve.iteration, [0, 20, 30])
+    np.testing.assert_array_equal(curve.at, [0, 20, 30])
     np.testing.assert_allclose(curve.value / curve.value[0], [1.0, 3.0, 4.0], rtol=1e-6)
     short = FineTuneEvaluator(near, contexts=1, rounds=2, frames=4, episodes=1, seed=0)
     with pytest.raises(ConfigError, match=r"evaluator\.frames is 4, less than a batch of 10 .* round 2 of 2"):

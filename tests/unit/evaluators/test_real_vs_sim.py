@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,15 +11,18 @@ from hydra.utils import instantiate
 from settings import setting
 from torch import Tensor
 
+from dr_lab.algorithms.recorded import record
 from dr_lab.cli.compose import compose
 from dr_lab.effects.from_run import from_run
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError
+from dr_lab.evaluators import real_vs_sim
 from dr_lab.evaluators.evaluator import Evaluation, Subject
 from dr_lab.evaluators.real_vs_sim import RealVsSimEvaluator
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
 from dr_lab.plants.bench import Bench
+from dr_lab.recorders.episode import Episode
 from dr_lab.workflows.export import write_context
 
 STEPS = 40
@@ -81,6 +85,26 @@ def test_pairs_begin_alike_and_their_differences_are_paired() -> None:
     assert len(starts) == 2
     for row in found.rows:
         assert row["difference"] == float(row["real"]) - float(row["simulated"])
+
+
+def test_an_episode_that_diverged_in_the_model_is_counted_and_no_part_of_the_means(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plant, start = bench("furuta", "plant.nominal.spread=0.0"), subject(start="[0.1,0.1]")
+    whole = evaluated(plant, start, episodes=2)
+
+    def diverging(*given: Any) -> list[Episode]:  # noqa: ANN401
+        first, *others = record(*given)
+        return [replace(first, ended="infeasible"), *others]
+
+    monkeypatch.setattr(real_vs_sim, "record", diverging)
+    found = evaluated(plant, start, episodes=2)
+    assert (whole.figures["infeasible"], found.figures["infeasible"]) == (0.0, 0.5)
+    assert [np.isnan(float(row["difference"])) for row in found.rows] == [True, False]
+    for key in ("simulated", "difference"):
+        assert found.figures[key] == whole.rows[1][key]
+    assert found.figures["real"] == whole.figures["real"]
+    assert found.units == {"arm.rmse": "rad", "pole.rmse": "rad"}
 
 
 def test_a_plant_of_another_machine_is_refused() -> None:

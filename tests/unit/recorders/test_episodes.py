@@ -2,6 +2,7 @@
 
 import dataclasses
 from pathlib import Path
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -105,17 +106,20 @@ def test_the_eye_goes_along_with_a_machine_that_travels(
     assert len(found["/episode/episode_1/reward"]["Scalars:scalars"]) == STEPS
 
 
-def test_only_the_beginning_of_long_episodes_is_drawn_and_iterations_show_the_start(
-    tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("over", ["iteration", "frames"])
+def test_only_the_beginning_of_long_episodes_is_drawn_and_what_training_counts_shows_the_start(
+    over: Literal["iteration", "frames"], tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("RERUN_STRICT", "1")
     path = tmp_path / "review.rrd"
-    curve = Curve("return", "", np.arange(2), np.zeros(2))
+    curve = Curve("return", "", np.arange(2), np.zeros(2), over)
     record = TrainingRecord("run", [curve], episodes=[episode(3.0)])
     write_training_review(path, record, dataclasses.replace(look, longest=1.0))
-    cart = read_recording(path)["/episode/episode_1/world/machine/cart"]
+    found = read_recording(path)
+    cart = found["/episode/episode_1/world/machine/cart"]
     assert max(cart["t"]) == pytest.approx(1.0)
-    assert cart["iteration"] == [0]
+    assert cart[over] == [0]
+    assert found["/curve/return"][over] == [0, 1]
 
 
 def test_the_table_tells_return_end_and_context() -> None:

@@ -66,6 +66,7 @@ def test_a_grid_is_played_written_and_drawn(run: Path, tmp_path: Path) -> None:
     assert [float(row["return"]) for row in rows] == pytest.approx([row["return"] for row in report["rows"]])
     assert len(rows) == 3
     assert report["units"] == {"arm.mass": "kg"}
+    assert "| arm.mass [kg] | return | std |" in (tmp_path / "grid" / "report.md").read_text(encoding="utf-8")
     for name in ("review.rrd", "episodes.mcap"):
         assert (tmp_path / "grid" / name).stat().st_size > 0
     assert len(report["episodes"]) == 3
@@ -76,6 +77,7 @@ def test_a_policy_is_trained_on_in_a_context(run: Path, tmp_path: Path) -> None:
     report = evaluated(run, tmp_path / "tuned", "evaluator=fine_tune", *few)
     assert np.isfinite([report["figures"]["jump_start"], report["figures"]["asymptote"]]).all()
     assert not list((tmp_path / "tuned").glob("*.pt"))
+    assert (report["units"]["arm.mass"], report["units"]["arm.damping"]) == ("kg", "N·m·s/rad")
 
 
 def test_training_on_begins_with_episodes_that_have_no_past(run: Path, tmp_path: Path) -> None:
