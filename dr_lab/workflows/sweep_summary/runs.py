@@ -18,6 +18,7 @@ from dr_lab.trajectory import Array
 SUMMARY_SCHEMA, TRAIN_SCHEMA = "dr_lab/summarize/1", "dr_lab/train/1"
 _REPORT, _CONFIG, _METRICS = "report.json", "config.yaml", "metrics.csv"
 _ANY = "*"
+_RESUMED = "resume"  # override that says where a run was gone on with, which makes no other run of it
 _UNREADABLE = "{} cannot be read as a run: {}. Take it out of {}."
 
 Figure = float | str
@@ -31,7 +32,7 @@ class Run:
     Attributes:
         name: its folder, seen from the sweep's.
         folder: the same from here.
-        overrides: what was typed for it, value by key.
+        overrides: what was typed for it, value by key, but for the run that it went on with.
         configuration: its ``config.yaml``.
         report: its ``report.json``.
     """
@@ -150,6 +151,7 @@ def _read(folder: Path, sweep: Path) -> Run:
     if not isinstance(made_with, dict) or not isinstance(made_with.get("overrides", []), list):
         raise DataError(_UNREADABLE.format(folder, f"its {_CONFIG} does not say what the run was made with", sweep))
     typed = by_key([str(override) for override in made_with.get("overrides", [])])
+    typed.pop(_RESUMED, None)
     return Run(str(folder.relative_to(sweep)), folder, typed, configuration, report)
 
 

@@ -1,7 +1,9 @@
 from pathlib import Path
 
-from dr_lab.workflows.sweep_summary.groups import Group, Statistics, shared_figures, summed_up
-from dr_lab.workflows.sweep_summary.runs import Run
+from test_summarize import trained
+
+from dr_lab.workflows.sweep_summary.groups import Group, Statistics, grouped, shared_figures, summed_up
+from dr_lab.workflows.sweep_summary.runs import Run, find_runs
 from dr_lab.workflows.sweep_summary.tables import summary_page
 
 STATISTICS = Statistics(confidence=0.95, resamples=200, seed=0)
@@ -33,3 +35,10 @@ def test_one_group_shares_nothing_with_others() -> None:
 
 def test_what_one_run_lacks_is_not_shared() -> None:
     assert "final_return" not in shared_figures([group("lsdr", 1.0, None), group("none", 1.0)], FIGURES)
+
+
+def test_a_run_that_was_gone_on_with_is_one_of_its_group(tmp_path: Path) -> None:
+    for seed, typed in enumerate([[], ["resume=/runs/1"], []]):
+        trained(tmp_path / str(seed), 1.0, [1.0, 0.0], f"seed={seed}", *typed)
+    (group,) = grouped(find_runs(tmp_path)[0], ["seed"], ["resume"])
+    assert len(group.runs) == 3
