@@ -78,18 +78,17 @@ def episodes_table(episodes: Sequence[Episode]) -> str:
 
 def episodes_page(episodes: Sequence[Episode], look: Look) -> rrb.Container:
     """A column an episode of a feasible context, machine above reward and actions, and the table below all."""
-    columns = [
-        rrb.Vertical(
-            _scene(episode, look),
-            _plot(episode, "reward", "reward of each step"),
-            _plot(episode, "action", "action"),
-            row_shares=[4, 1, 1],
-        )
-        for episode in _drawn(episodes)
-    ]
+    columns = [_column(episode, look) for episode in _drawn(episodes)]
     text = rrb.TextDocumentView(origin=entity_path(ROOT, "table"), name="Episodes of the trained policy")
     rows = [rrb.Horizontal(*columns), text] if columns else [text]
     return rrb.Vertical(*rows, row_shares=[4, 1][-len(rows) :], name="Episodes (timeline t)")
+
+
+def _column(episode: Episode, look: Look) -> rrb.Container:
+    """A machine of which nothing is to be seen, such as bodies of inertia alone, leaves its place to the plots."""
+    scene = [_scene(episode, look)] if len(_shot(episode, look).points) else []
+    plots = [_plot(episode, "reward", "reward of each step"), _plot(episode, "action", "action")]
+    return rrb.Vertical(*scene, *plots, row_shares=[*[4] * len(scene), 1, 1])
 
 
 def _drawn(episodes: Sequence[Episode]) -> list[Episode]:
@@ -129,7 +128,7 @@ class _Shot:
         time: s, shape (n,).
         pose: of the bodies, world positions in m, shape (n, nbody, 3), and orientations wxyz, shape (n, nbody, 4).
         way: by which the eye goes along, m, shape (n, 3); 0 for a machine that stays where it is.
-        points: corners of the moving shapes as seen on the way, m, shape (k, 3).
+        points: corners of the moving shapes as seen on the way, m, shape (k, 3); none where none is visible.
     """
 
     time: Array
@@ -145,7 +144,8 @@ def _shot(episode: Episode, look: Look) -> _Shot:
     position, orientation = body_poses(model, episode.qpos[kept])
     base = int(np.flatnonzero(model.body_weldid)[0])
     way = (position[:, base] - position[0, base]) * [1.0, 1.0, 0.0]
-    size = np.linalg.norm(np.ptp(moving_corners(model, position[:1], orientation[:1]), axis=0))
+    corners = moving_corners(model, position[:1], orientation[:1])
+    size = np.linalg.norm(np.ptp(corners, axis=0)) if len(corners) else np.inf  # there is nothing to be lost from sight
     way *= np.linalg.norm(way, axis=1).max() > size
     points = moving_corners(model, position - way[:, None], orientation)
     return _Shot(episode.time[kept], (position, orientation), way, points)

@@ -122,6 +122,18 @@ def test_only_the_beginning_of_long_episodes_is_drawn_and_what_training_counts_s
     assert found["/curve/return"][over] == [0, 1]
 
 
+def test_a_machine_without_visible_shapes_has_its_rewards_and_actions(
+    tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RERUN_STRICT", "1")
+    hidden = XML.replace('type="box"', 'type="box" group="3"').replace('name="sphere"', 'name="sphere" group="3"')
+    unseen = dataclasses.replace(episode(3.0), geometry=mujoco.MjModel.from_xml_string(hidden))
+    write_training_review(tmp_path / "review.rrd", TrainingRecord("run", episodes=[unseen]), look)
+    found = read_recording(tmp_path / "review.rrd")
+    assert len(found["/episode/episode_1/reward"]["Scalars:scalars"]) == STEPS
+    assert not any(path.startswith("/episode/episode_1/world/machine") for path in found)
+
+
 def test_the_table_tells_return_end_and_context() -> None:
     lines = episodes_table([episode(3.0)]).splitlines()
     assert lines[0] == "| episode | return | time [s] | ended | cart.mass [kg] | friction |"
