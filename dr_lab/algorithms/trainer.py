@@ -99,6 +99,8 @@ class Trainer(Generic[R]):
         Raises:
             DrLabError: the checkpoint cannot be written, or what was learnt is not finite, which is not saved.
         """
+        if self.frames >= frames:
+            self._save()  # of a run that was resumed at its end, so that its new folder holds what it learnt
         while self.frames < frames:
             figures, finished = self._iterate()
             self.history.append(figures)

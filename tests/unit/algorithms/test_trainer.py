@@ -96,6 +96,14 @@ def test_a_resumed_run_equals_an_uninterrupted_one(tmp_path: Path) -> None:
     assert torch.equal(first["learner"]["randomizer"]["logits"], second["learner"]["randomizer"]["logits"])
 
 
+def test_a_run_that_is_resumed_at_its_end_has_a_checkpoint_of_its_own(tmp_path: Path) -> None:
+    trainer(tmp_path / "first").run(FRAMES, ignore)
+    resumed = trainer(tmp_path / "second")
+    resumed.resume(tmp_path / "first" / "checkpoint.pt")
+    resumed.run(FRAMES, ignore)
+    assert load(tmp_path / "second" / "checkpoint.pt")["history"] == resumed.history
+
+
 def test_a_policy_that_is_not_finite_stops_the_run_and_is_not_saved(tmp_path: Path) -> None:
     run = trainer(tmp_path)
     run.run(FRAMES, ignore)
