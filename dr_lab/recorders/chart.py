@@ -15,6 +15,7 @@ from dr_lab.trajectory import Array
 
 # Layers of the drawing, back to front.
 GRID, DOTS, LINES, TEXT = 0.0, 10.0, 20.0, 30.0
+_ALIKE = 1e-9  # relative difference of values that only rounding tells apart
 # Rerun writes a label below its point; this many canvas units lift it to the point's height.
 _LIFT = 3.2
 _LETTER, _NARROWEST, _ROW = 1.6, 16.0, 6.0  # room in a legend for a letter and a label, and between its rows
@@ -42,15 +43,21 @@ class Axis:
 
 
 def linear_axis(title: str, low: float, high: float, count: int = 5) -> Axis:
-    """An axis from `low` to `high` with about `count` round ticks (1, 2 or 5 times a power of ten apart)."""
-    if not high > low:
-        low, high = low - 1.0, low + 1.0
+    """An axis from `low` to `high` with about `count` round ticks (1, 2 or 5 times a power of ten apart).
+
+    Where only rounding tells the two apart, it reaches beyond them. Labels have the digits that tell ticks apart.
+    """
+    if not high - low > _ALIKE * max(abs(low), abs(high)):
+        room = max(1.0, 1e-3 * abs(low))
+        low, high = low - room, low + room
     raw = (high - low) / count
     power = 10.0 ** np.floor(np.log10(raw))
     step = power * min((1.0, 2.0, 5.0, 10.0), key=lambda multiple: abs(multiple * power - raw))
     values = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
+    digits = max(4, 1 + int(np.floor(np.log10(max(abs(low), abs(high)))) - np.floor(np.log10(step))))
     # Adding zero turns -0.0 into 0.0, which would be labelled "-0".
-    return Axis(title, low, high, [(value, number(round(value / step) * step + 0.0)) for value in values.tolist()])
+    labels = [number(round(value / step) * step + 0.0, digits) for value in values.tolist()]
+    return Axis(title, low, high, list(zip(values.tolist(), labels, strict=True)))
 
 
 def decade_axis(title: str, low: float, high: float) -> Axis:
