@@ -5,9 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import torch
 from tensordict import TensorDict
 
 from dr_lab.collectors.collector import Policy
+from dr_lab.seeding import derived_seed
 from dr_lab.trajectory import Array
 
 
@@ -64,6 +66,17 @@ class Algorithm(ABC):
 
     def forget_episodes(self) -> None:  # noqa: B027 (few remember any)
         """Let go of what is known of episodes that go on, because new ones begin; by default nothing is."""
+
+    def explore_anew(self, seed: int) -> None:
+        """Let policies that explore draw other random numbers; a state that was loaded has brought those of its run.
+
+        Args:
+            seed: of them, so that what goes on from one state with several seeds does so independently.
+        """
+        for name, policy in self.policies.items():
+            generator = getattr(policy, "generator", None)  # one that draws from torch's has none of its own
+            if isinstance(generator, torch.Generator):
+                generator.manual_seed(derived_seed(seed, "explore_anew", name))
 
     @abstractmethod
     def state_dict(self) -> dict[str, Any]:

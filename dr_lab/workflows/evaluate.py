@@ -117,6 +117,7 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
         further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
         fresh = further.assemble(None)
         fresh.algorithm.load_state_dict(state)
+        fresh.algorithm.explore_anew(seed)
         fresh.algorithm.begin_schedules()
         fresh.algorithm.forget_episodes()  # those of the training run ended with it
         return fresh.trainer, fresh.algorithm.deployed

@@ -92,6 +92,14 @@ def test_training_on_begins_with_episodes_that_have_no_past(run: Path, tmp_path:
     assert begun["count"] == state["algorithm"]["reward_scale"]["count"]
 
 
+def test_training_on_explores_by_the_seed_it_is_given(run: Path) -> None:
+    subject = subject_of(run, functools.partial(compose_arguments, folders=(shipped(),)), threads=1)
+    contexts = FixedRandomizer(subject.setting.space, {})
+    noise = [subject.again(contexts, seed)[0].state_dict()["algorithm"]["actor"]["_extra_state"] for seed in (0, 0, 1)]
+    assert torch.equal(noise[0], noise[1])
+    assert not torch.equal(noise[0], noise[2])
+
+
 def test_the_command_line_evaluates_what_it_has_trained(run: Path, tmp_path: Path) -> None:
     program = Path(sys.executable).with_name("dr-lab")
     asked = [f"run={run}", "evaluator=returns", "evaluator.contexts=3", "hydra.run.dir=run"]
