@@ -177,6 +177,17 @@ def test_fault_of_ours_keeps_the_run_folder(
     assert len(list(Path("outputs").rglob("config.yaml"))) == 1
 
 
+def test_ctrl_c_is_told_where_a_library_stumbles_over_it(
+    dr_lab: CommandLine, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    """OmegaConf, interrupted within a copy, tidies up, fails there, and hides the cause."""
+    hidden = AttributeError("'NoneType' object has no attribute '_invalidate_flags_cache'")
+    hidden.__context__, hidden.__suppress_context__ = KeyboardInterrupt(), True
+    fail(hidden, monkeypatch)
+    assert dr_lab("compare") == 130
+    assert capsys.readouterr().err.strip() == "dr-lab: interrupted."
+
+
 def test_interrupt(dr_lab: CommandLine, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     fail(KeyboardInterrupt(), monkeypatch)
     assert dr_lab("compare") == 130
