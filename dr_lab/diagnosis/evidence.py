@@ -28,6 +28,7 @@ class Gain:
             is Δχ² near the noise floor, and no single wild window decides far above it.
         total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
             worse simulates, NaN where there are too few blocks of data to know.
+        trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
         wins: share of windows in which the χ² is lower.
         clear: whether every window gains and the worse model is above the noise floor.
     """
@@ -38,8 +39,14 @@ class Gain:
     gap: float
     total: float
     total_low: float
+    trial_low: float
     wins: float
     clear: bool
+
+
+_NOTHING = Gain(
+    share=0.0, low=-np.inf, high=0.0, gap=0.0, total=0.0, total_low=-np.inf, trial_low=-np.inf, wins=0.0, clear=False
+)
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -56,7 +63,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     """
     both = (worse.window_count > 0) & (better.window_count > 0)
     if not both.any():
-        return Gain(share=0.0, low=-np.inf, high=0.0, gap=0.0, total=0.0, total_low=-np.inf, wins=0.0, clear=False)
+        return _NOTHING
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     evidence = _deviance(theirs, count) - _deviance(ours, count)
     resampled = _resampled(np.stack([theirs, ours, evidence]), worse.log[both], settings)
@@ -64,6 +71,10 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     tail = 1 - settings.confidence
     low, high = _interval(share, 1 - resampled[1] / resampled[0], n, tail / 2, settings)
     total, diverges = float(evidence.sum()), ((worse.window_count > 0) & (better.window_count == 0)).any()
+    total_low, trial_low = (
+        -np.inf if diverges else _interval(total, resampled[2], n, 1 - confidence, settings)[0]
+        for confidence in (settings.confidence, settings.trial_confidence)
+    )
     before, after = (_typical(sums, count) for sums in (theirs, ours))
     return Gain(
         share=share,
@@ -71,7 +82,8 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         high=float(np.minimum(high, 1.0)),
         gap=min((before - after) / (before - 1), 1.0) if before > 1 else 1.0,
         total=total,
-        total_low=-np.inf if diverges else _interval(total, resampled[2], n, tail, settings)[0],
+        total_low=total_low,
+        trial_low=trial_low,
         wins=float((theirs > ours).mean()),
         clear=bool((theirs > ours).all() and not diverges and not at_floor(worse, settings)),
     )
@@ -119,9 +131,22 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
     Few blocks make the interval wide, or leave none. It is not asked for where a model above the noise floor gets
     better in every window and as much of its gap is closed as is asked of a cause.
     """
-    enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
     certain = gain.total_low > 0 or (gain.clear and gain.gap >= settings.least_named)
-    return certain and enough and gain.gap >= settings.least_gap
+    return certain and _enough(gain, extra_parameters, settings)
+
+
+def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
+    """Whether a gain is supported but for its interval, of which only the confidence of a trial is asked.
+
+    Where several effects are missing each scatters what another one gains: beside them it may well be beyond doubt.
+    """
+    return gain.trial_low > 0 and _enough(gain, extra_parameters, settings)
+
+
+def _enough(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
+    """Whether a gain is beyond the threshold and the penalty of the added parameters, and no trifle."""
+    enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
+    return enough and gain.gap >= settings.least_gap
 
 
 def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:

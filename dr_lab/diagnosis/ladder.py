@@ -37,10 +37,12 @@ class Step:
     Attributes:
         explained: the model with it.
         rivals: fitted alternatives that these data cannot separate from it, given all that was added since.
+        proven: whether it was added with support; else it is on trial, or a user added it.
     """
 
     explained: Explained
     rivals: tuple[Candidate, ...]
+    proven: bool = True
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Ladder:
         base: the calibrated model.
         steps: the added effects, in order.
         refused: why effects of the catalogue were not tried at a site, by ``effect@site``.
-        dropped: labels of effects that were added and became superfluous by what was added since.
+        dropped: labels of effects that were added and without which the logs are explained as well in the end.
     """
 
     rungs: tuple[Rung, ...]
@@ -102,7 +104,8 @@ def climb(
 
     Where a rung leaves several effects inseparable the first goes on, and each later rung reconsiders: a rival that
     explains more beside what was added since takes its place, one that explains less is no rival any more. An effect
-    without which the ladder's last model explains the held-out logs as well is dropped, for good.
+    without which the ladder's last model explains the held-out logs as well is dropped, for good. Where a rung names
+    nothing but has an effect that is worth a trial, that goes on, and is judged like all others when the climb is over.
 
     Args:
         bench: data and settings.
@@ -121,18 +124,26 @@ def climb(
         ranking = rank(bench, last, placed, watch(len(placed)))
         rung = Rung(last, ranking, decide(last, ranking, bench.evidence, bench.scored))
         ladder = replace(ladder, rungs=(*ladder.rungs, rung), refused={**found.refused, **ladder.refused})
-        if not rung.verdict.effects or len(ladder.steps) >= most:
+        over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
+        if over and all(step.proven for step in ladder.steps):
             return ladder
-        steps = reconsider(bench, base, (*ladder.steps, step_from(rung)))
+        steps = _settled(ladder.steps) if over else reconsider(bench, base, (*ladder.steps, step_from(rung)))
         steps, superfluous = prune(bench, base, steps)
         ladder = replace(ladder, steps=steps, dropped=(*ladder.dropped, *superfluous))
+        if over:
+            return ladder
 
 
 def step_from(rung: Rung) -> Step:
-    """The effect that a rung's verdict names first, with its rivals; the verdict must name one."""
-    found = {c.effect.label: c for c in rung.ranking}
-    chosen, *rivals = (found[label] for label in rung.verdict.effects)
-    return Step(chosen.explained, tuple(rivals))
+    """The effect that a rung's verdict names first, or holds worth a trial, with its rivals; there must be one."""
+    found, named = {c.effect.label: c for c in rung.ranking}, rung.verdict.effects
+    chosen, *rivals = (found[label] for label in named or rung.verdict.trial)
+    return Step(chosen.explained, tuple(rivals), proven=bool(named))
+
+
+def _settled(steps: Sequence[Step]) -> tuple[Step, ...]:
+    """The steps when trials are over."""
+    return tuple(replace(step, proven=True) for step in steps)
 
 
 def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[Step, ...]:
@@ -156,15 +167,18 @@ def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[
 
 
 def prune(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], tuple[str, ...]]:
-    """Drop effects, the earliest first, that later ones have made superfluous; the last one was just supported.
+    """Drop effects, the earliest first, without which the logs are explained as well; those on trial stay.
 
     Returns:
         The steps that stay, refitted, and the labels of the effects that were dropped.
     """
-    for place, step in enumerate(steps[:-1]):
+    for place, step in enumerate(steps):
+        if not step.proven:
+            continue
         effect = step.explained.model.effects[-1]
         fewer = _stacked(bench, base, steps[:place], steps[place + 1 :])
-        gain = paired_gain(fewer[-1].explained.held_out, steps[-1].explained.held_out, bench.evidence)
+        without = fewer[-1].explained if fewer else base
+        gain = paired_gain(without.held_out, steps[-1].explained.held_out, bench.evidence)
         if not supported(gain, len(effect.parameters), bench.evidence):
             kept, dropped = prune(bench, base, fewer)
             return kept, (effect.label, *dropped)
@@ -188,7 +202,8 @@ def _without(steps: tuple[Step, ...], place: int, rival: Candidate) -> tuple[Ste
 def _swap(bench: Bench, base: Explained, steps: Sequence[Step], place: int, rival: Candidate) -> tuple[Step, ...]:
     """The steps with a rival at one place, later models refitted; what it replaced explains less and is dropped."""
     others = tuple(r for r in steps[place].rivals if r is not rival)
-    return _stacked(bench, base, steps[:place], (Step(rival.explained, others), *steps[place + 1 :]))
+    swapped = replace(steps[place], explained=rival.explained, rivals=others)
+    return _stacked(bench, base, steps[:place], (swapped, *steps[place + 1 :]))
 
 
 def _on(bench: Bench, below: Explained, explained: Explained) -> Explained:

@@ -109,6 +109,8 @@ class EvidenceSettings:
         least_promise: share of the largest gain on the fit windows, first as predicted, then as reached: candidates
             that promise less stay unfitted.
         confidence: of the intervals of paired gains, and of the lower bound of their evidence.
+        trial_confidence: of the bound that an effect's evidence must exceed for the ladder to go on with it on trial
+            where nothing is supported at `confidence`.
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
         least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.
@@ -131,6 +133,7 @@ class EvidenceSettings:
     most_fits: int
     least_promise: float
     confidence: float
+    trial_confidence: float
     block: int
     least_blocks: int
     least_trusted: int
@@ -165,5 +168,6 @@ class EvidenceSettings:
             0.0,
         )
         require_numbers(self, "evidence", positive=("floor",), least=least)
-        if not 0 < self.confidence < 1:
-            raise ConfigError(f"evidence.confidence is {self.confidence:g}; expected a share between 0 and 1, as 0.99.")
+        for name, each in (("confidence", self.confidence), ("trial_confidence", self.trial_confidence)):
+            if not 0 < each < 1:
+                raise ConfigError(f"evidence.{name} is {each:g}; expected a share between 0 and 1, as 0.99.")

@@ -1,10 +1,10 @@
 """The verdict on one ranking (named, equivalent, not excited, none, unexplained) and the status of each candidate."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
 
-from dr_lab.diagnosis.evidence import at_floor, noise_floor, paired_gain, supported
+from dr_lab.diagnosis.evidence import Gain, at_floor, noise_floor, paired_gain, supported, worth_a_trial
 from dr_lab.diagnosis.rank import Candidate, Explained
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
@@ -21,6 +21,8 @@ class Verdict:
             although a gap remains).
         effects: labels of the named or equivalent effects, best first.
         status: label → ``named``, ``equivalent``, ``not_excited`` or ``rejected``.
+        trial: where none is named although a gap remains, labels of effects that pass with the confidence of a trial,
+            best first: worth going on with, to see whether what follows puts them beyond doubt.
         absorbed: labels of effects whose place the model's own free parameters can take on these data.
         reason: one sentence.
     """
@@ -28,6 +30,7 @@ class Verdict:
     kind: str
     effects: tuple[str, ...]
     status: Mapping[str, str]
+    trial: tuple[str, ...]
     absorbed: tuple[str, ...]
     reason: str
 
@@ -46,19 +49,22 @@ def decide(
         settings: when a gain counts.
         scored: the logs that the scores are from, in words.
     """
-    backed = [c for c in ranking if _backed(c, settings)]
-    group = _inseparable(backed, settings)
+    helpful = [c for c in ranking if c.gain.gap >= settings.least_explained]  # far from the floor, much helps a bit
+    group = _inseparable([c for c in helpful if _passes(supported, c, settings)], settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}
     labels = tuple(c.effect.label for c in group)
     kind = _kind(base, group, status, settings)
-    return Verdict(kind, labels, status, absorbed, _reason(kind, base, group, status, settings, scored))
+    doubtful = [c for c in helpful if kind == "unexplained" and _passes(worth_a_trial, c, settings)]
+    trial = _inseparable(doubtful, settings)
+    reason = _reason(kind, base, group, status, settings, scored) + _prospect(trial, settings)
+    return Verdict(kind, labels, status, tuple(c.effect.label for c in trial), absorbed, reason)
 
 
-def _backed(candidate: Candidate, settings: EvidenceSettings) -> bool:
-    """Whether the evidence holds and a fair part of the gap is explained: far from the floor, much helps a bit."""
-    held = supported(candidate.gain, len(candidate.effect.parameters), settings)
-    return held and candidate.gain.gap >= settings.least_explained
+def _passes(
+    asked: Callable[[Gain, int, EvidenceSettings], bool], candidate: Candidate, settings: EvidenceSettings
+) -> bool:
+    return asked(candidate.gain, len(candidate.effect.parameters), settings)
 
 
 def _kind(base: Explained, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings) -> str:
@@ -89,6 +95,18 @@ def _reason(
     told = f"The model is {place}, {mean}, and no effect of the catalogue lowers it credibly."
     silent = ", ".join(label for label, each in status.items() if each == "not_excited")
     return f"{told} Over the whole width of their bounds these would not show: {silent}." if silent else told
+
+
+def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
+    """What is worth a trial, in words."""
+    if not trial:
+        return ""
+    gain, confidence = trial[0].gain, 100 * settings.trial_confidence
+    return (
+        f" Worth a trial is {trial[0].effect.label}: it closes {100 * gain.gap:.3g} % of a typical window's gap with "
+        f"evidence Δχ² {gain.total:.4g}, which windows that do not gain leave in doubt ({confidence:g} % interval from "
+        f"{gain.trial_low:.4g}, {100 * settings.confidence:g} % interval from {gain.total_low:.4g})."
+    )
 
 
 def _worth(base: Explained, candidate: Candidate, settings: EvidenceSettings) -> str:

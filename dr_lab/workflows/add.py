@@ -61,7 +61,8 @@ def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[
     base = ladder.models[-1]
     ranking = rank(study.bench, base, [effect], done)
     rung = Rung(base, ranking, decide(base, ranking, study.bench.evidence, study.bench.scored))
-    return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, Step(ranking[0].explained, ())))
+    step = Step(ranking[0].explained, (), proven=bool(rung.verdict.effects))
+    return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, step))
 
 
 def _place(study: Study, effect: Effect, wanted: Mapping[str, str | None]) -> PlacedEffect:

@@ -74,8 +74,8 @@ def _ladder_notes(study: Study, ladder: Ladder) -> list[dict[str, Any]]:
 
 def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:
     """The ladder's verdict where all was added with support, else that of the rung that gave none."""
-    for rung, _ in zip(ladder.rungs, ladder.steps, strict=False):
-        if not rung.verdict.effects:  # an effect that a user added without support
+    for rung, step in zip(ladder.rungs, ladder.steps, strict=False):
+        if not step.proven:  # an effect that a user added without support
             return rung.verdict.kind
     return ladder.verdict(settings)
 
@@ -93,6 +93,7 @@ def _rung(study: Study, rung: Rung) -> dict[str, Any]:
         "effects": [effect.label for effect in rung.base.model.effects],
         "verdict": rung.verdict.kind,
         "chosen": list(rung.verdict.effects),
+        "on_trial": list(rung.verdict.trial),
         "absorbed_by_parameters": list(rung.verdict.absorbed),
         "reason": _reason(study, rung),
         "ranking": entries.ranking(study, rung.ranking, rung.verdict),

@@ -66,8 +66,8 @@ def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:
 
 
 def dropped(labels: Sequence[str]) -> list[dict[str, Any]]:
-    """Notes on effects that later ones made superfluous."""
-    told = "was added, and dropped again: beside the effects that followed, the logs do without it."
+    """Notes on effects that were added and not kept."""
+    told = "was added, and dropped again: beside the effects that stay, the logs do not ask for it beyond doubt."
     return [{"kind": "dropped", "message": f"{label} {told}"} for label in labels]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dr_lab.diagnosis.evidence import block_count, noise_floor, paired_gain, supported
+from dr_lab.diagnosis.evidence import block_count, noise_floor, paired_gain, supported, worth_a_trial
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 
@@ -12,6 +12,7 @@ SETTINGS = EvidenceSettings(
     most_fits=100,
     least_promise=0.0,
     confidence=0.99,
+    trial_confidence=0.95,
     block=3,
     least_blocks=8,
     least_trusted=3,
@@ -135,6 +136,16 @@ def test_a_wide_interval_does_not_hide_what_every_window_shows() -> None:
     gain = paired_gain(score(worse, logs=1), score(better, logs=1), SETTINGS)
     assert gain.total_low < 0 < gain.total
     assert supported(gain, 1, SETTINGS)
+
+
+def test_a_trial_asks_for_less_confidence_and_nothing_else() -> None:
+    worse, better = np.array([500.0, 100.0, 2000.0, 400.0] * 4), np.array([300.0, 160.0, 150.0, 410.0] * 4)
+    gain = paired_gain(score(worse), score(better), replace(SETTINGS, block=1, least_blocks=1, confidence=0.99999))
+    assert gain.total_low < 0 < gain.trial_low < gain.total
+    assert worth_a_trial(gain, 1, SETTINGS)
+    assert not supported(gain, 1, SETTINGS)
+    assert not worth_a_trial(gain, 1 + int(gain.total / SETTINGS.penalty), SETTINGS)
+    assert not worth_a_trial(gain, 1, replace(SETTINGS, least_gap=0.99))
 
 
 def test_no_more_than_the_gap_is_closed() -> None:

@@ -1,5 +1,6 @@
 import mujoco
 import numpy as np
+import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect
 
@@ -9,6 +10,8 @@ from dr_lab.diagnosis.scales import machine_scales
 from dr_lab.effects.effect import Effect
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log
+
+SURE = {"confidence": 0.999, "least_named": 1.0}  # beside friction a constant torque is then in doubt
 
 
 def rubbing(torque: float, offset: float) -> list[Log]:
@@ -20,13 +23,14 @@ def rubbing(torque: float, offset: float) -> list[Log]:
     return [swinging(f"log_{k}", pendulum().nominal(), k, force=push, seconds=2.0) for k in range(3)]
 
 
-def bench_of(logs: list[Log], model: Model) -> Bench:
-    return Bench(windows_of(model, logs[:2]), windows_of(model, logs[2:]), solver_settings(), evidence_settings(), 1)
+def bench_of(logs: list[Log], model: Model, **asked: float) -> Bench:
+    windows = windows_of(model, logs[:2]), windows_of(model, logs[2:])
+    return Bench(*windows, solver_settings(), evidence_settings(**asked), 1)
 
 
-def climbed(logs: list[Log], *names: str, most: int = 3) -> Ladder:
+def climbed(logs: list[Log], *names: str, most: int = 3, **asked: float) -> Ladder:
     model = pendulum()
-    bench, compiled = bench_of(logs, model), model.nominal()
+    bench, compiled = bench_of(logs, model, **asked), model.nominal()
     base = explain(bench, model, model.space.nominal)
     effects: dict[str, Effect] = {name: catalogue_effect(name) for name in names}
     scales = machine_scales(compiled, logs[:2], 0.03)
@@ -49,6 +53,32 @@ def test_two_missing_effects_are_two_rungs_and_the_third_stops() -> None:
     values = ladder.models[-1].model.space.mapping(ladder.models[-1].fit.z)
     np.testing.assert_allclose(values["constant_offset@hinge.torque"], 0.1, rtol=0.03)
     np.testing.assert_allclose(values["coulomb_friction@hinge.torque"], 0.05, rtol=0.06)
+
+
+def test_what_another_missing_effect_leaves_in_doubt_is_added_on_trial_and_stays() -> None:
+    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", **SURE)
+    first, second, _ = (rung.verdict for rung in ladder.rungs)
+    assert (first.kind, first.effects, first.trial) == ("unexplained", (), ("constant_offset@hinge",))
+    assert "Worth a trial is constant_offset@hinge" in first.reason
+    assert second.effects == ("coulomb_friction@hinge",)
+    assert labels(ladder)[-1] == ["constant_offset@hinge", "coulomb_friction@hinge"]
+    assert all(step.proven for step in ladder.steps)
+    assert ladder.verdict(evidence_settings()) == "named"
+
+
+@pytest.mark.parametrize("most", [1, 3])
+def test_what_stays_in_doubt_is_dropped_in_the_end(most: int) -> None:
+    ladder = climbed(rubbing(0.05, 0.1), "constant_offset", most=most, **SURE)
+    assert ladder.rungs[0].verdict.trial == ("constant_offset@hinge",)
+    assert ladder.steps == ()
+    assert ladder.dropped == ("constant_offset@hinge",)
+    assert ladder.verdict(evidence_settings()) == "unexplained"
+
+
+def test_one_ranking_adds_nothing_on_trial() -> None:
+    ladder = climbed(rubbing(0.05, 0.1), "constant_offset", most=0, **SURE).with_first_step()
+    assert ladder.steps == ()
+    assert ladder.verdict(evidence_settings()) == "unexplained"
 
 
 def test_no_more_effects_are_added_than_allowed() -> None:
