@@ -9,10 +9,11 @@ from typing import Any
 from dr_lab.algorithms.rollouts import PolicyRollouts
 from dr_lab.algorithms.trainer import Trainer
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import ContextSource
+from dr_lab.envs.episodes import ContextSource, Episodes
 from dr_lab.envs.setting import Setting
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid
+from dr_lab.seeding import derived_seed
 
 Row = Mapping[str, float | str]
 Progress = Callable[[float], None]
@@ -41,8 +42,11 @@ class Subject:
 
     def rollouts(self, episodes: int, seed: int, policy: Policy | None = None) -> PolicyRollouts:
         """Whole episodes, so many side by side, of the policy or of another one on the same task."""
-        slots = self.setting.make(None, episodes, seed, self.threads).episodes
-        return PolicyRollouts(slots, policy or self.policy)
+        return PolicyRollouts(self.slots(episodes, seed), policy or self.policy)
+
+    def slots(self, episodes: int, seed: int) -> Episodes:
+        """Slots of the task, side by side, whose starts are not those that training drew from the same seed."""
+        return self.setting.make(None, episodes, derived_seed(seed, "evaluation"), self.threads).episodes
 
 
 @dataclass(frozen=True)

@@ -94,8 +94,9 @@ class RealVsSimEvaluator(Evaluator):
         del folder
         setting = subject.setting
         self._require_same(setting.task, setting.model.nominal())
-        slots = setting.make(None, self.episodes, self.seed, subject.threads).episodes
-        simulated = record(slots, subject.policy, np.tile(setting.space.nominal, (self.episodes, 1)))
+        simulated = record(
+            subject.slots(self.episodes, self.seed), subject.policy, np.tile(setting.space.nominal, (self.episodes, 1))
+        )
         pairs = []
         for number, twin in enumerate(simulated, start=1):
             real = self._on_plant(subject, twin, f"real_{number}")

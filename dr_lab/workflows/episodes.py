@@ -12,7 +12,7 @@ from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.setting import Setting
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes_mcap import write_episodes
-from dr_lab.seeding import stream
+from dr_lab.seeding import derived_seed, stream
 from dr_lab.workflows.export import mjcf
 
 FILE = "episodes.mcap"
@@ -35,7 +35,8 @@ def play_episodes(
         return []
     streams = [stream(seed, "shown", episode) for episode in range(count)]
     z = np.tile(setting.space.nominal, (count, 1)) if source is None else source.sample(streams)
-    return record(setting.make(None, count, seed, threads).episodes, policy, z)
+    starts = derived_seed(seed, "shown")
+    return record(setting.make(None, count, starts, threads).episodes, policy, z)
 
 
 def keep_episodes(run_dir: Path, setting: Setting, episodes: Sequence[Episode]) -> None:

@@ -1,13 +1,17 @@
 """Episodes of a shipped machine, kept with its model; its file has an attribute that MuJoCo calls old."""
 
 from pathlib import Path
+from typing import NoReturn
 
 import mujoco
+import numpy as np
 import torch
 from mcap.reader import make_reader
 from settings import setting
 from torch import Tensor
 
+from dr_lab.envs.episodes import ContextSource
+from dr_lab.evaluators.evaluator import Subject
 from dr_lab.workflows.episodes import FILE, described, keep_episodes, play_episodes
 
 
@@ -28,6 +32,19 @@ def test_the_file_of_episodes_carries_the_model_that_was_played(tmp_path: Path) 
         ("episode_2", "truncated", {}),
     ]
     assert (episodes[0].qpos[0] != episodes[1].qpos[0]).any()
+
+
+def test_neither_shown_nor_evaluated_episodes_begin_as_training_did() -> None:
+    found = setting("half_cheetah", "env.task.time_limit=5")
+    trained = found.make(None, 2, 0, 1).episodes.state[0]
+    evaluated = Subject("run", found, still, again, threads=1).slots(2, seed=0).state[0]
+    shown = np.array([episode.qpos[0] for episode in play_episodes(found, still, None, 2, seed=0, threads=1)])
+    starts = np.concatenate([trained, evaluated, shown])
+    assert len(np.unique(starts, axis=0)) == 6
+
+
+def again(source: ContextSource, seed: int) -> NoReturn:
+    raise NotImplementedError
 
 
 def test_no_episodes_leave_no_file(tmp_path: Path) -> None:
