@@ -132,7 +132,7 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
     better in every window and as much of its gap is closed as is asked of a cause.
     """
     certain = gain.total_low > 0 or (gain.clear and gain.gap >= settings.least_named)
-    return certain and _enough(gain, extra_parameters, settings)
+    return certain and sizeable(gain, extra_parameters, settings)
 
 
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
@@ -140,11 +140,11 @@ def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings)
 
     Where several effects are missing each scatters what another one gains: beside them it may well be beyond doubt.
     """
-    return gain.trial_low > 0 and _enough(gain, extra_parameters, settings)
+    return gain.trial_low > 0 and sizeable(gain, extra_parameters, settings)
 
 
-def _enough(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
-    """Whether a gain is beyond the threshold and the penalty of the added parameters, and no trifle."""
+def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
+    """Whether a gain, if certain, is beyond the threshold and the penalty of the added parameters, and no trifle."""
     enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
     return enough and gain.gap >= settings.least_gap
 

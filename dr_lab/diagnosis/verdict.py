@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
 
-from dr_lab.diagnosis.evidence import Gain, at_floor, noise_floor, paired_gain, supported, worth_a_trial
+from dr_lab.diagnosis.evidence import Gain, at_floor, noise_floor, paired_gain, sizeable, supported, worth_a_trial
 from dr_lab.diagnosis.rank import Candidate, Explained
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
@@ -41,7 +41,8 @@ def decide(
     """Judge a ranking, most evidence first.
 
     Among supported candidates that the best one does not beat beyond its interval, those with the fewest parameters
-    stand: a richer effect that explains nothing more is not a rival.
+    stand: a richer effect that explains nothing more is not a rival. Of data too few for an interval that is not known,
+    and a richer effect stays that seems to explain much more.
 
     Args:
         base: the model without them.
@@ -122,7 +123,10 @@ def _worth(base: Explained, candidate: Candidate, settings: EvidenceSettings) ->
 
 
 def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> list[Candidate]:
-    """The best candidate and those it does not beat, reduced to the fewest parameters, the nearest to a joint first."""
+    """The best candidate and those it does not beat, without needless parameters, what stands nearest to a joint first.
+
+    What seems to explain much more than another one goes before it.
+    """
     if not backed:
         return []
     best = backed[0]
@@ -132,8 +136,19 @@ def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> lis
         if not supported(paired_gain(c.explained.held_out, best.explained.held_out, settings), 0, settings)
     ]
     group = _likeliest(group, settings)
-    fewest = min(len(c.effect.parameters) for c in group)
-    return sorted((c for c in group if len(c.effect.parameters) == fewest), key=_nearness)
+    kept = [c for c in group if all(_seems_ahead(c, other, settings) for other in group if _richer(c, other))]
+    return sorted(kept, key=lambda c: (any(_seems_ahead(other, c, settings) for other in kept), *_nearness(c)))
+
+
+def _richer(candidate: Candidate, other: Candidate) -> bool:
+    return len(candidate.effect.parameters) > len(other.effect.parameters)
+
+
+def _seems_ahead(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
+    """Whether a candidate explains a fair part of what another one leaves, on too few data to be certain of it."""
+    gain = paired_gain(other.explained.held_out, candidate.explained.held_out, settings)
+    extra = max(len(candidate.effect.parameters) - len(other.effect.parameters), 0)
+    return isnan(gain.total_low) and sizeable(gain, extra, settings) and gain.gap >= settings.least_explained
 
 
 def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:

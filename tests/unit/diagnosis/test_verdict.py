@@ -257,3 +257,24 @@ def test_a_model_that_diverges_everywhere_is_not_at_the_noise_floor() -> None:
 def test_windows_that_only_the_base_loses_count_for_neither() -> None:
     verdict = judged(diverging(20.0, 5), ("coulomb_friction", 1.0))
     assert verdict.effects == ("coulomb_friction@rail",)
+
+
+def first_two(whole: Score) -> Score:
+    """What its first two windows, one block of data, say."""
+    sums, counts = whole.window_sum[:2], whole.window_count[:2]
+    return replace(
+        whole, chi2=float(sums.sum() / counts.sum()), window_sum=sums, window_count=counts, log=whole.log[:2]
+    )
+
+
+@pytest.mark.parametrize(("rich", "answer"), [(2.8, ["stribeck", "coulomb"]), (4.9, ["coulomb"]), (1.2, ["stribeck"])])
+def test_on_too_few_data_a_richer_effect_that_seems_to_explain_much_more_stays_and_goes_first(
+    rich: float, answer: list[str]
+) -> None:
+    verdict = judged(
+        first_two(score(20.0)),
+        ("coulomb_friction", first_two(score(5.0))),
+        ("stribeck_friction", first_two(score(rich))),
+    )
+    assert verdict.effects == tuple(f"{name}_friction@rail" for name in answer)
+    assert verdict.kind == ("named" if len(answer) == 1 else "equivalent")
