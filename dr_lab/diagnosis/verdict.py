@@ -104,9 +104,10 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
         return ""
     gain, confidence = trial[0].gain, 100 * settings.trial_confidence
     return (
-        f" Worth a trial is {trial[0].effect.label}: it closes {100 * gain.gap:.3g} % of a typical window's gap with "
-        f"evidence Δχ² {gain.total:.4g}, which windows that do not gain leave in doubt ({confidence:g} % interval from "
-        f"{gain.trial_low:.4g}, {100 * settings.confidence:g} % interval from {gain.total_low:.4g})."
+        f" Worth a trial, which dr-lab close makes, is {trial[0].effect.label}: it closes {100 * gain.gap:.3g} % of a "
+        f"typical window's gap with evidence Δχ² {gain.total:.4g}, which windows that do not gain leave in doubt "
+        f"({confidence:g} % interval from {gain.trial_low:.4g}, {100 * settings.confidence:g} % interval from "
+        f"{gain.total_low:.4g})."
     )
 
 
