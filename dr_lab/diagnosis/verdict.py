@@ -157,12 +157,18 @@ def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candi
 
     At the noise floor Δχ² is the likelihood ratio, to which the logs that were fitted contribute as well; it needs no
     interval, which few blocks of data make wide. Above the floor the models are wrong in ways that differ from log to
-    log, and the intervals decide.
+    log, and the intervals decide. A likelihood is at its maximum where the fit converged: where it did not, a richer
+    effect may merely have come further.
     """
     if not any(at_floor(c.explained.held_out, settings) for c in group):
         return group
-    excess = [_excess(c, group[0]) + settings.penalty * len(c.effect.parameters) for c in group]
-    return [c for c, each in zip(group, excess, strict=True) if each < min(excess) + settings.threshold]
+    excess = [(c, _excess(c, group[0]) + settings.penalty * len(c.effect.parameters)) for c in group]
+    return [c for c, each in excess if not any(_beside(o, c) and each >= one + settings.threshold for o, one in excess)]
+
+
+def _beside(other: Candidate, candidate: Candidate) -> bool:
+    """Whether another one's likelihood may be held against a candidate."""
+    return candidate.explained.fit.converged or not _richer(other, candidate)
 
 
 def _excess(candidate: Candidate, other: Candidate) -> float:

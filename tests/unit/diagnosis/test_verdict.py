@@ -39,9 +39,10 @@ def wild(level: float) -> Score:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A fit of which only the cost is known."""
+    """A fit of which only the cost is known, and whether it is the least."""
 
     cost: float
+    converged: bool = True
 
     def below(self, other: "Fitted") -> float:
         """By how much the cost is below another's."""
@@ -181,6 +182,18 @@ def test_at_the_noise_floor_a_simpler_effect_must_be_as_likely_as_a_richer_one()
     assert SETTINGS.penalty == 2
     for cost, named in ((28.0, "coulomb_friction@rail"), (30.0, "stribeck_friction@rail")):
         assert rivals(1.0, cost, "stribeck_friction", "coulomb_friction").effects == (named,)
+
+
+@pytest.mark.parametrize(
+    ("best", "other"), [("stribeck_friction", "coulomb_friction"), ("coulomb_friction", "constant_offset")]
+)
+def test_a_simple_effect_whose_fit_did_not_converge_yields_to_none_that_is_richer(best: str, other: str) -> None:
+    base = model(20.0)
+    ahead, behind = candidate(base, best, 1.0, CLEAR, 9000.0), candidate(base, other, 1.0, CLEAR, 9100.0)
+    halted = replace(behind.explained, fit=cast(Any, Fitted(9100.0, converged=False)))
+    verdict = decide(base, [ahead, replace(behind, explained=halted)], SETTINGS)
+    assert verdict.effects == ("coulomb_friction@rail",)
+    assert verdict.kind == "named"
 
 
 def test_above_the_noise_floor_the_fitted_logs_do_not_decide() -> None:
