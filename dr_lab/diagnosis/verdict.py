@@ -153,30 +153,34 @@ def _seems_ahead(candidate: Candidate, other: Candidate, settings: EvidenceSetti
 
 
 def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
-    """Of effects of which one leaves noise alone, those that all logs hold as likely as the best.
+    """Of effects of which one leaves noise alone, those than which no other one is more likely.
 
     At the noise floor Δχ² is the likelihood ratio, to which the logs that were fitted contribute as well; it needs no
     interval, which few blocks of data make wide. Above the floor the models are wrong in ways that differ from log to
-    log, and the intervals decide. A likelihood is at its maximum where the fit converged: where it did not, a richer
-    effect may merely have come further.
+    log, and the intervals decide.
     """
     if not any(at_floor(c.explained.held_out, settings) for c in group):
         return group
-    excess = [(c, _excess(c, group[0]) + settings.penalty * len(c.effect.parameters)) for c in group]
-    return [c for c, each in excess if not any(_beside(o, c) and each >= one + settings.threshold for o, one in excess)]
+    return [c for c in group if not any(_less_likely(c, other, settings) for other in group)]
 
 
-def _beside(other: Candidate, candidate: Candidate) -> bool:
-    """Whether another one's likelihood may be held against a candidate."""
-    return candidate.explained.fit.converged or not _richer(other, candidate)
+def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
+    """Whether all logs together make a candidate less likely than another one.
+
+    A richer effect must be more likely on fitted and on held-out logs alike: what holds the truth gains on both, but a
+    fit that ended early, or a start that was not found, shows on one of them.
+    """
+    excess = _excess(candidate, other)
+    needed = settings.threshold + settings.penalty * (len(other.effect.parameters) - len(candidate.effect.parameters))
+    return (min(excess) if _richer(other, candidate) else sum(excess)) >= needed
 
 
-def _excess(candidate: Candidate, other: Candidate) -> float:
-    """How much larger χ² a candidate leaves in all logs than another, in the windows that both simulate."""
+def _excess(candidate: Candidate, other: Candidate) -> tuple[float, float]:
+    """How much larger χ² a candidate leaves than another in windows that both simulate: of held-out, of fitted logs."""
     ours, theirs = candidate.explained.held_out, other.explained.held_out
     both = (ours.window_count > 0) & (theirs.window_count > 0)
     held_out = float((ours.window_sum - theirs.window_sum)[both].sum())
-    return held_out + other.explained.fit.below(candidate.explained.fit)
+    return held_out, other.explained.fit.below(candidate.explained.fit)
 
 
 def _nearness(candidate: Candidate) -> tuple[int, float]:

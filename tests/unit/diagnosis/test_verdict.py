@@ -39,10 +39,9 @@ def wild(level: float) -> Score:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A fit of which only the cost is known, and whether it is the least."""
+    """A fit of which only the cost is known."""
 
     cost: float
-    converged: bool = True
 
     def below(self, other: "Fitted") -> float:
         """By how much the cost is below another's."""
@@ -177,23 +176,24 @@ def test_at_the_noise_floor_the_fitted_logs_tell_rivals_apart_too() -> None:
     assert rivals(1.0, 26.0).effects == ("coulomb_friction@rail",)
 
 
-def test_at_the_noise_floor_a_simpler_effect_must_be_as_likely_as_a_richer_one() -> None:
-    """Stribeck friction has two parameters more, which cost 2 each."""
-    assert SETTINGS.penalty == 2
-    for cost, named in ((28.0, "coulomb_friction@rail"), (30.0, "stribeck_friction@rail")):
-        assert rivals(1.0, cost, "stribeck_friction", "coulomb_friction").effects == (named,)
-
-
 @pytest.mark.parametrize(
-    ("best", "other"), [("stribeck_friction", "coulomb_friction"), ("coulomb_friction", "constant_offset")]
+    ("held_out", "fitted", "rich"),
+    [(30.0, 30.0, True), (28.0, 300.0, False), (280.0, 28.0, False), (30.0, 28.0, False)],
 )
-def test_a_simple_effect_whose_fit_did_not_converge_yields_to_none_that_is_richer(best: str, other: str) -> None:
-    base = model(20.0)
-    ahead, behind = candidate(base, best, 1.0, CLEAR, 9000.0), candidate(base, other, 1.0, CLEAR, 9100.0)
-    halted = replace(behind.explained, fit=cast(Any, Fitted(9100.0, converged=False)))
-    verdict = decide(base, [ahead, replace(behind, explained=halted)], SETTINGS)
-    assert verdict.effects == ("coulomb_friction@rail",)
-    assert verdict.kind == "named"
+def test_at_the_noise_floor_a_richer_effect_must_be_more_likely_on_fitted_and_held_out_logs(
+    held_out: float, fitted: float, *, rich: bool
+) -> None:
+    """Stribeck friction has two parameters more, which cost 2 each."""
+    assert (SETTINGS.penalty, SETTINGS.threshold) == (2, 25)
+    base, best = model(20.0), score(1.0)
+    doubt = np.where(np.arange(WINDOWS) % 6 < 3, 40.0, -40.0)
+    sums = best.window_sum + held_out / WINDOWS + doubt
+    worse = replace(best, window_sum=sums, chi2=best.chi2 + held_out / COUNT / WINDOWS)
+    ranking = [
+        candidate(base, "stribeck_friction", best, CLEAR, 9000.0),
+        candidate(base, "coulomb_friction", worse, CLEAR, 9000.0 + fitted),
+    ]
+    assert decide(base, ranking, SETTINGS).effects == (f"{'stribeck' if rich else 'coulomb'}_friction@rail",)
 
 
 def test_above_the_noise_floor_the_fitted_logs_do_not_decide() -> None:
