@@ -1,3 +1,5 @@
+from collections.abc import Mapping
+
 import mujoco
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from dr_lab.effects.effect import Effect
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log
 
+DEFAULT: dict[str, float] = {}
 SURE = {"confidence": 0.999, "least_named": 1.0}  # beside friction a constant torque is then in doubt
 
 
@@ -28,7 +31,7 @@ def bench_of(logs: list[Log], model: Model, **asked: float) -> Bench:
     return Bench(*windows, solver_settings(), evidence_settings(**asked), 1)
 
 
-def climbed(logs: list[Log], *names: str, most: int = 3, **asked: float) -> Ladder:
+def climbed(logs: list[Log], *names: str, most: int = 3, asked: Mapping[str, float] = DEFAULT) -> Ladder:
     model = pendulum()
     bench, compiled = bench_of(logs, model, **asked), model.nominal()
     base = explain(bench, model, model.space.nominal)
@@ -56,7 +59,7 @@ def test_two_missing_effects_are_two_rungs_and_the_third_stops() -> None:
 
 
 def test_what_another_missing_effect_leaves_in_doubt_is_added_on_trial_and_stays() -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", **SURE)
+    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", asked=SURE)
     first, second, _ = (rung.verdict for rung in ladder.rungs)
     assert (first.kind, first.effects, first.trial) == ("unexplained", (), ("constant_offset@hinge",))
     assert "Worth a trial, which dr-lab close makes, is constant_offset@hinge" in first.reason
@@ -68,7 +71,7 @@ def test_what_another_missing_effect_leaves_in_doubt_is_added_on_trial_and_stays
 
 @pytest.mark.parametrize("most", [1, 3])
 def test_what_stays_in_doubt_is_dropped_in_the_end(most: int) -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "constant_offset", most=most, **SURE)
+    ladder = climbed(rubbing(0.05, 0.1), "constant_offset", most=most, asked=SURE)
     assert ladder.rungs[0].verdict.trial == ("constant_offset@hinge",)
     assert ladder.steps == ()
     assert ladder.dropped == ("constant_offset@hinge",)
@@ -76,7 +79,7 @@ def test_what_stays_in_doubt_is_dropped_in_the_end(most: int) -> None:
 
 
 def test_one_ranking_adds_nothing_on_trial() -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "constant_offset", most=0, **SURE).with_first_step()
+    ladder = climbed(rubbing(0.05, 0.1), "constant_offset", most=0, asked=SURE).with_first_step()
     assert ladder.steps == ()
     assert ladder.verdict(evidence_settings()) == "unexplained"
 
