@@ -1,6 +1,7 @@
 """What no effect explains: a sparse formula of the missing force, and how much any force of the state could explain."""
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -104,13 +105,8 @@ def sparse_formula(
     terms = [term for term in _library(kept, settings.harmonics) if np.ptp(term.value) > 0 or term.name == "1"]
     columns = np.stack([term.value for term in terms], axis=1)
     folds = min(settings.folds, len(np.unique(groups)))
-    share, count = 0.0, 0
-    for size in range(1, min(settings.terms, columns.shape[1]) + 1):
-        reached = _explained(force, left_out(Pursuit(size), columns, force, groups, folds))
-        if reached >= share + settings.worth:
-            share, count = reached, size
-        if count < size or share > 1.0 - settings.worth:
-            break
+    tried = (left_out(Pursuit(size), columns, force, groups, folds) for size in range(1, columns.shape[1] + 1))
+    share, count = _pursued(force, itertools.islice(tried, settings.terms), settings.worth)
     features = np.stack([v.value for v in kept], axis=1)
     ceiling = _explained(force, left_out(forest(), features, force, groups, folds))
     coefficients = Pursuit(count).fit(columns, force).coef_ if count else np.zeros(columns.shape[1])
@@ -151,6 +147,19 @@ def _library(variables: Sequence[Variable], harmonics: int) -> list[_Term]:
         else:
             terms.append(_Term(name, v.unit, x))
     return terms
+
+
+def _pursued(force: Array, tried: Iterable[Array], worth: float) -> tuple[float, int]:
+    """Share of the force that a prediction explains and its number of terms, up to the first that is not worth one."""
+    share, count = 0.0, 0
+    for size, predicted in enumerate(tried, start=1):
+        reached = _explained(force, predicted)
+        if reached < share + worth:
+            break
+        share, count = reached, size
+        if share > 1.0 - worth:
+            break
+    return share, count
 
 
 def _explained(force: Array, predicted: Array) -> float:
