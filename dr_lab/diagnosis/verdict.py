@@ -89,7 +89,8 @@ def _reason(
     if kind == "named":
         return f"{labels} {_worth(base, group[0], settings)} on the {scored}, beyond every other candidate."
     if kind == "equivalent":
-        return f"{labels} explain the {scored} equally well; these data cannot separate them."
+        left = ", ".join(f"{c.effect.label} (mean χ² {c.explained.held_out.chi2:.4g})" for c in group)
+        return f"The {scored} cannot separate {left}: what one explains better than another is not beyond doubt."
     floor = noise_floor(base.held_out.freedom, settings)
     place = f"above the noise floor ({floor:.3g})" if kind == "unexplained" else "at the noise floor"
     mean = f"mean χ² {base.held_out.chi2:.3f} on the {scored}"
