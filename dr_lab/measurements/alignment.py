@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.errors import DataError
-from dr_lab.measurements.clocks import describe, fit_line, pool, steps
+from dr_lab.measurements.clocks import describe, fit_line, pool, require_rate, steps
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.samples import Samples, Stamps
 from dr_lab.measurements.signal_map import ChannelMap
@@ -50,12 +50,14 @@ def align(
         contract: thresholds.
 
     Raises:
-        DataError: a channel has no stamps of its clock, or they do not move.
+        DataError: a channel has no stamps of its clock, or they do not move or run at another rate.
     """
     chosen = {channel.name: channel.clock or natural_clock for channel in channels}
     stamps = {channel.name: _stamps(channel, samples[channel.name], chosen[channel.name], file) for channel in channels}
     headed = {samples[name].stream: samples[name].stamps for name, clock in chosen.items() if clock == "header"}
     pairs = {topic: _pair(found) for topic, found in headed.items()}
+    for topic, pair in pairs.items():
+        require_rate(topic, *pair, contract)
     lines = pool({topic: fit_line(*pair, contract) for topic, pair in pairs.items()}, pairs, contract)
     notes = [note for topic, found in headed.items() for note in _unset(topic, found["header"].elapsed)]
     notes += [note for topic, pair in pairs.items() for note in steps(topic, *pair, lines[topic], contract)]

@@ -4,7 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
 from dr_lab.trajectory import Array, ClockFit, Note
 
@@ -110,9 +112,34 @@ def steps(topic: str, elapsed: Array, log: Array, line: ClockLine, contract: Dat
     return [Note("clock", "", message, int((late > worst).sum()))]
 
 
+def require_rate(topic: str, elapsed: Array, log: Array, contract: DataContract) -> None:
+    """Refuse stamps that run at another rate than the log, or backwards.
+
+    The rate is the median over stretches, so that a clock that was set on the way is not refused.
+
+    Raises:
+        DataError: a second of the sender's clock is not a second of the log's.
+    """
+    moves = np.diff(np.array([[np.median(t[part]) for part in _stretches(len(t))] for t in (elapsed, log)]))
+    rates = moves[0, moves[1] > 0] / moves[1, moves[1] > 0]
+    rate = float(np.median(rates)) if len(rates) else 1.0
+    if abs(rate - 1.0) <= contract.clock_drift:
+        return
+    told = f"{rate:.3g} times as fast as the log time" if rate > 0 else "backwards"
+    raise DataError(
+        f"The header stamps of {topic} run {told}; a computer's clock keeps to it within {contract.clock_drift:.0%}. "
+        "If they count simulated time, record the log by that clock, too; if they are wrong, use clock: log."
+    )
+
+
+def _stretches(count: int) -> list[NDArray[np.intp]]:
+    """Indices of up to 20 stretches of a log."""
+    return [part for part in np.array_split(np.arange(count), 20) if len(part)]
+
+
 def _rough_line(elapsed: Array, delay: Array) -> Array:
     """Line (slope, intercept) through the medians of up to 20 stretches: deaf to single late messages."""
-    parts = [p for p in np.array_split(np.arange(len(elapsed)), 20) if len(p)]
+    parts = _stretches(len(elapsed))
     centres = np.array([np.median(elapsed[p]) for p in parts])
     medians = np.array([np.median(delay[p]) for p in parts])
     if np.ptp(centres) == 0.0:

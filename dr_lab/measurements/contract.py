@@ -20,6 +20,7 @@ class DataContract:
         clock_outlier: a stamp is suspect if it lies this many robust standard deviations below the usual delay …
         clock_outlier_share: … and is left out of the clock fit if at most this share of the stamps is suspect.
         clock_step: s, a clock that leaves its straight line by more than this is reported.
+        clock_drift: header clocks that gain or lose a larger share of the time count another, such as simulated time.
         same_clock: s, header clocks of two topics that agree to this are one clock and share one fit.
         unit_ratio: share by which a ratio may differ from 180/π and still raise the suspicion of degrees.
         velocity_ratio: share by which a velocity may differ from its position's derivative before it is reported.
@@ -44,6 +45,7 @@ class DataContract:
     clock_outlier: float
     clock_outlier_share: float
     clock_step: float
+    clock_drift: float
     same_clock: float
     unit_ratio: float
     velocity_ratio: float

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dr_lab.measurements.clocks import ClockLine, describe, fit_line, pool, steps
+from dr_lab.errors import DataError
+from dr_lab.measurements.clocks import ClockLine, describe, fit_line, pool, require_rate, steps
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.mcap import McapSource
 from dr_lab.measurements.signal_map import channel_map
@@ -84,6 +85,21 @@ def test_a_clock_that_was_set_is_reported(contract: DataContract) -> None:
     notes = steps("/imu", elapsed, log, fit_line(elapsed, log, contract), contract)
     assert [note.kind for note in notes] == ["clock"]
     assert "/imu leaves a straight line by" in notes[0].message
+
+
+def test_clocks_of_computers_are_taken_and_set_ones_too(contract: DataContract) -> None:
+    elapsed, log = messages(np.random.default_rng(0))
+    require_rate("/imu", elapsed, log, contract)
+    require_rate("/imu", elapsed, np.where(elapsed > 1.5, log + 2.0, log), contract)
+    require_rate("/imu", np.array([0.0]), np.array([3.5]), contract)
+    require_rate("/imu", elapsed, np.zeros_like(log), contract)
+
+
+@pytest.mark.parametrize(("rate", "told"), [(0.5, "0.5 times as fast"), (2.0, "2 times as fast"), (-1.0, "backwards")])
+def test_stamps_of_another_rate_are_refused(contract: DataContract, rate: float, told: str) -> None:
+    elapsed, log = messages(np.random.default_rng(0))
+    with pytest.raises(DataError, match=f"header stamps of /imu run {told}.*clock: log"):
+        require_rate("/imu", rate * elapsed, log, contract)
 
 
 def test_a_topic_whose_headers_nobody_set_takes_no_digits_from_the_others(tmp_path: Path) -> None:
