@@ -128,7 +128,8 @@ def require_rate(topic: str, elapsed: Array, log: Array, contract: DataContract)
     told = f"{rate:.3g} times as fast as the log time" if rate > 0 else "backwards"
     raise DataError(
         f"The header stamps of {topic} run {told}; a computer's clock keeps to it within {contract.clock_drift:.0%}. "
-        "If they count simulated time, record the log by that clock, too; if they are wrong, use clock: log."
+        "If they count simulated time, record the log by it, too (ros2 bag record --use-sim-time); if they are wrong, "
+        "use clock: log."
     )
 
 
