@@ -37,7 +37,8 @@ class Step:
     Attributes:
         explained: the model with it.
         rivals: fitted alternatives that these data cannot separate from it, given all that was added since.
-        proven: whether it was added with support; else it is on trial, or a user added it.
+        proven: whether it was added with support, or kept when trials were over; else it is on trial, or a user added
+            it.
     """
 
     explained: Explained
@@ -76,11 +77,12 @@ class Ladder:
         """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.
 
         Effects that leave much of the gap, and more than noise, are what the catalogue has nearest to the cause rather
-        than the cause: ``unexplained``.
+        than the cause: ``unexplained``. Where all that was added was dropped again, no effect is named.
         """
-        if not self.steps:
-            return self.rungs[0].verdict.kind
         noise = at_floor(self.models[-1].held_out, settings)
+        if not self.steps:
+            first = self.rungs[0].verdict
+            return ("none" if noise else "unexplained") if first.effects and self.dropped else first.kind
         if not noise and self.closed(settings) < settings.least_named:
             return "unexplained"
         return "equivalent" if any(step.rivals for step in self.steps) else "named"
@@ -105,7 +107,8 @@ def climb(
     Where a rung leaves several effects inseparable the first goes on, and each later rung reconsiders: a rival that
     explains more beside what was added since takes its place, one that explains less is no rival any more. An effect
     without which the ladder's last model explains the held-out logs as well is dropped, for good. Where a rung names
-    nothing but has an effect that is worth a trial, that goes on, and is judged like all others when the climb is over.
+    nothing but has an effect that is worth a trial, that goes on, and is judged when the climb is over, before the
+    others: until then none is dropped, lest what is in doubt take the place of what is not.
 
     Args:
         bench: data and settings.
@@ -127,9 +130,11 @@ def climb(
         over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
         if over and all(step.proven for step in ladder.steps):
             return ladder
-        steps = _settled(ladder.steps) if over else reconsider(bench, base, (*ladder.steps, step_from(rung)))
-        steps, superfluous = prune(bench, base, steps)
-        ladder = replace(ladder, steps=steps, dropped=(*ladder.dropped, *superfluous))
+        steps = ladder.steps if over else reconsider(bench, base, (*ladder.steps, step_from(rung)))
+        if over or all(step.proven for step in steps):
+            steps, superfluous = prune(bench, base, steps)
+            ladder = replace(ladder, dropped=(*ladder.dropped, *superfluous))
+        ladder = replace(ladder, steps=steps)
         if over:
             return ladder
 
@@ -139,11 +144,6 @@ def step_from(rung: Rung) -> Step:
     found, named = {c.effect.label: c for c in rung.ranking}, rung.verdict.effects
     chosen, *rivals = (found[label] for label in named or rung.verdict.trial)
     return Step(chosen.explained, tuple(rivals), proven=bool(named))
-
-
-def _settled(steps: Sequence[Step]) -> tuple[Step, ...]:
-    """The steps when trials are over."""
-    return tuple(replace(step, proven=True) for step in steps)
 
 
 def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[Step, ...]:
@@ -167,22 +167,20 @@ def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[
 
 
 def prune(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], tuple[str, ...]]:
-    """Drop effects, the earliest first, without which the logs are explained as well; those on trial stay.
+    """Drop effects without which the logs are explained as well: those on trial first, of these the earliest first.
 
     Returns:
-        The steps that stay, refitted, and the labels of the effects that were dropped.
+        The steps that stay, refitted and proven, and the labels of the effects that were dropped.
     """
-    for place, step in enumerate(steps):
-        if not step.proven:
-            continue
-        effect = step.explained.model.effects[-1]
+    for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
+        effect = steps[place].explained.model.effects[-1]
         fewer = _stacked(bench, base, steps[:place], steps[place + 1 :])
         without = fewer[-1].explained if fewer else base
         gain = paired_gain(without.held_out, steps[-1].explained.held_out, bench.evidence)
         if not supported(gain, len(effect.parameters), bench.evidence):
             kept, dropped = prune(bench, base, fewer)
             return kept, (effect.label, *dropped)
-    return steps, ()
+    return tuple(replace(step, proven=True) for step in steps), ()
 
 
 def _stacked(bench: Bench, base: Explained, below: Sequence[Step], above: Sequence[Step]) -> tuple[Step, ...]:
