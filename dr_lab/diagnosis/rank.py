@@ -32,12 +32,14 @@ class Explained:
         fit: context and states on the fit windows.
         states: states on the held-out windows.
         held_out: score there.
+        apart: whether the held-out windows are others than the fit windows, so that they tell more than the fit does.
     """
 
     model: Model
     fit: Fit
     states: StateFit
     held_out: Score
+    apart: bool = True
 
 
 @dataclass(frozen=True)
@@ -83,15 +85,20 @@ class Bench:
     threads: int
 
     @property
+    def apart(self) -> bool:
+        """Whether logs are held out, so that others score than were fitted."""
+        return self.held_out is not self.fit
+
+    @property
     def scored(self) -> str:
         """The logs that score, in words."""
-        return "fit logs" if self.held_out is self.fit else "held-out logs"
+        return "held-out logs" if self.apart else "fit logs"
 
 
 def explain(bench: Bench, model: Model, start: Array, delta: Array | None = None) -> Explained:
     """Fit a model from a context, and states if given, and score it."""
     fit = Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta)
-    return Explained(model, fit, *_held_out(bench, model, fit, bench.threads))
+    return Explained(model, fit, *_held_out(bench, model, fit, bench.threads), bench.apart)
 
 
 def _held_out(
@@ -180,13 +187,13 @@ def _try(bench: Bench, base: Explained, effect: PlacedEffect, first: Look, stop:
         if rough.order < min(f.order for f in fits):
             fits.append(fitter.run(rough.z, rough.delta))
     fit, model = min(fits, key=lambda f: f.order), fitter.replay.model
-    explained = Explained(model, fit, *_held_out(bench, model, fit, 1, base.states, stop))
+    explained = Explained(model, fit, *_held_out(bench, model, fit, 1, base.states, stop), bench.apart)
     gain = paired_gain(base.held_out, explained.held_out, bench.evidence)
     return Candidate(effect, explained, gain, first.identifiability, first.gain / base.fit.cost)
 
 
 def _unfitted(base: Explained, effect: PlacedEffect, first: Look, settings: EvidenceSettings) -> Candidate:
     """A candidate that stays absent, where it is the base."""
-    explained = Explained(base.model.with_effect(effect), first.absent, base.states, base.held_out)
+    explained = Explained(base.model.with_effect(effect), first.absent, base.states, base.held_out, base.apart)
     gain = paired_gain(base.held_out, base.held_out, settings)
     return Candidate(effect, explained, gain, first.identifiability, first.gain / base.fit.cost)

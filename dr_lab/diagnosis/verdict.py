@@ -176,12 +176,16 @@ def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSetti
     return (min(excess) if _richer(other, candidate) else sum(excess)) >= needed
 
 
-def _excess(candidate: Candidate, other: Candidate) -> tuple[float, float]:
-    """How much larger χ² a candidate leaves than another in windows that both simulate: of held-out, of fitted logs."""
+def _excess(candidate: Candidate, other: Candidate) -> tuple[float, ...]:
+    """How much larger χ² a candidate leaves than another in windows that both simulate: of held-out, of fitted logs.
+
+    Where no logs are held out the scored ones are those that were fitted, and count once.
+    """
     ours, theirs = candidate.explained.held_out, other.explained.held_out
     both = (ours.window_count > 0) & (theirs.window_count > 0)
     held_out = float((ours.window_sum - theirs.window_sum)[both].sum())
-    return held_out, other.explained.fit.below(candidate.explained.fit)
+    fitted = other.explained.fit.below(candidate.explained.fit)
+    return (held_out, fitted) if candidate.explained.apart else (held_out,)
 
 
 def _nearness(candidate: Candidate) -> tuple[int, float]:

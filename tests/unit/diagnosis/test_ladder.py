@@ -84,6 +84,17 @@ def test_one_ranking_adds_nothing_on_trial() -> None:
     assert ladder.verdict(evidence_settings()) == "unexplained"
 
 
+def test_where_the_fit_logs_score_no_model_has_logs_apart() -> None:
+    model, logs = pendulum(), rubbing(0.05, 0.1)[:1]
+    windows = windows_of(model, logs)
+    bench = Bench(windows, windows, solver_settings(), evidence_settings(), 1)
+    base, compiled = explain(bench, model, model.space.nominal), model.nominal()
+    effects = {"constant_offset": catalogue_effect("constant_offset")}
+    scales = machine_scales(compiled, logs, 0.03)
+    ladder = climb(bench, base, effects, scales, compiled, most=0, watch=lambda _: lambda _: None)
+    assert not any(found.apart for found in (base, *(c.explained for c in ladder.rungs[0].ranking)))
+
+
 def test_no_more_effects_are_added_than_allowed() -> None:
     ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", most=1)
     assert len(ladder.steps) == 1

@@ -176,6 +176,17 @@ def test_at_the_noise_floor_the_fitted_logs_tell_rivals_apart_too() -> None:
     assert rivals(1.0, 26.0).effects == ("coulomb_friction@rail",)
 
 
+@pytest.mark.parametrize(("left", "kind"), [(24.0, "equivalent"), (26.0, "named")])
+def test_where_no_logs_are_held_out_the_fitted_ones_count_once(left: float, kind: str) -> None:
+    base, best = model(20.0), score(1.0)
+    worse = replace(best, window_sum=best.window_sum + left / WINDOWS, chi2=best.chi2 + left / COUNT / WINDOWS)
+    scores = {"coulomb_friction": (best, 9000.0), "constant_offset": (worse, 9000.0 + left)}
+    apart = [candidate(base, name, each, CLEAR, cost) for name, (each, cost) in scores.items()]
+    same = [replace(c, explained=replace(c.explained, apart=False)) for c in apart]
+    assert decide(base, apart, SETTINGS).kind == "named"
+    assert decide(base, same, SETTINGS, "fit logs").kind == kind
+
+
 @pytest.mark.parametrize(
     ("held_out", "fitted", "rich"),
     [(30.0, 30.0, True), (28.0, 300.0, False), (280.0, 28.0, False), (30.0, 28.0, False)],
