@@ -106,7 +106,7 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
     gain, confidence = trial[0].gain, 100 * settings.trial_confidence
     return (
         f" Worth a trial, which dr-lab close makes, is {trial[0].effect.label}: it closes {100 * gain.gap:.3g} % of a "
-        f"typical window's gap with evidence Δχ² {gain.total:.4g}, which windows that do not gain leave in doubt "
+        f"typical window's gap with evidence Δχ² {gain.total:.4g}, in doubt because it differs from window to window "
         f"({confidence:g} % interval from {gain.trial_low:.4g}, {100 * settings.confidence:g} % interval from "
         f"{gain.total_low:.4g})."
     )
@@ -173,7 +173,7 @@ def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSetti
     """
     excess = _excess(candidate, other)
     needed = settings.threshold + settings.penalty * (len(other.effect.parameters) - len(candidate.effect.parameters))
-    return (min(excess) if _richer(other, candidate) else sum(excess)) >= needed
+    return (min(excess) if _richer(other, candidate) else sum(excess)) > needed
 
 
 def _excess(candidate: Candidate, other: Candidate) -> tuple[float, ...]:

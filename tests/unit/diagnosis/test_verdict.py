@@ -211,6 +211,13 @@ def test_above_the_noise_floor_the_fitted_logs_do_not_decide() -> None:
     assert rivals(2.0, 500.0).kind == "equivalent"
 
 
+def test_without_a_threshold_the_best_effect_still_stands() -> None:
+    base, every = model(20.0), replace(SETTINGS, threshold=0.0)
+    one, other = (candidate(base, name, 1.0, CLEAR) for name in ("coulomb_friction", "constant_offset"))
+    assert decide(base, [one], every).effects == ("coulomb_friction@rail",)
+    assert decide(base, [one, other], every).kind == "equivalent"
+
+
 def test_a_richer_effect_that_explains_no_more_is_no_rival() -> None:
     verdict = judged(20.0, ("stribeck_friction", 1.0), ("coulomb_friction", 1.0005))
     assert verdict.effects == ("coulomb_friction@rail",)
