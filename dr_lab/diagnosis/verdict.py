@@ -139,7 +139,7 @@ def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> lis
     ]
     group = _likeliest(group, settings)
     kept = [c for c in group if all(_seems_ahead(c, other, settings) for other in group if _richer(c, other))]
-    return sorted(kept, key=lambda c: (any(_seems_ahead(other, c, settings) for other in kept), *_nearness(c)))
+    return sorted(kept, key=lambda c: (sum(_seems_ahead(other, c, settings) for other in kept), *_nearness(c)))
 
 
 def _richer(candidate: Candidate, other: Candidate) -> bool:

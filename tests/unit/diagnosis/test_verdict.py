@@ -309,3 +309,9 @@ def test_on_too_few_data_a_richer_effect_that_seems_to_explain_much_more_stays_a
     )
     assert verdict.effects == tuple(f"{name}_friction@rail" for name in answer)
     assert verdict.kind == ("named" if len(answer) == 1 else "equivalent")
+
+
+def test_on_too_few_data_what_seems_to_explain_much_more_goes_first_all_the_way() -> None:
+    levels = {"coulomb_friction": 5.5, "constant_offset": 3.6, "actuator_delay": 2.5}
+    verdict = judged(first_two(score(20.0)), *((name, first_two(score(level))) for name, level in levels.items()))
+    assert verdict.effects == ("actuator_delay@drive", "constant_offset@rail", "coulomb_friction@rail")
