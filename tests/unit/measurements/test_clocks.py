@@ -95,6 +95,14 @@ def test_clocks_of_computers_are_taken_and_set_ones_too(contract: DataContract) 
     require_rate("/imu", elapsed, np.zeros_like(log), contract)
 
 
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("bunch", [0.0, 0.1])
+def test_late_and_bunched_messages_of_a_short_log_are_taken(contract: DataContract, seed: int, bunch: float) -> None:
+    elapsed = np.linspace(0.0, 1.0, 100)
+    log = elapsed + np.random.default_rng(seed).exponential(5e-3, len(elapsed))
+    require_rate("/imu", elapsed, np.ceil(log / bunch) * bunch if bunch else np.sort(log), contract)
+
+
 @pytest.mark.parametrize(("rate", "told"), [(0.5, "0.5 times as fast"), (2.0, "2 times as fast"), (-1.0, "backwards")])
 def test_stamps_of_another_rate_are_refused(contract: DataContract, rate: float, told: str) -> None:
     elapsed, log = messages(np.random.default_rng(0))
