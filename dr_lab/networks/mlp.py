@@ -47,7 +47,7 @@ class MLP(nn.Module):
         for (weight, bias), (a, b) in zip(self._names, itertools.pairwise(widths), strict=True):
             self.register_parameter(weight, nn.Parameter(torch.empty(b, a)))
             self.register_parameter(bias, nn.Parameter(torch.zeros(b)))
-        self._activate, self._backward = _ACTIVATIONS[activation], _BACKWARD[activation]
+        self._activation: Activation = activation  # by name, as torch's operators cannot be sent to other processes
         for layer, weight in enumerate(self.weights):
             gain = last_gain if layer == len(hidden) else math.sqrt(2.0)
             nn.init.orthogonal_(weight, gain, generator=generator)
@@ -70,10 +70,10 @@ class MLP(nn.Module):
     def layers(self, x: Tensor) -> list[Tensor]:
         """x, the hidden activations and the result."""
         layers = [x]
-        last = len(self._names) - 1
+        last, activate = len(self._names) - 1, _ACTIVATIONS[self._activation]
         for k, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
             linear = nn.functional.linear(layers[-1], weight, bias)
-            layers.append(linear if k == last else self._activate(linear))
+            layers.append(linear if k == last else activate(linear))
         return layers
 
     def backward(
@@ -92,4 +92,4 @@ class MLP(nn.Module):
             torch.mm(slope.t(), layers[k], out=weights[k])
             torch.sum(slope, 0, out=biases[k])
             if k:
-                slope = self._backward(torch.mm(slope, every[k]), layers[k])
+                slope = _BACKWARD[self._activation](torch.mm(slope, every[k]), layers[k])

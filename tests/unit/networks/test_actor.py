@@ -1,5 +1,6 @@
 """The Gaussian policy and its normaliser."""
 
+import pickle
 from functools import partial
 
 import numpy as np
@@ -9,6 +10,7 @@ from torch.distributions import Independent, Normal
 
 from dr_lab.errors import ConfigError
 from dr_lab.networks.gaussian_actor import GaussianActor, unit_entropy
+from dr_lab.networks.mlp import Activation
 from dr_lab.networks.normaliser import NoNormaliser, RunningNormaliser
 
 
@@ -43,6 +45,14 @@ def test_a_saved_policy_draws_the_same_actions() -> None:
     first.normaliser.update(torch.randn(50, 4, generator=torch.Generator().manual_seed(3)))
     second.load_state_dict(first.state_dict())
     assert torch.equal(first(observation), second(observation))
+
+
+@pytest.mark.parametrize("activation", ["tanh", "relu"])
+def test_a_policy_can_be_sent_to_another_process(activation: Activation) -> None:
+    policy = GaussianActor(4, np.array([-1.0]), np.array([1.0]), 0, NoNormaliser, [8], activation, log_std=-0.5)
+    sent = pickle.loads(pickle.dumps(policy))
+    observation = torch.ones(6, 4)
+    assert torch.equal(sent(observation), policy(observation))
 
 
 def test_statistics_of_batches_are_those_of_all_rows() -> None:
