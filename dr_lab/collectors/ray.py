@@ -37,7 +37,8 @@ class RayCollector(Collector):
         setting: configuration of the environment. MuJoCo's models cannot be sent, so every worker builds its own.
         workers: that share the episodes; their number divides that of the slots.
         cores: of each worker, for its physics.
-        address: of a running Ray cluster, whose machines must have dr_lab; None starts Ray on this one.
+        address: of a running Ray cluster, whose machines must have dr_lab; ``local`` starts Ray on this one, whatever
+            else of Ray runs or ran here.
 
     Raises:
         ConfigError: the workers cannot share the episodes equally.
@@ -51,7 +52,7 @@ class RayCollector(Collector):
         setting: Mapping[str, Any],
         workers: int,
         cores: int,
-        address: str | None,
+        address: str,
     ) -> None:
         super().__init__(policy)
         self._env, self._steps, self._setting = env, steps, setting
@@ -114,7 +115,7 @@ class RayCollector(Collector):
     def _workers(self) -> TorchRLRayCollector:
         episodes = self._env.episodes
         make = partial(_make, self._setting, episodes.nsim // self.workers, self.cores)
-        here = {"num_cpus": self.workers * self.cores} if self.address is None else {"address": self.address}
+        here = {"num_cpus": self.workers * self.cores} if self.address == "local" else {}  # a cluster knows its own
         return TorchRLRayCollector(
             [cast(Callable[[], MujocoEnv], make)] * self.workers,
             TensorDictModule(self._policy, ["observation"], ["action"]),
@@ -126,7 +127,13 @@ class RayCollector(Collector):
             collector_kwargs={"track_traj_ids": False},
             weight_sync_schemes={},
             remote_configs={"num_cpus": self.cores},
-            ray_init_config={**here, "include_dashboard": False, "log_to_driver": False, "logging_level": "error"},
+            ray_init_config={
+                "address": self.address,
+                "include_dashboard": False,
+                "log_to_driver": False,
+                "logging_level": "error",
+                **here,
+            },
         )
 
     def _deal_out(self, ray: TorchRLRayCollector) -> None:

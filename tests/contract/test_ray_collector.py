@@ -34,11 +34,11 @@ def at(space: ContextSpace, friction: float) -> FixedRandomizer:
     return FixedRandomizer(space, {space.names[0]: friction})
 
 
-def collector(policy: nn.Module, workers: int = WORKERS) -> RayCollector:
+def collector(policy: nn.Module, workers: int = WORKERS, address: str = "local") -> RayCollector:
     recipe = OmegaConf.to_container(composed("env=hopper", *CHOICE), resolve=True)
     assert isinstance(recipe, dict)
     recipe = {str(key): value for key, value in recipe.items()}
-    return RayCollector(env(), policy, STEPS, setting=recipe, workers=workers, cores=1, address=None)
+    return RayCollector(env(), policy, STEPS, setting=recipe, workers=workers, cores=1, address=address)
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def runtime() -> Iterator[None]:
     """One Ray for all tests: it takes seconds to start."""
     ray = pytest.importorskip("ray", reason="Ray is not installed: pip install -e '.[ray]'")
     ray.cloudpickle.register_pickle_by_value(test_collectors)  # workers do not know the tests' folder
-    ray.init(num_cpus=2 * WORKERS, include_dashboard=False, log_to_driver=False, logging_level="error")
+    ray.init("local", num_cpus=2 * WORKERS, include_dashboard=False, log_to_driver=False, logging_level="error")
     yield
     ray.shutdown()
 
@@ -89,6 +89,26 @@ def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch)
         next(one)
 
 
+@pytest.mark.parametrize(("address", "cores"), [("local", WORKERS), ("127.0.0.1:6379", None)])
+def test_ray_that_is_started_here_joins_no_cluster_and_has_all_cores(
+    address: str, cores: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of itself Ray joins what runs, or what a file says that ran, on this machine, and refuses a number of cores."""
+    asked = {}
+
+    def hear(*_: object, ray_init_config: dict[str, object], **__: object) -> None:
+        asked.update(ray_init_config)
+        raise ConnectionError
+
+    monkeypatch.setattr("dr_lab.collectors.ray.find_spec", lambda name: name)
+    monkeypatch.setattr("dr_lab.collectors.ray.TorchRLRayCollector", hear)
+    with collector(Deterministic(), address=address) as one, pytest.raises(ConfigError):
+        next(one)
+    assert asked["address"] == address
+    assert asked.get("num_cpus") == cores
+
+
+@pytest.mark.daemons
 @pytest.mark.usefixtures("runtime")
 def test_workers_gather_what_one_process_gathers() -> None:
     policy, lean = Deterministic(), LeanCollector(env(), Deterministic(), STEPS)
@@ -101,6 +121,7 @@ def test_workers_gather_what_one_process_gathers() -> None:
                 torch.testing.assert_close(found[key], expected[key], rtol=0, atol=0)
 
 
+@pytest.mark.daemons
 @pytest.mark.usefixtures("runtime")
 def test_workers_follow_the_policy_and_the_distribution_and_draw_their_own_noise() -> None:
     policy = Gaussian(11, 3)
@@ -120,6 +141,7 @@ def test_workers_follow_the_policy_and_the_distribution_and_draw_their_own_noise
     assert set(second["context"].unique().tolist()) == {1.0, 2.0}
 
 
+@pytest.mark.daemons
 @pytest.mark.usefixtures("runtime")
 def test_resumed_equals_uninterrupted() -> None:
     policy = actor()(11, -np.ones(3), np.ones(3), seed=0)
