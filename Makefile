@@ -6,7 +6,7 @@ UV := $(shell command -v uv 2>/dev/null)
 PYTHON ?= python3
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow check format bench lock clean
+.PHONY: help install demo test test-slow test-daemons check format bench lock clean
 
 help:  ## what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -31,11 +31,14 @@ demo: $(STAMP)  ## find what the Furuta pendulum's model lacks, add it, and prin
 	@echo
 	@echo "Look at it:  $(BIN)/dr-lab view"
 
-test: $(STAMP)  ## the tests, without those that take minutes
+test: $(STAMP)  ## the tests, without those that take minutes or need daemons
 	$(BIN)/pytest --numprocesses auto --dist loadfile
 
 test-slow: $(STAMP)  ## the tests that take minutes
 	$(BIN)/pytest -m slow
+
+test-daemons: $(STAMP)  ## the tests that start a real SLURM (Debian's slurm-wlm, slurmdbd, munge, mariadb-server) or Ray
+	$(BIN)/pytest -m daemons
 
 check: $(STAMP)  ## style, types and import rules
 	$(BIN)/ruff check
@@ -51,7 +54,7 @@ bench: $(STAMP)  ## the benchmarks, one after the other
 	set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python "$$script"; done
 
 lock: pyproject.toml  ## resolve requirements.lock anew (needs uv)
-	uv pip compile pyproject.toml --quiet --extra dev --universal --python-version 3.11 --upgrade \
+	uv pip compile pyproject.toml --quiet --extra dev --extra ray --universal --python-version 3.11 --upgrade \
 		--generate-hashes --no-emit-index-url --no-header --output-file requirements.lock
 
 clean:  ## caches and built packages; runs and .venv stay

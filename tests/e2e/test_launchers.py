@@ -78,14 +78,14 @@ def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
         yield ENVIRONMENT | environment | {"PATH": f"{PROGRAMS}{os.pathsep}{environment['PATH']}"}
 
 
-@pytest.mark.slow
+@pytest.mark.daemons
 def test_on_slurm(slurm: dict[str, str], tmp_path: Path) -> None:
     done = run(command("dr-lab", "hydra/launcher=slurm"), tmp_path, slurm)
     assert done.returncode == 0, done.stderr
     assert len(completed(tmp_path)) == JOBS
 
 
-@pytest.mark.slow
+@pytest.mark.daemons
 def test_slurm_jobs_outlive_ctrl_c_and_are_cancelled(slurm: dict[str, str], tmp_path: Path) -> None:
     line = command("dr-lab", "hydra/launcher=slurm").replace("duration=1", "duration=1000")
     driver = subprocess.Popen(["bash", "-c", f"exec {line}"], cwd=tmp_path, env=slurm, stderr=subprocess.PIPE)
@@ -125,7 +125,7 @@ def ray(tmp_path: Path) -> Iterator[tuple[dict[str, str], list[Machine]]]:
             machine.leave()
 
 
-@pytest.mark.slow
+@pytest.mark.daemons
 def test_on_ray_whose_second_machine_dies(ray: tuple[dict[str, str], list[Machine]], tmp_path: Path) -> None:
     environment, (_, second) = ray
     line = command("dr-lab", "hydra/launcher=ray")

@@ -90,7 +90,7 @@ def test_jobs_that_no_machine_can_hold_are_told() -> None:
         require_room(machines, {"num_cpus": 4, "resources": {"robot": 1}})
 
 
-@pytest.mark.slow
+@pytest.mark.daemons
 @pytest.mark.usefixtures("ray")
 def test_a_job_that_fails_fails_once_and_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def task(cfg: DictConfig) -> str:
@@ -119,7 +119,7 @@ def test_a_job_that_fails_fails_once_and_alone(tmp_path: Path, capsys: pytest.Ca
     assert sum(line.endswith("failed") for line in lines) == 3
 
 
-@pytest.mark.slow
+@pytest.mark.daemons
 @pytest.mark.usefixtures("ray", "sigterm_unwinds")
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_or_sigterm_stops_the_jobs(sent: signal.Signals, tmp_path: Path) -> None:
