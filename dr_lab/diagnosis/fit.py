@@ -18,8 +18,6 @@ from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.slopes import Slopes, differences
 from dr_lab.trajectory import Array
 
-_HARDLY_DAMPED = 1.0  # λ, relative to the diagonal: steps are half as long as without it, or longer
-
 
 @dataclass(frozen=True)
 class Fit(Point):
@@ -112,7 +110,7 @@ class Fitter:
             gain = best.cost - trial.cost
             if gain >= 0:
                 done = gain <= settings.tolerance * best.cost
-                converged = done and damping <= _HARDLY_DAMPED and not best.infeasible.all()
+                converged = done and damping <= settings.hardly_damped and not best.infeasible.all()
                 stale = gain <= settings.refresh * best.cost
                 best, damping, known = trial, damping / settings.damping_down, None
                 if done or taken == most:

@@ -65,6 +65,11 @@ class Ladder:
     dropped: tuple[str, ...] = ()
 
     @property
+    def absorbed(self) -> tuple[str, ...]:
+        """Labels of effects whose place the free parameters can take: those of the last rung that still stands."""
+        return [r for r in self.rungs if any(r.base is model for model in self.models)][-1].verdict.absorbed
+
+    @property
     def models(self) -> tuple[Explained, ...]:
         """The ladder's models, the calibrated one first."""
         return (self.base, *(step.explained for step in self.steps))
@@ -108,7 +113,8 @@ def climb(
     explains more beside what was added since takes its place, one that explains less is no rival any more. An effect
     without which the ladder's last model explains the held-out logs as well is dropped, for good. Where a rung names
     nothing but has an effect that is worth a trial, that goes on, and is judged when the climb is over, before the
-    others: until then none is dropped, lest what is in doubt take the place of what is not.
+    others: until then none is dropped, lest what is in doubt take the place of what is not. Where that leaves a model
+    that was not judged before, the climb goes on from there.
 
     Args:
         bench: data and settings.
@@ -130,12 +136,12 @@ def climb(
         over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
         if over and all(step.proven for step in ladder.steps):
             return ladder
+        superfluous: tuple[str, ...] = ()
         steps = ladder.steps if over else reconsider(bench, base, (*ladder.steps, step_from(rung)))
         if over or all(step.proven for step in steps):
             steps, superfluous = prune(bench, base, steps)
-            ladder = replace(ladder, dropped=(*ladder.dropped, *superfluous))
-        ladder = replace(ladder, steps=steps)
-        if over:
+        ladder = replace(ladder, steps=steps, dropped=(*ladder.dropped, *superfluous))
+        if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
 
 

@@ -63,6 +63,7 @@ class SolverSettings:
         damping_up: factor on λ after a rejected step.
         damping_down: divisor of λ after an accepted step.
         damping_max: give up when λ exceeds it.
+        hardly_damped: λ, relative to the diagonal, up to which a small step shows a minimum rather than the damping.
         parameter_step: finite-difference step of a parameter, in widths of its bounds.
         state_step: finite-difference step of an initial state, in prior standard deviations.
         huber: residuals beyond this many robust standard deviations count linearly.
@@ -83,6 +84,7 @@ class SolverSettings:
     damping_up: float
     damping_down: float
     damping_max: float
+    hardly_damped: float
     parameter_step: float
     state_step: float
     huber: float
@@ -92,7 +94,7 @@ class SolverSettings:
     batch: int
 
     def __post_init__(self) -> None:
-        positive = ("damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
+        positive = ("damping", "damping_max", "hardly_damped", "parameter_step", "state_step", "huber", "prior_spans")
         least: dict[str, float] = dict.fromkeys(
             ("iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0
         )
@@ -125,6 +127,8 @@ class EvidenceSettings:
         penalty: Δχ² that each added parameter must earn on top.
         floor: largest χ² per sample that counts as the noise floor, where samples are many.
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
+        told: of the parameters that take an absorbed effect's place those are told that move this share of the largest
+            move, in widths of their bounds, or more.
 
     Raises:
         ConfigError: a number is too small, or the confidence is no share.
@@ -148,6 +152,7 @@ class EvidenceSettings:
     penalty: float
     floor: float
     absorbed: float
+    told: float
 
     def __post_init__(self) -> None:
         least: dict[str, float] = dict.fromkeys(
@@ -164,6 +169,7 @@ class EvidenceSettings:
                 "least_named",
                 "penalty",
                 "absorbed",
+                "told",
             ),
             0.0,
         )
@@ -171,3 +177,8 @@ class EvidenceSettings:
         for name, each in (("confidence", self.confidence), ("trial_confidence", self.trial_confidence)):
             if not 0 < each < 1:
                 raise ConfigError(f"evidence.{name} is {each:g}; expected a share between 0 and 1, as 0.99.")
+        if self.trial_confidence > self.confidence:
+            raise ConfigError(
+                f"evidence.trial_confidence is {self.trial_confidence:g}, above evidence.confidence "
+                f"({self.confidence:g}): a trial is for what is less than certain. Lower it."
+            )

@@ -105,10 +105,10 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
         return ""
     gain, confidence = trial[0].gain, 100 * settings.trial_confidence
     return (
-        f" Worth a trial, which dr-lab close makes, is {trial[0].effect.label}: it closes {100 * gain.gap:.3g} % of a "
-        f"typical window's gap with evidence Δχ² {gain.total:.4g}, in doubt because it differs from window to window "
-        f"({confidence:g} % interval from {gain.trial_low:.4g}, {100 * settings.confidence:g} % interval from "
-        f"{gain.total_low:.4g})."
+        f" Worth a trial, which dr-lab close makes as far as most allows, is {trial[0].effect.label}: it closes "
+        f"{100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {gain.total:.4g}, in doubt because it "
+        f"differs from window to window ({confidence:g} % interval from {gain.trial_low:.4g}, "
+        f"{100 * settings.confidence:g} % interval from {gain.total_low:.4g})."
     )
 
 
@@ -127,19 +127,29 @@ def _worth(base: Explained, candidate: Candidate, settings: EvidenceSettings) ->
 def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> list[Candidate]:
     """The best candidate and those it does not beat, without needless parameters, what stands nearest to a joint first.
 
-    What seems to explain much more than another one goes before it.
+    Where the best one turns out to be needlessly rich, others stand or fall by those that take its place. What seems to
+    explain much more than another one goes before it.
     """
     if not backed:
         return []
     best = backed[0]
-    group = [best] + [
-        c
-        for c in backed[1:]
-        if not supported(paired_gain(c.explained.held_out, best.explained.held_out, settings), 0, settings)
-    ]
-    group = _likeliest(group, settings)
-    kept = [c for c in group if all(_seems_ahead(c, other, settings) for other in group if _richer(c, other))]
+    group = [best, *(c for c in backed[1:] if not _beats(best, c, settings))]
+    kept = _needed(group, settings)
+    if best not in kept:
+        others = [c for c in backed if c not in group and not any(_beats(k, c, settings) for k in kept)]
+        kept = _needed([*kept, *others], settings)
     return sorted(kept, key=lambda c: (sum(_seems_ahead(other, c, settings) for other in kept), *_nearness(c)))
+
+
+def _beats(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
+    gain = paired_gain(other.explained.held_out, candidate.explained.held_out, settings)
+    return supported(gain, 0, settings)
+
+
+def _needed(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
+    """Candidates than which none is more likely, and none poorer seems as good."""
+    group = _likeliest(group, settings)
+    return [c for c in group if all(_seems_ahead(c, other, settings) for other in group if _richer(c, other))]
 
 
 def _richer(candidate: Candidate, other: Candidate) -> bool:
@@ -162,14 +172,16 @@ def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candi
     """
     if not any(at_floor(c.explained.held_out, settings) for c in group):
         return group
-    return [c for c in group if not any(_less_likely(c, other, settings) for other in group)]
+    likeliest = [c for c in group if not any(_less_likely(c, other, settings) for other in group)]
+    return likeliest or group  # compared in different windows, as where one diverges, each can lose to another
 
 
 def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
     """Whether all logs together make a candidate less likely than another one.
 
-    A richer effect must be more likely on fitted and on held-out logs alike: what holds the truth gains on both, but a
-    fit that ended early, or a start that was not found, shows on one of them.
+    To displace a poorer effect a richer one must be more likely on fitted and on held-out logs alike: what holds the
+    truth gains on both, but a fit that ended early, or a start that was not found, shows on one of them. A poorer
+    effect displaces a richer one by the sum of both.
     """
     excess = _excess(candidate, other)
     needed = settings.threshold + settings.penalty * (len(other.effect.parameters) - len(candidate.effect.parameters))

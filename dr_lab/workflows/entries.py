@@ -22,7 +22,6 @@ from dr_lab.workflows.notes import study_notes
 from dr_lab.workflows.study import Study
 
 SCHEMA = "dr_lab/gap/1"
-_TOLD = 0.2  # of the largest move of a parameter that takes an effect's place
 
 
 def header(verb: str, study: Study) -> dict[str, Any]:
@@ -112,7 +111,7 @@ def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[
                 "predicted_gain": candidate.predicted,
                 "status": verdict.status[label],
                 "absorbed_by_parameters": label in verdict.absorbed,
-                "replaced_by": _replaced_by(candidate) if label in verdict.absorbed else {},
+                "replaced_by": _replaced_by(candidate, study.bench.evidence.told) if label in verdict.absorbed else {},
                 "excitation": candidate.identifiability.alone**0.5,
                 "parameters": _own(candidate, study),
             }
@@ -120,12 +119,12 @@ def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[
     return rows
 
 
-def _replaced_by(candidate: Candidate) -> dict[str, float]:
+def _replaced_by(candidate: Candidate, told: float) -> dict[str, float]:
     """Parameters that take the effect's place, in widths of their bounds for a full width of the effect."""
     moves = candidate.identifiability.replacement
     names, largest = candidate.explained.model.space.names, float(np.abs(moves).max(initial=0.0))
     order = np.argsort(-np.abs(moves))
-    return {names[k]: float(moves[k]) for k in order if abs(moves[k]) >= _TOLD * largest}
+    return {names[k]: float(moves[k]) for k in order if abs(moves[k]) >= told * largest}
 
 
 def worst_direction(explained: Explained) -> dict[str, float]:

@@ -42,7 +42,7 @@ def diagnose_case(case: Case, compose: Compose) -> Outcome:
         truths=observed.truths,
         verdict=verdict,
         found=found,
-        absorbed=list(ladder.rungs[-1].verdict.absorbed),
+        absorbed=list(ladder.absorbed),
         ranking=[c.effect.label for c in _ordered(first.ranking, first.verdict.effects)],
         standing={truth: _standing(ladder, truth) for truth in truths},
         classes=_classes(case, truths, found, observed, compose),

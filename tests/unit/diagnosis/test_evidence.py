@@ -7,6 +7,7 @@ from scipy.signal import lfilter
 from dr_lab.diagnosis.evidence import block_count, noise_floor, paired_gain, supported, worth_a_trial
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.errors import ConfigError
 
 SETTINGS = EvidenceSettings(
     most_fits=100,
@@ -27,6 +28,7 @@ SETTINGS = EvidenceSettings(
     penalty=2.0,
     floor=1.1,
     absorbed=1e-3,
+    told=0.2,
 )
 
 
@@ -136,6 +138,11 @@ def test_a_wide_interval_does_not_hide_what_every_window_shows() -> None:
     gain = paired_gain(score(worse, logs=1), score(better, logs=1), SETTINGS)
     assert gain.total_low < 0 < gain.total
     assert supported(gain, 1, SETTINGS)
+
+
+def test_a_trial_that_asks_for_more_than_certainty_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"trial_confidence is 0\.995, above evidence\.confidence \(0\.99\)"):
+        replace(SETTINGS, trial_confidence=0.995)
 
 
 def test_a_trial_asks_for_less_confidence_and_nothing_else() -> None:

@@ -1,6 +1,6 @@
 """Effects on trial beside effects that are beyond doubt, on models of which only the scores are known."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -13,7 +13,7 @@ from effect_machines import block, placed
 from dr_lab.diagnosis import ladder
 from dr_lab.diagnosis.evidence import paired_gain, supported, worth_a_trial
 from dr_lab.diagnosis.identifiability import Identifiability
-from dr_lab.diagnosis.ladder import Ladder, Rung, climb
+from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.rank import Bench, Candidate, Explained
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.verdict import decide
@@ -46,16 +46,16 @@ def effects_of(found: Explained) -> tuple[PlacedEffect, ...]:
 
 
 class Machine:
-    """What each set of effects leaves: nothing added, the simple effect, the rich one, which holds it, or both."""
+    """What the sets of some effects leave."""
 
-    def __init__(self, base: Array, simple: Array, rich: Array) -> None:
-        self.left = {"": base, SIMPLE.label: simple, RICH.label: rich}
+    def __init__(self, effects: Sequence[PlacedEffect], left: Callable[[Sequence[PlacedEffect]], Array]) -> None:
+        self.effects, self.left = effects, left
 
     def explain(self, effects: tuple[PlacedEffect, ...]) -> Explained:
-        return explained(effects, self.left[RICH.label if RICH in effects else "".join(e.label for e in effects)])
+        return explained(effects, self.left(effects))
 
     def candidates(self, model: Any, *_: object) -> SimpleNamespace:  # noqa: ANN401 (a model's double)
-        return SimpleNamespace(placed=[e for e in (SIMPLE, RICH) if e not in model.effects], refused={})
+        return SimpleNamespace(placed=[e for e in self.effects if e not in model.effects], refused={})
 
     def rank(self, _: Bench, base: Explained, placed: Sequence[PlacedEffect], __: object) -> tuple[Candidate, ...]:
         found = [candidate(base, self.explain((*effects_of(base), effect))) for effect in placed]
@@ -70,23 +70,65 @@ def candidate(base: Explained, found: Explained) -> Candidate:
     return Candidate(effects_of(found)[-1], found, gain, Identifiability(alone=1e4, beside=1e3), 1.0)
 
 
-def test_what_is_in_doubt_takes_no_place_of_what_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Alone the richer effect leaves as little as both, but that it leaves less than the simple one is in doubt."""
-    machine = Machine(WIDE, np.ones(BLOCKS), 1 - 0.8 * SCATTERED)
-    simple, rich = (machine.explain((effect,)).held_out for effect in (SIMPLE, RICH))
-    doubtful = paired_gain(simple, rich, SETTINGS)
-    assert worth_a_trial(doubtful, len(RICH.parameters), SETTINGS)
-    assert not supported(doubtful, len(RICH.parameters), SETTINGS)
+def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Ladder:
+    """The ladder of a machine."""
     for name in ("candidates", "rank"):
         monkeypatch.setattr(ladder, name, getattr(machine, name))
     monkeypatch.setattr(ladder, "_on", machine.on)
     nothing = cast(Any, None)
-    climbed = climb(BENCH, machine.explain(()), {}, nothing, nothing, most=4, watch=lambda _: lambda _: None)
+    return ladder.climb(BENCH, machine.explain(()), {}, nothing, nothing, most=4, watch=lambda _: lambda _: None)
+
+
+def labels(effects: Sequence[PlacedEffect]) -> list[str]:
+    return [effect.label for effect in effects]
+
+
+def test_what_is_in_doubt_takes_no_place_of_what_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Alone the richer effect leaves as little as both, but that it leaves less than the simple one is in doubt."""
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        return 1 - 0.8 * SCATTERED if RICH in effects else np.ones(BLOCKS) if effects else WIDE
+
+    machine = Machine((SIMPLE, RICH), left)
+    simple, rich = (machine.explain((effect,)).held_out for effect in (SIMPLE, RICH))
+    doubtful = paired_gain(simple, rich, SETTINGS)
+    assert worth_a_trial(doubtful, len(RICH.parameters), SETTINGS)
+    assert not supported(doubtful, len(RICH.parameters), SETTINGS)
+    climbed = climb(machine, monkeypatch)
     assert [rung.verdict.effects for rung in climbed.rungs] == [(SIMPLE.label,), (), ()]
     assert climbed.rungs[1].verdict.trial == (RICH.label,)
     assert [step.explained.model.effects[-1].label for step in climbed.steps] == [SIMPLE.label]
     assert all(step.proven for step in climbed.steps)
     assert climbed.dropped == (RICH.label,)
+    assert climbed.absorbed == climbed.rungs[1].verdict.absorbed
+
+
+def test_the_climb_goes_on_from_what_a_trial_that_falls_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside the one on trial two others show, which make it superfluous; while it is there it hides a fourth."""
+    doubtful, first, second, fourth = (
+        placed(block(), name, "rail")
+        for name in ("coulomb_friction", "viscous_friction", "quadratic_drag", "constant_offset")
+    )
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        if {first, second} <= set(effects):
+            return np.repeat(1.0 if fourth in effects and doubtful not in effects else 5.0, BLOCKS)
+        if {doubtful, first} <= set(effects):
+            return np.repeat(10.0, BLOCKS)
+        return WIDE - 12.0 * SCATTERED if doubtful in effects else WIDE
+
+    climbed = climb(Machine((doubtful, first, second, fourth), left), monkeypatch)
+    assert [labels(effects_of(rung.base)) for rung in climbed.rungs] == [
+        [],
+        [doubtful.label],
+        labels([doubtful, first]),
+        labels([doubtful, first, second]),
+        labels([first, second]),
+        labels([first, second, fourth]),
+    ]
+    assert climbed.dropped == (doubtful.label,)
+    assert labels(effects_of(climbed.models[-1])) == labels([first, second, fourth])
+    assert all(step.proven for step in climbed.steps)
 
 
 @pytest.mark.parametrize(("base", "verdict"), [(WIDE, "unexplained"), (np.repeat(0.09, BLOCKS), "none")])

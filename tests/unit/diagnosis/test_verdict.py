@@ -224,6 +224,40 @@ def test_a_richer_effect_that_explains_no_more_is_no_rival() -> None:
     assert verdict.status["stribeck_friction@rail"] == "rejected"
 
 
+def test_a_needlessly_rich_effect_hides_no_rival_of_the_one_that_takes_its_place() -> None:
+    """Against the richest one the worst is 34 behind, against the simple one that stands for it only 12."""
+    base, best = model(20.0), score(1.0)
+    behind = {"stribeck_friction": 0.0, "coulomb_friction": 22.0, "viscous_friction": 34.0}
+    ranking = [
+        candidate(base, name, replace(best, window_sum=best.window_sum + each / WINDOWS), CLEAR, 9000.0)
+        for name, each in behind.items()
+    ]
+    simple = {"coulomb_friction@rail", "viscous_friction@rail"}
+    assert set(decide(base, ranking[1:], SETTINGS).effects) == simple
+    assert set(decide(base, ranking, SETTINGS).effects) == simple
+
+
+@dataclass(frozen=True)
+class InTurn:
+    """A fit that is better than the next of three and worse than the one before, as in windows that differ."""
+
+    place: int
+
+    def below(self, other: "InTurn") -> float:
+        return 60.0 if (other.place - self.place) % 3 == 1 else -60.0
+
+
+def test_effects_each_of_which_loses_to_another_one_all_stay() -> None:
+    base, names = model(20.0), ("coulomb_friction", "viscous_friction", "quadratic_drag")
+    ranking = [candidate(base, name, 1.0, CLEAR) for name in names]
+    ranking = [
+        replace(c, explained=replace(c.explained, fit=cast(Any, InTurn(place)))) for place, c in enumerate(ranking)
+    ]
+    verdict = decide(base, ranking, SETTINGS)
+    assert verdict.kind == "equivalent"
+    assert set(verdict.effects) == {f"{name}@rail" for name in names}
+
+
 def test_a_richer_effect_that_explains_more_is_named() -> None:
     verdict = judged(20.0, ("stribeck_friction", 1.0), ("coulomb_friction", 1.3))
     assert verdict.effects == ("stribeck_friction@rail",)
