@@ -29,7 +29,7 @@ endif
 demo: $(STAMP)  ## find what the Furuta pendulum's model lacks, add it, and print the ladder
 	$(BIN)/dr-lab close model=furuta measurements=furuta
 	@echo
-	@echo "Look at it:  $(BIN)/dr-lab view"
+	@echo "To type dr-lab yourself: . $(BIN)/activate"
 
 test: $(STAMP)  ## the tests, without those that take minutes or need daemons
 	$(BIN)/pytest --numprocesses auto --dist loadfile

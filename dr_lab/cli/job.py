@@ -4,6 +4,7 @@ import contextlib
 import functools
 import inspect
 import itertools
+import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -77,7 +78,10 @@ def run_job(job: Job, cfg: DictConfig) -> None:
         raise
     workflow(**arguments)
     if RUN_DIR in arguments:
-        print(f"\nRun folder: {_shortest(arguments[RUN_DIR])}")
+        folder = _shortest(arguments[RUN_DIR])
+        print(f"\nRun folder: {folder}")
+        if (folder / "review.rrd").exists():
+            print(f"Look at it: dr-lab view {shlex.quote(f'run={folder}')}")
 
 
 def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]]:

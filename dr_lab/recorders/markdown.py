@@ -1,5 +1,6 @@
 """`report.md`: what a run found, for a person; also the text shown inside the recording."""
 
+import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -141,7 +142,8 @@ def notes_list(notes: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _how_to_look(report: Mapping[str, Any]) -> str:
-    return f"`dr-lab view run={report.get('run', 'latest')}` opens the recording `review.rrd` beside this page."
+    run = shlex.quote(f"run={report.get('run', 'latest')}")
+    return f"`dr-lab view {run}` opens the recording `review.rrd` beside this page."
 
 
 def _section(title: str, body: str) -> str:

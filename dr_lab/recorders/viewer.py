@@ -1,6 +1,7 @@
 """Opening recordings: on the screen, and without one for pictures and tests."""
 
 import os
+import shlex
 import subprocess
 import tempfile
 import time
@@ -60,7 +61,8 @@ def open_viewer(paths: Sequence[Path]) -> None:
         if code != 0:
             raise DrLabError(
                 f"The viewer ended with code {code}:\n{complaint(errors)}\n"
-                f"On a machine without a screen, show it in a browser instead: dr-lab view run={paths[0]} web=true"
+                "On a machine without a screen, show it in a browser instead: "
+                f"dr-lab view {shlex.quote(f'run={paths[0]}')} web=true"
             )
 
 

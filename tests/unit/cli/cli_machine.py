@@ -67,10 +67,11 @@ def broken(name: str) -> Machine:
 
 
 class CommandLine:
-    """Runs `dr-lab` in this process and keeps what the workflows were called with."""
+    """Runs `dr-lab` in this process, keeps what the workflows were called with and leaves files that are asked for."""
 
     def __init__(self) -> None:
         self.calls: list[dict[str, Any]] = []
+        self.files: list[str] = []
 
     def __call__(self, *arguments: str) -> int:
         return main(arguments)
@@ -87,6 +88,8 @@ class CommandLine:
         run_dir: Path,
     ) -> None:
         self.calls.append(locals())
+        for name in self.files:
+            (run_dir / name).touch()
 
     def add(
         self,

@@ -35,6 +35,17 @@ def test_run_dir_is_named_by_verb_model_and_time_and_holds_only_the_config(dr_la
     assert [path.name for path in run_dir.iterdir()] == ["config.yaml"]
 
 
+@pytest.mark.parametrize("files", [[], ["review.rrd"]])
+def test_the_end_says_where_the_run_is_and_how_to_look_at_what_it_recorded(
+    files: list[str], dr_lab: CommandLine, capsys: pytest.CaptureFixture[str]
+) -> None:
+    dr_lab.files = files
+    assert dr_lab("compare", "hydra.run.dir=my runs/first") == 0
+    told = capsys.readouterr().out
+    assert "\nRun folder: my runs/first\n" in told
+    assert ("\nLook at it: dr-lab view 'run=my runs/first'\n" in told) == bool(files)
+
+
 def test_config_records_versions_and_the_command(dr_lab: CommandLine) -> None:
     dr_lab("compare", "seed=5")
     text = (dr_lab.calls[0]["run_dir"] / "config.yaml").read_text()
