@@ -64,5 +64,8 @@ def candidate_name(row: Mapping[str, Any]) -> str:
 
 def status(row: Mapping[str, Any]) -> str:
     """Status of a candidate in words; one whose place free parameters take is not among the rivals of the verdict."""
-    absorbed = row.get("absorbed_by_parameters") and row["status"] == "equivalent"
-    return "absorbed" if absorbed else row["status"].replace("_", " ")
+    if row.get("absorbed_by_parameters") and row["status"] == "equivalent":
+        return "absorbed"
+    if row["status"] == "rejected" and not row.get("fitted", True):
+        return "not fitted"
+    return row["status"].replace("_", " ")

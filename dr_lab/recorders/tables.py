@@ -85,10 +85,16 @@ def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
     return table(["", "effect", "status", "χ²", "gain (interval)", "its parameters"], rows)
 
 
+def ranking_summary(ranking: Sequence[Mapping[str, Any]]) -> str:
+    """Candidates, best first, in a table so narrow that their names are whole on a screen of 80 characters."""
+    rows = [[f"`{candidate_name(row)}`", status(row), *_outcome(row)[:2]] for row in ranking]
+    return table(["effect", "status", "χ²", "gain (interval)"], rows)
+
+
 def _outcome(row: Mapping[str, Any]) -> tuple[str, str, str]:
     """χ², gain and parameters of a candidate; of one that was not fitted, what it promised."""
     if not row.get("fitted", True):
-        return ABSENT, f"≈ {percent(max(row['predicted_gain'], 0.0))} promised, not fitted", ABSENT
+        return ABSENT, f"≈ {percent(max(row['predicted_gain'], 0.0))} promised", ABSENT
     low, high = row["gain_ci"]
     interval = "" if low is None and high is None else f" ({percent(low)} … {percent(high)})"
     gain = f"{percent(row['gain'])}{interval}"

@@ -11,10 +11,12 @@ from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
 from dr_lab.recorders.ladder import failing
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.markdown import ladder_table, notes_list, ranking_table, report_markdown, verdict_markdown
+from dr_lab.recorders.markdown import notes_list, report_markdown
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.recorders.report import to_plain, write_report
 from dr_lab.recorders.review import write_review
+from dr_lab.recorders.tables import ladder_table, parameter_table, ranking_summary
+from dr_lab.recorders.verdict import verdict_markdown
 from dr_lab.trajectory import Array, Log
 from dr_lab.workflows.export import mjcf, write_context, write_model, write_rollout
 from dr_lab.workflows.overlays import overlay, play_log, shown_logs
@@ -22,6 +24,7 @@ from dr_lab.workflows.study import Study
 from dr_lab.workflows.write_simulated import write_simulated
 
 _SHOWN = 6  # candidates on the screen
+_LISTED = 12  # parameters on the screen
 _NOTED = 4  # notes on the screen
 
 
@@ -100,13 +103,24 @@ def _end(log: Log) -> float:
 def _summary(report: Mapping[str, Any]) -> str:
     ranking = report.get("ranking", [])
     others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
-    parts = [verdict_markdown(report), ladder_table(report), ranking_table(ranking[:_SHOWN]) + others]
+    parts = [verdict_markdown(report), ladder_table(report), _parameters(report)]
+    parts.append(ranking_summary(ranking[:_SHOWN]) + others)
     where = [f"- {r['signal']}, {r['region']}: {100 * r['share']:.0f} % of its error" for r in report.get("where", [])]
     parts.append(f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else "")
     notes = report.get("notes", [])
     left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
     parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")
     return "\n\n".join(part for part in parts if part.strip())
+
+
+def _parameters(report: Mapping[str, Any]) -> str:
+    """The last model's parameters, those of effects first; none where nothing was fitted."""
+    last = report["ladder"][-1]
+    if not last.get("fit"):
+        return ""
+    found = sorted(last["parameters"].items(), key=lambda item: "@" not in item[0])
+    left = f"\n\n… and {len(found) - _LISTED} more in report.md." if len(found) > _LISTED else ""
+    return parameter_table(dict(found[:_LISTED])) + left
 
 
 def _export(
