@@ -108,7 +108,7 @@ def parameter_table(parameters: Mapping[str, Mapping[str, Any]]) -> str:
     for name, row in parameters.items():
         spread = [percent(_share(row.get("cv_percent")))] if scatter else []
         rows.append([f"`{name}`", uncertain(row["value"], row["std"], row["unit"]), *spread])
-    return table(["parameter", "value ± std", *(["scatter between logs (CV)"] if scatter else [])], rows)
+    return table(["parameter", "value ± std", *(["CV between logs"] if scatter else [])], rows)
 
 
 def per_log_table(parameters: Mapping[str, Mapping[str, Any]]) -> str:
