@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import yaml
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra_plugins._dr_lab_sweeper import DrLabSweeper
 
 from dr_lab.errors import ConfigError, UnknownNameError
@@ -162,13 +163,15 @@ class StudySweeper(DrLabSweeper):
         entries = [self._described(entry, jobs) for entry in best]
         write_text(self.folder / BEST_FILE, yaml.safe_dump(entries, sort_keys=False, allow_unicode=True))
         print(f"\n{len(study)} trials: {self.shown / TABLE_FILE}. Best, also in {BEST_FILE}:")
-        for entry in entries:
-            print(f"  trial {entry['trial']}: {_listed(entry['objective'])}  ({_listed(entry['values'])})")
+        for entry, found in zip(entries, best, strict=True):
+            print(f"  trial {entry['trial']}: {_listed(entry['objective'])}  ({_listed(found.values)})")
 
     def _described(self, best: "Best", jobs: Sequence[SweepJob]) -> dict[str, Any]:
         folder = next(job.folder for job in jobs if job.number == best.number)
         reached = dict(zip(self.objective, best.objectives, strict=True))
-        return {"trial": best.number, "folder": folder, "objective": reached, "values": dict(best.values)}
+        parsed = OverridesParser.create().parse_overrides(_overrides(best.values))  # a choice is kept as it was typed
+        values = {override.key_or_group: override.value() for override in parsed}
+        return {"trial": best.number, "folder": folder, "objective": reached, "values": values}
 
 
 def _overrides(values: Mapping[str, object]) -> list[str]:
