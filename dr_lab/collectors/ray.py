@@ -20,6 +20,7 @@ from dr_lab.collectors.torchrl import KEPT
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.ray_cluster import HERE, require_cluster
 
 
 class RayCollector(Collector):
@@ -39,6 +40,7 @@ class RayCollector(Collector):
         cores: of each worker, for its physics.
         address: of a running Ray cluster, whose machines must have dr_lab; ``local`` starts Ray on this one, whatever
             else of Ray runs or ran here.
+        patience: for an answer from that cluster [s].
 
     Raises:
         ConfigError: the workers cannot share the episodes equally.
@@ -53,11 +55,12 @@ class RayCollector(Collector):
         workers: int,
         cores: int,
         address: str,
+        patience: float,
     ) -> None:
         super().__init__(policy)
         self._env, self._steps, self._setting = env, steps, setting
-        self.workers, self.cores, self.address = workers, cores, address
-        require_numbers(self, "collector", least={"workers": 1, "cores": 1})
+        self.workers, self.cores, self.address, self.patience = workers, cores, address, patience
+        require_numbers(self, "collector", positive=("patience",), least={"workers": 1, "cores": 1})
         if env.episodes.nsim % workers:
             raise ConfigError(
                 f"collector.workers is {workers}, which does not divide {env.episodes.nsim} episodes. "
@@ -101,12 +104,13 @@ class RayCollector(Collector):
                 "collector=ray needs Ray, which is not installed: pip install -e '.[ray]', on every machine. On one "
                 "machine collector=lean is faster and needs nothing."
             )
+        require_cluster("collector.address", self.address, self.patience)
         try:
             self._ray = self._workers()
         except ConnectionError as error:
             raise ConfigError(
-                f"No Ray cluster answers at {self.address}: {error} Start one (ray start --head), or leave "
-                "collector.address out to start Ray on this machine."
+                f"No Ray cluster answers at collector.address={self.address}: {error} Start one (ray start --head), or "
+                f"set collector.address={HERE}, which starts Ray on this machine."
             ) from error
         self._deal_out(self._ray)
         self._batches = cast(Iterator[TensorDict], iter(self._ray))
@@ -115,7 +119,7 @@ class RayCollector(Collector):
     def _workers(self) -> TorchRLRayCollector:
         episodes = self._env.episodes
         make = partial(_make, self._setting, episodes.nsim // self.workers, self.cores)
-        here = {"num_cpus": self.workers * self.cores} if self.address == "local" else {}  # a cluster knows its own
+        here = {"num_cpus": self.workers * self.cores} if self.address == HERE else {}  # a cluster knows its own
         return TorchRLRayCollector(
             [cast(Callable[[], MujocoEnv], make)] * self.workers,
             TensorDictModule(self._policy, ["observation"], ["action"]),

@@ -19,8 +19,8 @@ from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict
 
 from dr_lab.errors import ConfigError
+from dr_lab.ray_cluster import HERE, require_cluster
 
-HERE = "local"
 AUTH_MODE, TOKEN, TOKEN_PATH = "RAY_AUTH_MODE", "RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH"
 
 
@@ -37,10 +37,11 @@ class RayLauncher(Launcher):
         job: what each job reserves, arguments of `ray.remote`: ``num_cpus``, ``num_gpus``, ``memory`` [B],
             ``resources``, ``runtime_env``.
         grace: time that interrupted jobs have to put their files in order [s].
+        patience: time that a running cluster has to answer [s].
     """
 
-    def __init__(self, init: Mapping[str, Any], job: Mapping[str, Any], grace: float) -> None:
-        self.init, self.job, self.grace = init, job, grace
+    def __init__(self, init: Mapping[str, Any], job: Mapping[str, Any], grace: float, patience: float) -> None:
+        self.init, self.job, self.grace, self.patience = init, job, grace, patience
         self.sweep: tuple[HydraContext, TaskFunction, DictConfig] | None = None
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
@@ -64,7 +65,7 @@ class RayLauncher(Launcher):
         setup_globals()
         folder = Path(str(self.sweep[2].hydra.sweep.dir)).absolute()
         folder.mkdir(parents=True, exist_ok=True)
-        with _cluster(self.init) as ray:
+        with _cluster(self.init, self.patience) as ray:
             _require_room(ray.nodes(), self.job)
             task = ray.remote(max_retries=0, **self.job)(run)
             shared = ray.put((*self.sweep, Singleton.get_state(), str(folder), os.getcwd()))
@@ -140,10 +141,11 @@ def _result(ray: ModuleType, job: object, overrides: Sequence[str]) -> JobReturn
 
 
 @contextmanager
-def _cluster(init: Mapping[str, Any]) -> Iterator[ModuleType]:
+def _cluster(init: Mapping[str, Any], patience: float) -> Iterator[ModuleType]:
     """Ray, connected; whoever has no token of the cluster is refused, on either side."""
     if find_spec("ray") is None:
         raise ConfigError("hydra/launcher=ray needs Ray: pip install -e '.[ray]', on every machine.")
+    require_cluster("hydra.launcher.init.address", init["address"], patience)
     if init["address"] != HERE:
         os.environ.setdefault(AUTH_MODE, "token")  # of itself Ray talks to any cluster that lets it in
     elif TOKEN_PATH not in os.environ:

@@ -38,7 +38,7 @@ def collector(policy: nn.Module, workers: int = WORKERS, address: str = "local")
     recipe = OmegaConf.to_container(composed("env=hopper", *CHOICE), resolve=True)
     assert isinstance(recipe, dict)
     recipe = {str(key): value for key, value in recipe.items()}
-    return RayCollector(env(), policy, STEPS, setting=recipe, workers=workers, cores=1, address=address)
+    return RayCollector(env(), policy, STEPS, setting=recipe, workers=workers, cores=1, address=address, patience=10.0)
 
 
 @pytest.fixture(scope="module")
@@ -89,8 +89,8 @@ def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch)
         next(one)
 
 
-@pytest.mark.parametrize(("address", "cores"), [("local", WORKERS), ("127.0.0.1:6379", None)])
-def test_ray_that_is_started_here_joins_no_cluster_and_has_all_cores(
+@pytest.mark.parametrize(("address", "cores"), [("local", WORKERS), ("auto", None)])
+def test_ray_that_is_started_here_joins_no_cluster_and_is_told_its_cores(
     address: str, cores: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of itself Ray joins what runs, or what a file says that ran, on this machine, and refuses a number of cores."""
