@@ -22,22 +22,22 @@ _CORNERS = 90  # of the polygon that stands for an ellipse
 
 
 def log_marginal(root: Branch, marginal: Marginal, look: Look) -> None:
-    """Draw one parameter's probability density: the prior at all times, the learned one by iteration.
+    """Draw one parameter's probability density: that at the beginning always, the learned one by iteration.
 
     Args:
         root: where to.
         marginal: the histograms.
         look: colours and line widths.
     """
-    density, prior = (_density(p, marginal.edges) for p in (marginal.probability, marginal.prior))
-    top = 1.05 * max(float(density.max(initial=0.0)), float(prior.max(initial=0.0)))
+    density, initial = (_density(p, marginal.edges) for p in (marginal.probability, marginal.initial))
+    top = 1.05 * max(float(density.max(initial=0.0)), float(initial.max(initial=0.0)))
     x = linear_axis(titled(marginal.name, marginal.unit), float(marginal.edges[0]), float(marginal.edges[-1]), 8)
     chart = Chart(root, CANVAS, x, linear_axis("probability density", 0.0, top))
     chart.frame(look.colour("axis"), look.colour("text"))
-    chart.line("prior", *_stairs(marginal.edges, prior), look.colour("noise"), look.line_width)
+    chart.line("initial", *_stairs(marginal.edges, initial), look.colour("noise"), look.line_width)
     outlines = [chart.place(*_stairs(marginal.edges, each)) for each in density]
     _log_lines(root / "learned", marginal.iteration, [outlines], [look.colour("after")], look.measured_width)
-    legend = {"prior": look.colour("noise"), "learned": look.colour("after")}
+    legend = {"initial": look.colour("noise"), "learned": look.colour("after")}
     chart.legend(legend)
 
 
@@ -88,7 +88,7 @@ def ellipse(mean: Array, covariance: Array, content: float) -> tuple[Array, Arra
 
 
 def log_marginals(root: Branch, learned: Mapping[str, Marginal], colours: Mapping[str, Colour], look: Look) -> None:
-    """Draw what several runs learnt of one parameter, as it was at their end, over the first one's prior.
+    """Draw what several runs learnt of one parameter, as it was at their end, over what the first one began with.
 
     Args:
         root: where to.
@@ -98,14 +98,14 @@ def log_marginals(root: Branch, learned: Mapping[str, Marginal], colours: Mappin
     """
     first = next(iter(learned.values()))
     density = {label: _density(each.probability[-1], each.edges) for label, each in learned.items()}
-    prior = _density(first.prior, first.edges)
-    top = 1.05 * max(float(each.max(initial=0.0)) for each in (prior, *density.values()))
+    initial = _density(first.initial, first.edges)
+    top = 1.05 * max(float(each.max(initial=0.0)) for each in (initial, *density.values()))
     low, high = (float(f(each.edges[end] for each in learned.values())) for f, end in ((min, 0), (max, -1)))
     x = linear_axis(titled(first.name, first.unit), low, high, 8)
     chart = Chart(root, CANVAS, x, linear_axis("probability density", 0.0, top))
     chart.frame(look.colour("axis"), look.colour("text"))
-    chart.line("prior", *_stairs(first.edges, prior), look.colour("noise"), look.line_width)
-    legend = {"prior": look.colour("noise")}
+    chart.line("initial", *_stairs(first.edges, initial), look.colour("noise"), look.line_width)
+    legend = {"initial": look.colour("noise")}
     for index, (label, each) in enumerate(learned.items()):
         legend[label] = colours[label]
         chart.line(f"learned_{index}", *_stairs(each.edges, density[label]), legend[label], look.measured_width / 2)

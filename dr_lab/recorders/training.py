@@ -37,7 +37,7 @@ class Marginal:
         name: the parameter.
         unit: its unit.
         edges: of the bins, shape (b + 1,).
-        prior: probability of each bin under the distribution that training began with or is held near, shape (b,).
+        initial: probability of each bin under the distribution that training began with, shape (b,).
         iteration: shape (k,), increasing.
         probability: probability of each bin, shape (k, b).
     """
@@ -45,7 +45,7 @@ class Marginal:
     name: str
     unit: str
     edges: Array
-    prior: Array
+    initial: Array
     iteration: NDArray[np.integer]
     probability: Array
 

@@ -116,7 +116,7 @@ def _report(
         for p, column in zip(env.space.parameters, z.T, strict=True)
     }
     for learned in snapshots.marginals():
-        end = {"edges": learned.edges, "prior": learned.prior, "probability": learned.probability[-1]}
+        end = {"edges": learned.edges, "initial": learned.initial, "probability": learned.probability[-1]}
         context[learned.name] |= end
     return {
         "schema": "dr_lab/train/1",

@@ -81,8 +81,8 @@ def _by_frames(run: Run) -> dict[float, dict[str, float]]:
 def _mean_marginal(name: str, entries: Sequence[Mapping[str, Any]]) -> Marginal:
     first = entries[0]
     learned = np.mean([entry["probability"] for entry in entries], axis=0)
-    prior, edges = np.array(first["prior"]), np.array(first["edges"])
-    return Marginal(name, first["unit"], edges, prior, np.zeros(1, int), learned[None])
+    initial, edges = np.array(first["initial"]), np.array(first["edges"])
+    return Marginal(name, first["unit"], edges, initial, np.zeros(1, int), learned[None])
 
 
 def _mean_grid(title: str, runs: Sequence[Run]) -> Grid:
