@@ -1,26 +1,36 @@
-"""Whether a Ray cluster listens where one is looked for."""
+"""What comes before a Ray cluster is joined or started: does it listen, and who is let in?"""
 
+import os
 import socket
 
 from dr_lab.errors import ConfigError
 
 HERE = "local"
 KNOWN = (HERE, "auto")  # words of Ray's own
+AUTH_MODE, TOKEN, TOKEN_PATH = "RAY_AUTH_MODE", "RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH"
 
 
-def require_cluster(key: str, address: str, patience: float) -> None:
-    """Refuse an address at which nothing listens: Ray itself would keep trying for minutes, and say nothing.
+def prepare(key: str, address: str, patience: float) -> None:
+    """Get this process ready for `ray.init`; whoever has no token of the cluster is then refused, on either side.
 
     Args:
         key: of the configuration, that holds the address.
-        address: ``local``, ``auto``, which Ray looks for itself, or host:port.
+        address: ``local``, where a token is made for this process and its children alone, ``auto``, which Ray looks for
+            itself, or host:port.
         patience: for an answer [s].
 
     Raises:
-        ConfigError: it is no address, or nothing listens there.
+        ConfigError: it is no address, or nothing listens there; Ray itself would keep trying for minutes.
     """
-    if address in KNOWN:
-        return
+    if address not in KNOWN:
+        _require_listener(key, address, patience)
+    if address != HERE:
+        os.environ.setdefault(AUTH_MODE, "token")  # of itself Ray talks to any cluster that lets it in
+    elif TOKEN_PATH not in os.environ:
+        os.environ.setdefault(TOKEN, os.urandom(32).hex())  # Ray's own would be left in the home folder
+
+
+def _require_listener(key: str, address: str, patience: float) -> None:
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal() or int(port) > 65535:
         raise ConfigError(f"{key} is {address}; expected local, auto or host:port, as 192.168.0.1:6379.")

@@ -20,7 +20,7 @@ from dr_lab.collectors.torchrl import KEPT
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError, require_numbers
-from dr_lab.ray_cluster import HERE, require_cluster
+from dr_lab.ray_cluster import HERE, prepare
 
 
 class RayCollector(Collector):
@@ -104,7 +104,7 @@ class RayCollector(Collector):
                 "collector=ray needs Ray, which is not installed: pip install -e '.[ray]', on every machine. On one "
                 "machine collector=lean is faster and needs nothing."
             )
-        require_cluster("collector.address", self.address, self.patience)
+        prepare("collector.address", self.address, self.patience)
         try:
             self._ray = self._workers()
         except ConnectionError as error:

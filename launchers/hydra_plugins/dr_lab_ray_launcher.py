@@ -19,9 +19,7 @@ from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict
 
 from dr_lab.errors import ConfigError
-from dr_lab.ray_cluster import HERE, require_cluster
-
-AUTH_MODE, TOKEN, TOKEN_PATH = "RAY_AUTH_MODE", "RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH"
+from dr_lab.ray_cluster import prepare
 
 
 class RayLauncher(Launcher):
@@ -142,14 +140,10 @@ def _result(ray: ModuleType, job: object, overrides: Sequence[str]) -> JobReturn
 
 @contextmanager
 def _cluster(init: Mapping[str, Any], patience: float) -> Iterator[ModuleType]:
-    """Ray, connected; whoever has no token of the cluster is refused, on either side."""
+    """Ray, connected."""
     if find_spec("ray") is None:
         raise ConfigError("hydra/launcher=ray needs Ray: pip install -e '.[ray]', on every machine.")
-    require_cluster("hydra.launcher.init.address", init["address"], patience)
-    if init["address"] != HERE:
-        os.environ.setdefault(AUTH_MODE, "token")  # of itself Ray talks to any cluster that lets it in
-    elif TOKEN_PATH not in os.environ:
-        os.environ.setdefault(TOKEN, os.urandom(32).hex())  # of this sweep alone: none is left in the home folder
+    prepare("hydra.launcher.init.address", init["address"], patience)
     ray = import_module("ray")  # takes a second, and Hydra imports every plugin at every start
     on_sigterm = signal.getsignal(signal.SIGTERM)
     try:

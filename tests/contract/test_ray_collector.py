@@ -20,6 +20,7 @@ from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.fixed import FixedRandomizer
+from dr_lab.ray_cluster import HERE, prepare
 
 CHOICE = ("env/context=hopper/friction", "env.task.time_limit=8")
 NENV, STEPS, WORKERS = 4, 20, 2
@@ -34,7 +35,7 @@ def at(space: ContextSpace, friction: float) -> FixedRandomizer:
     return FixedRandomizer(space, {space.names[0]: friction})
 
 
-def collector(policy: nn.Module, workers: int = WORKERS, address: str = "local") -> RayCollector:
+def collector(policy: nn.Module, workers: int = WORKERS, address: str = HERE) -> RayCollector:
     recipe = OmegaConf.to_container(composed("env=hopper", *CHOICE), resolve=True)
     assert isinstance(recipe, dict)
     recipe = {str(key): value for key, value in recipe.items()}
@@ -46,7 +47,8 @@ def runtime() -> Iterator[None]:
     """One Ray for all tests: it takes seconds to start."""
     ray = pytest.importorskip("ray", reason="Ray is not installed: pip install -e '.[ray]'")
     ray.cloudpickle.register_pickle_by_value(test_collectors)  # workers do not know the tests' folder
-    ray.init("local", num_cpus=2 * WORKERS, include_dashboard=False, log_to_driver=False, logging_level="error")
+    prepare("collector.address", HERE, patience=10.0)
+    ray.init(HERE, num_cpus=2 * WORKERS, include_dashboard=False, log_to_driver=False, logging_level="error")
     yield
     ray.shutdown()
 
@@ -89,7 +91,7 @@ def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch)
         next(one)
 
 
-@pytest.mark.parametrize(("address", "cores"), [("local", WORKERS), ("auto", None)])
+@pytest.mark.parametrize(("address", "cores"), [(HERE, WORKERS), ("auto", None)])
 def test_ray_that_is_started_here_joins_no_cluster_and_is_told_its_cores(
     address: str, cores: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
