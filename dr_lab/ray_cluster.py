@@ -1,7 +1,11 @@
-"""What comes before a Ray cluster is joined or started: does it listen, and who is let in?"""
+"""What joining or starting a Ray cluster needs beside Ray: does it listen, who is let in, who answers SIGTERM?"""
 
 import os
+import signal
 import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from dr_lab.errors import ConfigError
 
@@ -28,6 +32,17 @@ def prepare(key: str, address: str, patience: float) -> None:
         os.environ.setdefault(AUTH_MODE, "token")  # of itself Ray talks to any cluster that lets it in
     elif TOKEN_PATH not in os.environ:
         os.environ.setdefault(TOKEN, os.urandom(32).hex())  # Ray's own would be left in the home folder
+
+
+@contextmanager
+def own_sigterm() -> Iterator[None]:
+    """Keep this process's answer to SIGTERM, which Ray replaces by an abort when it begins."""
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        yield
+    finally:
+        if threading.current_thread() is threading.main_thread():  # the only one that has answers, here and in Ray
+            signal.signal(signal.SIGTERM, before)
 
 
 def _require_listener(key: str, address: str, patience: float) -> None:

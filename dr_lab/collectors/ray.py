@@ -20,7 +20,7 @@ from dr_lab.collectors.torchrl import KEPT
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError, require_numbers
-from dr_lab.ray_cluster import HERE, prepare
+from dr_lab.ray_cluster import HERE, own_sigterm, prepare
 
 
 class RayCollector(Collector):
@@ -106,7 +106,8 @@ class RayCollector(Collector):
             )
         prepare("collector.address", self.address, self.patience)
         try:
-            self._ray = self._workers()
+            with own_sigterm():
+                self._ray = self._workers()
         except ConnectionError as error:
             raise ConfigError(
                 f"No Ray cluster answers at collector.address={self.address}: {error} Start one (ray start --head), or "

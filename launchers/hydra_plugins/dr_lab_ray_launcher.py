@@ -1,7 +1,6 @@
 """Hydra launcher whose jobs are tasks of Ray, on this machine or on a cluster."""
 
 import os
-import signal
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -19,7 +18,7 @@ from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict
 
 from dr_lab.errors import ConfigError
-from dr_lab.ray_cluster import prepare
+from dr_lab.ray_cluster import own_sigterm, prepare
 
 
 class RayLauncher(Launcher):
@@ -145,12 +144,11 @@ def _cluster(init: Mapping[str, Any], patience: float) -> Iterator[ModuleType]:
         raise ConfigError("hydra/launcher=ray needs Ray: pip install -e '.[ray]', on every machine.")
     prepare("hydra.launcher.init.address", init["address"], patience)
     ray = import_module("ray")  # takes a second, and Hydra imports every plugin at every start
-    on_sigterm = signal.getsignal(signal.SIGTERM)
     try:
-        ray.init(**init)
+        with own_sigterm():
+            ray.init(**init)
     except (ConnectionError, ray.exceptions.RayError) as error:
         raise ConfigError(f"No Ray cluster at hydra.launcher.init.address={init['address']}: {error}") from error
-    signal.signal(signal.SIGTERM, on_sigterm)  # Ray's own way is to abort
     try:
         yield ray
     finally:

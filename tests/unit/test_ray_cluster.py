@@ -1,12 +1,13 @@
 """Where a Ray cluster may be looked for."""
 
 import os
+import signal
 import socket
 
 import pytest
 
 from dr_lab.errors import ConfigError
-from dr_lab.ray_cluster import AUTH_MODE, TOKEN, TOKEN_PATH, prepare
+from dr_lab.ray_cluster import AUTH_MODE, TOKEN, TOKEN_PATH, own_sigterm, prepare
 
 
 @pytest.fixture(autouse=True)
@@ -53,3 +54,10 @@ def test_where_nothing_listens_is_told_at_once() -> None:
 def test_what_is_no_address_is_told(address: str) -> None:
     with pytest.raises(ConfigError, match=rf"key is {address}; expected local, auto or host:port"):
         prepare("key", address, 10.0)
+
+
+def test_sigterm_is_answered_as_before() -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    with own_sigterm():
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is not signal.SIG_DFL else signal.SIG_IGN)
+    assert signal.getsignal(signal.SIGTERM) is before
