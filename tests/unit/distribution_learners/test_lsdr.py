@@ -83,6 +83,25 @@ def test_without_the_divergence_cells_collapse() -> None:
     assert cells("learned", alpha=0.0)[2] < cells("learned", alpha=0.2)[2] - 0.3
 
 
+class Terraces:
+    """z ≤ 0 returns −2, then J = 1, from the middle of the range on 0.9."""
+
+    def returns(self, z: Array) -> Array:
+        return np.select([z[:, 0] <= 0.0, z[:, 0] < 0.1], [-2.0, 1.0], 0.9)
+
+
+def test_contexts_of_the_prior_without_the_divergence_give_up_only_what_is_below_the_mean() -> None:
+    randomizer = DiscreteRandomizer(TORSO, {}, bins=24)
+    lsdr = learner(randomizer, "prior", alpha=0.0)
+    lsdr.contexts = 256
+    for _ in range(60):
+        lsdr.update(Terraces())
+    probability = randomizer.distribution().log_probabilities.exp().detach().numpy()
+    worst, best, good = probability.reshape(3, 8).sum(1)
+    assert worst < 1e-3
+    assert best / good == pytest.approx(1.0, abs=0.2)
+
+
 def test_continues_exactly() -> None:
     def start() -> LSDR:
         return learner(DiscreteRandomizer(TORSO, {}, bins=30), "prior", alpha=0.2)
