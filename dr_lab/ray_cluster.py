@@ -19,15 +19,16 @@ def prepare(key: str, address: str, patience: float) -> None:
 
     Args:
         key: of the configuration, that holds the address.
-        address: ``local``, where a token is made for this process and its children alone, ``auto``, which Ray looks for
-            itself, or host:port.
+        address: ``local``, where a token is made for this process and its children alone, ``auto``, the cluster that
+            the environment variable RAY_ADDRESS names or else one of this machine, or host:port.
         patience: for an answer [s].
 
     Raises:
         ConfigError: it is no address, or nothing listens there; Ray itself would keep trying for minutes.
     """
-    if address not in KNOWN:
-        _require_listener(key, address, patience)
+    sought = os.environ.get("RAY_ADDRESS", address) if address == "auto" else address
+    if sought not in KNOWN:
+        _require_listener(key, str(sought), patience)
     if address != HERE:
         os.environ.setdefault(AUTH_MODE, "token")  # of itself Ray talks to any cluster that lets it in
     elif TOKEN_PATH not in os.environ:
@@ -41,7 +42,8 @@ def own_sigterm() -> Iterator[None]:
     try:
         yield
     finally:
-        if threading.current_thread() is threading.main_thread():  # the only one that has answers, here and in Ray
+        # Only the main thread has answers, here and in Ray; one that Python did not install it cannot install again.
+        if before is not None and threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGTERM, before)
 
 
@@ -50,9 +52,14 @@ def _require_listener(key: str, address: str, patience: float) -> None:
     if not host or not port.isdecimal() or int(port) > 65535:
         raise ConfigError(f"{key} is {address}; expected local, auto or host:port, as 192.168.0.1:6379.")
     try:
-        socket.create_connection((host.removeprefix("ray://"), int(port)), patience).close()
+        socket.create_connection((host.removeprefix("ray://").strip("[]"), int(port)), patience).close()
     except OSError as error:
-        raise ConfigError(
-            f"No Ray cluster answers at {key}={address} ({error}). Start one, ray start --head --port={port}, or set "
-            f"{key}={HERE}, which starts Ray on this machine."
-        ) from error
+        raise unanswered(key, address, error) from error
+
+
+def unanswered(key: str, address: str, error: Exception) -> ConfigError:
+    """What is said of a cluster that cannot be joined."""
+    return ConfigError(
+        f"No Ray cluster at {key}={address} lets this process in: {error} Start one (ray start --head), say where its "
+        f"token lies ({TOKEN_PATH}), or set {key}={HERE}, which starts Ray on this machine."
+    )

@@ -4,6 +4,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any, cast
 
@@ -20,7 +21,7 @@ from dr_lab.collectors.torchrl import KEPT
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError, require_numbers
-from dr_lab.ray_cluster import HERE, own_sigterm, prepare
+from dr_lab.ray_cluster import HERE, own_sigterm, prepare, unanswered
 
 
 class RayCollector(Collector):
@@ -108,11 +109,8 @@ class RayCollector(Collector):
         try:
             with own_sigterm():
                 self._ray = self._workers()
-        except ConnectionError as error:
-            raise ConfigError(
-                f"No Ray cluster answers at collector.address={self.address}: {error} Start one (ray start --head), or "
-                f"set collector.address={HERE}, which starts Ray on this machine."
-            ) from error
+        except (ConnectionError, import_module("ray").exceptions.RayError) as error:
+            raise unanswered("collector.address", self.address, error) from error
         self._deal_out(self._ray)
         self._batches = cast(Iterator[TensorDict], iter(self._ray))
         return self._ray

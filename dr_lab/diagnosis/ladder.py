@@ -114,7 +114,7 @@ def climb(
     without which the ladder's last model explains the held-out logs as well is dropped, for good. Where a rung names
     nothing but has an effect that is worth a trial, that goes on, and is judged when the climb is over, before the
     others: until then none is dropped, lest what is in doubt take the place of what is not. Where that leaves a model
-    that was not judged before, the climb goes on from there.
+    that was not judged before, the climb goes on from there; one that was judged had its one trial.
 
     Args:
         bench: data and settings.

@@ -41,8 +41,9 @@ def decide(
     """Judge a ranking, most evidence first.
 
     Among supported candidates that the best one does not beat beyond its interval, those with the fewest parameters
-    stand: a richer effect that explains nothing more is not a rival. Of data too few for an interval that is not known,
-    and a richer effect stays that seems to explain much more.
+    stand: a richer effect that explains nothing more is not a rival. Where that is the best one itself, those stand as
+    well that none of these beats. Of data too few for an interval that is not known, and a richer effect stays that
+    seems to explain much more.
 
     Args:
         base: the model without them.
@@ -127,8 +128,8 @@ def _worth(base: Explained, candidate: Candidate, settings: EvidenceSettings) ->
 def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> list[Candidate]:
     """The best candidate and those it does not beat, without needless parameters, what stands nearest to a joint first.
 
-    Where the best one turns out to be needlessly rich, others stand or fall by those that take its place. What seems to
-    explain much more than another one goes before it.
+    Where the best one turns out to be needlessly rich, those join that what takes its place does not beat either; they
+    displace nothing. What seems to explain much more than another one goes before it.
     """
     if not backed:
         return []
@@ -137,7 +138,8 @@ def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> lis
     kept = _needed(group, settings)
     if best not in kept:
         others = [c for c in backed if c not in group and not any(_beats(k, c, settings) for k in kept)]
-        kept = _needed([*kept, *others], settings)
+        needed = _needed([*kept, *others], settings)
+        kept = [*kept, *(c for c in others if c in needed)]
     return sorted(kept, key=lambda c: (sum(_seems_ahead(other, c, settings) for other in kept), *_nearness(c)))
 
 
@@ -173,15 +175,16 @@ def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candi
     if not any(at_floor(c.explained.held_out, settings) for c in group):
         return group
     likeliest = [c for c in group if not any(_less_likely(c, other, settings) for other in group)]
-    return likeliest or group  # compared in different windows, as where one diverges, each can lose to another
+    # Compared in different windows, as where one diverges, each can lose to another; then those stay that win at all.
+    return likeliest or [c for c in group if any(_less_likely(other, c, settings) for other in group)]
 
 
 def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
     """Whether all logs together make a candidate less likely than another one.
 
     To displace a poorer effect a richer one must be more likely on fitted and on held-out logs alike: what holds the
-    truth gains on both, but a fit that ended early, or a start that was not found, shows on one of them. A poorer
-    effect displaces a richer one by the sum of both.
+    truth gains on both, but a fit that ended early, or a start that was not found, shows on one of them. All
+    others displace by the sum of both.
     """
     excess = _excess(candidate, other)
     needed = settings.threshold + settings.penalty * (len(other.effect.parameters) - len(candidate.effect.parameters))

@@ -86,7 +86,7 @@ def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
 
 
 def ranking_summary(ranking: Sequence[Mapping[str, Any]]) -> str:
-    """Candidates, best first, in a table so narrow that their names are whole on a screen of 80 characters."""
+    """Candidates, best first, without their parameters, which leaves room for whole names on a screen."""
     rows = [[f"`{candidate_name(row)}`", status(row), *_outcome(row)[:2]] for row in ranking]
     return table(["effect", "status", "χ²", "gain (interval)"], rows)
 

@@ -37,7 +37,7 @@ class Snapshots:
         self._taken.append({"iteration": iteration, "marginals": marginals, "mean": mean, "covariance": covariance})
 
     def marginals(self) -> list[Marginal]:
-        """One parameter each, over its bounds and as far beyond as p_φ(z) reaches."""
+        """One parameter each, over its bounds and as far beyond as p_φ(z) reaches, at most once their width."""
         found = []
         for axis, parameter in enumerate(self._randomizer.space.parameters):
             probability = np.array([each["marginals"][axis] for each in self._taken])
@@ -85,7 +85,8 @@ class Snapshots:
             return (torch.sum(probabilities, others) if others else probabilities).numpy()
         high = self._randomizer.space.high[axis]
         inside = np.where(draws == high, np.nextafter(high, -np.inf), draws)  # bins are open above
-        return np.histogram(inside, self._edges(axis))[0] / len(draws)
+        edges = self._edges(axis)
+        return np.histogram(np.clip(inside, edges[0], edges[-1]), edges)[0] / len(draws)  # what is beyond: in the last
 
     def _edges(self, axis: int) -> Array:
         """Edges of the bins, shape (b + 1,): over the bounds and, where p_φ is no grid over them, beside them."""

@@ -17,8 +17,8 @@ from hydra.plugins.launcher import Launcher
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict
 
-from dr_lab.errors import ConfigError
-from dr_lab.ray_cluster import own_sigterm, prepare
+from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.ray_cluster import own_sigterm, prepare, unanswered
 
 
 class RayLauncher(Launcher):
@@ -39,6 +39,7 @@ class RayLauncher(Launcher):
 
     def __init__(self, init: Mapping[str, Any], job: Mapping[str, Any], grace: float, patience: float) -> None:
         self.init, self.job, self.grace, self.patience = init, job, grace, patience
+        require_numbers(self, "hydra.launcher", positive=("patience",), least={"grace": 0.0})
         self.sweep: tuple[HydraContext, TaskFunction, DictConfig] | None = None
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
@@ -148,7 +149,7 @@ def _cluster(init: Mapping[str, Any], patience: float) -> Iterator[ModuleType]:
         with own_sigterm():
             ray.init(**init)
     except (ConnectionError, ray.exceptions.RayError) as error:
-        raise ConfigError(f"No Ray cluster at hydra.launcher.init.address={init['address']}: {error}") from error
+        raise unanswered("hydra.launcher.init.address", init["address"], error) from error
     try:
         yield ray
     finally:

@@ -169,8 +169,8 @@ class StudySweeper(DrLabSweeper):
     def _described(self, best: "Best", jobs: Sequence[SweepJob]) -> dict[str, Any]:
         folder = next(job.folder for job in jobs if job.number == best.number)
         reached = dict(zip(self.objective, best.objectives, strict=True))
-        parsed = OverridesParser.create().parse_overrides(_overrides(best.values))  # a choice is kept as it was typed
-        values = {override.key_or_group: override.value() for override in parsed}
+        parsed = OverridesParser.create().parse_overrides(_overrides(best.values))  # choices come as they were typed
+        values = {key: override.value() for key, override in zip(best.values, parsed, strict=True)}
         return {"trial": best.number, "folder": folder, "objective": reached, "values": values}
 
 

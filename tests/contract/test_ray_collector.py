@@ -81,13 +81,16 @@ def test_a_machine_without_ray_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         next(one)
 
 
-def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("known_to_ray", [False, True])
+def test_a_cluster_that_does_not_answer_or_refuses_is_told(known_to_ray: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    ray = pytest.importorskip("ray", reason="Ray is not installed: pip install -e '.[ray]'")
+
     def refuse(*_: object, **__: object) -> None:
-        raise ConnectionError("timed out.")
+        raise (ray.exceptions.RayError if known_to_ray else ConnectionError)("timed out.")
 
     monkeypatch.setattr("dr_lab.collectors.ray.find_spec", lambda name: name)
     monkeypatch.setattr("dr_lab.collectors.ray.TorchRLRayCollector", refuse)
-    with collector(Deterministic()) as one, pytest.raises(ConfigError, match=r"No Ray cluster answers at .*timed out"):
+    with collector(Deterministic()) as one, pytest.raises(ConfigError, match=r"No Ray cluster at .*: timed out"):
         next(one)
 
 

@@ -13,7 +13,7 @@ from dr_lab.ray_cluster import AUTH_MODE, TOKEN, TOKEN_PATH, own_sigterm, prepar
 @pytest.fixture(autouse=True)
 def environment(monkeypatch: pytest.MonkeyPatch) -> None:
     """None of Ray's own, and none is left behind."""
-    for name in (AUTH_MODE, TOKEN, TOKEN_PATH):
+    for name in (AUTH_MODE, TOKEN, TOKEN_PATH, "RAY_ADDRESS"):
         monkeypatch.setenv(name, "")
         monkeypatch.delenv(name)
 
@@ -46,8 +46,15 @@ def test_where_nothing_listens_is_told_at_once() -> None:
     with socket.socket() as silent:
         silent.bind(("127.0.0.1", 0))
         address = f"127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(ConfigError, match=rf"No Ray cluster answers at collector\.address={address} .*ray start"):
+        with pytest.raises(ConfigError, match=rf"No Ray cluster at collector\.address={address} .*refused.*ray start"):
             prepare("collector.address", address, 10.0)
+
+
+def test_the_cluster_of_the_environment_is_looked_for_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RAY_ADDRESS", "127.0.0.1:1")
+    with pytest.raises(ConfigError, match="refused"):
+        prepare("key", "auto", 10.0)
+    prepare("key", "local", 10.0)
 
 
 @pytest.mark.parametrize("address", ["head", "head:", ":6379", "head:port", "127.0.0.1:99999"])

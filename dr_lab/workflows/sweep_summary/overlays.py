@@ -36,9 +36,8 @@ def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
         contexts = [run.report.get("context") or {} for run in group.runs if run.report["schema"] == TRAIN_SCHEMA]
         for name in contexts[0] if contexts else ():
             entries = [context[name] for context in contexts if "edges" in context.get(name, {})]
-            alike = [entry for entry in entries if entry["edges"] == entries[0]["edges"]]
-            if alike:
-                found.setdefault(name, {})[group.label] = _mean_marginal(name, alike)
+            if entries:
+                found.setdefault(name, {})[group.label] = _mean_marginal(name, entries)
     return found
 
 
@@ -79,10 +78,16 @@ def _by_frames(run: Run) -> dict[float, dict[str, float]]:
 
 
 def _mean_marginal(name: str, entries: Sequence[Mapping[str, Any]]) -> Marginal:
-    first = entries[0]
-    learned = np.mean([entry["probability"] for entry in entries], axis=0)
-    initial, edges = np.array(first["initial"]), np.array(first["edges"])
-    return Marginal(name, first["unit"], edges, initial, np.zeros(1, int), learned[None])
+    """Over the edges of all: where a distribution reaches, and with it its bins, differs from run to run."""
+    edges = functools.reduce(np.union1d, [entry["edges"] for entry in entries])
+    learned = np.mean([_rebinned(entry["probability"], entry["edges"], edges) for entry in entries], axis=0)
+    initial = _rebinned(entries[0]["initial"], entries[0]["edges"], edges)
+    return Marginal(name, entries[0]["unit"], edges, initial, np.zeros(1, int), learned[None])
+
+
+def _rebinned(probability: Sequence[float], edges: Sequence[float], finer: Array) -> Array:
+    """Probabilities of finer bins, of a density that is constant in each bin and 0 beyond them."""
+    return np.diff(np.interp(finer, edges, np.concatenate([[0.0], np.cumsum(probability)])))
 
 
 def _mean_grid(title: str, runs: Sequence[Run]) -> Grid:

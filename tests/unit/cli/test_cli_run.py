@@ -1,6 +1,7 @@
 """From a command to the call of a workflow, and what the run folder holds."""
 
 import csv
+import shlex
 import sys
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import mujoco
 import pytest
 import yaml
 from cli_machine import CommandLine, Machine, module, write
+from hydra.core.override_parser.overrides_parser import OverridesParser
 
 from dr_lab.cli.compose import compose
 
@@ -44,6 +46,16 @@ def test_the_end_says_where_the_run_is_and_how_to_look_at_what_it_recorded(
     told = capsys.readouterr().out
     assert "\nRun folder: my runs/first\n" in told
     assert ("\nLook at it: dr-lab view 'run=my runs/first'\n" in told) == bool(files)
+
+
+def test_a_folder_with_signs_is_told_as_it_must_be_typed(
+    dr_lab: CommandLine, capsys: pytest.CaptureFixture[str]
+) -> None:
+    dr_lab.files = ["review.rrd"]
+    assert dr_lab("compare", "hydra.run.dir='a=1,b(2)'") == 0
+    told = capsys.readouterr().out.split("Look at it: dr-lab view ")[1]
+    [typed] = shlex.split(told)
+    assert OverridesParser.create().parse_override(typed).value() == "a=1,b(2)"
 
 
 def test_config_records_versions_and_the_command(dr_lab: CommandLine) -> None:

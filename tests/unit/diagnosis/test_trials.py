@@ -66,8 +66,10 @@ class Machine:
 
 
 def candidate(base: Explained, found: Explained) -> Candidate:
+    """One whose place the free parameters can take, once there is an effect."""
     gain = paired_gain(base.held_out, found.held_out, SETTINGS)
-    return Candidate(effects_of(found)[-1], found, gain, Identifiability(alone=1e4, beside=1e3), 1.0)
+    known = Identifiability(alone=1e6, beside=1.0) if effects_of(base) else Identifiability(alone=1e4, beside=1e3)
+    return Candidate(effects_of(found)[-1], found, gain, known, 1.0)
 
 
 def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Ladder:
@@ -100,7 +102,8 @@ def test_what_is_in_doubt_takes_no_place_of_what_is_not(monkeypatch: pytest.Monk
     assert [step.explained.model.effects[-1].label for step in climbed.steps] == [SIMPLE.label]
     assert all(step.proven for step in climbed.steps)
     assert climbed.dropped == (RICH.label,)
-    assert climbed.absorbed == climbed.rungs[1].verdict.absorbed
+    assert [rung.verdict.absorbed for rung in climbed.rungs] == [(), (RICH.label,), ()]
+    assert climbed.absorbed == (RICH.label,)  # beside the model that is left
 
 
 def test_the_climb_goes_on_from_what_a_trial_that_falls_leaves(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -237,6 +237,19 @@ def test_a_needlessly_rich_effect_hides_no_rival_of_the_one_that_takes_its_place
     assert set(decide(base, ranking, SETTINGS).effects) == simple
 
 
+def test_what_the_needlessly_rich_effect_beats_joins_and_displaces_nothing() -> None:
+    """Each is behind the one before by less than counts, the last behind the first by more."""
+    base, best = model(20.0), score(1.0)
+    behind = {"stribeck_friction": 0.0, "spring": 22.0, "viscous_friction": 44.0}
+    ranking = [
+        candidate(base, name, replace(best, window_sum=best.window_sum + each / WINDOWS), CLEAR)
+        for name, each in behind.items()
+    ]
+    verdict = decide(base, ranking, SETTINGS)
+    assert verdict.kind == "equivalent"
+    assert set(verdict.effects) == {"spring@rail", "viscous_friction@rail"}
+
+
 @dataclass(frozen=True)
 class InTurn:
     """A fit that is better than the next of three and worse than the one before, as in windows that differ."""

@@ -173,6 +173,18 @@ def test_learned_distributions_are_averaged_over_seeds(sweep: Path) -> None:
     np.testing.assert_allclose(found["torso.size"]["lsdr"].probability, [[0.2, 0.8]])
 
 
+def test_distributions_that_reach_apart_are_averaged_where_they_are(tmp_path: Path) -> None:
+    reached = {0: ([0.0, 0.1, 0.2], [0.2, 0.8]), 1: ([0.0, 0.1, 0.2, 0.3], [0.0, 0.4, 0.6])}
+    for seed, (edges, learned) in reached.items():
+        entry = {"unit": "m", "edges": edges, "initial": learned, "probability": learned}
+        report = {"schema": "dr_lab/train/1", "context": {"size": entry}}
+        write_run(tmp_path / str(seed), report, f"seed={seed}")
+    (mean,) = marginals(grouped(find_runs(tmp_path)[0], ["seed"]))["size"].values()
+    np.testing.assert_allclose(mean.edges, [0.0, 0.1, 0.2, 0.3])
+    np.testing.assert_allclose(mean.probability, [[0.1, 0.6, 0.3]])
+    np.testing.assert_allclose(mean.initial, [0.2, 0.8, 0.0])
+
+
 def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
     for seed in range(2):
         rows: list[dict[str, Any]] = [
