@@ -6,51 +6,21 @@ from typing import Any
 import numpy as np
 import pytest
 import rerun as rr
-import yaml
+from written_runs import STATISTICS, trained, two_kinds, write_configuration, write_run
 
 from dr_lab.__main__ import main
 from dr_lab.errors import DataError
-from dr_lab.sweeps.overrides import by_key, differing
-from dr_lab.workflows.sweep_summary.groups import Statistics, figures_of, grouped, summed_up
-from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
+from dr_lab.sweeps.overrides import differing
+from dr_lab.workflows.sweep_summary.groups import figures_of, grouped, summed_up
+from dr_lab.workflows.sweep_summary.overlays import bands
 from dr_lab.workflows.sweep_summary.runs import beside, find_runs, picked
 
-STATISTICS = Statistics(confidence=0.95, resamples=200, seed=0)
 FIGURES = {"dr_lab/train/1": ["final_return", "context.*.mean"], "dr_lab/gap/1": ["verdict", "remaining.chi2"]}
-EDGES = [0.0, 0.1, 0.2]
-
-
-def write_run(folder: Path, report: dict[str, Any] | None, *overrides: str) -> None:
-    folder.mkdir(parents=True)
-    configured = {key: yaml.safe_load(value) for key, value in by_key(overrides).items()}
-    write_configuration(folder, configured, *overrides)
-    if report is not None:
-        (folder / "report.json").write_text(json.dumps(report), "utf-8")
-
-
-def write_configuration(folder: Path, configured: dict[str, Any], *overrides: str) -> None:
-    made_with = {"made_with": {"overrides": list(overrides)}}
-    (folder / "config.yaml").write_text(yaml.safe_dump(configured | made_with), "utf-8")
-
-
-def trained(folder: Path, final: float, learned: list[float], *overrides: str) -> None:
-    entry = {"unit": "m", "mean": 0.05, "edges": EDGES, "initial": [0.5, 0.5], "probability": learned}
-    report = {"schema": "dr_lab/train/1", "final_return": final, "context": {"torso.size": entry}}
-    write_run(folder, report, *overrides)
-    rows = [["iteration", "frames", "seconds", "episodes", "episode_return"]]
-    rows += [[str(k), str(100 * k), "0", "2", str(final * k / 4) if k > 1 else ""] for k in range(1, 5)]
-    (folder / "metrics.csv").write_text("\n".join(",".join(row) for row in rows) + "\n", "utf-8")
 
 
 @pytest.fixture
 def sweep(tmp_path: Path) -> Path:
-    """Two kinds of training with three seeds each, in numbered folders, and a run that was stopped."""
-    folder = tmp_path / "sweep"
-    for seed in range(3):
-        trained(folder / str(seed), 10.0 + seed, [0.2, 0.8], "env=hopper", f"seed={seed}", "learner=lsdr")
-        trained(folder / str(10 + seed), 4.0, [0.5, 0.5], "env=hopper", f"seed={seed}", "+learner=none")
-    write_run(folder / "20", None, "env=hopper")
-    return folder
+    return two_kinds(tmp_path / "sweep")
 
 
 def test_runs_come_in_the_order_of_their_numbers_and_the_unfinished_are_named(sweep: Path) -> None:
@@ -158,47 +128,6 @@ def test_paths_pick_from_a_report() -> None:
     assert found == {"a.b": 1.0, "ladder.0.chi2": 2.5, "word": "yes"}
 
 
-def test_bands_hold_the_mean_of_the_seeds_at_every_control_step(sweep: Path) -> None:
-    first, second = bands(grouped(find_runs(sweep)[0], ["seed"]), STATISTICS)
-    assert (first.group, first.name) == ("lsdr", "episode_return")
-    np.testing.assert_array_equal(first.frames, [100, 200, 300, 400])
-    np.testing.assert_allclose(first.value, [np.nan, 5.5, 8.25, 11.0])
-    assert (first.low[1:] < first.value[1:]).all()
-    np.testing.assert_allclose(second.high[1:], [2.0, 3.0, 4.0])
-
-
-def test_learned_distributions_are_averaged_over_seeds(sweep: Path) -> None:
-    found = marginals(grouped(find_runs(sweep)[0], ["seed"]))
-    assert list(found["torso.size"]) == ["lsdr", "none"]
-    np.testing.assert_allclose(found["torso.size"]["lsdr"].probability, [[0.2, 0.8]])
-
-
-def test_distributions_that_reach_apart_are_averaged_where_they_are(tmp_path: Path) -> None:
-    reached = {0: ([0.0, 0.1, 0.2], [0.2, 0.8]), 1: ([0.0, 0.1, 0.2, 0.3], [0.0, 0.4, 0.6])}
-    for seed, (edges, learned) in reached.items():
-        entry = {"unit": "m", "edges": edges, "initial": learned, "probability": learned}
-        report = {"schema": "dr_lab/train/1", "context": {"size": entry}}
-        write_run(tmp_path / str(seed), report, f"seed={seed}")
-    (mean,) = marginals(grouped(find_runs(tmp_path)[0], ["seed"]))["size"].values()
-    np.testing.assert_allclose(mean.edges, [0.0, 0.1, 0.2, 0.3])
-    np.testing.assert_allclose(mean.probability, [[0.1, 0.6, 0.3]])
-    np.testing.assert_allclose(mean.initial, [0.2, 0.8, 0.0])
-
-
-def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
-    for seed in range(2):
-        rows: list[dict[str, Any]] = [
-            {"size": s, "mass": m, "return": s + m + seed, "std": 1.0} for s in (1.0, 2.0) for m in (3.0, 4.0, 5.0)
-        ]
-        rows[0]["return"] = None  # infeasible
-        units = {"size": "m", "mass": "kg"}
-        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "units": units, "rows": rows}
-        write_run(tmp_path / str(seed), report, f"seed={seed}")
-    (grid,) = grids(grouped(find_runs(tmp_path)[0], ["seed"])).values()
-    assert [(axis.name, axis.unit) for axis in grid.axes] == [("size", "m"), ("mass", "kg")]
-    np.testing.assert_allclose(grid.mean, [[np.nan, 5.5, 6.5], [5.5, 6.5, 7.5]])
-
-
 def test_the_verb_writes_tables_and_a_recording(sweep: Path, tmp_path: Path) -> None:
     folder = tmp_path / "summary"
     assert main(["summarize", f"sweep={sweep}", f"hydra.run.dir={folder}"]) == 0
@@ -299,12 +228,3 @@ def test_a_broken_run_is_named(
     told = capsys.readouterr().err
     assert str(sweep / "0") in told
     assert message in told
-
-
-def test_grids_over_different_contexts_are_not_averaged(tmp_path: Path) -> None:
-    for seed, sizes in enumerate([(1.0, 2.0), (1.0, 2.0, 3.0)]):
-        rows = [{"size": size, "return": size, "std": 1.0} for size in sizes]
-        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "rows": rows}
-        write_run(tmp_path / str(seed), report, f"seed={seed}")
-    with pytest.raises(DataError, match=r"1 was evaluated over other contexts than .*0"):
-        grids(grouped(find_runs(tmp_path)[0], ["seed"]))

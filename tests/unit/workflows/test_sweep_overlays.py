@@ -1,0 +1,66 @@
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from written_runs import STATISTICS, two_kinds, write_run
+
+from dr_lab.errors import DataError
+from dr_lab.workflows.sweep_summary.groups import grouped
+from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
+from dr_lab.workflows.sweep_summary.runs import find_runs
+
+
+@pytest.fixture
+def sweep(tmp_path: Path) -> Path:
+    return two_kinds(tmp_path / "sweep")
+
+
+def test_bands_hold_the_mean_of_the_seeds_at_every_control_step(sweep: Path) -> None:
+    first, second = bands(grouped(find_runs(sweep)[0], ["seed"]), STATISTICS)
+    assert (first.group, first.name) == ("lsdr", "episode_return")
+    np.testing.assert_array_equal(first.frames, [100, 200, 300, 400])
+    np.testing.assert_allclose(first.value, [np.nan, 5.5, 8.25, 11.0])
+    assert (first.low[1:] < first.value[1:]).all()
+    np.testing.assert_allclose(second.high[1:], [2.0, 3.0, 4.0])
+
+
+def test_learned_distributions_are_averaged_over_seeds(sweep: Path) -> None:
+    found = marginals(grouped(find_runs(sweep)[0], ["seed"]))
+    assert list(found["torso.size"]) == ["lsdr", "none"]
+    np.testing.assert_allclose(found["torso.size"]["lsdr"].probability, [[0.2, 0.8]])
+
+
+def test_distributions_that_reach_apart_are_averaged_where_they_are(tmp_path: Path) -> None:
+    reached = {0: ([0.0, 0.1, 0.2], [0.2, 0.8]), 1: ([0.0, 0.1, 0.2, 0.3], [0.0, 0.4, 0.6])}
+    for seed, (edges, learned) in reached.items():
+        entry = {"unit": "m", "edges": edges, "initial": learned, "probability": learned}
+        report = {"schema": "dr_lab/train/1", "context": {"size": entry}}
+        write_run(tmp_path / str(seed), report, f"seed={seed}")
+    (mean,) = marginals(grouped(find_runs(tmp_path)[0], ["seed"]))["size"].values()
+    np.testing.assert_allclose(mean.edges, [0.0, 0.1, 0.2, 0.3])
+    np.testing.assert_allclose(mean.probability, [[0.1, 0.6, 0.3]])
+    np.testing.assert_allclose(mean.initial, [0.2, 0.8, 0.0])
+
+
+def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
+    for seed in range(2):
+        rows: list[dict[str, Any]] = [
+            {"size": s, "mass": m, "return": s + m + seed, "std": 1.0} for s in (1.0, 2.0) for m in (3.0, 4.0, 5.0)
+        ]
+        rows[0]["return"] = None  # infeasible
+        units = {"size": "m", "mass": "kg"}
+        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "units": units, "rows": rows}
+        write_run(tmp_path / str(seed), report, f"seed={seed}")
+    (grid,) = grids(grouped(find_runs(tmp_path)[0], ["seed"])).values()
+    assert [(axis.name, axis.unit) for axis in grid.axes] == [("size", "m"), ("mass", "kg")]
+    np.testing.assert_allclose(grid.mean, [[np.nan, 5.5, 6.5], [5.5, 6.5, 7.5]])
+
+
+def test_grids_over_different_contexts_are_not_averaged(tmp_path: Path) -> None:
+    for seed, sizes in enumerate([(1.0, 2.0), (1.0, 2.0, 3.0)]):
+        rows = [{"size": size, "return": size, "std": 1.0} for size in sizes]
+        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "rows": rows}
+        write_run(tmp_path / str(seed), report, f"seed={seed}")
+    with pytest.raises(DataError, match=r"1 was evaluated over other contexts than .*0"):
+        grids(grouped(find_runs(tmp_path)[0], ["seed"]))
