@@ -14,6 +14,7 @@ from dr_lab.workflows.sweep_summary.groups import Group, Statistics
 from dr_lab.workflows.sweep_summary.runs import TRAIN_SCHEMA, Run, history
 
 _COUNTS = ("iteration", "frames", "seconds", "episodes")
+_HISTOGRAM = {"edges", "initial", "probability"}  # what a run keeps of a distribution that it knows
 _FIRST = "episode_return"
 _CELL = ("return", "std")
 
@@ -35,7 +36,7 @@ def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
     for group in groups:
         contexts = [run.report.get("context") or {} for run in group.runs if run.report["schema"] == TRAIN_SCHEMA]
         for name in contexts[0] if contexts else ():
-            entries = [context[name] for context in contexts if "edges" in context.get(name, {})]
+            entries = [context[name] for context in contexts if set(context.get(name, {})) >= _HISTOGRAM]
             if entries:
                 found.setdefault(name, {})[group.label] = _mean_marginal(name, entries)
     return found
