@@ -4,21 +4,19 @@ import contextlib
 import functools
 import inspect
 import itertools
-import re
-import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hydra.core.override_parser.types import Quote, QuotedString
 from omegaconf import DictConfig
 
 from dr_lab.cli.arguments import COMPOSE, RESUME, RUN_DIR, arguments_of, compose_arguments, workflow_of
 from dr_lab.cli.provenance import CONFIG_FILE, write_config
 from dr_lab.cli.resuming import require_same_settings
 from dr_lab.errors import ConfigError
+from dr_lab.recorders.view_command import view_command
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ def run_job(job: Job, cfg: DictConfig) -> None:
         folder = _shortest(arguments[RUN_DIR])
         print(f"\nRun folder: {folder}")
         if (folder / "review.rrd").exists():
-            print(f"Look at it: dr-lab view {_typed('run', str(folder))}")
+            print(f"Look at it: {view_command(folder)}")
 
 
 def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]]:
@@ -150,12 +148,6 @@ def discard(job: Job, cfg: DictConfig) -> None:
     with contextlib.suppress(OSError):  # the first that is not empty ends it
         for path in (job.output_dir, *inside):
             path.rmdir()
-
-
-def _typed(key: str, value: str) -> str:
-    """An override as it is typed: quoted for Hydra, which reads signs as its grammar, and for the shell."""
-    plain = re.fullmatch(r"[\w./ -]+", value, re.ASCII)
-    return shlex.quote(f"{key}={value if plain else QuotedString(value, Quote.single).with_quotes()}")
 
 
 def _shortest(folder: Path) -> Path:

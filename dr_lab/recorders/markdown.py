@@ -1,6 +1,5 @@
 """`report.md`: what a run found, for a person; also the text shown inside the recording."""
 
-import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,6 +16,7 @@ from dr_lab.recorders.tables import (
     ranking_table,
 )
 from dr_lab.recorders.verdict import verdict_markdown
+from dr_lab.recorders.view_command import view_command
 
 
 def report_markdown(report: Mapping[str, Any]) -> str:
@@ -142,8 +142,7 @@ def notes_list(notes: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _how_to_look(report: Mapping[str, Any]) -> str:
-    run = shlex.quote(f"run={report.get('run', 'latest')}")
-    return f"`dr-lab view {run}` opens the recording `review.rrd` beside this page."
+    return f"`{view_command(report.get('run', 'latest'))}` opens the recording `review.rrd` beside this page."
 
 
 def _section(title: str, body: str) -> str:

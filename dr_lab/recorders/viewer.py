@@ -1,7 +1,6 @@
 """Opening recordings: on the screen, and without one for pictures and tests."""
 
 import os
-import shlex
 import subprocess
 import tempfile
 import time
@@ -15,6 +14,7 @@ from dr_lab.errors import DrLabError
 from dr_lab.recorders.branch import TIMELINE
 from dr_lab.recorders.files import write_bytes
 from dr_lab.recorders.rerun_process import LOCAL, POLL, START_LIMIT, await_port, complaint, free_port, viewer_binary
+from dr_lab.recorders.view_command import view_command
 
 # s: until the notes that the viewer shows on starting have faded.
 _NOTES_FADE = 6.0
@@ -62,7 +62,7 @@ def open_viewer(paths: Sequence[Path]) -> None:
             raise DrLabError(
                 f"The viewer ended with code {code}:\n{complaint(errors)}\n"
                 "On a machine without a screen, show it in a browser instead: "
-                f"dr-lab view {shlex.quote(f'run={paths[0]}')} web=true"
+                f"{view_command(paths[0])} web=true"
             )
 
 

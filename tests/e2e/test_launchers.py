@@ -2,7 +2,6 @@
 
 import csv
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -103,8 +102,6 @@ def test_slurm_jobs_outlive_ctrl_c_and_are_cancelled(slurm: dict[str, str], tmp_
 @pytest.fixture
 def ray(tmp_path: Path) -> Iterator[tuple[dict[str, str], list[Machine]]]:
     """Environment of a cluster of two machines, and these."""
-    if shutil.which("ray", path=ENVIRONMENT["PATH"]) is None:
-        pytest.skip("no ray: pip install -e '.[ray]'")
     [port] = free_ports(1)
     environment = ENVIRONMENT | {
         "HEAD": "127.0.0.1",
