@@ -27,7 +27,7 @@ def write_configuration(folder: Path, configured: dict[str, Any], *overrides: st
 
 
 def trained(folder: Path, final: float, learned: list[float], *overrides: str) -> None:
-    entry = {"unit": "m", "mean": 0.05, "edges": EDGES, "initial": [0.5, 0.5], "probability": learned}
+    entry = {"unit": "m", "mean": 0.05, "std": 0.01, "edges": EDGES, "initial": [0.5, 0.5], "probability": learned}
     report = {"schema": "dr_lab/train/1", "final_return": final, "context": {"torso.size": entry}}
     write_run(folder, report, *overrides)
     rows = [["iteration", "frames", "seconds", "episodes", "episode_return"]]

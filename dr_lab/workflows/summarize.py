@@ -14,6 +14,7 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.workflows.sweep_summary.doubts import divided_runs, missing_figures, repeated_runs, require_known
+from dr_lab.workflows.sweep_summary.exhaustive import exhaustive
 from dr_lab.workflows.sweep_summary.groups import (
     Cells,
     Estimate,
@@ -115,8 +116,9 @@ def _write(
 
 def _record(found: _Compared, figures: Mapping[str, Sequence[str]], statistics: Statistics, page: str) -> SweepRecord:
     groups, pages = found.groups, {"Summary": page, "Runs": runs_page(found.runs, figures)}
-    labels = [group.label for group in groups]
-    return SweepRecord(found.name, labels, bands(groups, statistics), marginals(groups), grids(groups), pages)
+    apart = exhaustive(groups)
+    labels = [*(group.label for group in groups), *apart]
+    return SweepRecord(found.name, labels, bands(groups, statistics), marginals(groups), grids(groups) | apart, pages)
 
 
 def _report(sweep: str, found: _Compared) -> dict[str, Any]:

@@ -31,13 +31,13 @@ def bands(groups: Sequence[Group], statistics: Statistics) -> list[Band]:
 
 
 def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
-    """By parameter and group, what was learnt of it in the end, averaged over the group's runs."""
+    """By parameter and group, what was learnt in the end, averaged over runs; nothing where it is one value."""
     found: dict[str, dict[str, Marginal]] = {}
     for group in groups:
         contexts = [run.report.get("context") or {} for run in group.runs if run.report["schema"] == TRAIN_SCHEMA]
         for name in contexts[0] if contexts else ():
             entries = [context[name] for context in contexts if set(context.get(name, {})) >= _HISTOGRAM]
-            if entries:
+            if any(entry["std"] for entry in entries):
                 found.setdefault(name, {})[group.label] = _mean_marginal(name, entries)
     return found
 

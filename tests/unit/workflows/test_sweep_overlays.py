@@ -34,7 +34,7 @@ def test_learned_distributions_are_averaged_over_seeds(sweep: Path) -> None:
 def test_distributions_that_reach_apart_are_averaged_where_they_are(tmp_path: Path) -> None:
     reached = {0: ([0.0, 0.1, 0.2], [0.2, 0.8]), 1: ([0.0, 0.1, 0.2, 0.3], [0.0, 0.4, 0.6])}
     for seed, (edges, learned) in reached.items():
-        entry = {"unit": "m", "edges": edges, "initial": learned, "probability": learned}
+        entry = {"unit": "m", "std": 0.1, "edges": edges, "initial": learned, "probability": learned}
         report = {"schema": "dr_lab/train/1", "context": {"size": entry}}
         write_run(tmp_path / str(seed), report, f"seed={seed}")
     (mean,) = marginals(grouped(find_runs(tmp_path)[0], ["seed"]))["size"].values()
