@@ -58,7 +58,8 @@ class Episodes:
 
     An infeasible context (it does not compile, or the simulation diverges) ends the episode. Its return is then at most
     `infeasible_return`: the last reward R − Σr takes off what was earned beyond it, and is 0 where less was earned, so
-    that divergence never pays.
+    that divergence never pays. A simulation counts as diverged from the control step on that leaves it faster than
+    `speed_limit`: MuJoCo itself notices steps later, when rewards and observations have grown by orders of magnitude.
 
     Args:
         model: the machine, whose parameters make up the context z.
@@ -68,6 +69,7 @@ class Episodes:
         seed: of all random draws.
         show_context: whether the policy sees z behind the task's observation, as (z − low) / (high − low).
         infeasible_return: R, the highest return of an episode whose context is infeasible.
+        speed_limit: of every joint of a simulation that has not diverged, m/s or rad/s.
         threads: C threads; None takes every core this process may use.
 
     Attributes:
@@ -90,6 +92,7 @@ class Episodes:
         *,
         show_context: bool,
         infeasible_return: float,
+        speed_limit: float,
         threads: int | None = None,
     ) -> None:
         self.model, self.task, self.source = model, task, source
@@ -97,7 +100,7 @@ class Episodes:
         compiled = self.simulator.compiled
         self.low, self.high = required_bounds(task, compiled)
         self.seconds = task.frame_skip * float(compiled.opt.timestep)
-        self._show_context, self._infeasible_return = show_context, infeasible_return
+        self._show_context, self._infeasible_return, self._speed_limit = show_context, infeasible_return, speed_limit
         self._fields = {name: self.simulator.batch.bind(name) for name in task.reads if name != _FORCES}
         self._forces = ContactForces(self.simulator.batch) if _FORCES in task.reads else None
         if self._forces is not None:
@@ -106,6 +109,7 @@ class Episodes:
         self._streams = [stream(seed, "episode", slot) for slot in range(nsim)]
         self._given: Array | None = None
         self._steps, self._returns = np.zeros(nsim, np.intp), np.zeros(nsim)
+        self._failed = np.zeros(nsim, bool)  # ended as infeasible and not begun anew
         self.infeasible = 0
         self.contexts = np.tile(model.space.nominal, (nsim, 1))
         self._marker = task.marker(self._fields)
@@ -140,20 +144,19 @@ class Episodes:
         self.simulator.forward(rows)
         if self._forces is not None:
             self._forces.rest(rows)
-        self._steps[rows], self._returns[rows] = 0, 0.0
+        self._steps[rows], self._returns[rows], self._failed[rows] = 0, 0.0, False
         fields = {name: field[rows] for name, field in self._fields.items()}
         self._marker[rows] = self.task.marker(fields)
         self.observation = self.observation.copy()
         self.observation[rows] = self._seen(fields, self.contexts[rows])
 
     def step(self, action: Array) -> Outcome:
-        """One control step of all episodes; those that end stay where they are until `begin`.
+        """One control step of all episodes; those that have ended want a `begin` before the next.
 
         Args:
             action: in the actuators' unit, shape (n, nu); what lies outside of the bounds is cut off.
         """
         action = np.clip(action, self.low, self.high)
-        counted = self.simulator.infeasible & (self._steps > 0)  # such slots have ended and were not begun anew
         self.simulator.step(action, self.task.frame_skip)
         if self._forces is not None:
             self._forces.update()
@@ -161,15 +164,15 @@ class Episodes:
         observation, marker = self._seen(fields, self.contexts), self.task.marker(fields)
         terminated = self.task.terminated(fields)
         reward = self.task.reward(Change(self._marker, marker, fields, terminated, action, self.seconds))
-        failed = self.simulator.infeasible
+        failed = self._failed | self._diverged()
         if failed.any():
-            self.infeasible += int((failed & ~counted).sum())
+            self.infeasible += int((failed & ~self._failed).sum())
             observation[failed] = self.observation[failed]
             reward = np.where(failed, np.minimum(self._infeasible_return - self._returns, 0.0), reward)
             terminated = terminated | failed
         self._steps += 1
         self._returns += reward
-        self.observation, self._marker = observation, marker
+        self.observation, self._marker, self._failed = observation, marker, failed
         return Outcome(observation, reward, terminated, self._steps >= self.task.time_limit, failed)
 
     def state_dict(self) -> dict[str, Any]:
@@ -193,6 +196,7 @@ class Episodes:
         self.simulator.recall(state["simulator"])
         self._steps[:], self._returns[:] = state["steps"], state["returns"]
         self._marker, self.observation = state["marker"].copy(), state["observation"].copy()
+        self._failed = self._diverged() & (self._steps > 0)
         self.infeasible = state["infeasible"]
         for rng, remembered in zip(self._streams, state["streams"], strict=True):
             rng.bit_generator.state = remembered
@@ -201,6 +205,10 @@ class Episodes:
         if self._given is not None:
             return self._given[rows]
         return self.model.space.nominal[None] if self.source is None else self.source.sample(streams)
+
+    def _diverged(self) -> Flags:
+        slow = np.abs(self._qvel).max(axis=1, initial=0.0) < self._speed_limit  # NaN is not
+        return self.simulator.infeasible | ~slow
 
     def _seen(self, fields: Fields, contexts: Array) -> Array:
         seen = self.task.observe(fields)

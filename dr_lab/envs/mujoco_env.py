@@ -34,6 +34,7 @@ class MujocoEnv(EnvBase):
         seed: of all random draws.
         show_context: whether the policy sees z.
         infeasible_return: highest return of an episode whose context is infeasible.
+        speed_limit: of every joint of a simulation that has not diverged, m/s or rad/s.
         threads: C threads; None takes every core this process may use.
 
     Attributes:
@@ -50,6 +51,7 @@ class MujocoEnv(EnvBase):
         *,
         show_context: bool = False,
         infeasible_return: float = 0.0,
+        speed_limit: float = np.inf,
         threads: int | None = None,
     ) -> None:
         super().__init__(device="cpu", batch_size=torch.Size([nenv]))
@@ -61,6 +63,7 @@ class MujocoEnv(EnvBase):
             seed,
             show_context=show_context,
             infeasible_return=infeasible_return,
+            speed_limit=speed_limit,
             threads=threads,
         )
         self._make_specs()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.envs.task import Task
+from dr_lab.errors import require_numbers
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import Model
 
@@ -19,6 +20,10 @@ class Setting:
         task: what it is to do.
         show_context: whether the policy sees the context.
         infeasible_return: highest return of an episode whose context is infeasible; to be below what others return.
+        speed_limit: of every joint of a simulation that has not diverged, m/s or rad/s; to be above what is reached.
+
+    Raises:
+        ConfigError: the speed limit is not above 0.
     """
 
     name: str
@@ -26,6 +31,10 @@ class Setting:
     task: Task
     show_context: bool
     infeasible_return: float
+    speed_limit: float
+
+    def __post_init__(self) -> None:
+        require_numbers(self, "env", positive=("speed_limit",))
 
     @property
     def space(self) -> ContextSpace:
@@ -42,5 +51,6 @@ class Setting:
             seed,
             show_context=self.show_context,
             infeasible_return=self.infeasible_return,
+            speed_limit=self.speed_limit,
             threads=threads,
         )

@@ -161,6 +161,33 @@ def test_divergence_ends_with_the_declared_return_and_stops_nobody() -> None:
     assert np.isfinite(outcome.observation).all()
 
 
+def test_nothing_is_seen_or_earned_of_a_state_that_runs_away() -> None:
+    of = setting("half_cheetah", "env/context=half_cheetah/damping")
+    episodes, rng = of.make(None, 4, 0, threads=1).episodes, np.random.default_rng(0)
+    episodes.give_contexts(np.full((4, 1), -9.5))  # N·m·s/rad: it accelerates itself, step by step
+    episodes.begin(np.arange(4))
+    ended = np.zeros(4, bool)
+    for _ in range(600):
+        outcome = episodes.step(rng.uniform(episodes.low, episodes.high, (4, len(episodes.low))))
+        assert (np.abs(outcome.observation) <= of.speed_limit).all()
+        assert (np.abs(outcome.reward[~outcome.infeasible]) <= of.speed_limit).all()
+        ended |= outcome.infeasible
+        if outcome.done.any():
+            episodes.begin(np.flatnonzero(outcome.done))
+    assert ended.any()
+
+
+def test_an_episode_that_ran_away_stays_ended_and_is_counted_once() -> None:
+    episodes = begun(setting("hopper"))
+    episodes.simulator.batch.bind("qvel")[1, 0] = 1e3
+    assert list(episodes.step(np.zeros((3, 3))).infeasible) == [False, True, False]
+    episodes.simulator.batch.bind("qvel")[1] = 0.0
+    assert list(episodes.step(np.zeros((3, 3))).infeasible) == [False, True, False]
+    assert episodes.infeasible == 1
+    episodes.begin(np.array([1]))
+    assert not episodes.step(np.zeros((3, 3))).infeasible.any()
+
+
 def test_divergence_pays_nothing_where_all_rewards_are_negative() -> None:
     episodes = begun(setting("cartpole", "env.infeasible_return=0"))
     earned = episodes.step(np.zeros((3, 1))).reward

@@ -39,7 +39,9 @@ push = constant(10.0 * FORCE)  # cut off at FORCE
 def episodes(count: int) -> Episodes:
     model = from_spec("block", mujoco.MjSpec.from_string(XML), PARAMETERS)
     task = Push(frame_skip=1, time_limit=LIMIT)
-    return Episodes(model, task, None, count, 0, show_context=False, infeasible_return=-7.0, threads=1)
+    return Episodes(
+        model, task, None, count, 0, show_context=False, infeasible_return=-7.0, speed_limit=200.0, threads=1
+    )
 
 
 def test_an_episode_holds_its_course_from_start_to_end() -> None:

@@ -29,4 +29,13 @@ class Still(BlockOnRail):
 def test_an_actuator_without_ctrlrange_is_refused_by_name() -> None:
     model = from_spec("block", mujoco.MjSpec.from_string(XML), {})
     with pytest.raises(ModelError, match=r"could act in: brake \[0, 0\]; expected .* Give them a ctrlrange"):
-        Episodes(model, Still(frame_skip=1, time_limit=5), None, 1, 0, show_context=False, infeasible_return=0.0)
+        Episodes(
+            model,
+            Still(frame_skip=1, time_limit=5),
+            None,
+            1,
+            0,
+            show_context=False,
+            infeasible_return=0.0,
+            speed_limit=np.inf,
+        )

@@ -103,7 +103,9 @@ def again(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
 def subject() -> Subject:
     model = from_spec("block", mujoco.MjSpec.from_string(XML), MASS)
     task = Push(frame_skip=1, time_limit=STEPS)
-    setting = Setting(name="block", model=model, task=task, show_context=False, infeasible_return=0.0)
+    setting = Setting(
+        name="block", model=model, task=task, show_context=False, infeasible_return=0.0, speed_limit=200.0
+    )
     return Subject("pushed", setting, constant(1.0), again)
 
 
