@@ -1,9 +1,10 @@
 """Checkpoints: one file that is complete or not there, and that cannot run code when it is read."""
 
 import pickle
+import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import torch
@@ -22,6 +23,8 @@ _ARRAYS = [
     multiarray.scalar,
     *(type(np.dtype(kind)) for kind in (np.float64, np.float32, np.int64, np.int32, np.uint8, np.bool_)),
 ]
+# What is raised for a file that is damaged or something else.
+_DAMAGED = (OSError, RuntimeError, EOFError, LookupError, ValueError, pickle.UnpicklingError, zipfile.BadZipFile)
 
 
 def save(path: Path, state: Mapping[str, Any]) -> None:
@@ -51,11 +54,30 @@ def load(path: Path) -> dict[str, Any]:
         DataError: there is no such file, or it is no checkpoint.
     """
     try:
-        with torch.serialization.safe_globals(_ARRAYS):
-            return torch.load(path, weights_only=True)
-    except (OSError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
-        cause = str(error).partition("\n")[0]
-        raise DataError(f"Cannot read the checkpoint {path}: {cause} Give the folder of a training run.") from error
+        file = path.open("rb")
+    except OSError as error:
+        raise DataError(
+            f"Cannot read the checkpoint {path}: {error.strerror}. Give the folder of a training run."
+        ) from error
+    with file:
+        try:
+            return _read(file)
+        except _DAMAGED as error:
+            cause = str(error).partition("\n")[0].rstrip(".")
+            raise DataError(
+                f"Cannot read the checkpoint {path}: it is damaged, cut short or something else ({cause}). Give the "
+                "folder of a training run, copied whole."
+            ) from error
+
+
+def _read(file: BinaryIO) -> dict[str, Any]:
+    with zipfile.ZipFile(file) as archive:
+        damaged = archive.testzip()  # torch itself takes what a flipped bit has made of a tensor
+    if damaged is not None:
+        raise EOFError(f"the checksum of {damaged} does not fit")
+    file.seek(0)
+    with torch.serialization.safe_globals(_ARRAYS):
+        return torch.load(file, weights_only=True)
 
 
 def not_finite(state: object, name: str) -> Iterator[str]:
