@@ -22,6 +22,7 @@ from dr_lab.networks.normaliser import RunningNormaliser
 STEP = 0.2  # x' = x + STEP·z·a, reward 1 − x'²
 LIMIT = 15  # steps after which an episode is cut; |x| > 2 terminates it
 INTERFACE = Interface(1, np.array([-1.0]), np.array([1.0]))
+ASKEW = Interface(1, np.array([-3.0]), np.array([1.0]))  # bounds that are not their own unit
 
 
 class PointCollector(Collector):

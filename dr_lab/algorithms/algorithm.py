@@ -61,20 +61,20 @@ class Algorithm(ABC):
     def begin_schedules(self) -> None:  # noqa: B027 (few have one)
         """Let what changes with the control steps seen begin anew; by default there is nothing of the kind.
 
-        A trained policy that is trained on would else be held by a learning rate that has fallen to 0.
+        A policy that is trained on would else be held by a learning rate that has fallen to 0, or by old samples.
         """
 
     def forget_episodes(self) -> None:  # noqa: B027 (few remember any)
         """Let go of what is known of episodes that go on, because new ones begin; by default nothing is."""
 
     def explore_anew(self, seed: int) -> None:
-        """Let policies that explore draw other random numbers; a state that was loaded has brought those of its run.
+        """Explore and learn with other random numbers; a state that was loaded has brought those of its run.
 
         Args:
             seed: of them, so that what goes on from one state with several seeds does so independently.
         """
-        for name, policy in self.policies.items():
-            generator = getattr(policy, "generator", None)  # one that draws from torch's has none of its own
+        for name, drawing in {"algorithm": self, **self.policies}.items():
+            generator = getattr(drawing, "generator", None)  # what draws from torch's has none of its own
             if isinstance(generator, torch.Generator):
                 generator.manual_seed(derived_seed(seed, "explore_anew", name))
 

@@ -33,8 +33,13 @@ Rollouts_contra = TypeVar("Rollouts_contra", contravariant=True)
 class Learner(Stateful, Protocol[Rollouts_contra]):
     """What shapes the distribution of the context; every distribution learner is one."""
 
+    @property
+    def every(self) -> int:
+        """Control steps between two updates."""
+        ...
+
     def update(self, rollouts: Rollouts_contra) -> Mapping[str, float]:
-        """Once an iteration, on rollouts of the present policy."""
+        """On rollouts of the present policy."""
         ...
 
 
@@ -121,7 +126,7 @@ class Trainer(Generic[R]):
         state = load(checkpoint)
         try:
             self.load_state_dict(state)
-        except (KeyError, RuntimeError, ValueError) as error:
+        except (KeyError, RuntimeError, TypeError, ValueError) as error:
             raise DataError(f"{checkpoint} is of a run with other settings: {error}") from error
 
     def _save(self) -> None:
@@ -140,12 +145,14 @@ class Trainer(Generic[R]):
         begin = time.monotonic()
         batch = next(self._collector)
         finished = self._episodes.take(batch)
-        shaped = self._learner.update(self._rollouts)
+        frames, between = self.frames + batch.numel(), self._learner.every
+        due = frames // between > self.frames // between
+        shaped = self._learner.update(self._rollouts) if due else {}
         learnt = self._algorithm.update(batch)
         before = self.history[-1]["seconds"] if self.history else 0.0
         figures = {
             "iteration": float(len(self.history) + 1),
-            "frames": float(self.frames + batch.numel()),
+            "frames": float(frames),
             "seconds": before + time.monotonic() - begin,
             **finished.figures(),
             **learnt,

@@ -17,11 +17,14 @@ class Rollouts(Protocol):
 
 
 class DistributionLearner(ABC):
-    """Changes the parameters φ of a randomizer, once an iteration of training.
+    """Changes the parameters φ of a randomizer while a policy is trained.
 
     Attributes:
         randomizer: p_φ(z), from which the environment draws.
+        every: control steps of training between two updates, which wait for an iteration to end.
     """
+
+    every: int = 1
 
     def __init__(self, randomizer: Randomizer) -> None:
         self.randomizer = randomizer

@@ -35,6 +35,7 @@ class LSDR(DistributionLearner):
         seed: of the contexts that are tried.
         prior: makes p(z) over the same parameters.
         source: which of the two the tried contexts are drawn from.
+        every: control steps of training between two iterations of this, which wait for a batch of the policy's to end.
         contexts: K, contexts tried in an iteration, one episode each.
         steps: M, steps of Adam on the same episodes.
         learning_rate: of Adam.
@@ -52,6 +53,7 @@ class LSDR(DistributionLearner):
         seed: int,
         prior: Callable[[ContextSpace], Randomizer],
         source: Literal["prior", "learned"],
+        every: int,
         contexts: int,
         steps: int,
         learning_rate: float,
@@ -60,6 +62,7 @@ class LSDR(DistributionLearner):
         divergence_samples: int,
     ) -> None:
         super().__init__(randomizer)
+        self.every = every
         self.contexts = contexts
         self.steps = steps
         self.learning_rate = learning_rate
@@ -67,7 +70,7 @@ class LSDR(DistributionLearner):
         self.return_rate = return_rate
         self.divergence_samples = divergence_samples
         positive = ("learning_rate", "return_rate")
-        least = {"contexts": 2, "steps": 1, "alpha": 0.0, "divergence_samples": 1}
+        least = {"every": 1, "contexts": 2, "steps": 1, "alpha": 0.0, "divergence_samples": 1}
         require_numbers(self, "distribution_learner", positive=positive, least=least, most={"return_rate": 1.0})
         self.prior = prior(randomizer.space)
         self.source = {"prior": self.prior, "learned": randomizer}[source]
@@ -82,15 +85,15 @@ class LSDR(DistributionLearner):
         returns = rollouts.returns(z)
         standardised = torch.from_numpy(self.statistics.standardise(returns))
         tried = torch.from_numpy(z)
-        gap = torch.zeros(())
         for _ in range(self.steps):
-            gap = self._divergence()
             score = (standardised * self.randomizer.log_prob(tried)).mean()
             self.optimiser.zero_grad(set_to_none=True)
-            (self.alpha * gap - score).backward()
+            (self.alpha * self._divergence() - score).backward()
             self.optimiser.step()
+        with torch.no_grad():
+            divergence_now = self._divergence().item()
         return {
-            "divergence": gap.item(),
+            "divergence": divergence_now,
             "context_return": float(np.nanmean(returns)) if not np.isnan(returns).all() else np.nan,
             "infeasible": float(np.isnan(returns).mean()),
             **self._entropy(),

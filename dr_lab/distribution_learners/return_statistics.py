@@ -16,7 +16,7 @@ class ReturnStatistics:
     1 − (1 − λ)ᵗ: after t batches that makes them averages of what was seen, whatever they started from. (The code
     released with the paper starts from m = 0, s = 1 without that division, so its R̂ is large for some 1/λ iterations.)
 
-    An infeasible context counts as the worst feasible one seen so far.
+    An infeasible context counts as the worst feasible one seen so far; before there is any, a batch says nothing.
 
     Args:
         rate: λ in (0, 1], share of the newest batch.
@@ -33,7 +33,9 @@ class ReturnStatistics:
         """Take a batch (k,) into account and return it standardised; NaN stands for infeasible."""
         feasible = returns[~np.isnan(returns)]
         self.lowest = min(self.lowest, *feasible, np.inf)
-        filled = np.where(np.isnan(returns), self.lowest if np.isfinite(self.lowest) else 0.0, returns)
+        if not np.isfinite(self.lowest):
+            return np.zeros_like(returns)
+        filled = np.where(np.isnan(returns), self.lowest, returns)
         self.mean += self.rate * (float(filled.mean()) - self.mean)
         self.std += self.rate * (float(filled.std()) - self.std)
         self.weight += self.rate * (1.0 - self.weight)

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import torch
 from torch import Tensor, nn
 
+from dr_lab.errors import require_numbers
 from dr_lab.networks.mlp import MLP, Activation
 from dr_lab.networks.normaliser import Normaliser
 from dr_lab.trajectory import Array
@@ -22,6 +23,9 @@ class DeterministicActor(nn.Module):
         hidden: widths of the hidden layers.
         activation: between them.
         noise: standard deviation of the noise while exploring, for actions scaled to ±1.
+
+    Raises:
+        ConfigError: a number is out of its range.
     """
 
     centre: Tensor
@@ -40,6 +44,7 @@ class DeterministicActor(nn.Module):
     ) -> None:
         super().__init__()
         self.noise = noise
+        require_numbers(self, "algorithm.actor", least={"noise": 0.0})
         self.generator = torch.Generator().manual_seed(seed)
         self.normaliser = normaliser(observation)
         self.body = MLP(observation, hidden, len(low), activation, last_gain=0.01, generator=self.generator)

@@ -8,6 +8,8 @@ from typing import Literal
 import torch
 from torch import Tensor, nn
 
+from dr_lab.errors import ConfigError
+
 Activation = Literal["tanh", "relu"]
 
 _ACTIVATIONS: dict[Activation, Callable[[Tensor], Tensor]] = {"tanh": torch.tanh, "relu": torch.relu}
@@ -30,6 +32,9 @@ class MLP(nn.Module):
         activation: σ.
         last_gain: gain of the last layer; small values make the first outputs small.
         generator: random numbers for the weights.
+
+    Raises:
+        ConfigError: a hidden layer has no width.
     """
 
     def __init__(
@@ -42,6 +47,8 @@ class MLP(nn.Module):
         generator: torch.Generator,
     ) -> None:
         super().__init__()
+        if not all(width >= 1 for width in hidden):
+            raise ConfigError(f"hidden is {list(hidden)}; expected the width of each hidden layer, at least 1, or [].")
         widths = [inputs, *hidden, outputs]
         self._names = [(f"weight{k}", f"bias{k}") for k in range(len(widths) - 1)]
         for (weight, bias), (a, b) in zip(self._names, itertools.pairwise(widths), strict=True):

@@ -8,6 +8,7 @@ import torch
 from torch import Tensor, nn
 from torch.distributions import MultivariateNormal
 
+from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.trajectory import Array
@@ -94,7 +95,12 @@ def gaussian(
 
     Raises:
         UnknownNameError: a name is not a parameter.
+        ConfigError: a standard deviation is negative.
     """
+    given = {f"std.{name}": value for name, value in (std or {}).items()} | {"relative_std": relative_std}
+    for name, value in given.items():
+        if not value >= 0.0:
+            raise ConfigError(f"randomizer.{name} is {value:g}; expected a standard deviation of at least 0.")
     centre, spread = (space.low + space.high) / 2, relative_std * uniform_std(space)
     for name, value in (mean or {}).items():
         centre[space.index(name)] = value

@@ -17,6 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from dr_lab.algorithms.episode_log import Finished
 from dr_lab.algorithms.trainer import Watch
 from dr_lab.envs.setting import Setting
+from dr_lab.errors import ConfigError
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
@@ -32,11 +33,11 @@ from dr_lab.workflows.training import CHECKPOINT, Plan, Training
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 # Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.
 MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder")
-_LAST = 0.1  # share of the iterations that the final return is the mean of
+_DRAWS = 100_000  # of a distribution, for its mean and standard deviation: to 0.3 % of the latter
 _NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
 
 
-def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path) -> dict[str, Any]:
+def train(plan: Plan, recorder: Look, resume: str | None, final_share: float, run_dir: Path) -> dict[str, Any]:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
     Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt``, ``report.json``, ``report.md``, ``review.rrd`` and
@@ -47,15 +48,18 @@ def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path) -> dict
         plan: what is trained, and on what.
         recorder: how the recording looks.
         resume: run folder of an interrupted training run with the same settings.
+        final_share: share of the iterations whose episodes make up the final return, the last ones.
         run_dir: the run folder.
 
     Returns:
         The report (schema dr_lab/train/1).
 
     Raises:
-        ConfigError: the parts do not fit.
+        ConfigError: the parts do not fit, or a number is out of its range.
         DataError: the run to be resumed has no readable checkpoint, or other settings.
     """
+    if not 0.0 < final_share <= 1.0:
+        raise ConfigError(f"final_share is {final_share:g}; expected a share above 0, 1 at most.")
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
     training = plan.assemble(run_dir / CHECKPOINT)
     snapshots = Snapshots(training.randomizer)
@@ -65,7 +69,7 @@ def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path) -> dict
     else:
         training.trainer.resume(Path(resume).expanduser() / CHECKPOINT)
     _run(training, snapshots, plan, run_dir)
-    return _finish(training, snapshots, plan, recorder, run_dir)
+    return _finish(training, snapshots, plan, recorder, final_share, run_dir)
 
 
 def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
@@ -88,11 +92,14 @@ def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) ->
         raise
 
 
-def _finish(training: Training, snapshots: Snapshots, plan: Plan, look: Look, run_dir: Path) -> dict[str, Any]:
+def _finish(
+    training: Training, snapshots: Snapshots, plan: Plan, look: Look, final_share: float, run_dir: Path
+) -> dict[str, Any]:
     history, env = training.trainer.history, plan.env
     policy, contexts = training.algorithm.deployed, training.randomizer
     episodes = play_episodes(env, policy, contexts, look.episodes, plan.seed, plan.threads)
-    report = to_plain(_report(training, snapshots, env, episodes, run_dir))
+    returned = {"final_return": final_return(history, final_share)}
+    report = to_plain(_report(training, snapshots, env, episodes, run_dir) | returned)
     assert isinstance(report, dict)
     page = _page(report)
     write_text(run_dir / "metrics.csv", metrics_csv(history))
@@ -110,7 +117,7 @@ def _report(
     training: Training, snapshots: Snapshots, env: Setting, episodes: Sequence[Episode], run_dir: Path
 ) -> dict[str, Any]:
     history = training.trainer.history
-    z = training.randomizer.sample([np.random.default_rng(0)] * 1000)
+    z = training.randomizer.sample([np.random.default_rng(0)] * _DRAWS)
     context = {
         p.name: {"unit": p.unit, "low": p.low, "high": p.high, **_moments(column)}
         for p, column in zip(env.space.parameters, z.T, strict=True)
@@ -126,7 +133,6 @@ def _report(
         "iterations": len(history),
         "frames": training.trainer.frames,
         "seconds": history[-1]["seconds"],
-        "final_return": final_return(history),
         "infeasible_episodes": int(sum(map(_infeasible, history))),
         "final": history[-1],
         "context": context,
@@ -141,13 +147,14 @@ def _moments(draws: Array) -> dict[str, float]:
     return {"mean": draws.mean(), "std": draws.std()} if np.ptp(draws) else {"mean": draws[0], "std": 0.0}
 
 
-def final_return(history: Sequence[Mapping[str, float]]) -> float | None:
-    """Mean return of the feasible episodes that ended in the last tenth of the iterations; None where none did.
+def final_return(history: Sequence[Mapping[str, float]], share: float) -> float | None:
+    """Mean return of the feasible episodes that ended in the last iterations; None where none did.
 
     Args:
         history: figures of every iteration by name.
+        share: of the iterations, the last ones, one at least.
     """
-    last = history[-max(1, round(_LAST * len(history))) :]
+    last = history[-max(1, round(share * len(history))) :]
     feasible = [(row["episodes"] - _infeasible(row), row["episode_return"]) for row in last]
     known = [(count, value) for count, value in feasible if count]
     return sum(count * value for count, value in known) / sum(count for count, _ in known) if known else None

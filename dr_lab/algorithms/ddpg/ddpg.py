@@ -97,20 +97,23 @@ class DDPG(Algorithm):
     def update(self, batch: TensorDict) -> Mapping[str, float]:
         """Put the batch into the normaliser's statistics and the buffer, and take the steps that it earns.
 
-        Figures are NaN where that is none: before `learning_starts`, or after a batch of few control steps.
+        Control steps at which an infeasible context ended an episode are left out. Figures are NaN where no step is
+        taken: before `learning_starts`, or after a batch of few control steps.
         """
         self.actor.normaliser.update(batch["observation"])
-        self.buffer.extend(self._transitions(batch))
+        rows = batch.reshape(-1)
+        rows = rows[~rows["next", "infeasible"].squeeze(-1)]  # no action leads to such an end
+        if len(rows):
+            self.buffer.extend(self._transitions(rows))
         before, self.frames = self.frames, self.frames + batch.numel()
         steps = int(self.frames * self.steps_per_frame) - int(before * self.steps_per_frame)
-        if self.frames < self.learning_starts or steps == 0:
+        if self.frames < self.learning_starts or steps == 0 or not len(self.buffer):
             return {"critic_loss": torch.nan, "q": torch.nan}
         terms = [self._step() for _ in range(steps)]
         critic_loss, value = torch.stack(terms).mean(0).tolist()
         return {"critic_loss": critic_loss, "q": value}
 
-    def _transitions(self, batch: TensorDict) -> TensorDict:
-        rows = batch.reshape(-1)
+    def _transitions(self, rows: TensorDict) -> TensorDict:
         flags = {key: rows["next", key] for key in ("reward", "done", "terminated")}
         after = {"observation": rows["next", "observation"], **flags}
         now = {
@@ -133,6 +136,11 @@ class DDPG(Algorithm):
         self.critic_adam.step()
         self.targets.step()
         return torch.stack([terms["loss_value"], terms["pred_value"].mean()]).detach()
+
+    def begin_schedules(self) -> None:
+        """Experience is collected anew, `learning_starts` control steps of it before the next gradient step."""
+        self.buffer.empty()
+        self.frames = 0
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs, the buffer included."""

@@ -69,6 +69,10 @@ class WorstEpisodes(Selection):
             returns[:, t] = torch.where(done[:, t], returns[:, t], returns[:, t + 1])
         return returns, last
 
+    def begin_schedules(self) -> None:
+        """Warm up again."""
+        self._batches = 0
+
     def forget_episodes(self) -> None:
         """New episodes have earned nothing yet."""
         self._earned, self._discount = torch.zeros(1), torch.ones(1)

@@ -73,8 +73,10 @@ class PPO(Algorithm):
         self.actor_rate, self.critic_rate = actor_rate, critic_rate
         self.anneal_frames, self.max_kl = anneal_frames, max_kl
         self.max_gradient = max_gradient
-        positive = ("actor_rate", "critic_rate", "max_gradient")
-        least = {"batch_frames": 2, "epochs": 1, "minibatch": 2, "gamma": 0.0, "lam": 0.0}
+        self.adam_epsilon = adam_epsilon
+        limits = [name for name in ("anneal_frames", "max_kl") if getattr(self, name) is not None]
+        positive = ("actor_rate", "critic_rate", "max_gradient", *limits)
+        least = {"batch_frames": 2, "epochs": 1, "minibatch": 2, "gamma": 0.0, "lam": 0.0, "adam_epsilon": 0.0}
         require_numbers(self, "algorithm", positive=positive, least=least, most={"gamma": 1.0, "lam": 1.0})
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.critic = critic(interface.observation, derived_seed(seed, "critic"))
@@ -115,7 +117,8 @@ class PPO(Algorithm):
         observation = self.actor.normaliser(batch["observation"])
         value, next_value = self.critic(observation), self.critic(self.actor.normaliser(batch["next", "observation"]))
         done, terminated = batch["next", "done"].squeeze(-1), batch["next", "terminated"].squeeze(-1)
-        reward = self.reward_scale(batch["next", "reward"].squeeze(-1), done)
+        earned, infeasible = batch["next", "reward"].squeeze(-1), batch["next", "infeasible"].squeeze(-1)
+        reward = self.reward_scale(earned, done, infeasible)
         advantage = advantages(reward, value, next_value, terminated, done, self.gamma, self.lam)
         fields = Samples(
             observation,
@@ -124,7 +127,7 @@ class PPO(Algorithm):
             advantage,
             advantage + value,
         )
-        kept = self.selection(reward, done, batch["next", "infeasible"].squeeze(-1), next_value)
+        kept = self.selection(earned, done, infeasible, next_value * self.reward_scale.unit)
         return Samples(*(field[kept] for field in fields))
 
     def _fit(self, samples: Samples, share: float) -> Mapping[str, float]:
@@ -160,8 +163,9 @@ class PPO(Algorithm):
         return (ratio - 1 - log_ratio).mean().item(), ((ratio - 1).abs() > self.surrogate.clip).float().mean().item()
 
     def begin_schedules(self) -> None:
-        """The learning rates start at their full size again."""
+        """The learning rates start at their full size again, and a selection with what it starts with."""
         self.frames = 0
+        self.selection.begin_schedules()
 
     def forget_episodes(self) -> None:
         """New episodes begin with nothing earned."""

@@ -14,8 +14,19 @@ class RewardScale(ABC):
     """What a learner sees of rewards; what is recorded and evaluated is never scaled."""
 
     @abstractmethod
-    def __call__(self, reward: Tensor, done: Tensor) -> Tensor:
-        """Scaled rewards of a batch (n, steps), which the statistics take in first."""
+    def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor) -> Tensor:
+        """Scaled rewards of a batch (n, steps), which the statistics take in first.
+
+        Args:
+            reward: shape (n, steps), as all that follows.
+            done: whether the episode ended.
+            infeasible: whether it ended because its context is infeasible; such rewards teach nothing.
+        """
+
+    @property
+    @abstractmethod
+    def unit(self) -> float:
+        """What a scaled reward of 1 was before, where it was not cut."""
 
     def forget_episodes(self) -> None:  # noqa: B027 (raw rewards have no past)
         """New episodes begin: what those that go on have earned so far is let go, the statistics are kept."""
@@ -39,10 +50,15 @@ class RawRewards(RewardScale):
     def __init__(self, gamma: float) -> None:
         del gamma
 
-    def __call__(self, reward: Tensor, done: Tensor) -> Tensor:
+    def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor) -> Tensor:
         """The rewards themselves."""
-        del done
+        del done, infeasible
         return reward
+
+    @property
+    def unit(self) -> float:
+        """1."""
+        return 1.0
 
     def state_dict(self) -> dict[str, Any]:
         """Nothing."""
@@ -69,7 +85,7 @@ class RunningRewardScale(RewardScale):
         self.forget_episodes()
         self._count, self._mean, self._square = 0.0, 0.0, 0.0
 
-    def __call__(self, reward: Tensor, done: Tensor) -> Tensor:
+    def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor) -> Tensor:
         """Scaled rewards of a batch (n, steps)."""
         sums, running = torch.empty_like(reward), self._sum.expand(len(reward))
         going = (~done).to(reward.dtype)
@@ -77,15 +93,21 @@ class RunningRewardScale(RewardScale):
             sums[:, t] = self._gamma * running + reward[:, t]
             running = sums[:, t] * going[:, t]
         self._sum = running.clone()
-        self._take(sums.double())
-        std = max(self._square - self._mean**2, 0.0) ** 0.5
-        return (reward / (std + 1e-8)).clamp_(-self.clip, self.clip)  # 1e-8: rewards that never change
+        self._take(sums[~infeasible].double())
+        return (reward / self.unit).clamp_(-self.clip, self.clip)
+
+    @property
+    def unit(self) -> float:
+        """std(G)."""
+        return max(self._square - self._mean**2, 0.0) ** 0.5 + 1e-8  # 1e-8: rewards that never change
 
     def forget_episodes(self) -> None:
         """Sums of new episodes."""
         self._sum = torch.zeros(1)
 
     def _take(self, sums: Tensor) -> None:
+        if not sums.numel():
+            return
         self._count += sums.numel()
         share = sums.numel() / self._count
         self._mean += share * (sums.mean().item() - self._mean)

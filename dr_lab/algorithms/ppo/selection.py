@@ -22,11 +22,14 @@ class Selection(ABC):
         """Which are learnt from, shape (n, steps).
 
         Args:
-            reward: shape (n, steps), as all that follows.
+            reward: as the task gave it, shape (n, steps), as all that follows.
             done: whether the episode ended.
             infeasible: whether it ended because its context is infeasible.
-            next_value: V of the episode's own next observation.
+            next_value: V of the episode's own next observation, in the unit of these rewards.
         """
+
+    def begin_schedules(self) -> None:  # noqa: B027 (few have one)
+        """Begin anew what changes from batch to batch."""
 
     def forget_episodes(self) -> None:  # noqa: B027 (few remember any)
         """New episodes begin: let go of what is known of those that go on."""

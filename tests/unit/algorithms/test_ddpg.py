@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from point_mass import INTERFACE, PointCollector, best, mean_reward
+from point_mass import ASKEW, INTERFACE, PointCollector, best, mean_reward
 
+from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.algorithms.ddpg.ddpg import DDPG
 from dr_lab.errors import ConfigError
@@ -19,7 +20,12 @@ from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.networks.normaliser import NoNormaliser, Normaliser, RunningNormaliser
 
 
-def ddpg(seed: int = 0, normaliser: Callable[[int], Normaliser] = NoNormaliser, **changes: Any) -> DDPG:  # noqa: ANN401
+def ddpg(
+    seed: int = 0,
+    normaliser: Callable[[int], Normaliser] = NoNormaliser,
+    interface: Interface = INTERFACE,
+    **changes: Any,  # noqa: ANN401
+) -> DDPG:
     numbers: dict[str, Any] = {
         "batch_frames": 64,
         "gamma": 0.9,
@@ -32,7 +38,7 @@ def ddpg(seed: int = 0, normaliser: Callable[[int], Normaliser] = NoNormaliser, 
         "tau": 0.02,
     }
     return DDPG(
-        INTERFACE,
+        interface,
         seed,
         actor=partial(DeterministicActor, normaliser=normaliser, hidden=[16], activation="relu", noise=0.3),
         critic=partial(Critic, hidden=[32], activation="relu"),
@@ -107,6 +113,41 @@ def test_control_steps_earn_gradient_steps_over_several_batches(steps_per_frame:
     assert sum(np.isfinite(each["critic_loss"]) for each in figures) == min(steps, 20)
 
 
+def test_the_end_in_an_infeasible_context_is_not_learnt_from() -> None:
+    algorithm = ddpg()
+    batch = next(collector(algorithm))
+    batch["next", "infeasible"][3, 2] = True
+    batch["next", "reward"][3, 2] = -1e6
+    algorithm.update(batch)
+    assert len(algorithm.buffer) == batch.numel() - 1
+    assert algorithm.buffer.storage[:]["next", "reward"].min() > -10.0
+    batch["next", "infeasible"][:] = True
+    algorithm.update(batch)
+    assert len(algorithm.buffer) == batch.numel() - 1
+
+
+def test_actions_are_kept_in_units_of_their_bounds() -> None:
+    algorithm = ddpg(interface=ASKEW)
+    batch = next(collector(algorithm))
+    algorithm.update(batch)
+    kept = algorithm.buffer.storage[:]["action"]
+    torch.testing.assert_close(kept, (batch["action"].reshape(-1, 1) + 1.0) / 2.0)
+    observation = torch.linspace(-2.0, 2.0, 5)[:, None]
+    algorithm.actor.noise = 0.0
+    torch.testing.assert_close(algorithm.deployed(observation), algorithm.actor(observation))
+
+
+def test_training_on_collects_anew() -> None:
+    algorithm = ddpg(learning_starts=100)
+    batches = collector(algorithm)
+    for _ in range(5):
+        algorithm.update(next(batches))
+    algorithm.begin_schedules()
+    assert len(algorithm.buffer) == 0
+    assert np.isnan(algorithm.update(next(batches))["q"])
+    assert np.isfinite(algorithm.update(next(batches))["q"])
+
+
 def test_one_state_may_be_trained_on_from_twice() -> None:
     algorithm = ddpg()
     batches = collector(algorithm)
@@ -143,3 +184,7 @@ def test_a_number_out_of_its_range_is_told() -> None:
         ddpg(gamma=1.5)
     with pytest.raises(ConfigError, match=r"algorithm\.tau is 2; expected at most 1\."):
         ddpg(tau=2.0)
+    with pytest.raises(ConfigError, match=r"algorithm\.actor\.noise is -1; expected at least 0\."):
+        DeterministicActor(1, np.array([-1.0]), np.array([1.0]), 0, NoNormaliser, [4], "relu", noise=-1.0)
+    with pytest.raises(ConfigError, match=r"hidden is \[0\]; expected the width of each hidden layer"):
+        DeterministicActor(1, np.array([-1.0]), np.array([1.0]), 0, NoNormaliser, [0], "relu", noise=0.1)

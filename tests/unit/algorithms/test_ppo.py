@@ -6,12 +6,13 @@ from functools import partial
 import numpy as np
 import pytest
 import torch
-from point_mass import PointCollector, best, mean_reward, ppo, ppo_arguments
+from point_mass import ASKEW, PointCollector, best, mean_reward, ppo, ppo_arguments
 
 from dr_lab.algorithms.epopt.worst_episodes import WorstEpisodes
 from dr_lab.algorithms.ppo.explicit_surrogate import ExplicitSurrogate
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.reward_scale import RawRewards, RunningRewardScale
+from dr_lab.algorithms.ppo.selection import FeasibleSteps
 from dr_lab.errors import ConfigError
 
 
@@ -91,11 +92,67 @@ def test_rewards_are_scaled_by_the_spread_of_their_sums() -> None:
     done = torch.tensor([[False, True, False]])
     # Sums 1, 1.5 and, in the next episode, 4: variance (1 + 2.25 + 16)/3 − (6.5/3)².
     std = (19.25 / 3 - (6.5 / 3) ** 2) ** 0.5
-    torch.testing.assert_close(scale(reward, done), reward / std)
+    never = torch.zeros_like(done)
+    torch.testing.assert_close(scale(reward, done, never), reward / std)
+    assert scale.unit == pytest.approx(std)
     # The third goes on: 0.5·4 + 1 = 3.
-    scale(reward[:, :1], done[:, :1])
+    scale(reward[:, :1], done[:, :1], never[:, :1])
     torch.testing.assert_close(scale.state_dict()["sum"], torch.tensor([3.0]))
-    assert torch.equal(RawRewards(0.5)(reward, done), reward)
+    assert torch.equal(RawRewards(0.5)(reward, done, never), reward)
+
+
+def test_rewards_of_infeasible_contexts_are_no_part_of_the_scale() -> None:
+    with_one, without = (RunningRewardScale(gamma=0.5, clip=10.0) for _ in range(2))
+    reward, done = torch.tensor([[1.0, 4.0], [-1e4, 2.0]]), torch.tensor([[False, True], [True, True]])
+    with_one(reward, done, torch.tensor([[False, False], [True, False]]))
+    without(torch.tensor([[1.0, 4.0, 2.0]]), torch.tensor([[False, True, True]]), torch.zeros(1, 3, dtype=torch.bool))
+    assert with_one.unit == pytest.approx(without.unit)
+    before = with_one.unit
+    with_one(reward[:, :1], torch.ones(2, 1, dtype=torch.bool), torch.ones(2, 1, dtype=torch.bool))
+    assert with_one.unit == before
+
+
+def test_episodes_are_selected_by_what_they_earned_whatever_the_scale_was_then() -> None:
+    seen: list[torch.Tensor] = []
+
+    class Watched(FeasibleSteps):
+        def __call__(
+            self, reward: torch.Tensor, done: torch.Tensor, infeasible: torch.Tensor, next_value: torch.Tensor
+        ) -> torch.Tensor:
+            seen.extend([reward, next_value])
+            return super().__call__(reward, done, infeasible, next_value)
+
+    algorithm = PPO(**ppo_arguments(selection=Watched))
+    batch = next(PointCollector(algorithm.policies["policy"]))
+    algorithm.samples(batch)
+    assert torch.equal(seen[0], batch["next", "reward"].squeeze(-1))
+    value = algorithm.critic(algorithm.actor.normaliser(batch["next", "observation"]))
+    torch.testing.assert_close(seen[1], value * algorithm.reward_scale.unit)
+
+
+def test_actions_are_in_units_of_their_bounds_for_the_surrogate() -> None:
+    algorithm = PPO(**ppo_arguments(interface=ASKEW))
+    batch = next(PointCollector(algorithm.policies["policy"]))
+    samples = algorithm.samples(batch)
+    torch.testing.assert_close(samples.action, (batch["action"].reshape(-1, 1) + 1.0) / 2.0)
+    log_prob = algorithm.actor.unit_log_prob(samples.observation, samples.action)
+    torch.testing.assert_close(log_prob, samples.log_prob)
+
+
+def test_training_on_begins_its_schedules_anew_and_draws_otherwise() -> None:
+    algorithm = PPO(**ppo_arguments(anneal_frames=960, selection=partial(WorstEpisodes, epsilon=0.1, warm_up=1)))
+    collector = PointCollector(algorithm.policies["policy"])
+    for _ in range(2):
+        algorithm.update(next(collector))
+    algorithm.begin_schedules()
+    batch = next(collector)
+    assert len(algorithm.samples(batch).target) == batch.numel()  # it warms up
+    assert algorithm.update(batch)["learning_rate"] == pytest.approx(3e-3)
+    drawn = []
+    for seed in (0, 1):
+        algorithm.explore_anew(seed)
+        drawn.append({algorithm.generator.initial_seed(), algorithm.actor.generator.initial_seed()})
+    assert len(drawn[0] | drawn[1]) == 4
 
 
 def test_neighbouring_seeds_share_no_numbers() -> None:
@@ -126,6 +183,12 @@ def test_a_bad_number_is_told() -> None:
         PPO(**ppo_arguments(gamma=1.1))
     with pytest.raises(ConfigError, match=r"algorithm\.lam is -0\.5; expected at least 0\."):
         PPO(**ppo_arguments(lam=-0.5))
+    with pytest.raises(ConfigError, match=r"algorithm\.anneal_frames is 0; expected a number above 0"):
+        PPO(**ppo_arguments(anneal_frames=0))
+    with pytest.raises(ConfigError, match=r"algorithm\.max_kl is -1; expected a number above 0"):
+        PPO(**ppo_arguments(max_kl=-1.0))
+    with pytest.raises(ConfigError, match=r"algorithm\.adam_epsilon is -1; expected at least 0"):
+        PPO(**ppo_arguments(adam_epsilon=-1.0))
     with pytest.raises(ConfigError, match=r"algorithm\.surrogate\.clip is 0; expected a number above 0"):
         PPO(**ppo_arguments(surrogate=partial(ExplicitSurrogate, clip=0.0, entropy_weight=0.0, critic_weight=0.5)))
     with pytest.raises(ConfigError, match=r"algorithm\.reward_scale\.clip is -1"):

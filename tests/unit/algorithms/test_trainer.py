@@ -15,7 +15,7 @@ from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.algorithms.episode_log import EpisodeLog, Finished
 from dr_lab.algorithms.trainer import Trainer
 from dr_lab.distribution_learners.lsdr import LSDR
-from dr_lab.errors import DataError, DrLabError
+from dr_lab.errors import DrLabError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.discrete import DiscreteRandomizer
@@ -43,13 +43,14 @@ class Pretended:
         self.played = state["played"]
 
 
-def trainer(folder: Path, every: int = 1, seed: int = 0) -> Trainer[Pretended]:
+def trainer(folder: Path, every: int = 1, seed: int = 0, between: int = 1) -> Trainer[Pretended]:
     algorithm = ppo(seed)
     learner = LSDR(
         DiscreteRandomizer(GAIN, {}, bins=8),
         seed=seed,
         prior=lambda space: UniformRandomizer(space, {}),
         source="prior",
+        every=between,
         contexts=6,
         steps=3,
         learning_rate=0.01,
@@ -172,21 +173,8 @@ def test_infeasible_episodes_are_counted_and_averaged_over_by_nothing() -> None:
     assert math.isnan(figures["episode_return"])
 
 
-def test_checkpoints_hold_arrays_and_refuse_code(tmp_path: Path) -> None:
-    state = {
-        "rng": np.random.default_rng(0).bit_generator.state,
-        "array": np.eye(2),
-        "empty": np.empty((3, 0)),
-        "flags": np.ones(2, bool),
-        "n": [1, 2.5, None, "a"],
-    }
-    save(tmp_path / "c.pt", state)
-    read = load(tmp_path / "c.pt")
-    assert read["rng"] == state["rng"]
-    for name in ("array", "empty", "flags"):
-        np.testing.assert_array_equal(read[name], state[name])
-    torch.save({"code": print}, tmp_path / "evil.pt")
-    with pytest.raises(DataError, match="Cannot read the checkpoint"):
-        load(tmp_path / "evil.pt")
-    with pytest.raises(DataError, match="Cannot read the checkpoint"):
-        load(tmp_path / "missing.pt")
+def test_the_distribution_is_learnt_after_so_many_control_steps(tmp_path: Path) -> None:
+    run = trainer(tmp_path, between=FRAMES + 1)
+    run.run(4 * FRAMES, ignore)
+    learnt = ["entropy" in row for row in run.history]
+    assert learnt == [False, True, True, True]  # 481 is passed at 960, 962 at 1440, 1443 at 1920

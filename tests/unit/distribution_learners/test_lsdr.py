@@ -39,6 +39,7 @@ def learner(
         seed=0,
         prior=wide,
         source=source,
+        every=1,
         contexts=32,
         steps=5,
         learning_rate=0.02,

@@ -26,6 +26,15 @@ def test_an_infeasible_context_counts_as_the_worst_seen() -> None:
     )
 
 
+def test_batches_before_any_feasible_context_say_nothing_later_either() -> None:
+    begun, fresh = ReturnStatistics(rate=0.1), ReturnStatistics(rate=0.1)
+    for _ in range(5):
+        begun.standardise(np.array([np.nan, np.nan]))
+    returns = np.array([10.0, 20.0, np.nan])
+    np.testing.assert_allclose(begun.standardise(returns), fresh.standardise(returns))
+    assert begun.standardise(returns)[2] < 0.0
+
+
 def test_equal_and_altogether_infeasible_returns_say_nothing() -> None:
     assert (ReturnStatistics(rate=0.1).standardise(np.array([2.0, 2.0])) == 0.0).all()
     assert ReturnStatistics(rate=0.1).standardise(np.array([np.nan, np.nan])) == pytest.approx(0.0)

@@ -100,3 +100,9 @@ def test_mistakes_are_told() -> None:
         DiscreteRandomizer(SPACE, {}, bins=5000)
     with pytest.raises(ConfigError, match="for each of the components narrow"):
         MixtureRandomizer(SPACE, {"narrow": correlated}, {"wide": 1.0})
+
+
+@pytest.mark.parametrize(("std", "relative"), [({"mass": -0.1}, 0.1), ({}, -0.5)])
+def test_a_negative_standard_deviation_is_refused(std: dict[str, float], relative: float) -> None:
+    with pytest.raises(ConfigError, match=r"randomizer\.(std\.mass is -0\.1|relative_std is -0\.5); expected"):
+        gaussian(SPACE, {}, std, relative_std=relative, clip=False)

@@ -115,9 +115,9 @@ def test_infeasible_episodes_are_told_and_no_part_of_the_final_return(tmp_path: 
 def test_the_final_return_is_that_of_the_last_feasible_episodes() -> None:
     first = {"episodes": 9.0, "episode_return": 50.0, "infeasible_episodes": 0.0}
     rows = [first] * 18 + [first | {"episode_return": 1.0, "infeasible_episodes": 8.0}] + [first]
-    assert final_return(rows) == pytest.approx((1.0 + 9 * 50.0) / 10)
+    assert final_return(rows, 0.1) == pytest.approx((1.0 + 9 * 50.0) / 10)
     none = {"episodes": 3.0, "episode_return": math.nan, "infeasible_episodes": 3.0}
-    assert final_return([none]) is None
+    assert final_return([none], 0.1) is None
 
 
 def test_metrics_leave_out_what_is_unknown() -> None:
