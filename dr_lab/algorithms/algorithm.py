@@ -38,6 +38,11 @@ class Algorithm(ABC):
     batch_frames: int
 
     @property
+    def name(self) -> str:
+        """As a report calls it."""
+        return type(self).__name__
+
+    @property
     @abstractmethod
     def policies(self) -> Mapping[str, Policy]:
         """What acts while experience is collected, by name; most algorithms have one, ``policy``."""

@@ -76,6 +76,8 @@ def run_job(job: Job, cfg: DictConfig) -> None:
     except BaseException:
         discard(job, cfg)
         raise
+    if RUN_DIR in arguments and arguments[RUN_DIR] != job.output_dir:
+        print(f"{_shortest(job.output_dir)} holds another run; this one goes to {_shortest(arguments[RUN_DIR])}.\n")
     workflow(**arguments)
     if RUN_DIR in arguments:
         folder = _shortest(arguments[RUN_DIR])

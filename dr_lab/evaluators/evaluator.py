@@ -60,6 +60,7 @@ class Evaluation:
         grids: returns over contexts.
         curves: figures over the control steps of further training.
         episodes: that are worth being looked at.
+        told: what was played and what the figures mean, for the page.
     """
 
     figures: Mapping[str, float]
@@ -68,6 +69,7 @@ class Evaluation:
     grids: Sequence[Grid] = field(default_factory=tuple)
     curves: Sequence[Curve] = field(default_factory=tuple)
     episodes: Sequence[Episode] = field(default_factory=tuple)
+    told: str = ""
 
 
 class Evaluator(ABC):

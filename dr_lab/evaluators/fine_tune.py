@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -57,17 +57,30 @@ class FineTuneEvaluator(Evaluator):
         """Train on in every context.
 
         Raises:
-            ConfigError: rounds are so short that one of them trains nothing.
+            ConfigError: rounds are so short that one of them trains nothing, or nothing tells the contexts apart.
         """
         del folder
         space = subject.setting.space
+        if not space.names and self.contexts > 1:
+            raise ConfigError(
+                f"evaluator=fine_tune would train on in {self.contexts} contexts, which are all the same: "
+                f"{subject.setting.name} has no parameters. Give evaluator.contexts=1, or train with some: "
+                "env/context=…, as dr-lab train --help lists them."
+            )
         drawn = self.distribution(space).sample([stream(self.seed, "fine_tune")] * self.contexts)
         followed = []
         for index, z in enumerate(drawn):
             followed.append(self._follow(subject, z, index))
             progress((index + 1) / len(drawn))
         frames, returns = (np.array(each) for each in zip(*followed, strict=True))
-        return _summed_up(space, drawn, frames.max(axis=0), returns)
+        return replace(_summed_up(space, drawn, frames.max(axis=0), returns), told=self._told())
+
+    def _told(self) -> str:
+        return (
+            f"Training on in each of {self.contexts} contexts, {self.rounds} rounds of {self.frames} control steps or "
+            f"more. jump start: return before, asymptote: after, of {self.episodes} episodes each; interquartile means "
+            "over the contexts, of which infeasible are a share."
+        )
 
     def _follow(self, subject: Subject, z: Array, index: int) -> tuple[list[int], list[float]]:
         """Control steps trained and return before and after every round, rounds + 1 each.

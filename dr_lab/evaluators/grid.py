@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 
@@ -60,7 +60,8 @@ class GridEvaluator(Evaluator):
             played.append(rollouts.returns(load))
             progress(done / len(loads))
         returns = np.concatenate(played).reshape(len(z), self.episodes)
-        return summed_up(subject.name, axes, returns)
+        told = f"{self.episodes} episodes in each of {len(z)} contexts; infeasible is a share of these."
+        return replace(summed_up(subject.name, axes, returns), told=told)
 
     def _axes(self, space: ContextSpace) -> list[ContextAxis]:
         every = zip(space.names, space.low, space.high, strict=True)

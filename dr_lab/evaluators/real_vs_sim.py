@@ -18,6 +18,7 @@ from dr_lab.plants.machine import Vector
 from dr_lab.plants.operator import Experiment
 from dr_lab.plants.tracking import track
 from dr_lab.recorders.episode import Episode
+from dr_lab.recorders.quantity import percent
 from dr_lab.trajectory import Array
 
 
@@ -104,7 +105,18 @@ class RealVsSimEvaluator(Evaluator):
             progress(number / self.episodes)
         widest = max(pairs, key=lambda pair: np.nan_to_num(abs(pair.difference)))
         shown = [widest.real, widest.simulated]
-        return Evaluation(self._figures(pairs), [_row(pair) for pair in pairs], _units(widest), episodes=shown)
+        rows, told = [_row(pair) for pair in pairs], self._told()
+        return Evaluation(self._figures(pairs), rows, _units(widest), episodes=shown, told=told)
+
+    def _told(self) -> str:
+        hidden = self.plant.hidden
+        inside = ", ".join(f"{key} {value}" for key, value in hidden.parameters.items())
+        return (
+            f"{self.episodes} episodes on the machine of seed {self.machine} (hidden in it: {hidden.label}"
+            f"{f', {inside}' if inside else ''}) and from the same starts in the model. Returns are interquartile "
+            f"means, low and high their {percent(self.confidence)} intervals; infeasible is the share of episodes that "
+            "diverge in the model."
+        )
 
     def _figures(self, pairs: Sequence[Pair]) -> dict[str, float]:
         """Interquartile means with their intervals, without what diverged; the difference is that of pairs."""

@@ -11,6 +11,7 @@ from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import iqm_interval, worst_decile
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.recorders.quantity import percent
 from dr_lab.seeding import stream
 
 
@@ -63,4 +64,10 @@ class ReturnsEvaluator(Evaluator):
             )
             progress(place / len(self.distributions))
         figures = {f"{row['contexts']}.{key}": float(row[key]) for row in rows for key in ("iqm", "worst_decile")}
-        return Evaluation(figures, rows)
+        return Evaluation(figures, rows, told=self._told())
+
+    def _told(self) -> str:
+        return (
+            f"{self.contexts} contexts of each distribution, an episode in each. iqm: interquartile mean, low and "
+            f"high: its {percent(self.confidence)} interval; worst decile: mean of the lowest tenth; infeasible: share."
+        )

@@ -147,7 +147,7 @@ def _report(values: Mapping[str, Any], found: Evaluation) -> dict[str, Any]:
 
 
 def _write(run_dir: Path, report: Mapping[str, Any], found: Evaluation, subject: Subject, look: Look) -> None:
-    page = _page(report, subject)
+    page = _page(report, subject, found.told)
     write_text(run_dir / "returns.csv", _csv(found.rows))
     write_text(run_dir / "report.json", json.dumps(report, ensure_ascii=False, indent=2) + "\n")
     write_text(run_dir / "report.md", page)
@@ -158,7 +158,7 @@ def _write(run_dir: Path, report: Mapping[str, Any], found: Evaluation, subject:
     Console().print(Markdown(page))
 
 
-def _page(report: Mapping[str, Any], subject: Subject) -> str:
+def _page(report: Mapping[str, Any], subject: Subject, told: str) -> str:
     figures = [[name.replace("_", " "), number(value)] for name, value in report["figures"].items()]
     rows = report["rows"]
     columns = list(rows[0]) if rows else []
@@ -166,7 +166,7 @@ def _page(report: Mapping[str, Any], subject: Subject) -> str:
     cells = [[_cell(row[name]) for name in columns] for row in rows[:_SHOWN]]
     more = f"\n\n… and {len(rows) - _SHOWN} more in returns.csv." if len(rows) > _SHOWN else ""
     title = f"# What {subject.name} on {subject.setting.name} returns"
-    return f"{title}\n\n{table(['figure', 'value'], figures)}\n\n{table(header, cells)}{more}\n"
+    return f"{title}\n\n{told}\n\n{table(['figure', 'value'], figures)}\n\n{table(header, cells)}{more}\n"
 
 
 def _csv(rows: Sequence[Row]) -> str:

@@ -21,6 +21,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.quantity import number
 from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.training import Curve
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
@@ -34,6 +35,7 @@ RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 # Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.
 MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder")
 _DRAWS = 100_000  # of a distribution, for its mean and standard deviation: to 0.3 % of the latter
+_NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate plays whole ones."
 _NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
 
 
@@ -68,8 +70,18 @@ def train(plan: Plan, recorder: Look, resume: str | None, final_share: float, ru
         snapshots.take(0)
     else:
         training.trainer.resume(Path(resume).expanduser() / CHECKPOINT)
+        _tell_of_nothing_left(training.trainer.frames, plan.frames, resume)
     _run(training, snapshots, plan, run_dir)
     return _finish(training, snapshots, plan, recorder, final_share, run_dir)
+
+
+def _tell_of_nothing_left(played: int, frames: int, resume: str) -> None:
+    if played >= frames:
+        Console().print(
+            f"{resume} has played {played} control steps, and frames is {frames}: nothing is left to be trained. "
+            "Raise frames to go on.",
+            soft_wrap=True,
+        )
 
 
 def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
@@ -129,7 +141,7 @@ def _report(
         "schema": "dr_lab/train/1",
         "verb": "train",
         "env": env.name,
-        "algorithm": type(training.algorithm).__name__,
+        "algorithm": training.algorithm.name,
         "iterations": len(history),
         "frames": training.trainer.frames,
         "seconds": history[-1]["seconds"],
@@ -171,7 +183,7 @@ def _page(report: Mapping[str, Any]) -> str:
         f"# {report['algorithm']} on {report['env']}",
         "",
         f"{report['frames']} control steps in {report['seconds']:.0f} s, {report['iterations']} iterations. "
-        + ("No episode ended." if value is None else f"Mean return of the last episodes: {value:.1f}."),
+        + (_NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."),
     ]
     if report["infeasible_episodes"]:
         lines += ["", f"Episodes in infeasible contexts, which no mean return counts: {report['infeasible_episodes']}."]

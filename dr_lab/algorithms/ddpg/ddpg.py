@@ -1,6 +1,7 @@
 """Deep deterministic policy gradient."""
 
 import copy
+import logging
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -18,6 +19,8 @@ from dr_lab.errors import require_numbers
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.seeding import derived_seed
+
+logging.getLogger("torchrl").setLevel(logging.WARNING)  # it tells of every buffer that is made
 
 
 class DDPG(Algorithm):

@@ -29,6 +29,8 @@ class WorstEpisodes(Selection):
         ConfigError: a number is out of its range.
     """
 
+    algorithm = "EPOpt"
+
     def __init__(self, gamma: float, epsilon: float, warm_up: int) -> None:
         super().__init__(gamma)
         if not 0.0 < epsilon <= 1.0 or warm_up < 0:

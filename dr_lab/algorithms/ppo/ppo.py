@@ -89,6 +89,11 @@ class PPO(Algorithm):
         self.frames = 0
 
     @property
+    def name(self) -> str:
+        """PPO, or what it is called with this selection."""
+        return self.selection.algorithm
+
+    @property
     def policies(self) -> Mapping[str, Policy]:
         """The stochastic policy."""
         return {"policy": self.actor}

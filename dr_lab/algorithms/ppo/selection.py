@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from torch import Tensor
 
@@ -10,9 +10,14 @@ from torch import Tensor
 class Selection(ABC):
     """Chooses among the control steps of a batch.
 
+    Attributes:
+        algorithm: what PPO is called that learns from what is chosen.
+
     Args:
         gamma: discount per control step.
     """
+
+    algorithm: ClassVar[str] = "PPO"
 
     def __init__(self, gamma: float) -> None:
         self.gamma = gamma

@@ -19,7 +19,7 @@ from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.job import Job, run_job
-from dr_lab.errors import DataError
+from dr_lab.errors import ConfigError, DataError
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.workflows.evaluate import evaluate, subject_of, trained
 
@@ -66,7 +66,9 @@ def test_a_grid_is_played_written_and_drawn(run: Path, tmp_path: Path) -> None:
     assert [float(row["return"]) for row in rows] == pytest.approx([row["return"] for row in report["rows"]])
     assert len(rows) == 3
     assert report["units"] == {"arm.mass": "kg"}
-    assert "| arm.mass [kg] | return | std |" in (tmp_path / "grid" / "report.md").read_text(encoding="utf-8")
+    page = (tmp_path / "grid" / "report.md").read_text(encoding="utf-8")
+    assert "| arm.mass [kg] | return | std |" in page
+    assert "2 episodes in each of 3 contexts" in page
     for name in ("review.rrd", "episodes.mcap"):
         assert (tmp_path / "grid" / name).stat().st_size > 0
     assert len(report["episodes"]) == 3
@@ -98,6 +100,30 @@ def test_training_on_explores_by_the_seed_it_is_given(run: Path) -> None:
     noise = [subject.again(contexts, seed)[0].state_dict()["algorithm"]["actor"]["_extra_state"] for seed in (0, 0, 1)]
     assert torch.equal(noise[0], noise[1])
     assert not torch.equal(noise[0], noise[2])
+
+
+def test_training_on_begins_with_its_full_rates_and_new_episodes(run: Path) -> None:
+    subject = subject_of(run, functools.partial(compose_arguments, folders=(shipped(),)), threads=1)
+    state = subject.again(FixedRandomizer(subject.setting.space, {}), 0)[0].state_dict()["algorithm"]
+    assert load(run / "checkpoint.pt")["algorithm"]["frames"] == 320
+    assert state["frames"] == 0
+    assert state["reward_scale"]["sum"].abs().max() == 0.0
+
+
+def test_training_a_learner_and_an_evaluator_start_their_episodes_apart(run: Path) -> None:
+    state = load(run / "checkpoint.pt")
+    subject = subject_of(run, functools.partial(compose_arguments, folders=(shipped(),)), threads=1)
+    trained_on = subject.setting.make(None, 4, 0, threads=1).episodes
+    starts = [episodes.state[0] for episodes in (trained_on, subject.slots(4, 0))]
+    assert not np.isclose(*starts).all(1).any()
+    seeds = [{str(each["state"]["inc"]) for each in state[part]["streams"]} for part in ("collector", "rollouts")]
+    assert seeds[0].isdisjoint(seeds[1])
+
+
+def test_contexts_that_are_all_the_same_are_not_trained_on_in_one_by_one(tmp_path: Path) -> None:
+    job("train", tmp_path / "plain", [*OVERRIDES, "env=half_cheetah", "frames=160"])
+    with pytest.raises(ConfigError, match=r"all the same: half_cheetah has no parameters. Give evaluator\.contexts=1"):
+        evaluated(tmp_path / "plain", tmp_path / "tuned", "evaluator=fine_tune")
 
 
 def test_the_command_line_evaluates_what_it_has_trained(run: Path, tmp_path: Path) -> None:

@@ -64,6 +64,18 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
     assert load(tmp_path / "second" / "checkpoint.pt")["history"][-1]["frames"] == 640
 
 
+def test_a_run_that_is_resumed_at_its_end_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run(tmp_path / "first", "frames=320")
+    assert "nothing is left" not in capsys.readouterr().out
+    run(tmp_path / "second", "frames=160", f"resume={tmp_path / 'first'}")
+    assert "has played 320 control steps, and frames is 160: nothing is left to be trained" in capsys.readouterr().out
+
+
+def test_a_report_calls_the_algorithm_by_its_name(tmp_path: Path) -> None:
+    assert run(tmp_path / "one", "frames=160")["algorithm"] == "PPO"
+    assert run(tmp_path / "other", "algorithm=epopt", "frames=160")["algorithm"] == "EPOpt"
+
+
 def test_a_run_that_cannot_be_continued_is_told(tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"Cannot read the checkpoint .*nowhere"):
         run(tmp_path / "run", "frames=160", f"resume={tmp_path / 'nowhere'}")
