@@ -81,7 +81,8 @@ class DrLabSweeper(BasicSweeper):
             raise ConfigError("hydra.sweep.dir is empty; expected the folder of the sweep, e.g. hydra.sweep.dir=sweep.")
         self.task = task_function
         self.shown = Path(str(config.hydra.sweep.dir))
-        self.folder = self.shown.absolute()
+        # Behind a link, ".." is another folder than Hydra makes of it.
+        self.folder = self.shown.resolve() if ".." in self.shown.parts else self.shown.absolute()
         config.hydra.sweep.dir = str(self.folder)
         config.hydra.overrides.hydra.append(f"hydra.sweep.dir={_quoted(str(self.folder))}")
         super().setup(hydra_context=hydra_context, task_function=task_function, config=config)

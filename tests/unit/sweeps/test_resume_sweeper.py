@@ -42,6 +42,23 @@ def test_the_same_command_finds_its_sweep_and_more_values_join(
     assert {number: completed(swept)[number] for number in done} == done
 
 
+@pytest.mark.parametrize("place", ["hydra.sweep.dir={}/swept", "outputs={} hydra.sweep.dir='${{outputs}}/swept'"])
+@pytest.mark.parametrize("folder", ["beside/../there", "link/there", "link/../there", "{home}/link/../there"])
+def test_a_sweep_lies_where_the_system_finds_its_folder(
+    sweeps: Sweeps, monkeypatch: pytest.MonkeyPatch, place: str, folder: str
+) -> None:
+    """Behind a link, ".." is not the folder before it."""
+    (sweeps.home / "beside").mkdir()
+    (sweeps.home / "far/away").mkdir(parents=True)
+    (sweeps.home / "link").symlink_to("far/away")
+    given = folder.format(home=sweeps.home)
+    expected = (sweeps.home / given).resolve() / "swept"
+    for _ in range(2):
+        assert sweeps.here(monkeypatch, "value=1,2", *place.format(given).split()) == 0
+    assert set(completed(expected)) == {"0", "1"}
+    assert len(list(sweeps.home.rglob("report.json"))) == 2
+
+
 def test_failed_job_alone_runs_again_and_goes_on_where_it_was(
     sweep: Sweep, sweeps: Sweeps, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
