@@ -4,6 +4,7 @@ import contextlib
 import functools
 import inspect
 import itertools
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -145,7 +146,7 @@ def discard(job: Job, cfg: DictConfig) -> None:
         job: which one.
         cfg: its composed configuration without Hydra's node.
     """
-    top = Path(str(cfg.get("outputs", "."))).absolute()
+    top = Path(os.path.abspath(str(cfg.get("outputs", "."))))  # as Hydra spells the job's folder, without ".."
     inside = [path for path in job.output_dir.parents if path.is_relative_to(top) and path != top]
     with contextlib.suppress(OSError):  # the first that is not empty ends it
         for path in (job.output_dir, *inside):

@@ -212,6 +212,12 @@ def test_termination_leaves_no_half_written_file(
     assert signal.getsignal(signal.SIGTERM) == before
 
 
+@pytest.mark.parametrize("outputs", ["there", "../here/there"])
+def test_what_cannot_be_run_leaves_no_folder(dr_lab: CommandLine, outputs: str) -> None:
+    assert dr_lab("compare", "horizon=long", f"outputs={outputs}") == 2
+    assert [path for path in Path.cwd().rglob("*") if path.name != "there"] == []
+
+
 def test_output_that_is_a_file(dr_lab: CommandLine, capsys: Capture) -> None:
     Path("taken").write_text("")
     assert dr_lab("compare", "outputs=taken") == 2
