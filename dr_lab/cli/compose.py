@@ -1,12 +1,14 @@
 """Composing a verb's configuration: search path, resolvers, and whole groups as one option."""
 
 import functools
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar
 
 import hydra
+import yaml
 from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.config_store import ConfigStore
 from hydra.core.global_hydra import GlobalHydra
@@ -147,6 +149,31 @@ def options(group: str, folders: Sequence[Path]) -> dict[str, Path]:
     """
     files = {path.stem: path for folder in reversed(folders) for path in (folder / group).glob("*.yaml")}
     return dict(sorted(files.items()))
+
+
+def nested_options(group: str, folders: Sequence[Path]) -> list[str]:
+    """The options of a group that lie in folders of it, such as ``hopper/torso_size``, sorted.
+
+    A folder that a defaults list of the group's options names is a group of its own.
+
+    Args:
+        group: e.g. ``"env/context"``.
+        folders: configuration folders, first searched first.
+    """
+    groups = {name for path in options(group, folders).values() for name in _subgroups(path)}
+    found = {p.relative_to(folder / group) for folder in folders for p in (folder / group).glob("*/**/*.yaml")}
+    return sorted(path.with_suffix("").as_posix() for path in found if path.parts[0] not in groups)
+
+
+def _subgroups(path: Path) -> Iterator[str]:
+    """What an option's defaults list calls the groups that lie in folders beside it."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except yaml.YAMLError:  # said where the option is chosen
+        return
+    for entry in content.get("defaults", ()) if isinstance(content, dict) else ():
+        for key in entry if isinstance(entry, dict) else ():
+            yield re.split("[/@]", str(key).split()[-1])[0]
 
 
 def combines(files: dict[str, Path]) -> bool:

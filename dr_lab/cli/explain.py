@@ -14,7 +14,7 @@ from hydra.errors import (
 )
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
-from dr_lab.cli.compose import WHOLE_GROUP, choices, compose_with_hydra, misplaced, options
+from dr_lab.cli.compose import WHOLE_GROUP, choices, compose_with_hydra, misplaced, nested_options, options
 from dr_lab.cli.overrides import RefusedKey, refused_key
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
@@ -148,14 +148,18 @@ def _unreadable(override: str) -> str:
 
 def _missing_option(error: MissingConfigException, folders: Sequence[Path]) -> str:
     """An option that its group does not have; Hydra lists the others only where a single one was chosen."""
-    group, _, option = (error.missing_cfg_file or "").rpartition("/")
+    file = error.missing_cfg_file or ""
+    listed = re.search(r"^Available options in '([^']+)'", str(error), re.MULTILINE)
+    group = listed[1] if listed else file.rpartition("/")[0]
+    option = file.removeprefix(f"{group}/")
     faults = misplaced(options(group, folders)) if option == WHOLE_GROUP else {}
     if faults:
         return next(iter(faults.values()))
-    available = error.options or [*options(group, folders)]
+    available = [*(error.options or options(group, folders)), *nested_options(group, folders)]
     if not group or not available:
         return str(error).splitlines()[0]
-    return str(UnknownNameError(group, option, available, "the configuration"))
+    beside = [name for name in available if name.startswith(f"{option.partition('/')[0]}/")]
+    return str(UnknownNameError(group, option, beside or available, "the configuration"))
 
 
 def _unknown_key(refused: RefusedKey, error: Exception, verb: str, folders: Sequence[Path]) -> DrLabError:

@@ -1,12 +1,14 @@
 """The text of ``dr-lab <verb> --help``, made from the configuration files and the comments in them."""
 
+import itertools
+import textwrap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import yaml
 from omegaconf import DictConfig, OmegaConf
 
-from dr_lab.cli.compose import WHOLE_GROUP, choices, combines, compose_with_hydra, options
+from dr_lab.cli.compose import WHOLE_GROUP, choices, combines, compose_with_hydra, nested_options, options
 from dr_lab.cli.verbs import description, summary
 
 WIDTH = 118
@@ -47,11 +49,11 @@ def verb_help(verb: str, overrides: Sequence[str], folders: Sequence[Path]) -> s
 
 def _group(group: str, chosen: str | None, folders: Sequence[Path]) -> Iterator[str]:
     """A group's choice, then one line for every option where there is something to choose."""
-    files = options(group, folders)
+    files, nested = options(group, folders), nested_options(group, folders)
     several = combines(files)
     hint = f"   several at once: {group}=[a,b]" if several else ""
     yield f"  {group}={'null' if chosen is None else chosen}{hint}"
-    if list(files) == [chosen]:
+    if list(files) == [chosen] and not nested:
         return
     texts = {WHOLE_GROUP: "every one of them"} if several else {}
     texts |= {name: summary(path).partition(". ")[0].removesuffix(".") for name, path in files.items()}
@@ -59,6 +61,9 @@ def _group(group: str, chosen: str | None, folders: Sequence[Path]) -> Iterator[
     for name, text in texts.items():
         line = f"      {name:<{width}}{text}".rstrip()
         yield line if len(line) <= WIDTH else f"{line[: WIDTH - 2].rpartition(' ')[0]} …"
+    for folder, names in itertools.groupby(nested, lambda name: name.rpartition("/")[0]):
+        listed = ", ".join(name.rpartition("/")[2] for name in names)
+        yield from textwrap.wrap(f"{folder}/…  {listed}", WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 10)
 
 
 def _keys(cfg: DictConfig, root: Path, folders: Sequence[Path]) -> Iterator[str]:

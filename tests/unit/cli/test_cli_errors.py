@@ -86,6 +86,23 @@ def test_mandatory_group(dr_lab: CommandLine, capsys: Capture) -> None:
     )
 
 
+@pytest.mark.parametrize("typed", ["place/sh", "plac/shed"])
+def test_option_of_a_folder_below_its_group(dr_lab: CommandLine, capsys: Capture, tmp_path: Path, typed: str) -> None:
+    shed = "_target_: parts.Machine\nname: shed\nmjcf: none\nparameters: {}\n"
+    write(tmp_path / "conf/model/paved.yaml", f"defaults: [floor: tiled, /effect@other: rust]\n{shed}")
+    for option in ("place/shed", "place/hall", "floor/tiled"):
+        write(tmp_path / f"conf/model/{option}.yaml", shed)
+    assert dr_lab("compare", f"model={typed}") == 2
+    listed = "place/hall, place/shed" if typed == "place/sh" else "broken, door, paved, place/hall, place/shed, swing"
+    told = f"no model '{typed}' in the configuration. Did you mean 'place/shed'? Available: {listed}.\n"
+    assert told in capsys.readouterr().err
+    assert dr_lab("compare", "model=place/shed") == 0
+    assert dr_lab("compare", "--help") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "      place/…  hall, shed" in lines
+    assert not any("tiled" in line for line in lines)
+
+
 FILES = {
     "model/syntax.yaml": ("_target_: parts.Machine\n\tname: x\n", ["syntax.yaml, line 2", "indent with spaces"]),
     "model/plain.yaml": ("name: x\n", ["model names no class", "_target_: package.module.Name", "a Machine"]),
