@@ -138,7 +138,8 @@ class RealVsSimEvaluator(Evaluator):
             raise ConfigError(
                 f"evaluator.plant has joints {', '.join(self.plant.joints)} and actuators "
                 f"{', '.join(self.plant.actuators)}; the model has {', '.join(joints)} and {', '.join(actuators)}. "
-                "Choose the plant of the same machine: /plant@evaluator.plant=…"
+                "Choose the plant of the same machine: plant@evaluator.plant=NAME. Available: the options of plant in "
+                "dr-lab record --help."
             )
         if set(task.reads) - {"qpos", "qvel"}:
             raise ConfigError(

@@ -108,8 +108,11 @@ def test_an_episode_that_diverged_in_the_model_is_counted_and_no_part_of_the_mea
 
 
 def test_a_plant_of_another_machine_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"joints pendulum and actuators motor; the model has arm, pole"):
+    with pytest.raises(ConfigError, match=r"joints pendulum and actuators motor; the model has arm, pole") as refused:
         evaluated(bench("pendulum"), subject())
+    remedy = str(refused.value).partition("same machine: ")[2].partition("=NAME")[0]
+    chosen = compose("evaluate", ["evaluator=real_vs_sim", f"{remedy}=cartpole"])
+    assert chosen.evaluator.plant.nominal._target_.endswith("CartPoleNominal")
 
 
 def test_a_confidence_beyond_one_is_refused() -> None:
