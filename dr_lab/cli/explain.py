@@ -18,6 +18,7 @@ from dr_lab.cli.compose import WHOLE_GROUP, choices, compose_with_hydra, misplac
 from dr_lab.cli.overrides import RefusedKey, refused_key
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
+from dr_lab.recorders.files import why_no_folder
 
 USER_FAULT = 2
 OUR_FAULT = 1
@@ -63,7 +64,11 @@ def _file_error(error: OSError) -> str:
     """A file or folder that the system refuses; while Hydra runs alone it makes the run folder and nothing else."""
     modules = [str(frame.f_globals.get("__name__")) for frame, _ in traceback.walk_tb(error.__traceback__)]
     if "hydra.core.utils" in modules and "dr_lab.cli.job" not in modules:
-        return f"Cannot make the run folder {error.filename}: {error.strerror}. Choose another place: outputs=FOLDER."
+        why = why_no_folder(Path(error.filename), error)
+        return (
+            f"Cannot make the run folder {error.filename}: {why}. Choose another place: outputs=FOLDER, or "
+            "hydra.run.dir=FOLDER if you gave that."
+        )
     return f"{error.filename}: {error.strerror}. Choose another one, or change its permissions."
 
 

@@ -50,6 +50,17 @@ def remove_leftovers(folder: Path) -> None:
             path.unlink()
 
 
+def why_no_folder(path: Path, error: OSError) -> str:
+    """What stands in the way of a folder: a file with its name or that of a folder above it, or what the system says.
+
+    Args:
+        path: of the folder.
+        error: raised when it was to be made.
+    """
+    file = next((each for each in (path, *path.parents) if each.is_file()), None)
+    return f"{error.strerror}" if file is None else f"{file} is a file"
+
+
 def write_bytes(path: Path, content: bytes) -> None:
     """Write `content` to `path` atomically; see `atomic` for the errors."""
     with atomic(path) as temporary:

@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from dr_lab.errors import ConfigError
-from dr_lab.recorders.files import remove_leftovers, write_text
+from dr_lab.recorders.files import remove_leftovers, why_no_folder, write_text
 
 SWEEP_FILE = "sweep.json"
 SCHEMA = "dr_lab/sweep/1"
@@ -155,8 +155,10 @@ def only_driver(sweep_dir: Path, sweeper: str) -> Iterator[None]:
         )
         raise ConfigError(message) from None
     except OSError as error:
-        message = f"Cannot make the sweep's folder {sweep_dir}: {error.strerror}. Choose another place: outputs=FOLDER."
-        raise ConfigError(message) from error
+        raise ConfigError(
+            f"Cannot make the sweep's folder {sweep_dir}: {why_no_folder(sweep_dir, error)}. Choose another place: "
+            "outputs=FOLDER, or hydra.sweep.dir=FOLDER if you gave that."
+        ) from error
     try:
         found = _sweeper_of(sweep_dir)
         if found not in (None, sweeper):

@@ -158,7 +158,7 @@ def test_run_folder_that_cannot_be_made(refused: Refused, tmp_path: Path, key: s
     (tmp_path / "file").write_text("taken")
     error = refused("compare", *SMALL, f"{key}={tmp_path}/file/runs")
     assert f"Cannot make the run folder {tmp_path}/file/runs" in error
-    assert "Not a directory. Choose another place: outputs=FOLDER." in error
+    assert "is a file. Choose another place: outputs=FOLDER" in error
     assert (tmp_path / "file").read_text() == "taken"
 
 

@@ -235,12 +235,22 @@ def test_what_cannot_be_run_leaves_no_folder(dr_lab: CommandLine, outputs: str) 
     assert [path for path in Path.cwd().rglob("*") if path.name != "there"] == []
 
 
-def test_output_that_is_a_file(dr_lab: CommandLine, capsys: Capture) -> None:
-    Path("taken").write_text("")
-    assert dr_lab("compare", "outputs=taken") == 2
+@pytest.mark.parametrize("typed", ["outputs=taken", "hydra.run.dir=taken", "hydra.run.dir=taken/below"])
+def test_output_that_is_a_file(dr_lab: CommandLine, capsys: Capture, typed: str) -> None:
+    Path("taken").touch()
+    assert dr_lab("compare", typed) == 2
     error = capsys.readouterr().err
-    assert "Cannot make the run folder" in error
-    assert "Not a directory. Choose another place: outputs=FOLDER." in error
+    assert "Cannot make the run folder taken" in error
+    assert ": taken is a file. Choose another place: outputs=FOLDER, or hydra.run.dir=" in error
+
+
+@pytest.mark.parametrize("typed", ["outputs=taken", "hydra.sweep.dir=taken"])
+def test_folder_of_a_sweep_that_is_a_file(dr_lab: CommandLine, capsys: Capture, typed: str) -> None:
+    Path("taken").touch()
+    assert dr_lab("compare", "-m", "seed=1,2", typed) == 2
+    error = capsys.readouterr().err
+    assert "Cannot make the sweep's folder " in error
+    assert "/taken is a file. Choose another place: outputs=FOLDER, or hydra.sweep.dir=" in error
 
 
 def test_environment_is_left_as_it_was(dr_lab: CommandLine, monkeypatch: pytest.MonkeyPatch) -> None:
