@@ -9,7 +9,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from dr_lab.errors import ModelError
+from dr_lab.errors import ConfigError, ModelError
 from dr_lab.physics.compiled_contexts import CompiledContexts
 from dr_lab.physics.contact import skip_idle_collisions
 from dr_lab.physics.fields import FieldContexts
@@ -49,6 +49,22 @@ class Rollout:
     infeasible: NDArray[np.bool_]
 
 
+def thread_count(threads: int | None) -> int:
+    """How many C threads are meant.
+
+    Args:
+        threads: a number, or None for one on every core this process may use.
+
+    Raises:
+        ConfigError: fewer than one.
+    """
+    if threads is None:
+        return len(os.sched_getaffinity(0))
+    if threads < 1:
+        raise ConfigError(f"threads is {threads}; expected at least 1, or null for all cores.")
+    return threads
+
+
 class Simulator:
     """`nsim` simulations of one model, each with its own context z.
 
@@ -61,12 +77,15 @@ class Simulator:
         nsim: number of simulations.
         threads: C threads; None takes every core this process may use.
         persistent: whether each simulation keeps its own `MjData`, which `ContactForces` asks for.
+
+    Raises:
+        ConfigError: there are fewer threads than one.
     """
 
     def __init__(self, model: Model, nsim: int, threads: int | None = None, *, persistent: bool = False) -> None:
         self.model = model
         self.compiled = _lean(model.nominal())
-        self.batch = Batch(self.compiled, nsim, threads or len(os.sched_getaffinity(0)), persistent)
+        self.batch = Batch(self.compiled, nsim, thread_count(threads), persistent)
         self._fields = FieldContexts(model, self.compiled) if FieldContexts.possible(model, self.compiled) else None
         self._models: list[mujoco.MjModel] = [self.compiled] * nsim
         self._uncompiled = np.zeros(nsim, bool)

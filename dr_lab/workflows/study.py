@@ -1,6 +1,5 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
-import os
 from dataclasses import dataclass
 
 import mujoco
@@ -15,6 +14,7 @@ from dr_lab.diagnosis.windows import Windows, cut
 from dr_lab.effects.effect import Scales
 from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
+from dr_lab.physics.simulator import thread_count
 from dr_lab.trajectory import MeasurementSet
 
 
@@ -66,7 +66,7 @@ def prepare(
             f"Measurements {measurements.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
     compiled = model.nominal()
-    count = _thread_count(threads)
+    count = thread_count(threads)
     scored = measurements.held_out or measurements.fit
     fit = cut(measurements.fit, measurements, compiled, windows)
     bench = Bench(
@@ -98,11 +98,3 @@ def _scales(
     if not found.unmeasured:
         return found
     return with_replay(found, *fit_states(model, model.space.nominal, bench.fit, bench.solver, bench.threads))
-
-
-def _thread_count(threads: int | None) -> int:
-    if threads is None:
-        return len(os.sched_getaffinity(0))
-    if threads < 1:
-        raise ConfigError(f"threads is {threads}; expected at least 1, or null for all cores.")
-    return threads

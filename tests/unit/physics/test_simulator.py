@@ -2,6 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.physics.simulator import Simulator
 
@@ -163,3 +164,9 @@ def test_contexts_start_from_nominal_every_time() -> None:
     for _ in range(3):
         simulator.set_contexts(np.array([[1.0, -0.3, 0.05, -9.81]]))
     np.testing.assert_allclose(simulator.batch.get_model(0).body("arm").inertia, [0.02, 0.02, 0.002])
+
+
+@pytest.mark.parametrize("threads", [0, -1])
+def test_less_than_one_thread_is_refused(threads: int) -> None:
+    with pytest.raises(ConfigError, match=rf"threads is {threads}; expected at least 1, or null for all cores\."):
+        Simulator(toy({}), 2, threads)
