@@ -10,6 +10,8 @@ from typing import Any
 from omegaconf import DictConfig, OmegaConf
 from typeguard import CollectionCheckStrategy, TypeCheckError, check_type
 
+from dr_lab.cli.expected import expected
+from dr_lab.cli.place import Place, interpolated
 from dr_lab.cli.targets import locate
 from dr_lab.errors import ConfigError, UnknownNameError
 
@@ -44,8 +46,9 @@ def check(
     if not isinstance(values, dict):
         raise ConfigError(f"The configuration of {verb} is a {type(values).__name__}, expected keys with values.")
     plain = {str(key): value for key, value in values.items() if key not in unused}
-    _check_call(plain, workflow, f"dr-lab {verb}", "", supplied)
-    check_targets(plain, "")
+    top = Place(sources=interpolated(cfg))
+    _check_call(plain, workflow, f"dr-lab {verb}", top, supplied)
+    check_targets(plain, top)
 
 
 def _missing(value: object, path: str) -> Iterator[str]:
@@ -60,12 +63,12 @@ def _missing(value: object, path: str) -> Iterator[str]:
         yield path
 
 
-def check_targets(value: object, path: str) -> None:
+def check_targets(value: object, place: Place) -> None:
     """Check every `_target_` below a value against the signature of what it names.
 
     Args:
         value: of a configuration, interpolations resolved.
-        path: its key.
+        place: its key.
 
     Raises:
         ConfigError: a value is missing or of the wrong type, or a target cannot be built.
@@ -73,41 +76,41 @@ def check_targets(value: object, path: str) -> None:
     """
     if isinstance(value, Mapping):
         if "_target_" in value:
-            _check_target(value, path)
+            _check_target(value, place)
         for key, child in value.items():
-            check_targets(child, f"{path}.{key}" if path else str(key))
+            check_targets(child, place.below(key))
     elif isinstance(value, list):
         for index, child in enumerate(value):
-            check_targets(child, f"{path}[{index}]")
+            check_targets(child, place.item(index))
 
 
-def _check_target(node: Mapping[str, Any], path: str) -> None:
+def _check_target(node: Mapping[str, Any], place: Place) -> None:
     target = node["_target_"]
-    function = locate(str(target), path)
+    function = locate(str(target), str(place))
     arguments = {key: value for key, value in node.items() if key not in INSTRUCTIONS}
     incomplete = node.get("_partial_", False) or "_args_" in node
     supplied = _parameters(function) if incomplete else ()
-    _check_call(arguments, function, str(target), f"{path}.", supplied)
+    _check_call(arguments, function, str(target), place, supplied)
 
 
 def _check_call(
-    arguments: Mapping[str, Any], function: Callable[..., Any], name: str, prefix: str, supplied: Collection[str]
+    arguments: Mapping[str, Any], function: Callable[..., Any], name: str, place: Place, supplied: Collection[str]
 ) -> None:
     """Check keyword arguments against a signature: none unknown, none missing, plain ones of the right type."""
     parameters = _parameters(function)
     named = {k: p for k, p in parameters.items() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)}
     open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
-    expected = [key for key in named if key not in supplied or key in arguments]
+    keys = [key for key in named if key not in supplied or key in arguments]
     for key, value in arguments.items():
         if key in named:
-            _check_type(value, named[key].annotation, f"{prefix}{key}", name)
+            _check_type(value, named[key].annotation, place.below(key), name)
         elif not open_ended:
-            raise UnknownNameError("key", f"{prefix}{key}", [f"{prefix}{k}" for k in expected], name)
-    lacking = [k for k in expected if k not in arguments and named[k].default is inspect.Parameter.empty]
+            raise UnknownNameError("key", f"{place.below(key)}", [f"{place.below(k)}" for k in keys], name)
+    lacking = [k for k in keys if k not in arguments and named[k].default is inspect.Parameter.empty]
     if lacking:
-        keys = ", ".join(prefix + key for key in lacking)
-        group = f" Keys of one that is complete: --cfg job -p {prefix.partition('.')[0]}." if prefix else ""
-        raise ConfigError(f"{name} needs {keys}; the configuration has no such key.{group}")
+        listed = ", ".join(str(place.below(key)) for key in lacking)
+        group = f" Keys of one that is complete: --cfg job -p {place.key.partition('.')[0]}." if place.key else ""
+        raise ConfigError(f"{name} needs {listed}; the configuration has no such key.{group}")
 
 
 def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
@@ -117,23 +120,24 @@ def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]
         return inspect.signature(function).parameters
 
 
-def _check_type(value: object, hint: object, key: str, name: str) -> None:
+def _check_type(value: object, hint: object, place: Place, name: str) -> None:
     if isinstance(value, Mapping) and "_target_" in value:
-        _check_class(str(value["_target_"]), hint, key, name)
+        _check_class(str(value["_target_"]), hint, place, name)
         return
     if isinstance(value, Mapping) and _objects(hint) is not None:
         for child, content in value.items():
-            _check_type(content, _objects(hint), f"{key}.{child}", name)
+            _check_type(content, _objects(hint), place.below(child), name)
         return
     if _has_target(value):
         return
     if not _is_plain(hint):
-        _check_object(value, hint, key, name)
+        _check_object(value, hint, place, name)
         return
     if not _fits(value, hint):
-        kind = type(value).__name__
-        expected = inspect.formatannotation(hint)
-        raise ConfigError(f"{key} is {value!r} ({kind}); {name} expects {expected}.")
+        given = "null" if value is None else repr(value)
+        whole = isinstance(value, float) and value.is_integer() and _fits(int(value), hint)
+        remedy = f" Write {place}={value:.0f}." if whole else ""
+        raise ConfigError(f"{place} is {given}; {name} expects {expected(hint)}.{remedy}")
 
 
 def _fits(value: object, hint: object) -> bool:
@@ -154,20 +158,20 @@ def _objects(hint: object) -> object:
     return values if inspect.isclass(values) and values is not object and not _is_plain(values) else None
 
 
-def _check_class(target: str, hint: object, key: str, name: str) -> None:
+def _check_class(target: str, hint: object, place: Place, name: str) -> None:
     """Check that what a `_target_` builds is what is expected, where both are classes that say so."""
-    built = locate(target, key)
+    built = locate(target, str(place))
     if not inspect.isclass(built) or not inspect.isclass(hint) or typing.get_origin(hint) is not None:
         return
     if not getattr(hint, "_is_protocol", False) and not issubclass(built, hint):
-        raise ConfigError(f"{key}: _target_ {target!r} is no {hint.__name__}, which {name} expects there.")
+        raise ConfigError(f"{place}: _target_ {target!r} is no {hint.__name__}, which {name} expects there.")
 
 
-def _check_object(value: object, hint: object, key: str, name: str) -> None:
+def _check_object(value: object, hint: object, place: Place, name: str) -> None:
     """Check a value that should have been built from a `_target_`, but names none."""
     if inspect.isclass(hint) and hint is not inspect.Parameter.empty and isinstance(value, YAML):
         raise ConfigError(
-            f"{key} names no class: its yaml lacks the line _target_: package.module.Name, from which {name} expects "
+            f"{place} names no class: its yaml lacks the line _target_: package.module.Name, from which {name} expects "
             f"{_a(hint.__name__)}."
         )
 

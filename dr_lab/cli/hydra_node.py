@@ -16,6 +16,7 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from dr_lab.cli.check import INSTRUCTIONS, check_targets
+from dr_lab.cli.place import Place
 from dr_lab.cli.targets import locate
 from dr_lab.errors import ConfigError
 
@@ -63,7 +64,7 @@ def check_hydra(cfg: DictConfig) -> None:
     parts = BUILT_FOR_A_SWEEP if cfg.hydra.mode == RunMode.MULTIRUN else BUILT
     for part in parts:
         value = _plain(cfg, part)
-        check_targets(value, f"hydra.{part}")
+        check_targets(value, Place(f"hydra.{part}"))
         if part == "launcher":
             _check_stock(value)
     for part in LOGS:

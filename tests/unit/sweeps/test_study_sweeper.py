@@ -102,7 +102,7 @@ def test_several_objectives_give_those_that_none_beats(sweep: Sweep, tmp_path: P
 def test_unfit_studies_say_so(sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     says = {
         (*STUDY, "value=1"): "A study needs something to try",
-        (*STUDY, "value=interval(0,6)", "size=choice(1,two)"): "size is 'two' (str)",
+        (*STUDY, "value=interval(0,6)", "size=choice(1,two)"): "size is 'two'; ",
         (*STUDY[:2], "hydra.sweeper.directions=[]", "value=1,2"): "a direction for each objective",
     }
     for arguments, message in says.items():
