@@ -1,6 +1,7 @@
 """The text of ``dr-lab <verb> --help``, made from the configuration files and the comments in them."""
 
 import itertools
+import re
 import textwrap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -9,11 +10,13 @@ import yaml
 from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.compose import WHOLE_GROUP, choices, combines, compose_with_hydra, nested_options, options
+from dr_lab.cli.place import interpolated
 from dr_lab.cli.verbs import description, summary
 
 WIDTH = 118
 ABSENT = object()
 NOT_SETTINGS = ("defaults", "hydra", "_target_")
+_SENTENCE_END = re.compile(r"(?<!et al)\. (?=[A-Z])")
 FLAGS = """\
 Flags
   --cfg job [--resolve] [-p key]   print the composed configuration and stop
@@ -56,7 +59,7 @@ def _group(group: str, chosen: str | None, folders: Sequence[Path]) -> Iterator[
     if list(files) == [chosen] and not nested:
         return
     texts = {WHOLE_GROUP: "every one of them"} if several else {}
-    texts |= {name: summary(path).partition(". ")[0].removesuffix(".") for name, path in files.items()}
+    texts |= {name: _SENTENCE_END.split(summary(path))[0].removesuffix(".") for name, path in files.items()}
     width = max(map(len, texts), default=0) + 2
     for name, text in texts.items():
         line = f"      {name:<{width}}{text}".rstrip()
@@ -69,8 +72,10 @@ def _group(group: str, chosen: str | None, folders: Sequence[Path]) -> Iterator[
 def _keys(cfg: DictConfig, root: Path, folders: Sequence[Path]) -> Iterator[str]:
     """The keys worth showing, each with its value and comment.
 
-    These are the root configuration's, those of groups without alternatives, and those that chosen options put beside.
+    These are the root configuration's, those of groups without alternatives, and those that chosen options put beside;
+    what only hands on another key's value is none of them, unless a comment says more of it.
     """
+    handed_on = interpolated(cfg)
     comments = dict(_commented(root))
     for path in options("base", folders).values():
         comments |= dict(_commented(path))
@@ -81,7 +86,7 @@ def _keys(cfg: DictConfig, root: Path, folders: Sequence[Path]) -> Iterator[str]
     shown = {}
     for key, comment in comments.items():
         value = OmegaConf.select(cfg, key, default=ABSENT)
-        if value is not ABSENT:
+        if value is not ABSENT and (comment or key not in handed_on):
             shown[f"{key}={'null' if value is None else value}"] = comment
     width = min(max(map(len, shown), default=0), 48) + 2
     for text, comment in shown.items():

@@ -102,6 +102,34 @@ def test_help_shows_the_keys_that_an_option_puts_at_the_top(
     assert "width=" not in out
 
 
+def test_help_leaves_out_keys_that_only_hand_on_another(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
+    keys = (
+        "pace: 31  # steps\nplan:\n  pace: ${pace}\n  model: ${model}\n  label: ${pace}_steps\nrest: ${pace}  # steps\n"
+    )
+    write(tmp_path / "conf/fit.yaml", f"# fit\ndefaults: [{{base: run}}, {{model: swing}}, _self_]\n{keys}")
+    assert dr_lab("fit", "--help") == 0
+    out = capsys.readouterr().out
+    shown = [line.split() for line in out.splitlines()]
+    assert [words for words in shown if any("31" in word for word in words)] == [
+        ["pace=31", "steps"],
+        ["plan.label=31_steps"],
+        ["rest=31", "steps"],
+    ]
+    assert "plan.model" not in out
+    assert dr_lab("fit", "--help", "plan.pace=4") == 0
+    assert ["plan.pace=4"] in [line.split() for line in capsys.readouterr().out.splitlines()]
+
+
+def test_help_ends_a_description_with_its_sentence(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
+    said = {"a": "as by (Mozifian et al. 2020, §V). Slow.", "b": "after Yu et al. PPO's twin", "c": "1.5 times. Fast."}
+    for name, text in said.items():
+        write(tmp_path / f"conf/effect/{name}.yaml", f"# @package effects.{name}\n# {text}\n")
+    assert dr_lab("compare", "--help") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert {"      a     as by (Mozifian et al. 2020, §V)", "      b     after Yu et al. PPO's twin"} <= set(lines)
+    assert "      c     1.5 times" in lines
+
+
 def test_help_of_a_verb_whose_group_needs_a_choice(dr_lab: CommandLine, capsys: Capture) -> None:
     assert dr_lab("add", "--help") == 0
     out = capsys.readouterr().out
