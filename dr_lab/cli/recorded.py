@@ -23,8 +23,12 @@ def recorded(run: str, key: str) -> DictConfig | ListConfig:
     Raises:
         ConfigError: the folder is not that of a run.
     """
-    path = Path(run).expanduser() / CONFIG_FILE
+    folder = Path(run).expanduser()
+    path = folder / CONFIG_FILE
+    remedy = "Give the folder of a run of dr-lab close, add or fit."
+    if not folder.is_dir():
+        raise ConfigError(f"There is no folder {folder}. {remedy}")
     if not path.is_file():
-        raise ConfigError(f"run={run} holds no {CONFIG_FILE}. Give the folder of a run of dr-lab close, add or fit.")
+        raise ConfigError(f"run={run} holds no {CONFIG_FILE}. {remedy}")
     found = OmegaConf.select(OmegaConf.load(path), key, default=OmegaConf.create({}))
     return OmegaConf.create(OmegaConf.to_container(found, resolve=True))

@@ -31,8 +31,11 @@ def require_same_settings(cfg: DictConfig, run: Path, verb: str, may_differ: Col
         ConfigError: a setting differs, or the folder is not that of a run.
     """
     path = run / CONFIG_FILE
+    remedy = f"Give resume=FOLDER of a run of dr-lab {verb}."
+    if not run.is_dir():
+        raise ConfigError(f"There is no folder {run}. {remedy}")
     if not path.is_file():
-        raise ConfigError(f"resume={run} holds no {CONFIG_FILE}. Give the folder of a run of dr-lab {verb}.")
+        raise ConfigError(f"resume={run} holds no {CONFIG_FILE}. {remedy}")
     recorded = OmegaConf.load(path)
     left_out = {*_NOT_SETTINGS, *may_differ}
     here, there = _settings(cfg, left_out), _settings(recorded, left_out)

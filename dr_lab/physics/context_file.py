@@ -22,10 +22,13 @@ def read_context(run: str | Path) -> ContextEstimate:
     Raises:
         ConfigError: there is no such file, or it is not a fitted context.
     """
-    path = Path(run).expanduser()
-    path = path / FILE if path.is_dir() else path
+    given = Path(run).expanduser()
+    path = given / FILE if given.is_dir() else given
+    remedy = "Give the folder of a run of dr-lab close, add or fit."
+    if not given.exists():
+        raise ConfigError(f"There is no folder {given}. {remedy}")
     if not path.is_file():
-        raise ConfigError(f"run={run} has no {FILE}. Give the folder of a run of dr-lab close, add or fit.")
+        raise ConfigError(f"run={run} has no {FILE}. {remedy}")
     content = yaml.safe_load(path.read_text(encoding="utf-8"))
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         raise ConfigError(f"{path} is no fitted context: expected schema {SCHEMA}.")

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -91,9 +92,20 @@ def trained(run: str, runs: Path) -> Path:
             raise DataError(f"There is no training run below {runs}. Run dr-lab train first, or give run=FOLDER.")
         return found[-1].parent
     folder = Path(run).expanduser()
+    remedy = "Give run=FOLDER of a training run, or run=latest."
+    if not folder.is_dir():
+        raise DataError(f"There is no folder {folder}. {remedy}")
     if not (folder / CHECKPOINT).is_file():
-        raise DataError(f"{folder} holds no {CHECKPOINT}. Give run=FOLDER of a training run, or run=latest.")
+        raise DataError(f"{folder} holds no {CHECKPOINT}{_origin(folder)}. {remedy}")
     return folder
+
+
+def _origin(folder: Path) -> str:
+    """Which verb made a run folder, where its configuration says so in its first line, the command."""
+    config = folder / "config.yaml"
+    lines = config.read_text(encoding="utf-8", errors="replace").splitlines() if config.is_file() else []
+    made = re.match(r"# dr-lab (\w+)", lines[0]) if lines else None
+    return f"; it is that of a run of dr-lab {made[1]}" if made else ""
 
 
 def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads: int | None) -> Subject:

@@ -72,7 +72,7 @@ def test_model_composes(model: str, run: Path, monkeypatch: pytest.MonkeyPatch) 
 def test_the_model_of_a_run_asks_for_the_run_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ConfigError, match=r"^No value for model\.run\. Give one"):
         check_verb("compare", ["model=from_run"], monkeypatch)
-    with pytest.raises(InterpolationResolutionError, match=r"run=/nowhere holds no config\.yaml"):
+    with pytest.raises(InterpolationResolutionError, match=r"There is no folder /nowhere\. Give the"):
         check_verb("compare", ["model=from_run", "model.run=/nowhere"], monkeypatch)
 
 

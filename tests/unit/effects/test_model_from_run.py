@@ -43,5 +43,8 @@ def test_a_model_that_the_run_did_not_begin_with_is_refused(tmp_path: Path) -> N
     already = block().with_effect(placed(block(), "viscous_friction", "rail"))
     with pytest.raises(UnknownNameError, match=r"viscous_friction@rail\.coefficient"):
         from_run(str(tmp_path), already, EFFECTS)
-    with pytest.raises(ConfigError, match=r"has no context\.yaml"):
+    with pytest.raises(ConfigError, match=r"There is no folder .*/nowhere\. Give the folder of a run of dr-lab close"):
         from_run(str(tmp_path / "nowhere"), block(), EFFECTS)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ConfigError, match=r"has no context\.yaml"):
+        from_run(str(tmp_path / "empty"), block(), EFFECTS)

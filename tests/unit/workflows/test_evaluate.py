@@ -145,7 +145,15 @@ def test_a_checkpoint_of_another_run_is_told(run: Path, tmp_path: Path) -> None:
 
 
 def test_a_run_without_a_checkpoint_is_told(tmp_path: Path) -> None:
-    with pytest.raises(DataError, match=r"holds no checkpoint\.pt"):
+    with pytest.raises(DataError, match=r"holds no checkpoint\.pt\. Give run=FOLDER"):
         trained(str(tmp_path), tmp_path)
+    (tmp_path / "config.yaml").write_text("# dr-lab compare model=furuta\nseed: 0\n")
+    with pytest.raises(DataError, match=r"holds no checkpoint\.pt; it is that of a run of dr-lab compare\. Give run="):
+        trained(str(tmp_path), tmp_path)
+    (tmp_path / "config.yaml").write_text("")
+    with pytest.raises(DataError, match=r"holds no checkpoint\.pt\. Give run=FOLDER"):
+        trained(str(tmp_path), tmp_path)
+    with pytest.raises(DataError, match=r"There is no folder .*/nowhere\. Give run=FOLDER of a training run"):
+        trained(str(tmp_path / "nowhere"), tmp_path)
     with pytest.raises(DataError, match=r"There is no training run below"):
         trained("latest", tmp_path)

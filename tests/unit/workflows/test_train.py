@@ -104,8 +104,12 @@ def test_only_a_run_with_the_same_settings_is_gone_on_with(tmp_path: Path) -> No
 
 
 def test_a_folder_without_settings_is_told(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match=r"holds no config\.yaml. Give the folder of a run of dr-lab train"):
+    with pytest.raises(
+        ConfigError, match=r"There is no folder .*/nowhere\. Give resume=FOLDER of a run of dr-lab train"
+    ):
         job(tmp_path / "run", *OVERRIDES, f"resume={tmp_path / 'nowhere'}")
+    with pytest.raises(ConfigError, match=r"holds no config\.yaml\. Give resume=FOLDER of a run of dr-lab train"):
+        job(tmp_path / "run", *OVERRIDES, f"resume={tmp_path}")
 
 
 def test_a_batch_smaller_than_the_slots_is_told(tmp_path: Path) -> None:
