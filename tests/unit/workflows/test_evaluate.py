@@ -115,7 +115,7 @@ def test_training_a_learner_and_an_evaluator_start_their_episodes_apart(run: Pat
     subject = subject_of(run, functools.partial(compose_arguments, folders=(shipped(),)), threads=1)
     trained_on = subject.setting.make(None, 4, 0, threads=1).episodes
     starts = [episodes.state[0] for episodes in (trained_on, subject.slots(4, 0))]
-    assert not np.isclose(*starts).all(1).any()
+    assert not np.isclose(starts[0], starts[1]).all(1).any()
     seeds = [{str(each["state"]["inc"]) for each in state[part]["streams"]} for part in ("collector", "rollouts")]
     assert seeds[0].isdisjoint(seeds[1])
 
