@@ -1,5 +1,6 @@
 """The verdict of a report in two sentences."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -8,8 +9,28 @@ from dr_lab.recorders.quantity import number, percent
 
 
 def verdict_markdown(report: Mapping[str, Any]) -> str:
-    """What was found, how far the error fell, and what remains."""
-    return " ".join(part for part in (f"{_found(report)} {_fall(report)}", _remaining(report)) if part)
+    """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
+    worse, found = _worse(report), f"{_found(report)} {_fall(report)}"
+    calibrated = not report.get("verdict") and not report["ladder"][-1]["effects"]
+    told = [worse] if worse and calibrated else [worse, found]
+    return " ".join(part for part in (*told, _remaining(report)) if part)
+
+
+def _worse(report: Mapping[str, Any]) -> str:
+    """That the last model predicts worse than the one given: by χ² as printed, beyond the noise, in as many windows."""
+    first, last = (step.held_out for step in (steps(report)[0], steps(report)[-1]))
+    chi2 = [math.inf if held_out["chi2"] is None else held_out["chi2"] for held_out in (first, last)]
+    shown = [number(value) for value in chi2]
+    at_floor = report.get("remaining", {}).get("status") == "at_floor"
+    fewer = last.get("infeasible_windows", 0) < first.get("infeasible_windows", 0)
+    if chi2[1] <= chi2[0] or shown[0] == shown[1] or at_floor or fewer:
+        return ""
+    effects = report["ladder"][-1]["effects"]
+    name = f"The model with {_listed(effects)}" if effects else "The calibrated model"
+    return (
+        f"**{name} predicts the {scored(report)} worse than the model as given: χ² {' → '.join(shown)}. "
+        "Do not use it.**"
+    )
 
 
 def _found(report: Mapping[str, Any]) -> str:
