@@ -23,14 +23,21 @@ def doubts(found: ContextEstimate, fit: Fit, windows: Windows, settings: Evidenc
     groups = logs(windows.log)
     groups = groups if len(groups) > 1 else blocks(windows.log, settings.block, settings.least_blocks)
     few = [f"{len(groups)} blocks of data to resample"] if len(groups) < settings.least_trusted else []
-    unit, width = found.space.to_unit(found.mean), found.std / found.space.span
+    edge, width = at_bounds(found), found.std / found.space.span
     prior = fit.equations.prior**-0.5
     reasons: dict[str, list[str]] = {}
     for k, name in enumerate(found.space.names):
-        bound = ["at its bound"] if min(unit[k], 1 - unit[k]) < _AT_A_BOUND and width[k] > 0 else []
+        bound = ["at its bound"] if edge[name] else []
         prior_alone = ["the data hardly move it"] if width[k] > prior[k] / 2 else []
         reasons[name] = [*few, *bound, *prior_alone]
     return reasons
+
+
+def at_bounds(found: ContextEstimate) -> dict[str, bool]:
+    """Whether each parameter lies at one of its bounds; one that the fit left alone does not."""
+    unit = found.space.to_unit(found.mean)
+    edge = (np.minimum(unit, 1 - unit) < _AT_A_BOUND) & (found.std > 0)
+    return dict(zip(found.space.names, edge.tolist(), strict=True))
 
 
 def worst_direction(space: ContextSpace, fit: Fit) -> dict[str, float]:

@@ -102,12 +102,12 @@ def _outcome(row: Mapping[str, Any]) -> tuple[str, str, str]:
 
 
 def parameter_table(parameters: Mapping[str, Mapping[str, Any]]) -> str:
-    """Parameters ± std, and their scatter between logs where it is known."""
+    """Parameters ± std (of one at its bound, that it is), and their scatter between logs where it is known."""
     scatter = any(row.get("cv_percent") is not None for row in parameters.values())
     rows = []
     for name, row in parameters.items():
         spread = [percent(_share(row.get("cv_percent")))] if scatter else []
-        rows.append([f"`{name}`", uncertain(row["value"], row["std"], row["unit"]), *spread])
+        rows.append([f"`{name}`", _fitted(row), *spread])
     return table(["parameter", "value ± std", *(["CV between logs"] if scatter else [])], rows)
 
 
@@ -162,10 +162,14 @@ def clock_table(clocks: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
 
 def _own_parameters(row: Mapping[str, Any]) -> list[str]:
     prefix = candidate_name(row) + "."
-    return [
-        f"{name.removeprefix(prefix)} {uncertain(entry['value'], entry['std'], entry['unit'])}"
-        for name, entry in row["parameters"].items()
-    ]
+    return [f"{name.removeprefix(prefix)} {_fitted(entry)}" for name, entry in row["parameters"].items()]
+
+
+def _fitted(parameter: Mapping[str, Any]) -> str:
+    """A value ± std; the std of a value at its bound says nothing."""
+    edge = parameter.get("at_bound", False)
+    value = uncertain(parameter["value"], None if edge else parameter["std"], parameter["unit"])
+    return f"{value}, at its bound" if edge else value
 
 
 def _errors(held_out: Mapping[str, Any]) -> Mapping[str, float | None]:

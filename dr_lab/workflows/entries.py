@@ -82,7 +82,7 @@ def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dic
     found = estimate(space, explained.fit, bench.fit, bench.evidence)
     logs = per_log(space, explained.fit, bench.fit)
     doubted = trust.doubts(found, explained.fit, bench.fit, bench.evidence)
-    table: dict[str, Any] = found.table()
+    table = _marked(found)
     for column, name in enumerate(space.names):
         table[name]["cv_percent"] = _cv_percent(logs[:, column], float(found.mean[column]))
         table[name]["per_log"] = dict(zip(bench.fit.logs, logs[:, column].tolist(), strict=True))
@@ -166,8 +166,14 @@ def _own(candidate: Candidate, study: Study) -> dict[str, Any]:
     if not candidate.fitted:
         return {}
     explained = candidate.explained
-    table = estimate(explained.model.space, explained.fit, study.bench.fit, study.bench.evidence).table()
+    table = _marked(estimate(explained.model.space, explained.fit, study.bench.fit, study.bench.evidence))
     return {p.name: table[p.name] for p in candidate.effect.parameters}
+
+
+def _marked(found: ContextEstimate) -> dict[str, Any]:
+    """An estimate's table that says which parameters lie at a bound."""
+    edge = trust.at_bounds(found)
+    return {name: {**row, "at_bound": edge[name]} for name, row in found.table().items()}
 
 
 def _cv_percent(values: Array, mean: float) -> float:

@@ -9,7 +9,7 @@ from dr_lab.diagnosis.fit import Fit, Fitter
 from dr_lab.diagnosis.identifiability import identifiability
 from dr_lab.diagnosis.normal_equations import NormalEquations
 from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.trust import doubts, worst_direction
+from dr_lab.diagnosis.trust import at_bounds, doubts, worst_direction
 from dr_lab.diagnosis.windows import Windows
 from dr_lab.physics.model import Model
 
@@ -47,6 +47,7 @@ def test_few_logs_and_values_at_a_bound_are_doubted() -> None:
     found, settings = estimate(model.space, fit, windows, evidence_settings()), evidence_settings()
     assert set(map(tuple, doubts(found, fit, windows, settings).values())) == {()}
     at_bound = type(found)(found.space, np.array([found.space.low[0], found.mean[1]]), found.covariance)
+    assert list(at_bounds(at_bound).values()) == [True, False]
     told = doubts(at_bound, fit, windows, settings)
     assert [list(reasons) for reasons in told.values()] == [["at its bound"], []]
     windows, fit = fitted(model, 2)

@@ -198,6 +198,15 @@ def test_tables_parse_with_bars_in_names(close_report: dict[str, Any]) -> None:
     assert "3.4 %" in html
 
 
+def test_a_value_at_its_bound_has_no_interval(close_report: dict[str, Any]) -> None:
+    row, own = close_report["ladder"][1]["parameters"], close_report["ranking"][0]["parameters"]
+    row["pole.mass"] |= {"value": 0.2, "at_bound": True}
+    own["coulomb_friction@arm.torque"] |= {"value": 0.0, "at_bound": True}
+    text = report_markdown(close_report)
+    assert _cells(text, "`pole.mass`")[1] == "0.2 kg, at its bound"
+    assert _cells(text, "1")[5] == "torque 0 N·m, at its bound"
+
+
 def test_an_experiment_that_decides_nothing_is_not_recommended(close_report: dict[str, Any]) -> None:
     close_report["next_experiment"] |= {"sigma": 0.25, "needed": 5.0}
     text = report_markdown(close_report)

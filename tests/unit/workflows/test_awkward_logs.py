@@ -208,6 +208,16 @@ def test_windows_that_diverge_are_counted_in_the_report_and_told(
         assert "The calibration did not converge in" in " ".join(text.split())
 
 
+def test_a_parameter_that_ends_at_its_bound_is_marked_on_the_screen(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    heavy = [swinging(f"log_{k}", pendulum().compile(np.array([1.9, 0.08])), k, seconds=1.5) for k in range(2)]
+    report = fitted(pendulum(), measured(heavy[:1], heavy[1:]), tmp_path)
+    at_bound = {name: row["at_bound"] for name, row in report["ladder"][0]["parameters"].items()}
+    assert at_bound == {"rod.mass": True, "hinge.damping": False}
+    assert re.search(r"rod\.mass +1\.5 kg, at its bound", capsys.readouterr().out)
+
+
 def test_a_model_that_diverges_says_so_before_any_fit(tmp_path: Path) -> None:
     explicit = """<mujoco model="stiff"><option timestep="0.01" integrator="Euler"><flag eulerdamp="disable"/></option>
       <worldbody><body><inertial mass="0.5" pos="0 0 -0.3" diaginertia="0.005 0.005 0.001"/>
