@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.cleaning import drop_not_finite, drop_unordered, find_gaps, find_wraps, longest_wait, unwrap
+from dr_lab.measurements.constant import find_constant
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.glitches import drop_glitches
 from dr_lab.measurements.noise import estimate_noise
@@ -81,6 +82,7 @@ def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContr
         commands[part.channel.name] = _command(part, keep, name, notes, contract)
     _check_overlap(name, outputs, commands, raw.clocks)
     notes += check_units(outputs, [part.channel for part in raw.outputs], contract)
+    notes += find_constant(outputs, commands)
     return Log(name, outputs, commands, tuple(notes), raw.clocks)
 
 

@@ -41,6 +41,32 @@ def test_every_defect_is_repaired_and_noted(tmp_path: Path, contract: DataContra
     np.testing.assert_allclose(signal.value, truth, atol=6e-3)
 
 
+def test_an_output_that_never_changes_while_a_command_does_is_noted(tmp_path: Path, contract: DataContract) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, q=0.1, u=np.sign(ANGLE))
+    (note,) = read_log(path, Q, U, contract).notes
+    assert (note.kind, note.signal, note.count) == ("constant", "q.position", 2000)
+    assert "q.position: never changes (2000 equal samples) while m is driven. Check its sensor" in note.message
+
+
+@pytest.mark.parametrize(
+    ("angle", "command"),
+    [
+        (0.1 * (TIME > 2.0), 1.0 * (TIME > 1.9)),  # at rest, then driven
+        (0.1 * (TIME > 3.9), 1.0 * (TIME > 1.9)),
+        (0.1, 2.0),  # at rest, as commanded
+        (0.1, np.where(TIME == 0.0, 1.0, np.nan)),  # sent once
+    ],
+)
+def test_a_machine_at_rest_is_not_noted(tmp_path: Path, contract: DataContract, angle: object, command: object) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, q=angle, u=command)
+    assert "constant" not in {note.kind for note in read_log(path, Q, U, contract).notes}
+
+
+def test_commands_outside_of_the_measured_seconds_drive_nothing(tmp_path: Path, contract: DataContract) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, q=np.where(TIME < 2.0, 0.1, np.nan), u=1.0 * (TIME > 2.5))
+    assert "constant" not in {note.kind for note in read_log(path, Q, U, contract).notes}
+
+
 def test_channels_of_different_rates_keep_their_samples(tmp_path: Path, contract: DataContract) -> None:
     slow = np.where(np.arange(2000) % 10 == 0, ANGLE, np.nan)
     log = read_log(
