@@ -52,7 +52,7 @@ def log_ranking(root: Branch, ranking: Sequence[Mapping[str, Any]], look: Look) 
             f"{candidate_name(row)} · χ² {number(row['held_out_chi2'])}",
             _as_percent(row["gain"]),
             None if None in row["gain_ci"] else (_as_percent(row["gain_ci"][0]), _as_percent(row["gain_ci"][1])),
-            look.colour(colours.get(status(row), "noise")),
+            look.colour(colours.get(status(row, None), "noise")),
         )
         for row in ranking[:_MOST]
     ]

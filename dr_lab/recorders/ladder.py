@@ -4,6 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+# Verdicts of a report that name no effect, although the ranking of one of its models may have a best one.
+_NAMING_NONE = ("unexplained", "none", "not_excited")
+
 
 @dataclass(frozen=True)
 class Step:
@@ -62,10 +65,15 @@ def candidate_name(row: Mapping[str, Any]) -> str:
     return f"{row['effect']}@{row['site']}"
 
 
-def status(row: Mapping[str, Any]) -> str:
+def judged(word: str, verdict: str | None) -> str:
+    """What a ranking says, in words that do not contradict the whole report's verdict."""
+    return "best, not named" if word == "named" and verdict in _NAMING_NONE else word.replace("_", " ")
+
+
+def status(row: Mapping[str, Any], verdict: str | None) -> str:
     """Status of a candidate in words; one whose place free parameters take is not among the rivals of the verdict."""
     if row.get("absorbed_by_parameters") and row["status"] == "equivalent":
         return "absorbed"
     if row["status"] == "rejected" and not row.get("fitted", True):
         return "not fitted"
-    return row["status"].replace("_", " ")
+    return judged(row["status"], verdict)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dr_lab.recorders.ladder import candidate_name, failing, scored
+from dr_lab.recorders.ladder import candidate_name, failing, judged, scored
 from dr_lab.recorders.quantity import number, percent
 from dr_lab.recorders.tables import (
     channel_table,
@@ -36,7 +36,7 @@ def report_markdown(report: Mapping[str, Any]) -> str:
         _section("Ladder of models", ladder_table(report)),
         _section("Reasons", _reasons(report)),
         _section(f"Error by channel, on {scored(report)}", channel_table(report)),
-        _section("Candidates", ranking_table(report.get("ranking", []))),
+        _section("Candidates", ranking_table(report.get("ranking", []), report.get("verdict"))),
         _section("Parameters", parameter_table(parameters)),
         _trades(report, parameters),
         _section("Parameters by log", per_log_table(parameters)),
@@ -56,7 +56,8 @@ def report_markdown(report: Mapping[str, Any]) -> str:
 def _reasons(report: Mapping[str, Any]) -> str:
     """Why each rung's verdict is what it is; the first rung's alone where there is but one."""
     rungs = report.get("rungs") or ([report] if report.get("reason") else [])
-    return "\n".join(f"- {(rung.get('verdict') or '').replace('_', ' ')}: {rung['reason']}" for rung in rungs)
+    told = [judged(rung.get("verdict") or "", report.get("verdict")) for rung in rungs]
+    return "\n".join(f"- {word}: {rung['reason']}" for word, rung in zip(told, rungs, strict=True))
 
 
 def _where(regions: Sequence[Mapping[str, Any]]) -> str:

@@ -70,7 +70,7 @@ def _log_report(root: Branch, report: Mapping[str, Any], report_md: str, look: L
         log_ladder(diagnosis / "ladder", ladder, before_after(report), look)
     if report.get("ranking"):
         log_ranking(diagnosis / "ranking", report["ranking"], look)
-        _log_text(diagnosis / "ranking_table", ranking_table(report["ranking"]))
+        _log_text(diagnosis / "ranking_table", ranking_table(report["ranking"], report.get("verdict")))
 
 
 def _log_text(place: Branch, text: str) -> None:

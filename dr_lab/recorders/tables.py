@@ -71,13 +71,13 @@ def channel_table(report: Mapping[str, Any]) -> str:
     return table(["channel", "unit", "noise std", *errors, "fit"], rows)
 
 
-def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
+def ranking_table(ranking: Sequence[Mapping[str, Any]], verdict: str | None) -> str:
     """Candidates, best first: status, χ², gain with its interval and the effect's own parameters."""
     rows = [
         [
             str(place),
             f"`{candidate_name(row)}`",
-            status(row),
+            status(row, verdict),
             *_outcome(row),
         ]
         for place, row in enumerate(ranking, start=1)
@@ -85,9 +85,9 @@ def ranking_table(ranking: Sequence[Mapping[str, Any]]) -> str:
     return table(["", "effect", "status", "χ²", "gain (interval)", "its parameters"], rows)
 
 
-def ranking_summary(ranking: Sequence[Mapping[str, Any]]) -> str:
+def ranking_summary(ranking: Sequence[Mapping[str, Any]], verdict: str | None) -> str:
     """Candidates, best first, without their parameters, which leaves room for whole names on a screen."""
-    rows = [[f"`{candidate_name(row)}`", status(row), *_outcome(row)[:2]] for row in ranking]
+    rows = [[f"`{candidate_name(row)}`", status(row, verdict), *_outcome(row)[:2]] for row in ranking]
     return table(["effect", "status", "χ²", "gain (interval)"], rows)
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from dr_lab.recorders.ladder import candidate_name, scored, steps
+from dr_lab.recorders.ladder import candidate_name, scored, status, steps
 from dr_lab.recorders.quantity import number, percent
 
 
@@ -74,7 +74,7 @@ def _fall(report: Mapping[str, Any]) -> str:
     """χ² of each model on the scored logs, and of the named candidate where it was not added yet."""
     errors = [f"{number(step.held_out['chi2'])} ({step.name})" for step in steps(report)]
     if not report["ladder"][-1]["effects"]:
-        named = [row for row in report.get("ranking", []) if row["status"] == "named"]
+        named = [row for row in report.get("ranking", []) if status(row, report.get("verdict")) == "named"]
         errors += [f"{number(row['held_out_chi2'])} (+ {candidate_name(row)})" for row in named]
     # Longer ladders have their own table; the sentence keeps the ends and the calibrated model, which effects improve.
     told = errors if len(errors) <= 3 else [*errors[:2], "…", errors[-1]]

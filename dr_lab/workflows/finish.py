@@ -104,7 +104,7 @@ def _summary(report: Mapping[str, Any]) -> str:
     ranking = report.get("ranking", [])
     others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
     parts = [verdict_markdown(report), ladder_table(report), _parameters(report)]
-    parts.append(ranking_summary(ranking[:_SHOWN]) + others)
+    parts.append(ranking_summary(ranking[:_SHOWN], report.get("verdict")) + others)
     where = [f"- {r['signal']}, {r['region']}: {100 * r['share']:.0f} % of its error" for r in report.get("where", [])]
     parts.append(f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else "")
     notes = report.get("notes", [])

@@ -5,6 +5,7 @@ import pytest
 from markdown_it import MarkdownIt
 
 from dr_lab.recorders.markdown import notes_list, report_markdown
+from dr_lab.recorders.tables import ranking_summary
 
 
 def _cells(text: str, first: str) -> list[str]:
@@ -60,6 +61,18 @@ def test_effects_that_close_too_little_are_not_the_cause(close_report: dict[str,
     assert told in report_markdown(close_report)
     close_report["ladder"] = close_report["ladder"][:1]
     assert "**Unexplained:** a gap remains that no effect of the catalogue explains." in report_markdown(close_report)
+
+
+@pytest.mark.parametrize("verdict", ["unexplained", "none", "not_excited"])
+def test_nothing_is_called_named_where_the_verdict_names_nothing(close_report: dict[str, Any], verdict: str) -> None:
+    close_report["verdict"] = verdict
+    text = report_markdown(close_report)
+    assert _cells(text, "1")[1:3] == ["`coulomb_friction@arm`", "best, not named"]
+    assert "- best, not named: coulomb_friction@arm lowers" in text
+    assert "best, not named" in ranking_summary(close_report["ranking"], verdict)
+    assert " named" not in text.replace("not named", "")
+    close_report["ladder"] = close_report["ladder"][:1]
+    assert "(+ " not in report_markdown(close_report)  # a candidate that was dropped again
 
 
 def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_report: dict[str, Any]) -> None:
