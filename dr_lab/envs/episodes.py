@@ -172,7 +172,7 @@ class Episodes:
             terminated = terminated | failed
         self._steps += 1
         self._returns += reward
-        self.observation, self._marker, self._failed = observation, marker, failed
+        self.observation, self._marker, self._failed = observation, marker, failed.copy()  # `begin` writes into it
         return Outcome(observation, reward, terminated, self._steps >= self.task.time_limit, failed)
 
     def state_dict(self) -> dict[str, Any]:
