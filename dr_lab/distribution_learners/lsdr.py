@@ -35,13 +35,13 @@ class LSDR(DistributionLearner):
         seed: of the contexts that are tried.
         prior: makes p(z) over the same parameters.
         source: which of the two the tried contexts are drawn from.
-        every: control steps of training between two iterations of this, which wait for a batch of the policy's to end.
         contexts: K, contexts tried in an iteration, one episode each.
         steps: M, steps of Adam on the same episodes.
         learning_rate: of Adam.
         alpha: α, weight of the divergence against standardised returns.
         return_rate: share of the newest batch in the averages of the returns.
         divergence_samples: draws for a divergence without closed form.
+        every: control steps of training between two iterations of this, which wait for a batch of the policy's to end.
 
     Raises:
         ConfigError: φ is empty, p leaves the support of p_φ, or a number is out of its range.
@@ -53,13 +53,13 @@ class LSDR(DistributionLearner):
         seed: int,
         prior: Callable[[ContextSpace], Randomizer],
         source: Literal["prior", "learned"],
-        every: int,
         contexts: int,
         steps: int,
         learning_rate: float,
         alpha: float,
         return_rate: float,
         divergence_samples: int,
+        every: int = 1,
     ) -> None:
         super().__init__(randomizer)
         self.every = every

@@ -1,5 +1,6 @@
 """A machine and its task: what `conf/env` describes."""
 
+import math
 from dataclasses import dataclass
 
 from dr_lab.envs.episodes import ContextSource
@@ -21,6 +22,7 @@ class Setting:
         show_context: whether the policy sees the context.
         infeasible_return: highest return of an episode whose context is infeasible; to be below what others return.
         speed_limit: of every joint of a simulation that has not diverged, m/s or rad/s; to be above what is reached.
+            Runs of earlier versions have none.
 
     Raises:
         ConfigError: the speed limit is not above 0.
@@ -31,7 +33,7 @@ class Setting:
     task: Task
     show_context: bool
     infeasible_return: float
-    speed_limit: float
+    speed_limit: float = math.inf
 
     def __post_init__(self) -> None:
         require_numbers(self, "env", positive=("speed_limit",))

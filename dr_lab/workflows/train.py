@@ -39,7 +39,7 @@ _NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate pla
 _NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
 
 
-def train(plan: Plan, recorder: Look, resume: str | None, final_share: float, run_dir: Path) -> dict[str, Any]:
+def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path, final_share: float = 1.0) -> dict[str, Any]:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
     Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt``, ``report.json``, ``report.md``, ``review.rrd`` and
@@ -50,8 +50,8 @@ def train(plan: Plan, recorder: Look, resume: str | None, final_share: float, ru
         plan: what is trained, and on what.
         recorder: how the recording looks.
         resume: run folder of an interrupted training run with the same settings.
-        final_share: share of the iterations whose episodes make up the final return, the last ones.
         run_dir: the run folder.
+        final_share: share of the iterations whose episodes make up the final return, the last ones.
 
     Returns:
         The report (schema dr_lab/train/1).
