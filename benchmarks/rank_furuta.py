@@ -127,7 +127,7 @@ def main() -> None:
     load, meter, begin = os.getloadavg()[0], Meter(), clock()
     base, calibrated = calibrate(study), clock()
     with meter.watching():
-        ranking = rank(study.bench, base, placed, meter.done)
+        ranking = rank(study.bench, base, placed, meter.done).candidates
     calibration, ranked = calibrated - begin, clock() - calibrated
     show(meter.spent, ranking)
     simulation, steps = (sum(getattr(s, name) for s in meter.spent.values()) for name in ("simulation", "steps"))

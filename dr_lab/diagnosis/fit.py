@@ -16,7 +16,10 @@ from dr_lab.diagnosis.point import Point, better_start, huber_weights, window_co
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.slopes import Slopes, differences
+from dr_lab.diagnosis.states import polished
 from dr_lab.trajectory import Array
+
+_NONE = np.zeros((0, 0, 0))
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,8 @@ class Fit(Point):
         window_costs: cost of each window, zero where it diverges, shape (w,).
         slopes: Jacobian at the last linearisation.
         iterations: steps taken.
-        converged: whether the last step, hardly damped, lowered the cost by less than the tolerance, with every window
-            that the result can simulate; else the iterations ran out, or only short steps lower the cost, or none.
+        converged: whether the certificate holds: a full linear step would lower the cost by less than the tolerance;
+            else only short steps lower the cost, or none.
     """
 
     equations: NormalEquations
@@ -49,6 +52,27 @@ class Fit(Point):
         """By how much the cost is below another fit's of the same windows, in those that neither lets diverge."""
         alone = self.window_costs[other.infeasible].sum() - other.window_costs[self.infeasible].sum()
         return other.cost - self.cost + float(alone)
+
+    def pick(self, rows: NDArray[np.intp]) -> "Fit":
+        """The fit as seen in some windows, at the same context."""
+        every = np.zeros(len(self.infeasible), bool)
+        every[rows] = True
+        return replace(
+            self,
+            delta=self.delta[rows],
+            residuals=self.residuals[rows],
+            cost=self.cost - float(self.window_costs[~every].sum()),
+            infeasible=self.infeasible[rows],
+            equations=self.equations.pick(rows),
+            first=self.first.pick(rows),
+            window_costs=self.window_costs[rows],
+            slopes=self.slopes.pick(rows),
+        )
+
+
+def movable(unit: Array, gradient: Array) -> NDArray[np.bool_]:
+    """Parameters that their bounds do not hold back; `unit` from 0 to 1 between the bounds, both of shape (n,)."""
+    return ~(((unit <= 0) & (gradient > 0)) | ((unit >= 1) & (gradient < 0)))
 
 
 class Fitter:
@@ -70,61 +94,80 @@ class Fitter:
     def run(
         self, z: Array, delta: Array | None = None, known: Slopes | None = None, iterations: int | None = None
     ) -> Fit:
-        """Fit from a start.
+        """Fit from a start until the certificate of convergence holds.
 
-        Windows that diverge at the start are left out. Those that the result can simulate come back, and the fit goes
-        on with them, `settings.restarts` times at most.
+        The certificate is that a full linear step, with fresh slopes by the parameters, would lower the cost by less
+        than `settings.tolerance` of it. A descent that ends without it, because only steps shorter and shorter help,
+        begins anew from its end, with states taken anew and slopes too, as long as that gains. Windows that diverge at
+        the start are left out; those that the result can simulate come back. Either happens `settings.restarts` times
+        at most.
 
         Args:
             z: start, shape (n,).
             delta: first state corrections, shape (w, 2 nv); None starts at the prior's mean.
             known: slopes at the start for the states and the first parameters, which need no simulation then.
-            iterations: most steps before windows come back; None takes the settings', 0 only linearises.
+            iterations: most steps of a rough fit, which is not gone on with; None goes on to the certificate, 0 only
+                linearises.
         """
         if delta is None:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
-        most = self.settings.iterations if iterations is None else iterations
-        fit, left = self._descend(self._point(z, delta), known, most), self.settings.restarts
-        while most and (start := self._with_returned(fit)):
+        if iterations is not None:
+            return self._descend(self._point(z, delta), known, iterations)
+        fit, left = self._descend(self._point(z, delta), known, self.settings.iterations), self.settings.restarts
+        while start := self._anew(fit):
             if not left:
                 return replace(fit, converged=False)
-            again, left = self._descend(start, None, most), left - 1
-            fit = replace(again, first=fit.first, iterations=fit.iterations + again.iterations)
+            again, left = self._descend(start, None, self.settings.iterations), left - 1
+            taken = fit.iterations + again.iterations
+            if not (again.infeasible.sum() < fit.infeasible.sum() or self._gains(fit, again)):
+                return replace(fit, iterations=taken)
+            fit = replace(again, first=fit.first, iterations=taken)
         return fit
 
-    def _with_returned(self, fit: Fit) -> Point | None:
-        """The fit's result with windows that were left out and can be simulated there; None where there are none."""
-        if not fit.infeasible.any():
+    def _anew(self, fit: Fit) -> Point | None:
+        """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done."""
+        if fit.converged and not fit.infeasible.any():
             return None
         start = self.begin(fit.z, fit.delta)
-        return start if (fit.infeasible & ~start.infeasible).any() else None
+        returned = bool((fit.infeasible & ~start.infeasible).any())
+        return start if returned or (not fit.converged and not fit.infeasible.all()) else None
+
+    def _gains(self, fit: Fit, again: Fit) -> bool:
+        return again.below(fit) > self.settings.tolerance * fit.cost
 
     def _descend(self, best: Point, known: Slopes | None, most: int) -> Fit:
         """Levenberg–Marquardt in the windows that the start can simulate."""
         settings = self.settings
-        slopes, stale = self._first_slopes(best, known), known is not None
+        slopes, fresh = self._first_slopes(best, known), known is None
         best, weight, linear = self._linear(best, slopes)
-        first, damping, taken, converged = linear, settings.damping, 0, False
-        for taken in range(1, most + 1):
+        first, damping, taken, converged, hindered = linear, settings.damping, 0, False, False
+        while True:
+            predicted = linear.decrease(self._movable(best, linear))
+            done = predicted <= settings.tolerance * best.cost and not best.infeasible.all()
+            converged = done and (fresh or taken == 0)  # where nothing moved, given slopes are those of the start
+            if converged or taken >= most or damping > settings.damping_max:
+                break
+            if done:
+                slopes, fresh = self._slopes(best, state=slopes.state), True
+                best, weight, linear = self._linear(best, slopes)
+                continue
+            taken += 1
             trial = self._trial(best, linear, damping, weight)
-            gain = best.cost - trial.cost
-            if gain >= 0:
-                done = gain <= settings.tolerance * best.cost
-                converged = done and damping <= settings.hardly_damped and not best.infeasible.all()
-                stale = gain <= settings.refresh * best.cost
-                best, damping, known = trial, damping / settings.damping_down, None
-                if done or taken == most:
-                    break
-                slopes = self._slopes(best, state=slopes.state if stale else None)
-            elif stale:
-                slopes, stale = self._slopes(best, parameter=slopes.parameter if known is None else None), False
+            gain, was_hindered = best.cost - trial.cost, hindered
+            hindered = 0 <= gain < settings.hindered * predicted
+            if hindered and not was_hindered:
+                best, slopes, fresh = *self._polished(trial, slopes), False
+            elif gain >= 0:
+                near = gain <= settings.refresh * best.cost
+                best, damping, fresh = trial, damping / settings.damping_down, gain < settings.foretold * predicted
+                if fresh:
+                    slopes = self._slopes(best, state=slopes.state if near else None)
+            elif not fresh:
+                slopes, fresh = self._slopes(best), True
             else:
                 damping *= settings.damping_up
-                if damping > settings.damping_max:
-                    break
                 continue
             best, weight, linear = self._linear(best, slopes)
-        best, weight, linear = self._linear(best, slopes)
         costs = np.where(best.infeasible, 0.0, window_costs(best, weight, self._precision))
         ended = (linear, first, costs, slopes, taken, converged)
         return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
@@ -139,6 +182,16 @@ class Fitter:
         mean = self._point(z, np.zeros_like(delta))
         weight = huber_weights(mean.residuals, self.replay.fitted, mean.infeasible, self.settings.huber)
         return better_start(mean, self._point(z, delta), weight, self._precision)
+
+    def polish(self, z: Array, delta: Array) -> Point:
+        """A start with states that were fitted at another context, fitted anew at this one; arguments as `begin`."""
+        start = self.begin(z, delta)
+        return self._polished(start, Slopes(self._differences(start, states=True, columns=self._columns[:0]), _NONE))[0]
+
+    def _polished(self, point: Point, slopes: Slopes) -> tuple[Point, Slopes]:
+        found = polished(self.replay, self.settings, point, slopes.state)
+        point = replace(point, delta=found.delta, residuals=found.residuals, infeasible=found.infeasible)
+        return point, Slopes(found.slopes, slopes.parameter)
 
     def _first_slopes(self, point: Point, known: Slopes | None) -> Slopes:
         if known is None:
@@ -185,12 +238,14 @@ class Fitter:
         prior = float((self._prior_precision * offset**2).sum())
         return float((weight * point.residuals**2).sum()) + states + prior
 
-    def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> Point:
-        unit = self.space.to_unit(best.z)
+    def _movable(self, point: Point, linear: NormalEquations) -> NDArray[np.bool_]:
+        """Parameters that no bound holds back."""
         gradient = linear.window_information()[1].sum(0) + linear.prior_gradient
-        movable = ~(((unit <= 0) & (gradient > 0)) | ((unit >= 1) & (gradient < 0)))
-        move, state_move = linear.step(damping, movable)
-        unit = np.clip(unit + move, 0, 1)
+        return movable(self.space.to_unit(point.z), gradient)
+
+    def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> Point:
+        move, state_move = linear.step(damping, self._movable(best, linear))
+        unit = np.clip(self.space.to_unit(best.z) + move, 0, 1)
         trial = self._point(self.space.from_unit(unit), best.delta + state_move)
         if (trial.infeasible & ~best.infeasible).any():
             return trial

@@ -4,9 +4,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import mujoco
+import numpy as np
 
+from dr_lab.diagnosis.bench import Bench, Explained, explain
 from dr_lab.diagnosis.evidence import at_floor, paired_gain, supported
-from dr_lab.diagnosis.rank import Bench, Candidate, Explained, explain, rank
+from dr_lab.diagnosis.rank import Candidate, rank
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.verdict import Verdict, decide
 from dr_lab.effects.catalogue import candidates
@@ -74,6 +76,12 @@ class Ladder:
         """The ladder's models, the calibrated one first."""
         return (self.base, *(step.explained for step in self.steps))
 
+    def topped(self, last: Explained) -> "Ladder":
+        """The ladder with a better fit of its last model."""
+        if not self.steps:
+            return replace(self, base=last)
+        return replace(self, steps=(*self.steps[:-1], replace(self.steps[-1], explained=last)))
+
     def closed(self, settings: EvidenceSettings) -> float:
         """Share of the calibrated model's gap that all added effects close together; `Gain.gap` of the last model."""
         return paired_gain(self.base.held_out, self.models[-1].held_out, settings).gap
@@ -131,15 +139,16 @@ def climb(
         found = candidates(last.model, effects, scales, compiled)
         placed = [effect for effect in found.placed if effect.label not in ladder.dropped]
         ranking = rank(bench, last, placed, watch(len(placed)))
-        rung = Rung(last, ranking, decide(last, ranking, bench.evidence, bench.scored))
+        ladder = ladder.topped(ranking.base)
+        rung = Rung(ranking.base, ranking.candidates, decide(*ranking, bench.evidence, bench.scored))
         ladder = replace(ladder, rungs=(*ladder.rungs, rung), refused={**found.refused, **ladder.refused})
         over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
         if over and all(step.proven for step in ladder.steps):
             return ladder
         superfluous: tuple[str, ...] = ()
-        steps = ladder.steps if over else reconsider(bench, base, (*ladder.steps, step_from(rung)))
+        steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, step_from(rung)))
         if over or all(step.proven for step in steps):
-            steps, superfluous = prune(bench, base, steps)
+            steps, superfluous = prune(bench, ladder.base, steps)
         ladder = replace(ladder, steps=steps, dropped=(*ladder.dropped, *superfluous))
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
@@ -181,12 +190,26 @@ def prune(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple
     for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
         effect = steps[place].explained.model.effects[-1]
         fewer = _stacked(bench, base, steps[:place], steps[place + 1 :])
+        fewer, base = _as_good_as_it_can(bench, base, fewer, steps[-1].explained)
         without = fewer[-1].explained if fewer else base
         gain = paired_gain(without.held_out, steps[-1].explained.held_out, bench.evidence)
         if not supported(gain, len(effect.parameters), bench.evidence):
             kept, dropped = prune(bench, base, fewer)
             return kept, (effect.label, *dropped)
     return tuple(replace(step, proven=True) for step in steps), ()
+
+
+def _as_good_as_it_can(
+    bench: Bench, base: Explained, fewer: tuple[Step, ...], whole: Explained
+) -> tuple[tuple[Step, ...], Explained]:
+    """Steps that lack one effect of a whole ladder, the last model fitted anew from where the whole ladder's ended."""
+    last = fewer[-1].explained if fewer else base
+    values = whole.values()
+    start = np.array([values[name] for name in last.model.space.names])
+    again = explain(bench, last.model, start, whole.fit.delta)
+    if again.fit.order >= last.fit.order:
+        return fewer, base
+    return ((*fewer[:-1], replace(fewer[-1], explained=again)), base) if fewer else (fewer, again)
 
 
 def _stacked(bench: Bench, base: Explained, below: Sequence[Step], above: Sequence[Step]) -> tuple[Step, ...]:
@@ -215,10 +238,6 @@ def _on(bench: Bench, below: Explained, explained: Explained) -> Explained:
     *others, last = explained.model.effects
     if [e.label for e in others] == [e.label for e in below.model.effects]:
         return explained
-    model, values = below.model.with_effect(last), _values(explained) | _values(below)
+    model, values = below.model.with_effect(last), explained.values() | below.values()
     start = model.space.vector({name: value for name, value in values.items() if name in model.space.names})
     return explain(bench, model, start, below.fit.delta)
-
-
-def _values(explained: Explained) -> dict[str, float]:
-    return explained.model.space.mapping(explained.fit.z)

@@ -6,9 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
+from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.rank import Explained
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows import cut

@@ -1,6 +1,6 @@
 """Normal equations of a fit whose windows' initial states are eliminated by a Schur complement."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +71,11 @@ class NormalEquations:
             prior=prior,
             prior_gradient=prior_gradient,
         )
+
+    def pick(self, rows: NDArray[np.intp]) -> "NormalEquations":
+        """The equations of some windows."""
+        names = ("state", "mixed", "state_gradient", "parameter", "parameter_gradient")
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
     def step(self, damping: float, free: Mask) -> tuple[Array, Array]:
         """Damped step of the free parameters and of all states.

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dr_lab.diagnosis.fit import Fit, Fitter
+from dr_lab.diagnosis.fit import Fit, Fitter, movable
 from dr_lab.diagnosis.identifiability import Identifiability, identifiability
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
@@ -51,8 +51,4 @@ def _reachable(fitter: Fitter, fit: Fit, base: Fit) -> float:
     """How far below the base's cost a full linear step leads; parameters that it would push through bounds stay."""
     unit = fitter.space.to_unit(fit.z)
     gradient = fit.first.window_information()[1].sum(0) + fit.first.prior_gradient
-    return fit.below(base) + fit.first.decrease(_movable(unit, gradient))
-
-
-def _movable(unit: Array, gradient: Array) -> np.ndarray:
-    return ~(((unit <= 0) & (gradient > 0)) | ((unit >= 1) & (gradient < 0)))
+    return fit.below(base) + fit.first.decrease(movable(unit, gradient))

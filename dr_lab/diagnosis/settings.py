@@ -56,20 +56,23 @@ class SolverSettings:
     """Levenberg–Marquardt with finite differences.
 
     Attributes:
-        iterations: most accepted or rejected steps.
-        tolerance: stop when a step lowers the cost by less than this share.
+        iterations: accepted or rejected steps after which a descent begins anew; not where a fit ends.
+        tolerance: a fit has converged when a full linear step would lower the cost by less than this share.
+        rough_tolerance: the same for fits that only decide which candidates are fitted again.
         refresh: share of the cost that a step must gain for the slopes by the start states to be taken anew.
+        foretold: share of the decrease that a linear step foretells above which the slopes are good for the next step.
+        hindered: share of the decrease that a linear step foretells below which states are fitted window by window.
         damping: first value of λ.
         damping_up: factor on λ after a rejected step.
         damping_down: divisor of λ after an accepted step.
         damping_max: give up when λ exceeds it.
-        hardly_damped: λ, relative to the diagonal, up to which a small step shows a minimum rather than the damping.
         parameter_step: finite-difference step of a parameter, in widths of its bounds.
         state_step: finite-difference step of an initial state, in prior standard deviations.
         huber: residuals beyond this many robust standard deviations count linearly.
         prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
         start_iterations: steps spent on each further start before the best one goes on.
-        restarts: most times that a fit goes on with windows that diverged at its start and do so no more at its end.
+        restarts: most times that a fit begins anew from its end, because it has not converged or because windows that
+            diverged at its start do so no more.
         batch: most simulations at a time for the columns of a Jacobian, though all windows of one column; it bounds
             the memory.
 
@@ -79,12 +82,14 @@ class SolverSettings:
 
     iterations: int
     tolerance: float
+    rough_tolerance: float
     refresh: float
+    foretold: float
+    hindered: float
     damping: float
     damping_up: float
     damping_down: float
     damping_max: float
-    hardly_damped: float
     parameter_step: float
     state_step: float
     huber: float
@@ -94,11 +99,11 @@ class SolverSettings:
     batch: int
 
     def __post_init__(self) -> None:
-        positive = ("damping", "damping_max", "hardly_damped", "parameter_step", "state_step", "huber", "prior_spans")
+        positive = ("damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
         least: dict[str, float] = dict.fromkeys(
             ("iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0
         )
-        least |= dict.fromkeys(("tolerance", "refresh", "restarts"), 0.0)
+        least |= dict.fromkeys(("tolerance", "rough_tolerance", "refresh", "foretold", "hindered", "restarts"), 0.0)
         require_numbers(self, "solver", positive=positive, least=least)
 
 
@@ -110,6 +115,9 @@ class EvidenceSettings:
         most_fits: number of candidates that are fitted at most: the most promising, half of them with one parameter.
         least_promise: share of the largest gain on the fit windows, first as predicted, then as reached: candidates
             that promise less stay unfitted.
+        least_hope: share of `threshold` that a linear step must promise for a candidate to be fitted.
+        screen_windows: most fit windows on which candidates are looked at and tried; those that stand there are fitted
+            to all.
         confidence: of the intervals of paired gains, and of the lower bound of their evidence.
         trial_confidence: of the bound that an effect's evidence must exceed for the ladder to go on with it on trial
             where nothing is supported at `confidence`.
@@ -136,6 +144,8 @@ class EvidenceSettings:
 
     most_fits: int
     least_promise: float
+    least_hope: float
+    screen_windows: int
     confidence: float
     trial_confidence: float
     block: int
@@ -156,12 +166,14 @@ class EvidenceSettings:
 
     def __post_init__(self) -> None:
         least: dict[str, float] = dict.fromkeys(
-            ("most_fits", "block", "least_blocks", "least_trusted", "resamples", "gain_resamples"), 1.0
+            ("most_fits", "screen_windows", "block", "least_blocks", "least_trusted", "resamples", "gain_resamples"),
+            1.0,
         )
         least["least_compared"] = 2.0
         least |= dict.fromkeys(
             (
                 "least_promise",
+                "least_hope",
                 "seed",
                 "threshold",
                 "least_gap",

@@ -23,6 +23,10 @@ class Slopes:
     state: Array
     parameter: Array
 
+    def pick(self, rows: NDArray[np.intp]) -> "Slopes":
+        """The slopes of some windows."""
+        return Slopes(self.state[rows], self.parameter[rows])
+
 
 def differences(
     replay: Replay, settings: SolverSettings, point: Point, *, states: bool, columns: NDArray[np.intp]

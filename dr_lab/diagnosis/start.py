@@ -32,6 +32,10 @@ class StartPrior:
     qacc: Array
     std: Array
 
+    def pick(self, rows: NDArray[np.intp]) -> "StartPrior":
+        """The prior of some windows."""
+        return StartPrior(self.qpos[rows], self.qvel[rows], self.qacc[rows], self.std)
+
 
 @dataclass(frozen=True)
 class Before:
@@ -46,6 +50,10 @@ class Before:
     qpos: Array
     qvel: Array
     controls: Array
+
+    def pick(self, rows: NDArray[np.intp]) -> "Before":
+        """The motion before some windows."""
+        return Before(self.qpos[rows], self.qvel[rows], self.controls[rows])
 
 
 def motion_before(

@@ -56,6 +56,21 @@ def fit_states(
     return replay, _Search(replay, solver, z).run(near)
 
 
+def polished(replay: Replay, solver: SolverSettings, point: Point, slopes: Array) -> StateFit:
+    """The states of a point fitted anew at its context, each window with a damping of its own.
+
+    Where a joint step is hindered by a few windows whose states meet a kink (a joint that sticks, a contact), all
+    others must go in short steps with them; this lets each go its own way.
+
+    Args:
+        replay: windows and model.
+        solver: settings.
+        point: context and states to start from.
+        slopes: ∂r/∂δ nearby, shape (w, m, s).
+    """
+    return _Search(replay, solver, point.z).descend(point, slopes, ~point.infeasible)
+
+
 class _Search:
     """State of the search over all windows of one replay."""
 
@@ -69,11 +84,11 @@ class _Search:
         """The best states, from the prior's mean or from near; where near led to poor ones, from the mean as well."""
         mean = self._point(np.zeros((len(self.replay.windows), self.replay.nstate)))
         if near is None:
-            return self._descend(mean, None, ~mean.infeasible)
+            return self.descend(mean, None, ~mean.infeasible)
         first = better_start(mean, self._point(near.delta), self._weights(mean), self.precision)
-        found = self._descend(first, near.slopes, ~first.infeasible)
+        found = self.descend(first, near.slopes, ~first.infeasible)
         poor = self._poor(found) & ~mean.infeasible
-        return self._better(found, self._descend(mean, None, poor)) if poor.any() else found
+        return self._better(found, self.descend(mean, None, poor)) if poor.any() else found
 
     def _poor(self, found: StateFit) -> NDArray[np.bool_]:
         """Windows whose χ² noise alone would hardly leave."""
@@ -90,7 +105,7 @@ class _Search:
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
 
-    def _descend(self, point: Point, known: Array | None, active: NDArray[np.bool_]) -> StateFit:
+    def descend(self, point: Point, known: Array | None, active: NDArray[np.bool_]) -> StateFit:
         """Levenberg–Marquardt in the active windows, from slopes that may be those of a point nearby."""
         settings, count = self.settings, len(self.replay.windows)
         slopes = self._slopes(point) if known is None else known

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.normal_equations import inverse_root
-from dr_lab.diagnosis.rank import Explained
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.trajectory import Array
 

@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
 
+from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.evidence import Gain, at_floor, noise_floor, paired_gain, sizeable, supported, worth_a_trial
-from dr_lab.diagnosis.rank import Candidate, Explained
+from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
 
@@ -51,7 +52,8 @@ def decide(
         settings: when a gain counts.
         scored: the logs that the scores are from, in words.
     """
-    helpful = [c for c in ranking if c.gain.gap >= settings.least_explained]  # far from the floor, much helps a bit
+    # Far from the floor much helps a bit.
+    helpful = [c for c in ranking if c.final and c.gain.gap >= settings.least_explained]
     group = _inseparable([c for c in helpful if _passes(supported, c, settings)], settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}

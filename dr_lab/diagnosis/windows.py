@@ -1,7 +1,7 @@
 """Logs cut into windows: what is simulated from each start, under which controls, compared with which samples."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -37,6 +37,11 @@ class Samples:
     fitted: Mask
     scored: Mask
 
+    def pick(self, rows: NDArray[np.intp]) -> "Samples":
+        """The samples of some windows."""
+        kept = {name: getattr(self, name)[rows] for name in ("time", "value", "fitted", "scored")}
+        return replace(self, **kept)
+
 
 @dataclass(frozen=True)
 class Windows:
@@ -71,6 +76,19 @@ class Windows:
     def __len__(self) -> int:
         """Number of windows."""
         return len(self.begin)
+
+    def pick(self, rows: NDArray[np.intp]) -> "Windows":
+        """Some of the windows; `logs` stays, so that indices of logs keep their meaning."""
+        return replace(
+            self,
+            log=self.log[rows],
+            begin=self.begin[rows],
+            samples=tuple(samples.pick(rows) for samples in self.samples),
+            controls=self.controls[rows],
+            past=self.past[rows],
+            before=self.before.pick(rows),
+            prior=self.prior.pick(rows),
+        )
 
 
 def cut(logs: Sequence[Log], measured: MeasurementSet, model: mujoco.MjModel, settings: WindowSettings) -> Windows:

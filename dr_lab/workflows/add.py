@@ -60,8 +60,9 @@ def add(
 def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[str], None]) -> Ladder:
     base = ladder.models[-1]
     ranking = rank(study.bench, base, [effect], done)
-    rung = Rung(base, ranking, decide(base, ranking, study.bench.evidence, study.bench.scored))
-    step = Step(ranking[0].explained, (), proven=bool(rung.verdict.effects))
+    ladder = ladder.topped(ranking.base)
+    rung = Rung(ranking.base, ranking.candidates, decide(*ranking, study.bench.evidence, study.bench.scored))
+    step = Step(ranking.candidates[0].explained, (), proven=bool(rung.verdict.effects))
     return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, step))
 
 

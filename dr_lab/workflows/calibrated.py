@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from dr_lab.diagnosis.rank import Explained, explain
+from dr_lab.diagnosis.bench import Explained, explain
 from dr_lab.diagnosis.score import Score, score_of
 from dr_lab.diagnosis.states import fit_states
 from dr_lab.physics.context import ContextEstimate

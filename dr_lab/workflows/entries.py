@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from dr_lab.diagnosis import trust
+from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
 from dr_lab.diagnosis.evidence import noise_floor
 from dr_lab.diagnosis.fit import Fit
 from dr_lab.diagnosis.localise import Region
-from dr_lab.diagnosis.rank import Bench, Candidate, Explained
+from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.trade import trades

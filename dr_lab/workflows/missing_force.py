@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.force_formula import Formula, Variable, mean_square, sparse_formula
-from dr_lab.diagnosis.rank import Explained
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
 from dr_lab.diagnosis.states import fit_states

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.channels import unmeasured_joints
 from dr_lab.diagnosis.commands import silent_actuators
 from dr_lab.diagnosis.evidence import block_count
-from dr_lab.diagnosis.rank import Bench, Explained
 from dr_lab.diagnosis.unit_suspicion import suspect_degrees
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.study import Study

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import mujoco
 
+from dr_lab.diagnosis.bench import Bench
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
-from dr_lab.diagnosis.rank import Bench
 from dr_lab.diagnosis.scales import machine_scales, with_replay
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.diagnosis.states import fit_states

@@ -16,7 +16,8 @@ from omegaconf import DictConfig
 from scipy.integrate import OdeSolution, solve_ivp
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.rank import Candidate, Explained, explain, rank
+from dr_lab.diagnosis.bench import Explained, explain
+from dr_lab.diagnosis.rank import Candidate, rank
 from dr_lab.diagnosis.verdict import Verdict, decide
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
@@ -86,7 +87,7 @@ def judged(study: Study, base: Explained, cfg: DictConfig) -> tuple[Verdict, Can
     """The verdict on the rivals beside a base, and the best of them."""
     effects = instantiate(cfg.effects, _convert_="all")
     placed = candidates(base.model, effects, study.scales, study.compiled).placed
-    ranking = rank(study.bench, base, placed, lambda _: None)
+    base, ranking = rank(study.bench, base, placed, lambda _: None)
     return decide(base, ranking, study.bench.evidence), ranking[0]
 
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from dr_lab.diagnosis.rank import Explained, rank
+from dr_lab.diagnosis.bench import Explained
+from dr_lab.diagnosis.rank import rank
 from dr_lab.effects.catalogue import candidates
 from dr_lab.workflows.benchmark_cases.observed import Observed
 from dr_lab.workflows.benchmark_cases.outcome import BASE
@@ -42,7 +43,7 @@ def _ranked(observed: Observed, base: Explained, only: str | None = None) -> dic
     placed = candidates(base.model, observed.effects, study.scales, study.compiled).placed
     kept = [effect for effect in placed if only in (None, effect.label)]
     ranking = rank(study.bench, base, kept, lambda _: None)
-    return {c.effect.label: (c.explained, len(c.effect.parameters)) for c in ranking}
+    return {c.effect.label: (c.explained, len(c.effect.parameters)) for c in ranking.candidates}
 
 
 def _sum(explained: Explained) -> float:

@@ -12,6 +12,8 @@ from dr_lab.errors import ConfigError
 SETTINGS = EvidenceSettings(
     most_fits=100,
     least_promise=0.0,
+    least_hope=0.5,
+    screen_windows=10,
     confidence=0.99,
     trial_confidence=0.95,
     block=3,

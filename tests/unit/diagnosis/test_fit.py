@@ -70,7 +70,8 @@ def test_glitches_do_not_move_the_estimate() -> None:
         value = signal.value + np.where(hit, rng.choice([-1.0, 1.0], len(signal)), 0.0)  # 1000 σ
         spoilt.append(log_of(log.name, {"hinge.position": (signal.time, value)}, log.commands["drive"]))
     one, other = fitted(model, clean), fitted(model, spoilt)
-    assert (np.abs(one.z - other.z) < 0.7 * std_of(model, one)).all()
+    # A hundredth of the samples pulls with five standard deviations each: √(0.01 · 5²) = 0.5 of the estimate's own.
+    assert (np.abs(one.z - other.z) < 3 * 0.5 * std_of(model, one)).all()
 
 
 def test_values_stay_within_their_bounds() -> None:

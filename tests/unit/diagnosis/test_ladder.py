@@ -1,4 +1,5 @@
 from collections.abc import Mapping
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -6,8 +7,9 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect
 
+from dr_lab.diagnosis.bench import Bench, Explained, explain
 from dr_lab.diagnosis.ladder import Ladder, Step, climb, prune, reconsider
-from dr_lab.diagnosis.rank import Bench, Candidate, Explained, explain
+from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.scales import machine_scales
 from dr_lab.effects.effect import Effect
 from dr_lab.physics.model import Model
@@ -117,7 +119,8 @@ def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
     names = ("coulomb_friction", "constant_offset", "quadratic_drag", "actuator_delay")
     logs = rubbing(0.05, 0.1)
     bench, ladder = bench_of(logs, pendulum()), climbed(logs, *names, most=1)
-    found = {c.effect.effect.name: c for c in ladder.rungs[0].ranking}
+    ranking = (replace(c, explained=explain_on(bench, ladder.base, c)) for c in ladder.rungs[0].ranking)
+    found = {c.effect.effect.name: c for c in ranking}
     kept, wrong, right = (found[name] for name in ("constant_offset", "quadratic_drag", "coulomb_friction"))
     # the drag came first, with friction as its rival; then the offset, with the delay as its rival
     second = explain_on(bench, wrong.explained, kept)

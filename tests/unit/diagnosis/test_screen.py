@@ -6,8 +6,9 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect, scales_of
 
+from dr_lab.diagnosis.bench import Bench, Explained, explain
 from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.rank import Bench, Explained, explain, rank
+from dr_lab.diagnosis.rank import rank
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.screen import Look, look
 from dr_lab.effects.catalogue import candidates
@@ -69,7 +70,7 @@ def test_only_what_promises_enough_is_fitted(most_fits: int, least_promise: floa
     model, told = pendulum(), list[str]()
     catalogue = {name: catalogue_effect(name) for name in NAMES}
     placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
-    ranking = rank(bench, base, placed, told.append)
+    ranking = rank(bench, base, placed, told.append).candidates
     fitted = [c for c in ranking if c.fitted]
     assert ranking[0].effect.effect.name == "constant_offset"
     assert 1 <= len(fitted) <= min(most_fits, len(placed) - 1)
@@ -85,7 +86,7 @@ def test_what_holds_a_simpler_effect_does_not_take_its_place() -> None:
     bench, base = bench_of(rub, most_fits=2, least_promise=0.0)
     model, catalogue = pendulum(), {name: catalogue_effect(name) for name in DRY_FRICTIONS}
     placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
-    ranking = rank(bench, base, placed, lambda _: None)
+    ranking = rank(bench, base, placed, lambda _: None).candidates
     promised = {c.effect.effect.name: c.predicted for c in ranking}
     assert sum(promise > promised["coulomb_friction"] for promise in promised.values()) >= 2
     assert "coulomb_friction" in {c.effect.effect.name for c in ranking if c.fitted}

@@ -14,7 +14,7 @@ from diagnosis_machines import (
     windows_settings,
 )
 
-from dr_lab.diagnosis.rank import Explained
+from dr_lab.diagnosis.bench import Explained
 from dr_lab.trajectory import Array
 from dr_lab.workflows.missing_force import missing_forces
 from dr_lab.workflows.study import prepare

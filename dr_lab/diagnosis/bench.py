@@ -1,0 +1,105 @@
+"""The data on which models are compared, and a model fitted and scored there."""
+
+from dataclasses import dataclass, replace
+from threading import Event
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.fit import Fit, Fitter
+from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.score import Score, score_of
+from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
+from dr_lab.diagnosis.states import StateFit, fit_states
+from dr_lab.diagnosis.windows import Windows
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+Rows = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Explained:
+    """A model fitted to the fit windows and scored on the held-out ones.
+
+    Attributes:
+        model: the model with its effects.
+        fit: context and states on the fit windows.
+        states: states on the held-out windows.
+        held_out: score there.
+        apart: whether the held-out windows are others than the fit windows, so that they tell more than the fit does.
+    """
+
+    model: Model
+    fit: Fit
+    states: StateFit
+    held_out: Score
+    apart: bool = True
+
+    def values(self) -> dict[str, float]:
+        """The fitted context by parameter name."""
+        return self.model.space.mapping(self.fit.z)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The data and settings on which models are compared.
+
+    Attributes:
+        fit: windows that parameters are fitted on.
+        held_out: windows that only score; `fit` itself where no log is held out.
+        solver: settings of the fits.
+        evidence: settings of the comparison.
+        threads: threads in all.
+    """
+
+    fit: Windows
+    held_out: Windows
+    solver: SolverSettings
+    evidence: EvidenceSettings
+    threads: int
+
+    @property
+    def apart(self) -> bool:
+        """Whether logs are held out, so that others score than were fitted."""
+        return self.held_out is not self.fit
+
+    @property
+    def scored(self) -> str:
+        """The logs that score, in words."""
+        return "held-out logs" if self.apart else "fit logs"
+
+    @property
+    def screened(self) -> Rows:
+        """Fit windows on which candidates are looked at and tried, evenly spread over the logs."""
+        count = len(self.fit)
+        most = min(count, self.evidence.screen_windows)
+        return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
+
+    def screening(self) -> "Bench":
+        """The bench with fewer windows to fit; itself where there are no more."""
+        return self if len(self.screened) == len(self.fit) else replace(self, fit=self.fit.pick(self.screened))
+
+
+def explain(bench: Bench, model: Model, start: Array, delta: Array | None = None) -> Explained:
+    """Fit a model from a context, and states if given, and score it."""
+    return scored(bench, model, Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta))
+
+
+def fitted_alone(replay: Replay, fit: Fit) -> Explained:
+    """A fit scored on the windows that it was fitted to, which takes no simulation and flatters it."""
+    states = StateFit(fit.z, fit.delta, fit.residuals, fit.cost, fit.infeasible, fit.slopes.state)
+    return Explained(replay.model, fit, states, score_of(replay, states), apart=False)
+
+
+def scored(
+    bench: Bench,
+    model: Model,
+    fit: Fit,
+    threads: int | None = None,
+    near: StateFit | None = None,
+    stop: Event | None = None,
+) -> Explained:
+    """Score a fit on the held-out windows; `near` are states there of a similar model, `stop` ends it from outside."""
+    replay, states = fit_states(model, fit.z, bench.held_out, bench.solver, threads or bench.threads, near, stop)
+    return Explained(model, fit, states, score_of(replay, states), bench.apart)
