@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.commands import actuator_columns, averages
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.start import Before, StartPrior, motion_before
-from dr_lab.physics.activations import resting, time_constants
+from dr_lab.physics.activations import holders, resting, time_constants
 from dr_lab.physics.follow import follow
 from dr_lab.trajectory import Array, Log
 
@@ -36,9 +36,7 @@ class Activations:
 
 def run_in_of(model: mujoco.MjModel, settings: WindowSettings) -> float:
     """Time in s before a window's start in which its activations forget; those that take too long are left out."""
-    constants = time_constants(model)
-    told = constants[constants <= settings.longest_run_in / settings.forgotten]
-    return settings.forgotten * float(told.max(initial=0.0))
+    return settings.forgotten * float(time_constants(model)[~_lasting(model, settings)].max(initial=0.0))
 
 
 def activations(
@@ -65,7 +63,7 @@ def activations(
     """
     if not model.na:
         return None
-    unknown = np.flatnonzero(time_constants(model) > settings.longest_run_in / settings.forgotten)
+    unknown = np.flatnonzero(_lasting(model, settings))
     steps = before.qpos.shape[1]
     start = resting(model, before.qpos[:, 0], before.controls[:, 0]) if steps else np.zeros((len(prior.qpos), model.na))
     if not len(unknown):
@@ -74,6 +72,16 @@ def activations(
     start[:, unknown] = known[:, unknown]
     std = np.fmax(spread, _needed(model, prior, start))[unknown]
     return Activations(start, unknown, np.where(std > 0, std, 1.0))
+
+
+def _lasting(model: mujoco.MjModel, settings: WindowSettings) -> NDArray[np.bool_]:
+    """Activations that a run-in does not tell: those that forget too slowly, and what they drive, shape (na,).
+
+    A motor's current follows its controller's integral, so that all activations of one actuator go together.
+    """
+    slow = time_constants(model) > settings.longest_run_in / settings.forgotten
+    owners = np.array(holders(model))
+    return np.isin(owners, owners[slow])
 
 
 def _along(

@@ -89,12 +89,34 @@ def cut(logs: Sequence[Log], measured: MeasurementSet, model: mujoco.MjModel, se
         DataError: no log is long enough for one window, or no sample falls into one.
         UnknownNameError: a channel or command is not in the model.
     """
-    run_in = run_in_of(model, settings)
-    logs, begins = _windowed(logs, measured.gaps, settings, run_in)
+    logs, begins = _windowed(logs, measured.gaps, settings, run_in_of(model, settings))
+    return windows_at(logs, begins, measured, model, settings)
+
+
+def windows_at(
+    logs: Sequence[Log],
+    begins: Sequence[Array],
+    measured: MeasurementSet,
+    model: mujoco.MjModel,
+    settings: WindowSettings,
+) -> Windows:
+    """Windows whose simulations start at given times.
+
+    Args:
+        logs: the logs.
+        begins: s on each log's clock, at least one for each.
+        measured: gives the noise.
+        model: compiled nominal model.
+        settings: how long windows are, and what is kept of before.
+
+    Raises:
+        DataError: no sample falls into a window.
+        UnknownNameError: a channel or command is not in the model.
+    """
     step, total = model.opt.timestep, settings.run_in + settings.length + 2 * settings.margin
     nstep, npast, nback = (
         int(np.ceil(total / step)) + 1,
-        *(int(np.ceil(s / step)) for s in (settings.past, max(settings.memory, run_in))),
+        *(int(np.ceil(s / step)) for s in (settings.past, max(settings.memory, run_in_of(model, settings)))),
     )
     first, columns = max(npast, nback), actuator_columns(model, logs)
     edges = step * np.arange(-first, nstep + 1)

@@ -1,13 +1,17 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
 
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
 from dr_lab.diagnosis.rank import Bench
+from dr_lab.diagnosis.refinement import Refinement, refine
 from dr_lab.diagnosis.scales import machine_scales, with_replay
+from dr_lab.diagnosis.self_test import require_own_logs_explained
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.diagnosis.states import fit_states
 from dr_lab.diagnosis.windows import Windows, cut
@@ -23,7 +27,7 @@ class Study:
     """One model beside one set of logs.
 
     Attributes:
-        model: the model as given.
+        model: the model as given, with a finer step where its own moves an output.
         compiled: compiled at its nominal context.
         measurements: the logs.
         bench: windows and settings on which models are compared.
@@ -32,7 +36,9 @@ class Study:
         prediction: how predicted windows are cut.
         local: how the place of failure is looked for.
         scales: typical magnitudes of the machine.
-        floor: error of the time step.
+        floor: error of the time step of the model as given.
+        refinement: which step stands in its place, and why.
+        own_chi2: χ² by channel of logs that the model made itself.
     """
 
     model: Model
@@ -45,6 +51,8 @@ class Study:
     local: LocaliseSettings
     scales: Scales
     floor: NumericalFloor
+    refinement: Refinement
+    own_chi2: Mapping[str, float]
 
 
 def prepare(
@@ -55,19 +63,27 @@ def prepare(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    model_check: ModelCheckSettings,
     threads: int | None,
 ) -> Study:
-    """Cut the logs and measure scales and the numerical floor.
+    """Cut the logs and measure scales and the numerical floor, and check the model.
 
-    Without held-out logs the fit logs score too, which the report says.
+    Where the model's step moves an output, what follows has a finer one. Without held-out logs the fit logs score too,
+    which the report says.
+
+    Raises:
+        ConfigError: no log is there to fit on.
+        ModelError: the model diverges in every window, or does not explain logs that it made itself.
     """
     if not measurements.fit:
         raise ConfigError(
             f"Measurements {measurements.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
-    compiled = model.nominal()
     count = thread_count(threads)
     scored = measurements.held_out or measurements.fit
+    floor = numerical_floor(model, scored, measurements, windows, count)
+    refined = refine(model, scored, measurements, windows, model_check, floor, count)
+    model, compiled = refined.model, refined.model.nominal()
     fit = cut(measurements.fit, measurements, compiled, windows)
     bench = Bench(
         fit=fit,
@@ -75,7 +91,9 @@ def prepare(
         solver=solver,
         evidence=evidence,
         threads=count,
+        timing_resolution=refined.given,
     )
+    own = require_own_logs_explained(model, measurements, windows, solver, model_check)
     return Study(
         model=model,
         compiled=compiled,
@@ -86,7 +104,9 @@ def prepare(
         prediction=predicted,
         local=localise,
         scales=_scales(model, compiled, measurements, windows.smoother, bench),
-        floor=numerical_floor(model, scored, measurements, windows, count),
+        floor=floor,
+        refinement=refined,
+        own_chi2=own,
     )
 
 
