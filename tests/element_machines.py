@@ -127,7 +127,7 @@ def own_log(model: Model, seed: int, seconds: float = 4.0, noise: float = NOISE)
         least, most = limits if limits.any() else (low, high)
         values, name = rng.uniform(least, most, len(times)), compiled.actuator(i).name
         commands[name] = Signal(name, "", times, values)
-    time, qpos = _motion(compiled, commands, round(seconds / _STEP))
+    time, qpos = _motion(compiled, commands, round(seconds / compiled.opt.timestep))
     outputs = {
         f"{compiled.joint(i).name}.position": (time, qpos[:, i] + noise * rng.normal(size=len(time)))
         for i in range(compiled.njnt)
@@ -138,11 +138,11 @@ def own_log(model: Model, seed: int, seconds: float = 4.0, noise: float = NOISE)
 
 
 def _motion(compiled: mujoco.MjModel, commands: dict[str, Signal], steps: int) -> tuple[Array, Array]:
-    data, rows = mujoco.MjData(compiled), []
+    data, rows, step = mujoco.MjData(compiled), [], compiled.opt.timestep
     for k in range(steps):
         for name, signal in commands.items():
-            held = signal.value[np.searchsorted(signal.time, k * _STEP + 1e-9, side="right") - 1]
+            held = signal.value[np.searchsorted(signal.time, k * step + 1e-9, side="right") - 1]
             data.ctrl[compiled.actuator_ctrladr[compiled.actuator(name).id]] = held
         rows.append(data.qpos.copy())
         mujoco.mj_step(compiled, data)
-    return clock(steps, _STEP), np.array(rows)
+    return clock(steps, step), np.array(rows)

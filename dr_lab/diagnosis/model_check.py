@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from scipy.stats import chi2
+
 from dr_lab.errors import require_numbers
 
 
@@ -32,4 +34,9 @@ class ModelCheckSettings:
 
     def __post_init__(self) -> None:
         least = {"windows": 0.0, "lead": 0.0, "seed": 0.0, "finest": 1.0}
-        require_numbers(self, "model_check", positive=("largest_chi2", "confidence", "least_share"), least=least)
+        positive = ("largest_chi2", "confidence", "least_share")
+        require_numbers(self, "model_check", positive=positive, least=least, below={"confidence": 1.0})
+
+    def most_chi2(self, freedom: float) -> float:
+        """Largest χ² per degree of freedom that a right model leaves: few samples scatter."""
+        return max(self.largest_chi2, float(chi2.ppf(self.confidence, freedom)) / freedom if freedom > 0 else 0.0)

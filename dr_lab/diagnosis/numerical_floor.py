@@ -52,8 +52,10 @@ def numerical_floor(
     Raises:
         ModelError: the model as given diverges in every window.
     """
-    replay, coarse, diverged = _simulate(model, logs, measured, settings, threads)
-    _, fine, diverged_finely = _simulate(in_parts(model, _REFINEMENT), logs, measured, settings, threads)
+    replay = _replay(model, logs, measured, settings, threads)
+    finely = _replay(in_parts(model, _REFINEMENT), logs, measured, settings, threads)
+    finely.begin_like(replay)  # what the steps before a window did to its start is fitted away
+    (coarse, diverged), (fine, diverged_finely) = _simulated(replay), _simulated(finely)
     step = replay.windows.step
     if diverged.all():
         raise ModelError(
@@ -79,11 +81,14 @@ def in_parts(model: Model, parts: int) -> Model:
     return replace(model, spec=spec)
 
 
-def _simulate(
+def _replay(
     model: Model, logs: Sequence[Log], measured: MeasurementSet, settings: WindowSettings, threads: int | None
-) -> tuple[Replay, Array, Mask]:
-    """Replay, residuals of the windows (w, m) at nominal, and which of them diverge (w,)."""
-    windows = cut(logs, measured, model.nominal(), settings)
-    replay = Replay(model, windows, threads)
-    residuals, infeasible = replay.residuals(model.space.nominal[None], np.zeros((1, len(windows), replay.nstate)))
-    return replay, residuals[0], infeasible[0]
+) -> Replay:
+    return Replay(model, cut(logs, measured, model.nominal(), settings), threads)
+
+
+def _simulated(replay: Replay) -> tuple[Array, Mask]:
+    """Residuals of the windows (w, m) at nominal, and which of them diverge (w,)."""
+    start = np.zeros((1, len(replay.windows), replay.nstate))
+    residuals, infeasible = replay.residuals(replay.model.space.nominal[None], start)
+    return residuals[0], infeasible[0]

@@ -88,17 +88,35 @@ def refine(
     return Refinement(model, given, share, share, message)
 
 
+def unneeded(model: Model, floor: NumericalFloor) -> Refinement:
+    """The model as given, where the logs ask for nothing else."""
+    message = (
+        f"{_moved(floor)} As the calibrated model leaves no more than noise with it, it stays; another simulator, or "
+        "the machine, may show the difference."
+    )
+    return Refinement(model, floor.step, floor.largest, floor.largest, message)
+
+
 def _finer(model: Model, finest: int) -> list[tuple[Model, int]]:
     """Finer models with their cost in evaluations for each step of the model as given, cheapest first."""
     compiled, halvings = model.nominal(), range(int(np.log2(finest)) + 1)
     found = [(in_parts(model, 2**k), 2**k) for k in halvings if k]
     # RK4 reads delayed commands half a step early.
     if compiled.opt.integrator != _RK4 and not compiled.nhistory:
-        spec = model.spec.copy()
-        spec.option.integrator = _RK4
-        smooth = replace(model, spec=spec)
+        smooth = _smooth(model)
         found += [(in_parts(smooth, 2**k), _STAGES * 2**k) for k in halvings if _STAGES * 2**k <= finest]
     return sorted(found, key=lambda each: each[1])
+
+
+def _smooth(model: Model) -> Model:
+    """The model with RK4, which is of first order with filters that are integrated exactly, or early."""
+    spec = model.spec.copy()
+    spec.option.integrator = _RK4
+    for actuator in spec.actuators:
+        actuator.actearly = False
+        if actuator.dyntype == mujoco.mjtDyn.mjDYN_FILTEREXACT and actuator.dynprm[0] > spec.option.timestep:
+            actuator.dyntype = mujoco.mjtDyn.mjDYN_FILTER
+    return replace(model, spec=spec)
 
 
 def _share(
@@ -116,8 +134,13 @@ def _refined(model: Model, floor: NumericalFloor, found: _Tried, rest: str) -> R
     asked = [] if option.timestep == was.timestep else [f"timestep {option.timestep:g} s"]
     if option.integrator != was.integrator:
         asked.append('integrator "RK4"')
+    pairs = list(zip(found.model.spec.actuators, model.spec.actuators, strict=True))
+    if any(new.dyntype != old.dyntype for new, old in pairs):
+        asked.append('dyntype "filter" in place of "filterexact"')
+    if any(new.actearly != old.actearly for new, old in pairs):
+        asked.append('actearly "false"')
     message = (
-        f"{_moved(floor)} All models here are simulated with {' and '.join(asked)} instead, which moves it by "
+        f"{_moved(floor)} All models here are simulated with {', '.join(asked)} in its place, which moves it by "
         f"{found.share:.2g}, at {found.cost} times the cost.{rest} model.xml carries it: set it in the MJCF."
     )
     return Refinement(found.model, floor.step, floor.largest, found.share, message)

@@ -157,6 +157,10 @@ class Replay:
                 mujoco.mj_integratePos(self._compiled, qpos[index], delta[index][:nv], 1.0)
         return qpos, qvel
 
+    def begin_like(self, other: "Replay") -> None:
+        """Begin with the activations of a replay of the same windows with another step."""
+        self._run_in = other._run_in
+
     def _activations(self, z: Array, delta: Array) -> Array | None:
         """Activations at the starts: as the run-in leaves them, the unknown ones corrected; shape (c, w, na)."""
         known = self.windows.activations

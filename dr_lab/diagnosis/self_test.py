@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
-from scipy.stats import chi2
 
 from dr_lab.diagnosis.activations import run_in_of
 from dr_lab.diagnosis.model_check import ModelCheckSettings
@@ -61,7 +60,7 @@ def require_own_logs_explained(
         if values.size:
             name = samples.channel.name
             found[name] = float((values**2).mean())
-            limits[name] = max(check.largest_chi2, float(chi2.ppf(check.confidence, values.size)) / values.size)
+            limits[name] = check.most_chi2(values.size)
     _require(model, replay.compiled, found, limits)
     return found
 

@@ -113,12 +113,13 @@ def windows_at(
         DataError: no sample falls into a window.
         UnknownNameError: a channel or command is not in the model.
     """
+    columns, samples = actuator_columns(model, logs), _all_samples(model, logs, begins, measured, settings)
     step, total = model.opt.timestep, settings.run_in + settings.length + 2 * settings.margin
     nstep, npast, nback = (
         int(np.ceil(total / step)) + 1,
         *(int(np.ceil(s / step)) for s in (settings.past, max(settings.memory, run_in_of(model, settings)))),
     )
-    first, columns = max(npast, nback), actuator_columns(model, logs)
+    first = max(npast, nback)
     edges = step * np.arange(-first, nstep + 1)
     steps = np.concatenate(
         [averages(log.commands, columns, model.nu, b[:, None] + edges) for log, b in zip(logs, begins, strict=True)]
@@ -130,7 +131,7 @@ def windows_at(
         log=np.repeat(np.arange(len(logs)), [len(b) for b in begins]),
         logs=tuple(log.name for log in logs),
         begin=np.concatenate(begins),
-        samples=_all_samples(model, logs, begins, measured, settings),
+        samples=samples,
         controls=steps[:, first:],
         past=steps[:, first - npast : first],
         before=before,

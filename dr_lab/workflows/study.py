@@ -1,16 +1,19 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 
+from dr_lab.diagnosis.fit import Fitter
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
 from dr_lab.diagnosis.rank import Bench
-from dr_lab.diagnosis.refinement import Refinement, refine
+from dr_lab.diagnosis.refinement import Refinement, refine, unneeded
+from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.scales import machine_scales, with_replay
+from dr_lab.diagnosis.score import score_of
 from dr_lab.diagnosis.self_test import require_own_logs_explained
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.diagnosis.states import fit_states
@@ -68,8 +71,9 @@ def prepare(
 ) -> Study:
     """Cut the logs and measure scales and the numerical floor, and check the model.
 
-    Where the model's step moves an output, what follows has a finer one. Without held-out logs the fit logs score too,
-    which the report says.
+    Where the model's step moves an output, what follows has a finer one, unless the calibrated model leaves no more
+    than noise as it is: then the logs ask for no other physics, or were simulated with that very step. Without
+    held-out logs the fit logs score too, which the report says.
 
     Raises:
         ConfigError: no log is there to fit on.
@@ -82,17 +86,16 @@ def prepare(
     count = thread_count(threads)
     scored = measurements.held_out or measurements.fit
     floor = numerical_floor(model, scored, measurements, windows, count)
-    refined = refine(model, scored, measurements, windows, model_check, floor, count)
-    model, compiled = refined.model, refined.model.nominal()
-    fit = cut(measurements.fit, measurements, compiled, windows)
-    bench = Bench(
-        fit=fit,
-        held_out=cut(scored, measurements, compiled, windows) if measurements.held_out else fit,
-        solver=solver,
-        evidence=evidence,
-        threads=count,
-        timing_resolution=refined.given,
-    )
+    bench = Bench(*_windows(model, measurements, windows), solver, evidence, count, timing_resolution=floor.step)
+    if floor.largest > model_check.least_share and _explains(model, bench, model_check):
+        refined = unneeded(model, floor)
+    else:
+        refined = refine(model, scored, measurements, windows, model_check, floor, count)
+    if refined.model is not model:
+        model = refined.model
+        fit, held_out = _windows(model, measurements, windows)
+        bench = replace(bench, fit=fit, held_out=held_out)
+    compiled = model.nominal()
     own = require_own_logs_explained(model, measurements, windows, solver, model_check)
     return Study(
         model=model,
@@ -108,6 +111,20 @@ def prepare(
         refinement=refined,
         own_chi2=own,
     )
+
+
+def _windows(model: Model, measurements: MeasurementSet, windows: WindowSettings) -> tuple[Windows, Windows]:
+    """Windows to fit on and to score, the same where no log is held out."""
+    compiled = model.nominal()
+    fit = cut(measurements.fit, measurements, compiled, windows)
+    return fit, cut(measurements.held_out, measurements, compiled, windows) if measurements.held_out else fit
+
+
+def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
+    """Whether the model, calibrated, leaves no more than noise on the scored windows."""
+    fit = Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(model.space.nominal)
+    score = score_of(*fit_states(model, fit.z, bench.held_out, bench.solver, bench.threads))
+    return score.chi2 <= check.most_chi2(score.freedom)
 
 
 def _scales(
