@@ -11,6 +11,7 @@ from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows import Windows, cut
@@ -69,6 +70,11 @@ def evidence_settings(**changes: float) -> EvidenceSettings:
 def localise_settings(**changes: float) -> LocaliseSettings:
     """The default search for the place of failure, with changes."""
     return replace(instantiate(_settings().localise), **changes)
+
+
+def model_check_settings(**changes: float) -> ModelCheckSettings:
+    """The default check of a model, with changes."""
+    return replace(instantiate(_settings().model_check), **changes)
 
 
 def model_of(xml: str, parameters: Mapping[str, Mapping[str, object]] | None = None) -> Model:

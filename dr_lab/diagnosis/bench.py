@@ -51,6 +51,7 @@ class Bench:
         solver: settings of the fits.
         evidence: settings of the comparison.
         threads: threads in all.
+        timing_resolution: s, step of the model as given; a timing effect that is smaller cannot be told from it.
     """
 
     fit: Windows
@@ -58,6 +59,7 @@ class Bench:
     solver: SolverSettings
     evidence: EvidenceSettings
     threads: int
+    timing_resolution: float = 0.0
 
     @property
     def apart(self) -> bool:

@@ -9,6 +9,7 @@ from dr_lab.diagnosis.channels import Channel, Tape, resolve
 from dr_lab.diagnosis.commands import averages
 from dr_lab.diagnosis.unread import reach
 from dr_lab.errors import ModelError
+from dr_lab.physics.activations import resting
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array, Signal
@@ -59,7 +60,9 @@ def _simulate(model: Model, z: Array, start: Array, commands: Mapping[str, Signa
     columns = {name: int(compiled.actuator_ctrladr[compiled.actuator(name).id]) for name in commands}
     controls = averages(commands, columns, compiled.nu, edges[None])
     past, rest = controls[:, :npast], np.zeros((1, 1, compiled.nv))
-    rollout = Simulator(model, 1, threads=1).replay(z[None], start[None, None], rest, controls[:, npast:], past)
+    act = resting(compiled, start[None], controls[:, 0])[None] if compiled.na else None
+    simulator = Simulator(model, 1, threads=1)
+    rollout = simulator.replay(z[None], start[None, None], rest, controls[:, npast:], past, act=act)
     if rollout.infeasible.any():
         raise ModelError(
             f"The simulation of model {model.name!r} diverges. Lower the commands, the context's values or the time "

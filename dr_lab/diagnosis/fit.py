@@ -104,7 +104,7 @@ class Fitter:
 
         Args:
             z: start, shape (n,).
-            delta: first state corrections, shape (w, 2 nv); None starts at the prior's mean.
+            delta: first state corrections, shape (w, nstate); None starts at the prior's mean.
             known: slopes at the start for the states and the first parameters, which need no simulation then.
             iterations: most steps of a rough fit, which is not gone on with; None goes on to the certificate, 0 only
                 linearises.
@@ -177,7 +177,7 @@ class Fitter:
 
         Args:
             z: context, shape (n,).
-            delta: state corrections that were fitted at another context, shape (w, 2 nv).
+            delta: state corrections that were fitted at another context, shape (w, nstate).
         """
         mean = self._point(z, np.zeros_like(delta))
         weight = huber_weights(mean.residuals, self.replay.fitted, mean.infeasible, self.settings.huber)

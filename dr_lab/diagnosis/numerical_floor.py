@@ -24,12 +24,24 @@ class NumericalFloor:
         share: the same in noise standard deviations; above 1 the step hides behind the physics.
         step: the model's time step, s.
         proposed: time step to try next, s; equal to `step` where that is fine enough.
+        lost: whether some window diverges at the model's step and not at the finer one.
     """
 
     error: dict[str, float]
     share: dict[str, float]
     step: float
     proposed: float
+    lost: bool = False
+
+    @property
+    def worst(self) -> str:
+        """The channel that the step moves most."""
+        return max(self.share, key=lambda name: np.nan_to_num(self.share[name], nan=-1.0))
+
+    @property
+    def largest(self) -> float:
+        """Its share; infinite where windows can be simulated with the finer step alone."""
+        return np.inf if self.lost else float(np.nan_to_num(self.share[self.worst]))
 
 
 def numerical_floor(
@@ -40,8 +52,10 @@ def numerical_floor(
     Raises:
         ModelError: the model as given diverges in every window.
     """
-    replay, coarse, diverged = _simulate(model, logs, measured, settings, threads)
-    _, fine, diverged_finely = _simulate(_refined(model), logs, measured, settings, threads)
+    replay = _replay(model, logs, measured, settings, threads)
+    finely = _replay(in_parts(model, _REFINEMENT), logs, measured, settings, threads)
+    finely.begin_like(replay)  # what the steps before a window did to its start is fitted away
+    (coarse, diverged), (fine, diverged_finely) = _simulated(replay), _simulated(finely)
     step = replay.windows.step
     if diverged.all():
         raise ModelError(
@@ -53,21 +67,28 @@ def numerical_floor(
         used = samples.scored & both[:, None]
         size = float(np.sqrt((difference[used] ** 2).mean())) if used.any() else np.nan
         share[samples.channel.name], error[samples.channel.name] = size, size * samples.std
-    rough = (diverged & ~diverged_finely).any() or any(size > 1 for size in share.values())
-    return NumericalFloor(error, share, step, step / _REFINEMENT if rough else step)
+    lost = bool((diverged & ~diverged_finely).any())
+    rough = lost or any(size > 1 for size in share.values())
+    return NumericalFloor(error, share, step, step / _REFINEMENT if rough else step, lost)
 
 
-def _refined(model: Model) -> Model:
+def in_parts(model: Model, parts: int) -> Model:
+    """The model with its step divided, and as long a memory of delayed commands and readings."""
     spec = model.spec.copy()
-    spec.option.timestep /= _REFINEMENT
+    spec.option.timestep /= parts
+    for element in (*spec.actuators, *spec.sensors):
+        element.nsample *= parts
     return replace(model, spec=spec)
 
 
-def _simulate(
+def _replay(
     model: Model, logs: Sequence[Log], measured: MeasurementSet, settings: WindowSettings, threads: int | None
-) -> tuple[Replay, Array, Mask]:
-    """Replay, residuals of the windows (w, m) at nominal, and which of them diverge (w,)."""
-    windows = cut(logs, measured, model.nominal(), settings)
-    replay = Replay(model, windows, threads)
-    residuals, infeasible = replay.residuals(model.space.nominal[None], np.zeros((1, len(windows), replay.nstate)))
-    return replay, residuals[0], infeasible[0]
+) -> Replay:
+    return Replay(model, cut(logs, measured, model.nominal(), settings), threads)
+
+
+def _simulated(replay: Replay) -> tuple[Array, Mask]:
+    """Residuals of the windows (w, m) at nominal, and which of them diverge (w,)."""
+    start = np.zeros((1, len(replay.windows), replay.nstate))
+    residuals, infeasible = replay.residuals(replay.model.space.nominal[None], start)
+    return residuals[0], infeasible[0]

@@ -17,7 +17,7 @@ class Point:
 
     Attributes:
         z: context, shape (n,).
-        delta: corrections of the windows' initial states, shape (w, 2 nv).
+        delta: corrections of the windows' initial states, shape (w, nstate).
         residuals: (measured − simulated)/σ, shape (w, m).
         cost: value of the robust cost, priors included; infinite where it is not known or a further window diverges.
         infeasible: windows whose simulation diverges; they are left out, shape (w,).
@@ -51,7 +51,7 @@ def window_costs(point: Point, weight: Array, precision: Array) -> Array:
     Args:
         point: residuals and state corrections.
         weight: Huber weights, shape (w, m).
-        precision: of the prior, shape (2 nv,).
+        precision: of the prior, shape (nstate,).
     """
     return (weight * point.residuals**2).sum(1) + (precision * point.delta**2).sum(1)
 
@@ -75,7 +75,7 @@ def better_start(mean: Point, near: Point, weight: Array, precision: Array) -> P
         mean: the prior's mean in every window.
         near: states that were fitted under another model or context.
         weight: Huber weights, shape (w, m).
-        precision: of the prior, shape (2 nv,).
+        precision: of the prior, shape (nstate,).
     """
     worse = window_costs(mean, weight, precision) > window_costs(near, weight, precision)
     chosen = (mean.infeasible | worse) & ~near.infeasible

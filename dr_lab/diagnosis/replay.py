@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.channels import Channel, Tape, available, residual
+from dr_lab.diagnosis.run_in import RunIn
 from dr_lab.diagnosis.unread import reach, unread
 from dr_lab.diagnosis.windows import Samples, Windows
 from dr_lab.errors import DataError
@@ -49,6 +50,8 @@ class Replay:
         self._past = _widen(windows.past, compiled.nu)
         before = windows.before
         self._history = History(windows.begin, before.qpos, before.qvel, _widen(before.controls, compiled.nu))
+        known = windows.activations
+        self._run_in = None if known is None else RunIn(model, self._history, known.begin, threads)
         self._require_margin()
         self._require_past()
         self.fitted = self._mask("fitted")
@@ -56,8 +59,8 @@ class Replay:
 
     @property
     def nstate(self) -> int:
-        """Unknowns of one initial state, 2 nv."""
-        return 2 * self._compiled.nv
+        """Unknowns of one initial state: 2 nv, and the k activations that nothing before the start tells."""
+        return len(self.windows.prior.std)
 
     @property
     def commands(self) -> dict[str, int]:
@@ -82,7 +85,7 @@ class Replay:
 
         Args:
             z: contexts, shape (c, n).
-            delta: corrections of the initial states in the tangent space, shape (c, w, 2 nv).
+            delta: corrections of the initial states in the tangent space, shape (c, w, nstate).
 
         Returns:
             Residuals, shape (c, w, m), zero for samples that do not exist and in windows that diverge; and which
@@ -122,9 +125,9 @@ class Replay:
         if self._stop is not None and self._stop.is_set():
             raise CancelledError
         contexts, count = delta.shape[:2]
-        qpos, qvel = self._starts(z, delta)
+        (qpos, qvel), act = self._starts(z, delta), self._activations(z, delta)
         simulator = self._simulator(contexts * count)
-        rollout = simulator.replay(z, qpos, qvel, self._controls, self._past, self._history)
+        rollout = simulator.replay(z, qpos, qvel, self._controls, self._past, self._history, act)
         shape = (contexts, count)
         tape = Tape(
             rollout.qpos.reshape(*shape, *rollout.qpos.shape[1:]),
@@ -141,7 +144,7 @@ class Replay:
         nv = self._compiled.nv
         prior, begin = self.windows.prior, self.windows.begin[:, None]
         qpos = np.broadcast_to(prior.qpos, (*delta.shape[:2], self._compiled.nq)).copy()
-        qvel = prior.qvel + delta[..., nv:]
+        qvel = prior.qvel + delta[..., nv : 2 * nv]
         for channel in (s.channel for s in self.windows.samples if s.channel.kind == "position"):
             read = np.stack([prior.qpos[:, channel.address], prior.qvel[:, channel.dof], prior.qacc[:, channel.dof]])
             moved = unread(read, partial(self.model.reading, z, channel.name, begin=begin))
@@ -153,6 +156,19 @@ class Replay:
             for index in np.ndindex(delta.shape[:2]):
                 mujoco.mj_integratePos(self._compiled, qpos[index], delta[index][:nv], 1.0)
         return qpos, qvel
+
+    def begin_like(self, other: "Replay") -> None:
+        """Begin with the activations of a replay of the same windows with another step."""
+        self._run_in = other._run_in
+
+    def _activations(self, z: Array, delta: Array) -> Array | None:
+        """Activations at the starts: as the run-in leaves them, the unknown ones corrected; shape (c, w, na)."""
+        known = self.windows.activations
+        if known is None or self._run_in is None:
+            return None
+        act = self._run_in.ends(z)
+        act[..., known.unknown] += delta[..., 2 * self._compiled.nv :]
+        return act
 
     def _require_margin(self) -> None:
         """Samples that one effect reads early or late must still lie within the simulation.

@@ -65,7 +65,7 @@ def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
 def _accelerations(replay: Replay, fit: StateFit, dofs: list[int]) -> tuple[Array, Array]:
     """Missing accelerations of n degrees of freedom, shape (w, n), and their covariance by noise, shape (w, n, n)."""
     used = (replay.fitted | replay.scored) & ~fit.infeasible[:, None]
-    nv = fit.slopes.shape[2] // 2
+    nv, states = replay.compiled.nv, fit.slopes.shape[2]
     pushes = np.stack([_integral(replay, fit.slopes[..., nv + dof]) for dof in dofs], axis=2)
     basis = np.where(used[..., None], np.concatenate([fit.slopes, pushes], axis=2), 0.0)
     residuals = np.where(used, fit.residuals, 0.0)
@@ -76,7 +76,7 @@ def _accelerations(replay: Replay, fit: StateFit, dofs: list[int]) -> tuple[Arra
     prior = np.concatenate([replay.windows.prior.std**-2.0, np.zeros(len(dofs))]) / size**2
     ridge = (prior + np.finfo(float).eps)[:, :, None] * np.eye(size.shape[1])
     squares = basis.transpose(0, 2, 1) @ basis
-    towards = np.linalg.solve(squares + ridge, basis.transpose(0, 2, 1))[:, 2 * nv :] / size[:, 2 * nv :, None]
+    towards = np.linalg.solve(squares + ridge, basis.transpose(0, 2, 1))[:, states:] / size[:, states:, None]
     return -(towards @ residuals[..., None])[..., 0], towards @ towards.transpose(0, 2, 1)
 
 

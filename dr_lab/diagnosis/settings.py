@@ -18,6 +18,8 @@ class WindowSettings:
         run_in: time before the scored part whose samples alone estimate the start (0: the scored samples do).
         past: time before the start for which commands are kept, at least the longest delay of an actuator.
         memory: time before the start of which laws that remember see motion and commands; before the log all rests.
+        forgotten: time constants in which an actuator's activation forgets where it began; memory is as much longer.
+        longest_run_in: longest memory for that; slower activations, and those that never forget, are fitted.
         max_windows: most windows taken from one log, evenly spread.
         smoother: half-width of the local polynomial that gives a start its first estimate.
         prior_scale: standard deviations of the noise that the first estimate may be wrong by.
@@ -34,6 +36,8 @@ class WindowSettings:
     run_in: float
     past: float
     memory: float
+    forgotten: float
+    longest_run_in: float
     max_windows: int
     smoother: float
     prior_scale: float
@@ -41,8 +45,8 @@ class WindowSettings:
     unmeasured_velocity: float
 
     def __post_init__(self) -> None:
-        positive = ("length", "smoother", "prior_scale", "unmeasured_position", "unmeasured_velocity")
-        least = {"margin": 0.0, "run_in": 0.0, "past": 0.0, "memory": 0.0, "max_windows": 1.0}
+        positive = ("length", "forgotten", "smoother", "prior_scale", "unmeasured_position", "unmeasured_velocity")
+        least = {"margin": 0.0, "run_in": 0.0, "past": 0.0, "memory": 0.0, "longest_run_in": 0.0, "max_windows": 1.0}
         require_numbers(self, "windows", positive=positive, least=least)
         if self.stride < self.length - _ROUNDING:
             raise ConfigError(

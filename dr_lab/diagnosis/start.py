@@ -24,7 +24,8 @@ class StartPrior:
         qpos: mean positions, shape (w, nq).
         qvel: mean velocities, shape (w, nv).
         qacc: mean accelerations, which tell the state a little earlier or later, shape (w, nv).
-        std: prior standard deviations in the tangent space, positions then velocities, shape (2 nv,).
+        std: prior standard deviations in the tangent space, positions, velocities, then the k activations that nothing
+            before the start tells, shape (2 nv + k,).
     """
 
     qpos: Array

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.diagnosis.activations import Activations, activations, run_in_of
 from dr_lab.diagnosis.channels import Channel, resolve
 from dr_lab.diagnosis.commands import actuator_columns, averages
 from dr_lab.diagnosis.settings import WindowSettings
@@ -54,7 +55,8 @@ class Windows:
         samples: the channels' samples.
         controls: control of each step in the nominal model's ctrl layout, shape (w, s, nu).
         past: controls of the steps before the start, shape (w, p, nu).
-        before: motion and controls in the steps before the start that laws remember.
+        before: motion and controls in the steps before the start that laws and actuators remember.
+        activations: what is known of the actuators' activations; None where the model has none.
         commands: column in `ctrl` of each command.
         prior: first estimate of the start and how far it may be wrong.
         step: s, time step of the simulation.
@@ -68,6 +70,7 @@ class Windows:
     controls: Array
     past: Array
     before: Before
+    activations: Activations | None
     commands: Mapping[str, int]
     prior: StartPrior
     step: float
@@ -87,6 +90,7 @@ class Windows:
             controls=self.controls[rows],
             past=self.past[rows],
             before=self.before.pick(rows),
+            activations=self.activations and self.activations.pick(rows),
             prior=self.prior.pick(rows),
         )
 
@@ -104,24 +108,44 @@ def cut(logs: Sequence[Log], measured: MeasurementSet, model: mujoco.MjModel, se
         DataError: no log is long enough for one window, or no sample falls into one.
         UnknownNameError: a channel or command is not in the model.
     """
-    logs, begins = _windowed(logs, measured.gaps, settings)
+    logs, begins = _windowed(logs, measured.gaps, settings, run_in_of(model, settings))
+    return windows_at(logs, begins, measured, model, settings)
+
+
+def windows_at(
+    logs: Sequence[Log],
+    begins: Sequence[Array],
+    measured: MeasurementSet,
+    model: mujoco.MjModel,
+    settings: WindowSettings,
+) -> Windows:
+    """Windows whose simulations start at given times.
+
+    Args:
+        logs: the logs.
+        begins: s on each log's clock, at least one for each.
+        measured: gives the noise.
+        model: compiled nominal model.
+        settings: how long windows are, and what is kept of before.
+
+    Raises:
+        DataError: no sample falls into a window.
+        UnknownNameError: a channel or command is not in the model.
+    """
+    columns, samples = actuator_columns(model, logs), _all_samples(model, logs, begins, measured, settings)
     step, total = model.opt.timestep, settings.run_in + settings.length + 2 * settings.margin
     nstep, npast, nback = (
         int(np.ceil(total / step)) + 1,
-        *(int(np.ceil(s / step)) for s in (settings.past, settings.memory)),
+        *(int(np.ceil(s / step)) for s in (settings.past, max(settings.memory, run_in_of(model, settings)))),
     )
     first = max(npast, nback)
     edges = step * np.arange(-first, nstep + 1)
-    columns = actuator_columns(model, logs)
     steps = np.concatenate(
         [averages(log.commands, columns, model.nu, b[:, None] + edges) for log, b in zip(logs, begins, strict=True)]
     )
-    samples = tuple(
-        _samples(channel, logs, begins, measured.noise[channel.name], settings)
-        for channel in resolve(model, tuple(logs[0].outputs))
-    )
-    if not any(part.scored.any() for part in samples):
-        raise DataError(f"No sample falls into a window of {settings.length:g} s. Lengthen windows.length.")
+    before = motion_before(logs, begins, model, steps[:, first - nback : first], settings.smoother)
+    prior = estimate_starts(logs, begins, model, measured.noise, settings)
+    hidden = activations(logs, begins, model, before, prior, settings)
     return Windows(
         log=np.repeat(np.arange(len(logs)), [len(b) for b in begins]),
         logs=tuple(log.name for log in logs),
@@ -129,19 +153,23 @@ def cut(logs: Sequence[Log], measured: MeasurementSet, model: mujoco.MjModel, se
         samples=samples,
         controls=steps[:, first:],
         past=steps[:, first - npast : first],
-        before=motion_before(logs, begins, model, steps[:, first - nback : first], settings.smoother),
+        before=before,
+        activations=hidden,
         commands=columns,
-        prior=estimate_starts(logs, begins, model, measured.noise, settings),
+        prior=prior if hidden is None else replace(prior, std=np.concatenate([prior.std, hidden.std])),
         step=step,
         margin=settings.margin,
     )
 
 
 def _windowed(
-    logs: Sequence[Log], gaps: Mapping[str, float], settings: WindowSettings
+    logs: Sequence[Log], gaps: Mapping[str, float], settings: WindowSettings, run_in: float
 ) -> tuple[list[Log], list[Array]]:
-    """Logs that hold a window, and the simulated starts in each."""
-    begins = [window_begins(log, gaps, settings) for log in logs]
+    """Logs that hold a window, and the simulated starts in each: where there is room, behind the actuators' run-in."""
+    late = replace(settings, past=max(settings.past, run_in))
+    begins = [window_begins(log, gaps, late) for log in logs]
+    if run_in > settings.past:
+        begins = [b if len(b) else window_begins(log, gaps, settings) for log, b in zip(logs, begins, strict=True)]
     kept = [k for k, b in enumerate(begins) if len(b)]
     if not kept:
         need = settings.length + settings.run_in + 2 * settings.margin
@@ -191,6 +219,23 @@ def _gapless(begins: Array, total: float, time: Array, gap: float) -> NDArray[np
     holes = np.flatnonzero(np.diff(time) > gap)
     left, right = time[holes], time[holes + 1]
     return np.all((begins[:, None] + total < left) | (begins[:, None] > right), axis=1)
+
+
+def _all_samples(
+    model: mujoco.MjModel,
+    logs: Sequence[Log],
+    begins: Sequence[Array],
+    measured: MeasurementSet,
+    settings: WindowSettings,
+) -> tuple[Samples, ...]:
+    """The samples of every channel in all windows."""
+    samples = tuple(
+        _samples(channel, logs, begins, measured.noise[channel.name], settings)
+        for channel in resolve(model, tuple(logs[0].outputs))
+    )
+    if not any(part.scored.any() for part in samples):
+        raise DataError(f"No sample falls into a window of {settings.length:g} s. Lengthen windows.length.")
+    return samples
 
 
 def _samples(

@@ -13,6 +13,7 @@ from dr_lab.errors import ConfigError, ModelError
 from dr_lab.physics.compiled_contexts import CompiledContexts
 from dr_lab.physics.contact import skip_idle_collisions
 from dr_lab.physics.fields import FieldContexts
+from dr_lab.physics.follow import follow
 from dr_lab.physics.islands import skip_single_island
 from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
@@ -164,7 +165,14 @@ class Simulator:
             self._stepper.recall(memory[2:])
 
     def replay(
-        self, z: Array, qpos: Array, qvel: Array, controls: Array, past: Array, history: History | None = None
+        self,
+        z: Array,
+        qpos: Array,
+        qvel: Array,
+        controls: Array,
+        past: Array,
+        history: History | None = None,
+        act: Array | None = None,
     ) -> Rollout:
         """Simulate every (context, window) pair from its start under the windows' controls, in one call.
 
@@ -175,6 +183,7 @@ class Simulator:
             controls: control of each step, shape (w, s, nu).
             past: controls of the steps before the start, oldest first, for delayed actuators, shape (w, p, nu).
             history: what was measured before the start, for laws that remember; None for nothing at time 0.
+            act: activations at the start, shape (c, w, na); None for those of the model's initial state.
 
         Returns:
             The rollout; simulation i = context · w + window.
@@ -188,6 +197,8 @@ class Simulator:
         self.reset()
         self.batch.bind("qpos")[:] = qpos.reshape(self.nsim, -1)
         self.batch.bind("qvel")[:] = qvel.reshape(self.nsim, -1)
+        if act is not None:
+            self.batch.bind("act")[:] = act.reshape(self.nsim, -1)
         before, (nstep, ncontrol) = past.shape[1], controls.shape[1:]
         known = self._commanded(z, np.concatenate([past, controls], axis=1))
         every = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, before + nstep, ncontrol)
@@ -204,6 +215,29 @@ class Simulator:
         first = lambda start, rest: np.concatenate([start.reshape(self.nsim, 1, -1), rest], axis=1)  # noqa: E731
         sensors = out.get("sensordata", np.empty((self.nsim, nstep, 0)))
         return Rollout(first(qpos, out["qpos"]), first(qvel, out["qvel"]), sensors, start, applied, self.infeasible)
+
+    def follow(self, z: Array, history: History, act: Array) -> Array:
+        """Activations along a motion that is given, not simulated: MuJoCo steps them, and the motion is put back.
+
+        Args:
+            z: contexts, shape (c, n).
+            history: motion and controls of p steps before w starts, with c · w = nsim; delayed actuators have had the
+                first control before.
+            act: activations before the first of these steps, shape (w, na).
+
+        Returns:
+            Activations after each step, shape (p, c, w, na).
+        """
+        (windows, steps), contexts = history.qpos.shape[:2], len(z)
+        self.set_contexts(np.repeat(z, windows, axis=0))
+        self.reset()
+        known, step = self._commanded(z, history.controls), self.compiled.opt.timestep
+        controls = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, steps, -1)
+        self.batch.bind("time")[:] = -steps * step
+        if self.compiled.nhistory:
+            self.batch.bind("history")[:] = self._histories(controls[:, :1], -steps * step)
+        found = follow(self.batch, history.qpos, history.qvel, controls, act)
+        return found.reshape(steps, contexts, windows, -1)
 
     def _compile(self, z: Array) -> mujoco.MjModel | None:
         try:
@@ -224,8 +258,8 @@ class Simulator:
                     every[..., column] = changed
         return every
 
-    def _histories(self, past: Array) -> Array:
-        """History rows of delayed actuators for each window, shape (w, nhistory)."""
+    def _histories(self, past: Array, now: float = 0.0) -> Array:
+        """History rows of delayed actuators for each window at a time in s, shape (w, nhistory)."""
         model, data = self.compiled, mujoco.MjData(self.compiled)
         rows = np.empty((len(past), model.nhistory))
         for window, controls in enumerate(past):
@@ -235,7 +269,7 @@ class Simulator:
                     values = controls[-samples:, model.actuator_ctrladr[actuator]]
                     values = np.concatenate([np.full(samples - len(values), values[0]), values])
                     mujoco.mj_initCtrlHistory(
-                        model, data, actuator, np.arange(-samples, 0) * model.opt.timestep, values
+                        model, data, actuator, now + np.arange(-samples, 0) * model.opt.timestep, values
                     )
             rows[window] = data.history
         return rows

@@ -7,6 +7,7 @@ from typing import Any
 
 from dr_lab.diagnosis.ladder import Ladder, Rung, Step
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.rank import rank
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.diagnosis.verdict import decide
@@ -31,6 +32,7 @@ def add(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    model_check: ModelCheckSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -48,7 +50,7 @@ def add(
         UnknownNameError: the effect cannot sit there.
         ModelError: it cannot act there; the message says why.
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
     placed = [_place(study, one, effect) for one in effects.values()]
     ladder = Ladder((), calibrate(study), ())
     with candidate_progress() as watch:

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
@@ -24,6 +25,7 @@ def compare(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    model_check: ModelCheckSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -35,13 +37,13 @@ def compare(
     Returns:
         The report (schema dr_lab/gap/1) whose ladder holds the one model.
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
     z, (score, rung) = model.space.nominal, as_given(study)
     report = {
         **entries.header("compare", study),
         "verdict": None,
         "ladder": [rung],
         "remaining": entries.remaining(score.chi2, score.freedom, evidence),
-        **failure(study, model, z),
+        **failure(study, study.model, z),
     }
-    return finish(study, report, {BEFORE: (model, z)}, run_dir, recorder)
+    return finish(study, report, {BEFORE: (study.model, z)}, run_dir, recorder)

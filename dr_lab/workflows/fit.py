@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
@@ -25,6 +26,7 @@ def fit(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    model_check: ModelCheckSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -34,7 +36,7 @@ def fit(
     Returns:
         The report (schema dr_lab/gap/1).
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
     found = describe(study, calibrate(study))
     z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)
     report = {
@@ -44,7 +46,7 @@ def fit(
         "as_given": as_given(study)[1],
         "ladder": [found.rung],
         "remaining": entries.remaining(score.chi2, score.freedom, evidence),
-        **failure(study, model, z),
+        **failure(study, study.model, z),
     }
-    models = {BEFORE: (model, model.space.nominal), AFTER: (model, z)}
+    models = {BEFORE: (study.model, model.space.nominal), AFTER: (study.model, z)}
     return finish(study, report, models, run_dir, recorder, found.estimate)

@@ -85,15 +85,8 @@ def _unit_note(study: Study) -> list[dict[str, Any]]:
 
 
 def _step_note(study: Study) -> list[dict[str, Any]]:
-    coarse = {name: share for name, share in study.floor.share.items() if share > 1}
-    if not coarse:
-        return []
-    worst = max(coarse, key=lambda name: coarse[name])
-    message = (
-        f"The time step of {study.floor.step:g} s alone moves {worst} by {coarse[worst]:.2g} noise standard deviations "
-        f"within a window, which can pass for missing physics. Set timestep {study.floor.proposed:g} s in the MJCF."
-    )
-    return [{"kind": "time_step", "signal": worst, "message": message}]
+    message = study.refinement.message
+    return [{"kind": "time_step", "signal": study.floor.worst, "message": message}] if message else []
 
 
 def _silent_notes(study: Study) -> list[dict[str, Any]]:

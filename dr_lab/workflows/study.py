@@ -1,13 +1,20 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import mujoco
 
 from dr_lab.diagnosis.bench import Bench
+from dr_lab.diagnosis.fit import Fitter
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
+from dr_lab.diagnosis.refinement import Refinement, refine, unneeded
+from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.scales import machine_scales, with_replay
+from dr_lab.diagnosis.score import score_of
+from dr_lab.diagnosis.self_test import require_own_logs_explained
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.diagnosis.states import fit_states
 from dr_lab.diagnosis.windows import Windows, cut
@@ -23,7 +30,7 @@ class Study:
     """One model beside one set of logs.
 
     Attributes:
-        model: the model as given.
+        model: the model as given, with a finer step where its own moves an output.
         compiled: compiled at its nominal context.
         measurements: the logs.
         bench: windows and settings on which models are compared.
@@ -32,7 +39,9 @@ class Study:
         prediction: how predicted windows are cut.
         local: how the place of failure is looked for.
         scales: typical magnitudes of the machine.
-        floor: error of the time step.
+        floor: error of the time step of the model as given.
+        refinement: which step stands in its place, and why.
+        own_chi2: χ² by channel of logs that the model made itself.
     """
 
     model: Model
@@ -45,6 +54,8 @@ class Study:
     local: LocaliseSettings
     scales: Scales
     floor: NumericalFloor
+    refinement: Refinement
+    own_chi2: Mapping[str, float]
 
 
 def prepare(
@@ -55,27 +66,37 @@ def prepare(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    model_check: ModelCheckSettings,
     threads: int | None,
 ) -> Study:
-    """Cut the logs and measure scales and the numerical floor.
+    """Cut the logs and measure scales and the numerical floor, and check the model.
 
-    Without held-out logs the fit logs score too, which the report says.
+    Where the model's step moves an output, what follows has a finer one, unless the calibrated model leaves no more
+    than noise as it is: then the logs ask for no other physics, or were simulated with that very step. Without
+    held-out logs the fit logs score too, which the report says.
+
+    Raises:
+        ConfigError: no log is there to fit on.
+        ModelError: the model diverges in every window, or does not explain logs that it made itself.
     """
     if not measurements.fit:
         raise ConfigError(
             f"Measurements {measurements.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
-    compiled = model.nominal()
     count = thread_count(threads)
     scored = measurements.held_out or measurements.fit
-    fit = cut(measurements.fit, measurements, compiled, windows)
-    bench = Bench(
-        fit=fit,
-        held_out=cut(scored, measurements, compiled, windows) if measurements.held_out else fit,
-        solver=solver,
-        evidence=evidence,
-        threads=count,
-    )
+    floor = numerical_floor(model, scored, measurements, windows, count)
+    bench = Bench(*_windows(model, measurements, windows), solver, evidence, count, timing_resolution=floor.step)
+    if floor.largest > model_check.least_share and _explains(model, bench, model_check):
+        refined = unneeded(model, floor)
+    else:
+        refined = refine(model, scored, measurements, windows, model_check, floor, count)
+    if refined.model is not model:
+        model = refined.model
+        fit, held_out = _windows(model, measurements, windows)
+        bench = replace(bench, fit=fit, held_out=held_out)
+    compiled = model.nominal()
+    own = require_own_logs_explained(model, measurements, windows, solver, model_check)
     return Study(
         model=model,
         compiled=compiled,
@@ -86,8 +107,24 @@ def prepare(
         prediction=predicted,
         local=localise,
         scales=_scales(model, compiled, measurements, windows.smoother, bench),
-        floor=numerical_floor(model, scored, measurements, windows, count),
+        floor=floor,
+        refinement=refined,
+        own_chi2=own,
     )
+
+
+def _windows(model: Model, measurements: MeasurementSet, windows: WindowSettings) -> tuple[Windows, Windows]:
+    """Windows to fit on and to score, the same where no log is held out."""
+    compiled = model.nominal()
+    fit = cut(measurements.fit, measurements, compiled, windows)
+    return fit, cut(measurements.held_out, measurements, compiled, windows) if measurements.held_out else fit
+
+
+def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
+    """Whether the model, calibrated, leaves no more than noise on the scored windows."""
+    fit = Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(model.space.nominal)
+    score = score_of(*fit_states(model, fit.z, bench.held_out, bench.solver, bench.threads))
+    return score.chi2 <= check.most_chi2(score.freedom)
 
 
 def _scales(

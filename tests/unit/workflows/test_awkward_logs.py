@@ -15,6 +15,7 @@ from diagnosis_machines import (
     localise_settings,
     log_of,
     measured,
+    model_check_settings,
     model_of,
     pendulum,
     predicted_settings,
@@ -60,6 +61,7 @@ def study_settings() -> dict[str, Any]:
         "solver": solver_settings(),
         "evidence": evidence_settings(),
         "localise": localise_settings(),
+        "model_check": model_check_settings(),
         "threads": 1,
     }
 

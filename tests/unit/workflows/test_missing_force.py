@@ -7,6 +7,7 @@ from diagnosis_machines import (
     evidence_settings,
     localise_settings,
     measured,
+    model_check_settings,
     pendulum,
     predicted_settings,
     solver_settings,
@@ -41,6 +42,7 @@ def found(*dampings: float) -> dict[str, Any]:
         solver_settings(),
         evidence_settings(),
         localise_settings(),
+        model_check_settings(),
         1,
     )
     fits = [cast(Any, Fitted(np.array([MASS, damping]))) for damping in dampings]

@@ -1,0 +1,42 @@
+"""Settings of what is checked of a model before anything is blamed on the machine; values in conf/model_check."""
+
+from dataclasses import dataclass
+
+from scipy.stats import chi2
+
+from dr_lab.errors import require_numbers
+
+
+@dataclass(frozen=True)
+class ModelCheckSettings:
+    """How a model is tried on logs that it made itself, and how fine its time step must be.
+
+    Attributes:
+        windows: windows in which it is tried, spread over the logs; 0 leaves the trial out.
+        lead: s that it is simulated before each of them, so that its hidden states are its own.
+        largest_chi2: of a channel in its own logs, where samples are many.
+        confidence: that a right model is not refused for the scatter of few samples.
+        seed: of the noise that is added to its logs.
+        least_share: share of the noise that the time step may move an output by.
+        finest: largest number of parts that a step is divided into.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+
+    windows: int
+    lead: float
+    largest_chi2: float
+    confidence: float
+    seed: int
+    least_share: float
+    finest: int
+
+    def __post_init__(self) -> None:
+        least = {"windows": 0.0, "lead": 0.0, "seed": 0.0, "finest": 1.0}
+        positive = ("largest_chi2", "confidence", "least_share")
+        require_numbers(self, "model_check", positive=positive, least=least, below={"confidence": 1.0})
+
+    def most_chi2(self, freedom: float) -> float:
+        """Largest χ² per degree of freedom that a right model leaves: few samples scatter."""
+        return max(self.largest_chi2, float(chi2.ppf(self.confidence, freedom)) / freedom if freedom > 0 else 0.0)
