@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.channels import Channel, Tape, available, residual
+from dr_lab.diagnosis.subset import subset
 from dr_lab.diagnosis.unread import reach, unread
 from dr_lab.diagnosis.windows import Samples, Windows
 from dr_lab.errors import DataError
@@ -53,6 +54,10 @@ class Replay:
         self._require_past()
         self.fitted = self._mask("fitted")
         self.scored = self._mask("scored")
+
+    def part(self, rows: NDArray[np.intp]) -> "Replay":
+        """The replay of some of the windows, at these places."""
+        return Replay(self.model, subset(self.windows, rows), self._threads, self._stop)
 
     @property
     def nstate(self) -> int:

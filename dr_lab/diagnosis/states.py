@@ -17,6 +17,7 @@ from dr_lab.trajectory import Array
 
 _NO_PARAMETER = np.zeros(0, np.intp)
 _PLAUSIBLE = 0.999  # probability below which a window's χ² passes for noise
+_WORTH = 0.5  # share of the simulated windows below which those still active get simulations of their own
 
 
 @dataclass(frozen=True)
@@ -93,12 +94,13 @@ class _Search:
     def _descend(self, point: Point, known: Array | None, active: NDArray[np.bool_]) -> StateFit:
         """Levenberg–Marquardt in the active windows, from slopes that may be those of a point nearby."""
         settings, count = self.settings, len(self.replay.windows)
-        slopes = self._slopes(point) if known is None else known
+        part = _Part(self.replay, np.arange(count), settings)
+        slopes = part.renew(point, np.zeros((*point.residuals.shape, self.replay.nstate))) if known is None else known
         stale, damping = np.full(count, known is not None), np.full(count, settings.damping)
         for _ in range(settings.iterations):
             weight = self._weights(point)
             cost = self._costs(point, weight)
-            trial = self._point(point.delta + self._steps(point, slopes, weight, damping, active))
+            trial = part.moved(point, self._steps(point, slopes, weight, damping, active))
             gain = np.where(trial.infeasible, -np.inf, cost - self._costs(trial, weight))
             better = active & (gain >= 0)
             failed = active & ~better
@@ -110,8 +112,9 @@ class _Search:
             active &= ~(better & (gain <= settings.tolerance * cost)) & (damping < settings.damping_max)
             if not active.any():
                 break
+            part = part.narrowed(active)
             if (active & renew).any():
-                slopes, stale = self._slopes(point), np.zeros(count, bool)
+                slopes, stale = part.renew(point, slopes), np.zeros(count, bool)
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
 
@@ -121,9 +124,6 @@ class _Search:
     def _point(self, delta: Array) -> Point:
         residuals, infeasible = self.replay.residuals(self.z[None], delta[None])
         return Point(self.z, delta, residuals[0], np.inf, infeasible[0])
-
-    def _slopes(self, point: Point) -> Array:
-        return differences(self.replay, self.settings, point, states=True, columns=_NO_PARAMETER)
 
     def _costs(self, point: Point, weight: Array) -> Array:
         return window_costs(point, weight, self.precision)
@@ -135,3 +135,39 @@ class _Search:
         diagonal = np.einsum("wii->wi", hessian)
         damped = hessian + (damping[:, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
         return np.where(active[:, None], -np.linalg.solve(damped, gradient[..., None])[..., 0], 0.0)
+
+
+class _Part:
+    """The windows whose states are still looked for, and perhaps some that are done: those that are simulated."""
+
+    def __init__(self, replay: Replay, rows: NDArray[np.intp], settings: SolverSettings) -> None:
+        self.replay = replay
+        self.rows = rows
+        self.settings = settings
+
+    def narrowed(self, active: NDArray[np.bool_]) -> "_Part":
+        """The active windows alone, once they are so few that new simulations of them pay."""
+        kept = active[self.rows]
+        if kept.sum() > _WORTH * len(kept):
+            return self
+        return _Part(self.replay.part(np.flatnonzero(kept)), self.rows[kept], self.settings)
+
+    def moved(self, point: Point, step: Array) -> Point:
+        """The point after a step, where the windows are among the part; elsewhere as it is."""
+        delta, residuals, infeasible = point.delta.copy(), point.residuals.copy(), point.infeasible.copy()
+        delta[self.rows] += step[self.rows]
+        found, lost = self.replay.residuals(point.z[None], delta[None, self.rows])
+        residuals[self.rows], infeasible[self.rows] = found[0], lost[0]
+        return Point(point.z, delta, residuals, np.inf, infeasible)
+
+    def renew(self, point: Point, slopes: Array) -> Array:
+        """The slopes ∂r/∂δ at the point in the windows of the part; elsewhere as they are, shape (w, m, s)."""
+        here = replace(
+            point,
+            delta=point.delta[self.rows],
+            residuals=point.residuals[self.rows],
+            infeasible=point.infeasible[self.rows],
+        )
+        slopes = slopes.copy()
+        slopes[self.rows] = differences(self.replay, self.settings, here, states=True, columns=_NO_PARAMETER)
+        return slopes
