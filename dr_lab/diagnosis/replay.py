@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.channels import Channel, Tape, available, residual
-from dr_lab.diagnosis.subset import subset
+from dr_lab.diagnosis.subset import subset, until_known
 from dr_lab.diagnosis.unread import reach, unread
 from dr_lab.diagnosis.windows import Samples, Windows
 from dr_lab.errors import DataError
@@ -58,6 +58,11 @@ class Replay:
     def part(self, rows: NDArray[np.intp]) -> "Replay":
         """The replay of some of the windows, at these places."""
         return Replay(self.model, subset(self.windows, rows), self._threads, self._stop)
+
+    def until_known(self) -> "Replay":
+        """The replay of as much of the windows as estimates their starts; itself where that is all."""
+        windows = until_known(self.windows)
+        return self if windows is self.windows else Replay(self.model, windows, self._threads, self._stop)
 
     @property
     def nstate(self) -> int:

@@ -25,7 +25,8 @@ class StateFit(Point):
     """States at which every window's own cost is lowest.
 
     Attributes:
-        slopes: ∂r/∂δ at the last linearisation, shape (w, m, s).
+        slopes: ∂r/∂δ at each window's last linearisation, shape (w, m, s); 0 behind the last sample of all windows that
+            is fitted.
     """
 
     slopes: Array
@@ -42,6 +43,8 @@ def fit_states(
 ) -> tuple[Replay, StateFit]:
     """Fit only the windows' initial states at a context, from the samples that windows allow.
 
+    What comes behind these samples is simulated once, at the end.
+
     Each window minimises ‖(y − ŷ(z, x_w))/σ‖²_Huber + ‖(x_w − x̄_w)/s‖² on its own, with its own damping.
 
     Args:
@@ -54,7 +57,12 @@ def fit_states(
         stop: see `Replay`.
     """
     replay = Replay(model, windows, threads, stop)
-    return replay, _Search(replay, solver, z).run(near)
+    known = replay.until_known()
+    found = _Search(known, solver, z).run(near)
+    if known is replay:
+        return replay, found
+    residuals, infeasible = replay.residuals(z[None], found.delta[None])
+    return replay, replace(found, residuals=residuals[0], infeasible=infeasible[0])
 
 
 class _Search:

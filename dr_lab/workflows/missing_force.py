@@ -42,7 +42,7 @@ def _short(study: Study) -> Windows:
 def _forces(study: Study, windows: Windows, explained: Explained) -> tuple[Replay, dict[str, ResidualForce]]:
     bench = study.bench
     replay, fit = fit_states(explained.model, explained.fit.z, windows, bench.solver, bench.threads)
-    return replay, residual_forces(replay, fit)
+    return replay, residual_forces(replay, fit, bench.solver)
 
 
 def _entry(

@@ -125,7 +125,7 @@ def _consecutive(study: Study, log: Log, length: float, most: int = _EVERY_WINDO
 def _forces(study: Study, log: Log, model: Model, z: Array) -> dict[str, ResidualForce]:
     short = _consecutive(study, log, study.local.length, study.local.max_windows)
     replay, fit = fit_states(model, z, short, study.bench.solver, study.bench.threads)
-    return residual_forces(replay, fit)
+    return residual_forces(replay, fit, study.bench.solver)
 
 
 def _poses(
