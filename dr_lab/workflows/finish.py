@@ -19,7 +19,7 @@ from dr_lab.recorders.tables import ladder_table, parameter_table, ranking_summa
 from dr_lab.recorders.verdict import verdict_markdown
 from dr_lab.trajectory import Array, Log
 from dr_lab.workflows.export import mjcf, write_context, write_model, write_rollout
-from dr_lab.workflows.overlays import overlay, play_log, shown_logs
+from dr_lab.workflows.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.workflows.study import Study
 from dr_lab.workflows.write_simulated import write_simulated
 
@@ -61,7 +61,8 @@ def finish(
         plain = _plain(report, [*notes, *_shortened(study, logs, look.longest)], run_dir)
         write_report(run_dir, plain)  # first, so that no fault of a recording costs the hours before it
         played = [play_log(study, log, shown) for log in logs]
-        overlays = [overlay(study, log, shown, p, look) for log, p in zip(logs, played, strict=True)]
+        forces = missing(study, models)
+        overlays = [overlay(study, log, p, forces, look) for log, p in zip(logs, played, strict=True)]
         if AFTER in shown and played:
             write_rollout(run_dir / "rollout.npz", played[0][AFTER])
         write_review(run_dir / "review.rrd", plain, report_markdown(plain), overlays, study.compiled, look)

@@ -1,6 +1,6 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 
@@ -16,6 +16,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
 from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows.state_fits import StateFits
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Study:
         measurements: the logs.
         bench: windows and settings on which models are compared.
         predicted: held-out windows whose start is known only from earlier samples.
+        short: such windows that are so short that an error stays near the state that caused it.
+        fits: states of windows that were fitted for the report.
         windows: how windows are cut.
         prediction: how predicted windows are cut.
         local: how the place of failure is looked for.
@@ -40,6 +43,8 @@ class Study:
     measurements: MeasurementSet
     bench: Bench
     predicted: Windows
+    short: Windows
+    fits: StateFits
     windows: WindowSettings
     prediction: WindowSettings
     local: LocaliseSettings
@@ -82,12 +87,18 @@ def prepare(
         measurements=measurements,
         bench=bench,
         predicted=cut(scored, measurements, compiled, predicted),
+        short=cut(scored, measurements, compiled, _short(predicted, localise)),
+        fits=StateFits(solver, count),
         windows=windows,
         prediction=predicted,
         local=localise,
         scales=_scales(model, compiled, measurements, windows.smoother, bench),
         floor=numerical_floor(model, scored, measurements, windows, count),
     )
+
+
+def _short(predicted: WindowSettings, localise: LocaliseSettings) -> WindowSettings:
+    return replace(predicted, length=localise.length, stride=localise.length, max_windows=localise.max_windows)
 
 
 def _scales(
