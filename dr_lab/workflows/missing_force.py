@@ -13,7 +13,7 @@ from dr_lab.diagnosis.residual_force import ResidualForce
 from dr_lab.diagnosis.windows import Windows
 from dr_lab.workflows.study import Study
 
-_PARTS = 8  # of a single log, in place of logs
+_PARTS = 8  # of the data, at least
 
 
 def missing_forces(study: Study, models: Sequence[Explained]) -> list[dict[str, Any]]:
@@ -86,7 +86,7 @@ def _variables(replay: Replay, forces: dict[str, ResidualForce]) -> list[Variabl
 
 
 def _groups(windows: Windows) -> NDArray[np.intp]:
-    """Log of each window; parts of a log where there is but one."""
-    if len(windows.logs) > 1:
-        return windows.log
-    return np.arange(len(windows)) * _PARTS // len(windows)
+    """Parts of the data that are left out together: logs, or where these are few each of them in as many parts."""
+    parts = -(-_PARTS // len(windows.logs))
+    counts = np.bincount(windows.log, minlength=len(windows.logs))
+    return np.concatenate([k * parts + np.arange(count) * parts // count for k, count in enumerate(counts)])
