@@ -23,6 +23,7 @@ class FormulaSettings:
         folds: parts of the logs that are predicted from the others.
         worth: share of the force's mean square that a further term must explain of the parts left out.
         least: number of windows below which nothing is said.
+        windows: number of windows that forces are looked for in at most.
         trees: of the forest that tells how much any function of the state could explain.
 
     Raises:
@@ -34,10 +35,11 @@ class FormulaSettings:
     folds: int
     worth: float
     least: int
+    windows: int
     trees: int
 
     def __post_init__(self) -> None:
-        least = {"terms": 1.0, "harmonics": 0.0, "folds": 2.0, "least": 2.0, "trees": 1.0}
+        least = {"terms": 1.0, "harmonics": 0.0, "folds": 2.0, "least": 2.0, "windows": 1.0, "trees": 1.0}
         require_numbers(self, "formula", positive=("worth",), least=least)
 
 

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.polynomial import polyvander
 from numpy.typing import ArrayLike, NDArray
 
 from dr_lab.errors import DataError
@@ -84,7 +85,7 @@ def _solve(time: Array, value: Array, at: Array, usable: Indices, half_width: fl
     # Scaled to [−1, 1], so that the normal equations stay well conditioned whatever the units.
     scale = np.abs(offset).max(axis=1)
     powers = np.arange(degree + 1)
-    basis = (offset / scale[:, None])[..., None] ** powers * inside[..., None]
+    basis = polyvander(offset / scale[:, None], degree) * inside[..., None]  # its products take far less than powers
     inverse = np.linalg.inv(np.swapaxes(basis, 1, 2) @ basis)
     samples = value[index].reshape(*index.shape, -1)
     coefficients = inverse @ (np.swapaxes(basis, 1, 2) @ samples)

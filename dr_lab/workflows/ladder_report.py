@@ -37,7 +37,8 @@ def report_ladder(
     found = _answer(verb, study, ladder, described)
     answer(found, run)
     run.screen.phase("Looking where the model fails and what it misses")
-    report = {**found, "missing_force": missing_forces(study, ladder.models), **failure(study, base.model, base.fit.z)}
+    failing = failure(study, base.model, base.fit.z)  # first, because what misses forces is among its windows
+    report = {**found, "missing_force": missing_forces(study, ladder.models), **failing}
     report["next_experiment"] = None
     if experiments is not None and any(step.rivals for step in ladder.steps):
         run.screen.phase("Looking for the experiment that would decide")

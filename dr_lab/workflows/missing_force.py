@@ -10,6 +10,7 @@ from dr_lab.diagnosis.force_formula import Formula, Variable, mean_square, spars
 from dr_lab.diagnosis.rank import Explained
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.residual_force import ResidualForce
+from dr_lab.diagnosis.subset import subset
 from dr_lab.diagnosis.windows import Windows
 from dr_lab.workflows.study import Study
 
@@ -24,8 +25,8 @@ def missing_forces(study: Study, models: Sequence[Explained]) -> list[dict[str, 
     ``explained`` the share that the effects took away; ``left`` belongs to what the last model misses, its shares to
     all of that force, noise included. All are of ``windows`` short windows of the logs that score.
     """
-    first, last = (study.fits.forces(m.model, m.fit.z, study.short) for m in (models[0], models[-1]))
-    replay = study.fits(models[-1].model, models[-1].fit.z, study.short)[0]
+    first, last = (study.fits.forces(m.model, m.fit.z, study.short, study.few) for m in (models[0], models[-1]))
+    replay = Replay(models[-1].model, subset(study.short, study.few), study.bench.threads)
     known = [joint for joint, part in first.items() if np.isfinite(part.force).any()]
     return [_entry(study, replay, joint, first, last) for joint in known]
 

@@ -45,14 +45,14 @@ def play_log(study: Study, log: Log, models: Mapping[str, tuple[Model, Array]]) 
 
 
 def missing(study: Study, models: Mapping[str, tuple[Model, Array]]) -> Forces:
-    """What models miss at each joint in all short windows of the scored logs, by role and joint."""
-    return {role: study.fits.forces(model, z, study.short) for role, (model, z) in models.items()}
+    """What models miss at each joint in short windows of the scored logs, by role and joint."""
+    return {role: study.fits.forces(model, z, study.short, study.few) for role, (model, z) in models.items()}
 
 
 def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces, look: Look) -> Overlay:
     """Everything that the recording shows of one log; forces as `missing` gives them."""
     time, poses = _poses(study, log, played, look)
-    of_log = study.short.log == study.short.logs.index(log.name)
+    of_log = study.short.log[study.few] == study.short.logs.index(log.name)
     joints = next(iter(forces.values())).keys() if forces else ()
     slides = {int(mujoco.mjtJoint.mjJNT_SLIDE)}
     unit = "N" if {int(study.compiled.joint(j).type[0]) for j in joints} == slides else "N·m"

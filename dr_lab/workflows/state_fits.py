@@ -1,13 +1,20 @@
 """Fits of windows' states that several parts of a report need, each made once."""
 
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.states import StateFit, fit_states
+from dr_lab.diagnosis.subset import subset
 from dr_lab.diagnosis.windows import Windows
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
+Places = NDArray[np.intp]
 _Key = tuple[int, int, bytes]
 
 
@@ -37,12 +44,21 @@ class StateFits:
             self._fits[key] = fit_states(model, z, windows, self._solver, self._threads)[1]
         return Replay(model, windows, self._threads), self._fits[key]
 
-    def forces(self, model: Model, z: Array, windows: Windows) -> dict[str, ResidualForce]:
-        """The force that the model misses at each joint in the windows; arguments as above."""
+    def forces(self, model: Model, z: Array, windows: Windows, rows: Places) -> dict[str, ResidualForce]:
+        """The force that the model misses at each joint in the windows at these places, always the same of them."""
         key = self._key(model, z, windows)
         if key not in self._forces:
-            self._forces[key] = residual_forces(*self(model, z, windows), self._solver)
+            self._held += [model, windows]
+            self._forces[key] = residual_forces(*self._some(model, z, windows, rows), self._solver)
         return self._forces[key]
+
+    def _some(self, model: Model, z: Array, windows: Windows, rows: Places) -> tuple[Replay, StateFit]:
+        """The fit of some windows: part of that of all, where there is one."""
+        some, known = subset(windows, rows), self._fits.get(self._key(model, z, windows))
+        if known is None:
+            return fit_states(model, z, some, self._solver, self._threads)
+        parts = {name: getattr(known, name)[rows] for name in ("delta", "residuals", "infeasible", "slopes")}
+        return Replay(model, some, self._threads), replace(known, **parts)
 
     def _key(self, model: Model, z: Array, windows: Windows) -> _Key:
         return id(model), id(windows), z.tobytes()

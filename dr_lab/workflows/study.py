@@ -3,6 +3,8 @@
 from dataclasses import dataclass, replace
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
@@ -30,6 +32,7 @@ class Study:
         bench: windows and settings on which models are compared.
         predicted: held-out windows whose start is known only from earlier samples.
         short: such windows that are so short that an error stays near the state that caused it.
+        few: places of those short windows in which missing forces are looked at, evenly spread.
         fits: states of windows that were fitted for the report.
         windows: how windows are cut.
         prediction: how predicted windows are cut.
@@ -44,6 +47,7 @@ class Study:
     bench: Bench
     predicted: Windows
     short: Windows
+    few: NDArray[np.intp]
     fits: StateFits
     windows: WindowSettings
     prediction: WindowSettings
@@ -81,13 +85,15 @@ def prepare(
         evidence=evidence,
         threads=count,
     )
+    short = cut(scored, measurements, compiled, _short(predicted, localise))
     return Study(
         model=model,
         compiled=compiled,
         measurements=measurements,
         bench=bench,
         predicted=cut(scored, measurements, compiled, predicted),
-        short=cut(scored, measurements, compiled, _short(predicted, localise)),
+        short=short,
+        few=_spread(len(short), localise.formula.windows),
         fits=StateFits(solver, count),
         windows=windows,
         prediction=predicted,
@@ -99,6 +105,11 @@ def prepare(
 
 def _short(predicted: WindowSettings, localise: LocaliseSettings) -> WindowSettings:
     return replace(predicted, length=localise.length, stride=localise.length, max_windows=localise.max_windows)
+
+
+def _spread(count: int, most: int) -> NDArray[np.intp]:
+    """At most so many of a count of places, from the first to the last."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.intp))
 
 
 def _scales(
