@@ -23,6 +23,8 @@ class FormulaSettings:
         folds: parts of the logs that are predicted from the others.
         worth: share of the force's mean square that a further term must explain of the parts left out.
         least: number of windows below which nothing is said.
+        windows: number of windows that forces are looked for in at most.
+        trees: of the forest that tells how much any function of the state could explain.
 
     Raises:
         ConfigError: a number is too small.
@@ -33,9 +35,11 @@ class FormulaSettings:
     folds: int
     worth: float
     least: int
+    windows: int
+    trees: int
 
     def __post_init__(self) -> None:
-        least = {"terms": 1.0, "harmonics": 0.0, "folds": 2.0, "least": 2.0}
+        least = {"terms": 1.0, "harmonics": 0.0, "folds": 2.0, "least": 2.0, "windows": 1.0, "trees": 1.0}
         require_numbers(self, "formula", positive=("worth",), least=least)
 
 
@@ -108,7 +112,7 @@ def sparse_formula(
     tried = (left_out(Pursuit(size), columns, force, groups, folds) for size in range(1, columns.shape[1] + 1))
     share, count = _pursued(force, itertools.islice(tried, settings.terms), settings.worth)
     features = np.stack([v.value for v in kept], axis=1)
-    ceiling = _explained(force, left_out(forest(), features, force, groups, folds))
+    ceiling = _explained(force, left_out(forest(settings.trees), features, force, groups, folds))
     coefficients = Pursuit(count).fit(columns, force).coef_ if count else np.zeros(columns.shape[1])
     chosen = {term.name: float(c) for term, c in zip(terms, coefficients, strict=True) if c != 0}
     units = {term.name: f"{unit}/({term.unit})" if term.unit else unit for term in terms if term.name in chosen}

@@ -37,9 +37,9 @@ class Pursuit(RegressorMixin, BaseEstimator):
         return columns @ self.coef_
 
 
-def forest() -> ExtraTreesRegressor:
-    """A regression that follows any bounded function of few variables."""
-    return ExtraTreesRegressor(min_samples_leaf=3, random_state=0)
+def forest(trees: int) -> ExtraTreesRegressor:
+    """A regression that follows any bounded function of few variables: the mean of so many trees."""
+    return ExtraTreesRegressor(trees, min_samples_leaf=3, random_state=0)
 
 
 def left_out(regressor: Any, columns: Array, force: Array, groups: Groups, folds: int) -> Array:  # noqa: ANN401 (sklearn)

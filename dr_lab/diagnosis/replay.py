@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.channels import Channel, Tape, available, residual
 from dr_lab.diagnosis.run_in import RunIn
 from dr_lab.diagnosis.unread import reach, unread
+from dr_lab.diagnosis.until_known import until_known
 from dr_lab.diagnosis.windows import Samples, Windows
 from dr_lab.errors import DataError
 from dr_lab.physics.law import History
@@ -56,6 +57,15 @@ class Replay:
         self._require_past()
         self.fitted = self._mask("fitted")
         self.scored = self._mask("scored")
+
+    def part(self, rows: NDArray[np.intp]) -> "Replay":
+        """The replay of some of the windows, at these places."""
+        return Replay(self.model, self.windows.pick(rows), self._threads, self._stop)
+
+    def until_known(self) -> "Replay":
+        """The replay of as much of the windows as estimates their starts; itself where that is all."""
+        windows = until_known(self.windows)
+        return self if windows is self.windows else Replay(self.model, windows, self._threads, self._stop)
 
     @property
     def nstate(self) -> int:

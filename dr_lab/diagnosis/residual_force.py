@@ -7,6 +7,8 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.diagnosis.slopes import differences
 from dr_lab.diagnosis.states import StateFit
 from dr_lab.trajectory import Array
 
@@ -28,7 +30,7 @@ class ResidualForce:
     noise: Array
 
 
-def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
+def residual_forces(replay: Replay, fit: StateFit, solver: SolverSettings) -> dict[str, ResidualForce]:
     """Missing forces by joint whose position is measured, taken as constant within a window.
 
     An acceleration Δa that is missing from a window's start on shows as r(t) = S(t) δ + Δa ∫₀ᵗ S_v(τ) dτ, where S are
@@ -40,6 +42,7 @@ def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
     Args:
         replay: short windows.
         fit: fit of their starts.
+        solver: sizes of the steps by which slopes are taken.
     """
     model = replay.model.compile(fit.z)
     tape, _ = replay.simulate(fit.z[None], fit.delta[None])
@@ -47,7 +50,8 @@ def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
     if not measured:
         return {}
     dofs = [channel.dof for channel in measured]
-    accelerations, covariance = _accelerations(replay, fit, dofs)
+    slopes = differences(replay, solver, fit, states=True, columns=np.zeros(0, np.intp))
+    accelerations, covariance = _accelerations(replay, fit, slopes, dofs)
     middle = tape.qpos[0][:, tape.qpos.shape[2] // 2]
     mass = _masses(model, middle, dofs)
     forces = np.einsum("wij,wj->wi", mass, accelerations)
@@ -62,12 +66,12 @@ def residual_forces(replay: Replay, fit: StateFit) -> dict[str, ResidualForce]:
     }
 
 
-def _accelerations(replay: Replay, fit: StateFit, dofs: list[int]) -> tuple[Array, Array]:
+def _accelerations(replay: Replay, fit: StateFit, slopes: Array, dofs: list[int]) -> tuple[Array, Array]:
     """Missing accelerations of n degrees of freedom, shape (w, n), and their covariance by noise, shape (w, n, n)."""
     used = (replay.fitted | replay.scored) & ~fit.infeasible[:, None]
-    nv, states = replay.compiled.nv, fit.slopes.shape[2]
-    pushes = np.stack([_integral(replay, fit.slopes[..., nv + dof]) for dof in dofs], axis=2)
-    basis = np.where(used[..., None], np.concatenate([fit.slopes, pushes], axis=2), 0.0)
+    nv, states = replay.compiled.nv, slopes.shape[2]
+    pushes = np.stack([_integral(replay, slopes[..., nv + dof]) for dof in dofs], axis=2)
+    basis = np.where(used[..., None], np.concatenate([slopes, pushes], axis=2), 0.0)
     residuals = np.where(used, fit.residuals, 0.0)
     # In units of the columns' own size; what no sample shows stays 0, and the states' prior decides what few show.
     size = np.sqrt((basis**2).sum(1))

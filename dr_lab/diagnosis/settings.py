@@ -62,7 +62,8 @@ class SolverSettings:
     Attributes:
         iterations: accepted or rejected steps after which a descent begins anew; not where a fit ends.
         tolerance: a fit has converged when a full linear step would lower the cost by less than this share.
-        rough_tolerance: the same for fits that only decide which candidates are fitted again.
+        state_tolerance: the states of a window alone are found when a step lowers its cost by less than this share.
+        rough_tolerance: the same as `tolerance` for fits that only decide which candidates are fitted again.
         refresh: share of the cost that a step must gain for the slopes by the start states to be taken anew.
         foretold: share of the decrease that a linear step foretells above which the slopes are good for the next step.
         hindered: share of the decrease that a linear step foretells below which states are fitted window by window.
@@ -86,6 +87,7 @@ class SolverSettings:
 
     iterations: int
     tolerance: float
+    state_tolerance: float
     rough_tolerance: float
     refresh: float
     foretold: float
@@ -107,7 +109,9 @@ class SolverSettings:
         least: dict[str, float] = dict.fromkeys(
             ("iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0
         )
-        least |= dict.fromkeys(("tolerance", "rough_tolerance", "refresh", "foretold", "hindered", "restarts"), 0.0)
+        least |= dict.fromkeys(
+            ("tolerance", "state_tolerance", "rough_tolerance", "refresh", "foretold", "hindered", "restarts"), 0.0
+        )
         require_numbers(self, "solver", positive=positive, least=least)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.channels import Channel, available
 from dr_lab.diagnosis.free_start import FreeBody, continuous, free_bodies, turn_between, turning
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.measurements.smoothing import LocalFit, local_polynomial
 from dr_lab.trajectory import Array, Log, Noise, Signal
 
 _DEGREE = 3  # of the local polynomials
@@ -167,10 +167,9 @@ def starts_known(signal: Signal, begins: Array, settings: WindowSettings) -> NDA
 
 def _fits(logs: Sequence[Log], name: str, begins: Sequence[Array], settings: WindowSettings) -> tuple[Array, Array]:
     """Value, slope and curvature at each start, shape (3, w), and what the polynomial misses of each, shape (3,)."""
-    rows = [(log.outputs[name], begin) for log, part in zip(logs, begins, strict=True) for begin in part]
+    signals = [log.outputs[name] for log in logs]
     wide, narrow = (
-        np.array([_local(signal, begin, width, settings) for signal, begin in rows]).T
-        for width in (settings.smoother, settings.smoother / 2)
+        np.stack(_local(signals, begins, width, settings)) for width in (settings.smoother, settings.smoother / 2)
     )
     return wide, np.sqrt(((wide - narrow) ** 2).mean(1))
 
@@ -182,14 +181,18 @@ def _vectors(
     signals = [log.outputs[channel.name] for log in logs]
     if channel.kind == "orientation":
         signals = [replace(signal, value=continuous(signal.value)) for signal in signals]
-    rows = [(signal, begin) for signal, part in zip(signals, begins, strict=True) for begin in part]
-    value, slope, curvature = np.array([_local(*row, width, settings) for row in rows]).transpose(1, 0, 2)
+    return _local(signals, begins, width, settings)
+
+
+def _local(
+    signals: Sequence[Signal], begins: Sequence[Array], width: float, settings: WindowSettings
+) -> tuple[Array, Array, Array]:
+    """Value, slope and curvature at each start, from samples that it may know of, shape (w,) or (w, size) each."""
+    lead = settings.margin + settings.run_in
+    fits = []
+    for signal, begin in zip(signals, begins, strict=True):
+        # A sample at the end of the run-in belongs to the scored part.
+        known = np.nextafter(begin + lead, -np.inf) if settings.run_in > 0 else np.inf
+        fits.append(local_polynomial(signal, begin, width, until=known, degree=_DEGREE))
+    value, slope, curvature = (np.concatenate([getattr(f, part) for f in fits]) for part in LocalFit._fields[:3])
     return value, slope, curvature
-
-
-def _local(signal: Signal, begin: float, width: float, settings: WindowSettings) -> Array:
-    """Value, slope and curvature at a start, from samples that it may know of, shape (3,) or (3, size)."""
-    # A sample at the end of the run-in belongs to the scored part.
-    known = np.nextafter(begin + (settings.margin + settings.run_in), -np.inf) if settings.run_in > 0 else np.inf
-    fit = local_polynomial(signal, begin, width, until=known, degree=_DEGREE)
-    return np.array([fit.value, fit.slope, fit.curvature])

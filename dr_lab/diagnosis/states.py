@@ -17,6 +17,7 @@ from dr_lab.trajectory import Array
 
 _NO_PARAMETER = np.zeros(0, np.intp)
 _PLAUSIBLE = 0.999  # probability below which a window's χ² passes for noise
+_WORTH = 0.5  # share of the simulated windows below which those still active get simulations of their own
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,8 @@ class StateFit(Point):
     """States at which every window's own cost is lowest.
 
     Attributes:
-        slopes: ∂r/∂δ at the last linearisation, shape (w, m, s).
+        slopes: ∂r/∂δ at each window's last linearisation, shape (w, m, s); 0 behind the last sample of all windows that
+            is fitted.
     """
 
     slopes: Array
@@ -41,6 +43,8 @@ def fit_states(
 ) -> tuple[Replay, StateFit]:
     """Fit only the windows' initial states at a context, from the samples that windows allow.
 
+    What comes behind these samples is simulated once, at the end.
+
     Each window minimises ‖(y − ŷ(z, x_w))/σ‖²_Huber + ‖(x_w − x̄_w)/s‖² on its own, with its own damping.
 
     Args:
@@ -53,7 +57,12 @@ def fit_states(
         stop: see `Replay`.
     """
     replay = Replay(model, windows, threads, stop)
-    return replay, _Search(replay, solver, z).run(near)
+    known = replay.until_known()
+    found = _Search(known, solver, z).run(near)
+    if known is replay:
+        return replay, found
+    residuals, infeasible = replay.residuals(z[None], found.delta[None])
+    return replay, replace(found, residuals=residuals[0], infeasible=infeasible[0])
 
 
 def polished(replay: Replay, solver: SolverSettings, point: Point, slopes: Array) -> StateFit:
@@ -91,9 +100,12 @@ class _Search:
         return self._better(found, self.descend(mean, None, poor)) if poor.any() else found
 
     def _poor(self, found: StateFit) -> NDArray[np.bool_]:
-        """Windows whose χ² noise alone would hardly leave."""
-        fitted = self.replay.fitted
-        return np.where(fitted, found.residuals**2, 0.0).sum(1) > chi2.ppf(_PLAUSIBLE, np.maximum(fitted.sum(1), 1))
+        """Windows whose χ² noise as large as in the median window, or as the sensors', would hardly leave."""
+        fitted = self.replay.fitted & ~found.infeasible[:, None]
+        count = np.maximum(fitted.sum(1), 1)
+        left = np.where(fitted, found.residuals**2, 0.0).sum(1) / count
+        usual = max(1.0, float(np.median(left[~found.infeasible]))) if not found.infeasible.all() else 1.0
+        return left > usual * chi2.ppf(_PLAUSIBLE, count) / count
 
     def _better(self, one: StateFit, other: StateFit) -> StateFit:
         """The better of two fits in each window."""
@@ -108,12 +120,13 @@ class _Search:
     def descend(self, point: Point, known: Array | None, active: NDArray[np.bool_]) -> StateFit:
         """Levenberg–Marquardt in the active windows, from slopes that may be those of a point nearby."""
         settings, count = self.settings, len(self.replay.windows)
-        slopes = self._slopes(point) if known is None else known
+        part = _Part(self.replay, np.arange(count), settings)
+        slopes = part.renew(point, np.zeros((*point.residuals.shape, self.replay.nstate))) if known is None else known
         stale, damping = np.full(count, known is not None), np.full(count, settings.damping)
         for _ in range(settings.iterations):
             weight = self._weights(point)
             cost = self._costs(point, weight)
-            trial = self._point(point.delta + self._steps(point, slopes, weight, damping, active))
+            trial = part.moved(point, self._steps(point, slopes, weight, damping, active))
             gain = np.where(trial.infeasible, -np.inf, cost - self._costs(trial, weight))
             better = active & (gain >= 0)
             failed = active & ~better
@@ -122,11 +135,12 @@ class _Search:
             damping = np.where(failed & ~stale, damping * settings.damping_up, damping)
             renew = (failed & stale) | (better & (gain > settings.refresh * cost))
             stale |= better
-            active &= ~(better & (gain <= settings.tolerance * cost)) & (damping < settings.damping_max)
+            active &= ~(better & (gain <= settings.state_tolerance * cost)) & (damping < settings.damping_max)
             if not active.any():
                 break
+            part = part.narrowed(active)
             if (active & renew).any():
-                slopes, stale = self._slopes(point), np.zeros(count, bool)
+                slopes, stale = part.renew(point, slopes), np.zeros(count, bool)
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
 
@@ -136,9 +150,6 @@ class _Search:
     def _point(self, delta: Array) -> Point:
         residuals, infeasible = self.replay.residuals(self.z[None], delta[None])
         return Point(self.z, delta, residuals[0], np.inf, infeasible[0])
-
-    def _slopes(self, point: Point) -> Array:
-        return differences(self.replay, self.settings, point, states=True, columns=_NO_PARAMETER)
 
     def _costs(self, point: Point, weight: Array) -> Array:
         return window_costs(point, weight, self.precision)
@@ -150,3 +161,39 @@ class _Search:
         diagonal = np.einsum("wii->wi", hessian)
         damped = hessian + (damping[:, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
         return np.where(active[:, None], -np.linalg.solve(damped, gradient[..., None])[..., 0], 0.0)
+
+
+class _Part:
+    """The windows whose states are still looked for, and perhaps some that are done: those that are simulated."""
+
+    def __init__(self, replay: Replay, rows: NDArray[np.intp], settings: SolverSettings) -> None:
+        self.replay = replay
+        self.rows = rows
+        self.settings = settings
+
+    def narrowed(self, active: NDArray[np.bool_]) -> "_Part":
+        """The active windows alone, once they are so few that new simulations of them pay."""
+        kept = active[self.rows]
+        if kept.sum() > _WORTH * len(kept):
+            return self
+        return _Part(self.replay.part(np.flatnonzero(kept)), self.rows[kept], self.settings)
+
+    def moved(self, point: Point, step: Array) -> Point:
+        """The point after a step, where the windows are among the part; elsewhere as it is."""
+        delta, residuals, infeasible = point.delta.copy(), point.residuals.copy(), point.infeasible.copy()
+        delta[self.rows] += step[self.rows]
+        found, lost = self.replay.residuals(point.z[None], delta[None, self.rows])
+        residuals[self.rows], infeasible[self.rows] = found[0], lost[0]
+        return Point(point.z, delta, residuals, np.inf, infeasible)
+
+    def renew(self, point: Point, slopes: Array) -> Array:
+        """The slopes ∂r/∂δ at the point in the windows of the part; elsewhere as they are, shape (w, m, s)."""
+        here = replace(
+            point,
+            delta=point.delta[self.rows],
+            residuals=point.residuals[self.rows],
+            infeasible=point.infeasible[self.rows],
+        )
+        slopes = slopes.copy()
+        slopes[self.rows] = differences(self.replay, self.settings, here, states=True, columns=_NO_PARAMETER)
+        return slopes

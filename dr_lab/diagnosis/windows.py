@@ -242,18 +242,21 @@ def _samples(
     channel: Channel, logs: Sequence[Log], begins: Sequence[Array], noise: Noise, settings: WindowSettings
 ) -> Samples:
     """Pad the samples of one channel in all windows to one width."""
-    lead = settings.margin + settings.run_in
-    rows = [(log.outputs[channel.name], begin) for log, part in zip(logs, begins, strict=True) for begin in part]
-    cuts = [np.searchsorted(s.time, [b + settings.margin, b + lead, b + lead + settings.length]) for s, b in rows]
-    width = max(int(stop - start) for start, _, stop in cuts)
+    lead, signals = settings.margin + settings.run_in, [log.outputs[channel.name] for log in logs]
+    first = np.cumsum([0, *map(len, signals)])  # of each log's samples among those of all
+    cuts = [
+        offset + np.searchsorted(signal.time, np.stack([b + settings.margin, b + lead, b + lead + settings.length], 1))
+        for offset, signal, b in zip(first[:-1], signals, begins, strict=True)
+    ]
+    start, middle, stop = np.concatenate(cuts).T[..., None]
+    column = np.arange(int((stop - start).max()))
+    index, inside = np.minimum(start + column, first[-1] - 1), column < stop - start
+    every = np.concatenate([signal.time for signal in signals])[index] - np.concatenate(begins)[:, None]
     raw = 4 if channel.kind == "orientation" else channel.size
-    time, value = np.zeros((len(rows), width)), np.zeros((len(rows), width, raw))
-    if channel.kind == "orientation":
-        value[..., 0] = 1.0
-    known, scored = np.zeros((2, len(rows), width), bool)
-    for w, ((signal, begin), (start, middle, stop)) in enumerate(zip(rows, cuts, strict=True)):
-        time[w, : stop - start] = signal.time[start:stop] - begin
-        value[w, : stop - start] = signal.value[start:stop].reshape(stop - start, raw)
-        known[w, : middle - start] = scored[w, middle - start : stop - start] = True
+    measured = np.concatenate([signal.value.reshape(len(signal), raw) for signal in signals])[index]
+    nothing = np.eye(raw)[0] if channel.kind == "orientation" else np.zeros(raw)
+    time, value = np.where(inside, every, 0.0), np.where(inside[..., None], measured, nothing)
+    known = column < middle - start
+    scored = inside & ~known
     std = noise.std * (2.0 if channel.kind == "orientation" else 1.0)  # a turn by φ moves a unit quaternion by φ/2
     return Samples(channel, std, time, value, known if settings.run_in > 0 else scored, scored)

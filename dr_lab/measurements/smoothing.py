@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.polynomial import polyvander
 from numpy.typing import ArrayLike, NDArray
 
 from dr_lab.errors import DataError
@@ -33,7 +34,7 @@ class LocalFit(NamedTuple):
 
 
 def local_polynomial(
-    signal: Signal, at: ArrayLike, half_width: float, until: float = np.inf, degree: int = 3
+    signal: Signal, at: ArrayLike, half_width: float, until: ArrayLike = np.inf, degree: int = 3
 ) -> LocalFit:
     """Least-squares polynomial through the samples around each time, and its derivatives there.
 
@@ -46,7 +47,8 @@ def local_polynomial(
         signal: samples, at least degree + 1 of them; a vector signal is fitted column by column.
         at: times in s, a number or shape (m,).
         half_width: of the window in s, > 0.
-        until: no sample after this time in s is used, so that a start can be estimated from the past alone.
+        until: no sample after this time in s is used, so that a start can be estimated from the past alone; a number
+            or one for each time.
         degree: of the polynomial, ≥ 1.
 
     Returns:
@@ -58,23 +60,24 @@ def local_polynomial(
     Source: Cleveland, W. S. 1979; on even samples the weights are those of Savitzky and Golay 1964.
     """
     times = np.asarray(at, dtype=np.float64)
-    usable = int(np.searchsorted(signal.time, until, side="right"))
-    if usable <= degree:
+    flat, last = (np.ravel(part) for part in np.broadcast_arrays(times, np.asarray(until, dtype=np.float64)))
+    usable = np.searchsorted(signal.time, last, side="right")
+    if (usable <= degree).any():
+        worst = int(np.argmin(usable))
         raise DataError(
-            f"Signal {signal.name!r}: {usable} samples up to {until:.6g} s; a local polynomial of degree {degree} "
-            f"needs {degree + 1}. Take a later time or a longer log."
+            f"Signal {signal.name!r}: {usable[worst]} samples up to {last[worst]:.6g} s; a local polynomial of degree "
+            f"{degree} needs {degree + 1}. Take a later time or a longer log."
         )
-    flat = np.atleast_1d(times)
     blocks = [
-        _solve(signal.time[:usable], signal.value[:usable], flat[i : i + _BLOCK], half_width, degree)
-        for i in range(0, len(flat), _BLOCK)
+        _solve(signal.time, signal.value, flat[i : i + _BLOCK], usable[i : i + _BLOCK], half_width, degree)
+        for i in range(0, max(len(flat), 1), _BLOCK)
     ]
     joined = [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
     return LocalFit(*(part.reshape(times.shape + part.shape[1:]) for part in joined))
 
 
-def _solve(time: Array, value: Array, at: Array, half_width: float, degree: int) -> LocalFit:
-    low, high = _windows(time, at, half_width, degree + 1)
+def _solve(time: Array, value: Array, at: Array, usable: Indices, half_width: float, degree: int) -> LocalFit:
+    low, high = _windows(time, at, usable, half_width, degree + 1)
     index = low[:, None] + np.arange(int((high - low).max()))
     inside = index < high[:, None]
     index = np.minimum(index, len(time) - 1)
@@ -82,7 +85,7 @@ def _solve(time: Array, value: Array, at: Array, half_width: float, degree: int)
     # Scaled to [−1, 1], so that the normal equations stay well conditioned whatever the units.
     scale = np.abs(offset).max(axis=1)
     powers = np.arange(degree + 1)
-    basis = (offset / scale[:, None])[..., None] ** powers * inside[..., None]
+    basis = polyvander(offset / scale[:, None], degree) * inside[..., None]  # its products take far less than powers
     inverse = np.linalg.inv(np.swapaxes(basis, 1, 2) @ basis)
     samples = value[index].reshape(*index.shape, -1)
     coefficients = inverse @ (np.swapaxes(basis, 1, 2) @ samples)
@@ -98,14 +101,17 @@ def _solve(time: Array, value: Array, at: Array, half_width: float, degree: int)
     )
 
 
-def _windows(time: Array, at: Array, half_width: float, least: int) -> tuple[Indices, Indices]:
+def _windows(time: Array, at: Array, usable: Indices, half_width: float, least: int) -> tuple[Indices, Indices]:
     """First and one-past-last sample of each window, widened to the nearest `least` samples where it holds fewer."""
-    low = np.searchsorted(time, at - half_width, side="left")
-    high = np.searchsorted(time, at + half_width, side="right")
+    low = np.minimum(np.searchsorted(time, at - half_width, side="left"), usable)
+    high = np.minimum(np.searchsorted(time, at + half_width, side="right"), usable)
     few = np.flatnonzero(high - low < least)
-    for i in few:
-        first = int(np.searchsorted(time, at[i]))
-        candidates = np.arange(max(first - least, 0), min(first + least, len(time)))
-        nearest = np.sort(np.argsort(np.abs(time[candidates] - at[i]), kind="stable")[:least])
-        low[i], high[i] = candidates[nearest[0]], candidates[nearest[-1]] + 1
+    if len(few):
+        first = np.minimum(np.searchsorted(time, at[few]), usable[few])
+        candidates = first[:, None] + np.arange(-least, least)
+        exists = (candidates >= 0) & (candidates < usable[few, None])
+        distance = np.abs(time[np.clip(candidates, 0, len(time) - 1)] - at[few, None])
+        order = np.argsort(np.where(exists, distance, np.inf), axis=1, kind="stable")[:, :least]
+        nearest = np.take_along_axis(candidates, order, axis=1)
+        low[few], high[few] = nearest.min(1), nearest.max(1) + 1
     return low, high

@@ -91,12 +91,17 @@ def _missing_forces(rows: Sequence[Mapping[str, Any]]) -> str:
         could = "" if row["ceiling"] is None else f" (a force of the measured state could: {percent(row['ceiling'])})"
         sizes = " → ".join(f"{number(row[key], 3)}" for key in ("rms_first", "rms_last"))
         beyond = f"{row['unit']} RMS beyond the noise's {number(row['noise'], 3)}"
-        lines.append(f"- `{row['joint']}`: {sizes} {beyond}, {percent(row['explained'])} explained{could}.")
+        explained = f"{percent(row['explained'])} explained{could}{_of_windows(row)}"
+        lines.append(f"- `{row['joint']}`: {sizes} {beyond}, {explained}.")
         left = row["left"]
         if left and left["terms"]:
             terms = " ".join(_term(term, first=k == 0) for k, term in enumerate(left["terms"]))
             lines[-1] += f" {percent(left['share'])} of the rest follows F ≈ {terms} [{row['unit']}]."
     return "\n".join(lines)
+
+
+def _of_windows(row: Mapping[str, Any]) -> str:
+    return f", from {row['windows']} short windows" if row.get("windows") else ""
 
 
 def _term(term: Mapping[str, Any], *, first: bool) -> str:

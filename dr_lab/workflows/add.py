@@ -17,8 +17,9 @@ from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.finish import Run
 from dr_lab.workflows.ladder_report import report_ladder
-from dr_lab.workflows.progress import candidate_progress
+from dr_lab.workflows.progress import screen
 from dr_lab.workflows.study import Study, prepare
 
 
@@ -50,13 +51,15 @@ def add(
         UnknownNameError: the effect cannot sit there.
         ModelError: it cannot act there; the message says why.
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
-    placed = [_place(study, one, effect) for one in effects.values()]
-    ladder = Ladder((), calibrate(study), ())
-    with candidate_progress() as watch:
+    with screen() as told:
+        told.phase("Cutting the logs into windows")
+        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        placed = [_place(study, one, effect) for one in effects.values()]
+        told.phase("Calibrating the model")
+        ladder = Ladder((), calibrate(study), ())
         for one in placed:
-            ladder = _extend(study, ladder, one, watch(1))
-    return report_ladder("add", study, ladder, run_dir, recorder)
+            ladder = _extend(study, ladder, one, told.ranking(1))
+        return report_ladder("add", study, ladder, Run(run_dir, recorder, told))
 
 
 def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[str], None]) -> Ladder:

@@ -5,7 +5,6 @@ from typing import Any
 
 from dr_lab.diagnosis.bench import Explained, explain
 from dr_lab.diagnosis.score import Score, score_of
-from dr_lab.diagnosis.states import fit_states
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.workflows import entries
 from dr_lab.workflows.localised import predicted_score
@@ -44,6 +43,6 @@ def describe(study: Study, explained: Explained) -> Described:
 def as_given(study: Study) -> tuple[Score, dict[str, Any]]:
     """Held-out score and ladder-like entry of the model before any fit."""
     z, bench = study.model.space.nominal, study.bench
-    refitted = score_of(*fit_states(study.model, z, bench.held_out, bench.solver, bench.threads))
+    refitted = score_of(*study.fits(study.model, z, bench.held_out))
     nominal = {p.name: {"value": p.nominal, "std": None, "unit": p.unit} for p in study.model.space.parameters}
     return refitted, entries.rung((), refitted, predicted_score(study, study.model, z), nominal)

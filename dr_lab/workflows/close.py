@@ -16,9 +16,9 @@ from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.calibrated import calibrate
-from dr_lab.workflows.deciding import deciding_experiment
+from dr_lab.workflows.finish import Run
 from dr_lab.workflows.ladder_report import report_ladder
-from dr_lab.workflows.progress import candidate_progress
+from dr_lab.workflows.progress import screen
 from dr_lab.workflows.study import prepare
 
 
@@ -65,8 +65,10 @@ def close(
     if most < 0:
         raise ConfigError(f"most is {most}; expected the number of effects to add at most, 0 or more.")
     require_names(effects)
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
-    with candidate_progress() as watch:
-        ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=most, watch=watch)
-    proposal = deciding_experiment(study, ladder, next_experiment, run_dir)
-    return report_ladder("close", study, ladder, run_dir, recorder, proposal)
+    with screen() as told:
+        told.phase("Cutting the logs into windows")
+        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        told.phase("Calibrating the model")
+        base, watch = calibrate(study), told.ranking
+        ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
+        return report_ladder("close", study, ladder, Run(run_dir, recorder, told), next_experiment)

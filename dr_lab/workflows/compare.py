@@ -12,8 +12,9 @@ from dr_lab.recorders.overlay import BEFORE
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows import entries
 from dr_lab.workflows.calibrated import as_given
-from dr_lab.workflows.finish import finish
+from dr_lab.workflows.finish import Run, answer, finish
 from dr_lab.workflows.localised import failure
+from dr_lab.workflows.progress import screen
 from dr_lab.workflows.study import prepare
 
 
@@ -37,13 +38,19 @@ def compare(
     Returns:
         The report (schema dr_lab/gap/1) whose ladder holds the one model.
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
-    z, (score, rung) = model.space.nominal, as_given(study)
-    report = {
-        **entries.header("compare", study),
-        "verdict": None,
-        "ladder": [rung],
-        "remaining": entries.remaining(score.chi2, score.freedom, evidence),
-        **failure(study, study.model, z),
-    }
-    return finish(study, report, {BEFORE: (study.model, z)}, run_dir, recorder)
+    with screen() as told:
+        run = Run(run_dir, recorder, told)
+        told.phase("Cutting the logs into windows")
+        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        told.phase("Comparing the model with the logs")
+        z, (score, rung) = model.space.nominal, as_given(study)
+        report = {
+            **entries.header("compare", study),
+            "verdict": None,
+            "ladder": [rung],
+            "remaining": entries.remaining(score.chi2, score.freedom, evidence),
+        }
+        answer(report, run)
+        told.phase("Looking where the model fails")
+        report |= failure(study, study.model, z)
+        return finish(study, report, {BEFORE: (study.model, z)}, run)

@@ -15,9 +15,9 @@ from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.calibrated import calibrate
-from dr_lab.workflows.deciding import deciding_experiment
+from dr_lab.workflows.finish import Run
 from dr_lab.workflows.ladder_report import report_ladder
-from dr_lab.workflows.progress import candidate_progress
+from dr_lab.workflows.progress import screen
 from dr_lab.workflows.study import prepare
 
 
@@ -42,9 +42,10 @@ def diagnose(
         The report (schema dr_lab/gap/1); its ladder ends with the named effect, where there is one.
     """
     require_names(effects)
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
-    with candidate_progress() as watch:
-        ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=watch)
-    ladder = ladder.with_first_step()
-    proposal = deciding_experiment(study, ladder, next_experiment, run_dir)
-    return report_ladder("diagnose", study, ladder, run_dir, recorder, proposal)
+    with screen() as told:
+        told.phase("Cutting the logs into windows")
+        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        told.phase("Calibrating the model")
+        base, watch = calibrate(study), told.ranking
+        ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=0, watch=watch)
+        return report_ladder("diagnose", study, ladder.with_first_step(), Run(run_dir, recorder, told), next_experiment)

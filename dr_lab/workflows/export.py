@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import yaml
 
+from dr_lab.diagnosis.channels import Tape
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.states import StateFit, fit_states
 from dr_lab.diagnosis.windows import Windows
@@ -33,6 +35,11 @@ class Played:
 
     replay: Replay
     fit: StateFit
+
+    @cached_property
+    def tape(self) -> Tape:
+        """What the model does from the fitted starts."""
+        return self.replay.simulate(self.fit.z[None], self.fit.delta[None])[0]
 
 
 @dataclass(frozen=True)
@@ -143,8 +150,7 @@ def write_rollout(path: Path, played: Played) -> None:
     Arrays: ``state`` (w, nstate) start states (`mjSTATE_INTEGRATION`), ``ctrl`` (w, s, nu) as MuJoCo got it, ``qpos``
     (w, s + 1, nq) and ``qvel`` (w, s + 1, nv) recorded, ``begin`` (w,) start times in s and ``log`` (w,) names of logs.
     """
-    tape, _ = played.replay.simulate(played.fit.z[None], played.fit.delta[None])
-    windows = played.replay.windows
+    tape, windows = played.tape, played.replay.windows
     arrays = {
         "state": tape.start[0],
         "ctrl": tape.controls[0],

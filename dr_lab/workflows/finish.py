@@ -1,11 +1,9 @@
 """The end of every comparing verb: the run folder's files, and what is said on the screen."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
-
-from rich.console import Console
-from rich.markdown import Markdown
 
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
@@ -19,7 +17,8 @@ from dr_lab.recorders.tables import ladder_table, parameter_table, ranking_summa
 from dr_lab.recorders.verdict import verdict_markdown
 from dr_lab.trajectory import Array, Log
 from dr_lab.workflows.export import mjcf, write_context, write_model, write_rollout
-from dr_lab.workflows.overlays import overlay, play_log, shown_logs
+from dr_lab.workflows.overlays import missing, overlay, play_log, shown_logs
+from dr_lab.workflows.progress import Screen
 from dr_lab.workflows.study import Study
 from dr_lab.workflows.write_simulated import write_simulated
 
@@ -28,15 +27,44 @@ _LISTED = 12  # parameters on the screen
 _NOTED = 4  # notes on the screen
 
 
+@dataclass(frozen=True)
+class Run:
+    """Where the results of a verb go.
+
+    Attributes:
+        folder: the run folder.
+        look: how the recording looks.
+        screen: where the user is told.
+    """
+
+    folder: Path
+    look: Look
+    screen: Screen
+
+
+def answer(report: Mapping[str, Any], run: Run) -> None:
+    """Print what was found, as soon as it is known: verdict, models, parameters and ranking.
+
+    Args:
+        report: the report's entries on these; others may come later.
+        run: where it is printed.
+    """
+    known = cast(dict[str, Any], to_plain({**report}))
+    ranking = known.get("ranking", [])
+    others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
+    parts = [verdict_markdown(known), ladder_table(known), _parameters(known)]
+    parts.append(ranking_summary(ranking[:_SHOWN], known.get("verdict")) + others)
+    run.screen.show(_paragraphs(parts))
+
+
 def finish(
     study: Study,
     report: Mapping[str, Any],
     models: Mapping[str, tuple[Model, Array]],
-    run_dir: Path,
-    look: Look,
+    run: Run,
     estimate: ContextEstimate | None = None,
 ) -> dict[str, Any]:
-    """Write the run folder and print the summary.
+    """Write the run folder and print where the model fails and what must be known.
 
     Files: ``report.json``, ``report.md``, ``metrics.csv``, ``review.rrd``, ``simulated.mcap``; with an improved model
     (role ``after``) also ``model.xml``, ``rollout.npz`` (where a log is shown) and ``context.yaml``.
@@ -45,28 +73,29 @@ def finish(
         study: model and logs.
         report: the report's entries.
         models: by role (``before``, ``after``) a model and its context.
-        run_dir: the run folder.
-        look: how the recording looks.
+        run: where the results go.
         estimate: the improved model's fitted context.
 
     Returns:
         The report as written.
     """
-    console = Console()
-    with console.status("Writing the recordings …"):
-        shown, notes = _export(models, run_dir)
-        if estimate is not None:
-            write_context(run_dir / "context.yaml", estimate)
-        logs = shown_logs(study, look.longest)
-        plain = _plain(report, [*notes, *_shortened(study, logs, look.longest)], run_dir)
-        write_report(run_dir, plain)  # first, so that no fault of a recording costs the hours before it
-        played = [play_log(study, log, shown) for log in logs]
-        overlays = [overlay(study, log, shown, p, look) for log, p in zip(logs, played, strict=True)]
-        if AFTER in shown and played:
-            write_rollout(run_dir / "rollout.npz", played[0][AFTER])
-        write_review(run_dir / "review.rrd", plain, report_markdown(plain), overlays, study.compiled, look)
-        write_simulated(run_dir / "simulated.mcap", overlays, _attachments(run_dir, shown), _metadata(plain))
-    console.print(Markdown(_summary(plain)))
+    folder, look = run.folder, run.look
+    run.screen.phase("Writing the report")
+    shown, notes = _export(models, folder)
+    if estimate is not None:
+        write_context(folder / "context.yaml", estimate)
+    logs = shown_logs(study, look.longest)
+    plain = _plain(report, [*notes, *_shortened(study, logs, look.longest)], folder)
+    write_report(folder, plain)  # first, so that no fault of a recording costs the hours before it
+    run.screen.phase("Writing the recordings")
+    played, forces = [play_log(study, log, shown) for log in logs], missing(study, models)
+    overlays = [overlay(study, log, p, forces, look) for log, p in zip(logs, played, strict=True)]
+    if AFTER in shown and played:
+        write_rollout(folder / "rollout.npz", played[0][AFTER])
+    write_review(folder / "review.rrd", plain, report_markdown(plain), overlays, study.compiled, look)
+    write_simulated(folder / "simulated.mcap", overlays, _attachments(folder, shown), _metadata(plain))
+    if told := _rest(plain):
+        run.screen.show(told)
     return plain
 
 
@@ -100,16 +129,17 @@ def _end(log: Log) -> float:
     return max(signal.time[-1] for signal in log.outputs.values())
 
 
-def _summary(report: Mapping[str, Any]) -> str:
-    ranking = report.get("ranking", [])
-    others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
-    parts = [verdict_markdown(report), ladder_table(report), _parameters(report)]
-    parts.append(ranking_summary(ranking[:_SHOWN], report.get("verdict")) + others)
+def _rest(report: Mapping[str, Any]) -> str:
+    """Where the model fails, and notes."""
     where = [f"- {r['signal']}, {r['region']}: {100 * r['share']:.0f} % of its error" for r in report.get("where", [])]
-    parts.append(f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else "")
+    parts = [f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else ""]
     notes = report.get("notes", [])
     left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
     parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")
+    return _paragraphs(parts)
+
+
+def _paragraphs(parts: Sequence[str]) -> str:
     return "\n\n".join(part for part in parts if part.strip())
 
 

@@ -12,9 +12,10 @@ from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows import entries
 from dr_lab.workflows.calibrated import as_given, calibrate, describe
-from dr_lab.workflows.finish import finish
+from dr_lab.workflows.finish import Run, answer, finish
 from dr_lab.workflows.localised import failure
 from dr_lab.workflows.notes import fit_notes
+from dr_lab.workflows.progress import screen
 from dr_lab.workflows.study import prepare
 
 
@@ -36,17 +37,23 @@ def fit(
     Returns:
         The report (schema dr_lab/gap/1).
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
-    found = describe(study, calibrate(study))
-    z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)
-    report = {
-        **header,
-        "notes": [*fit_notes([found.explained]), *header["notes"]],
-        "verdict": None,
-        "as_given": as_given(study)[1],
-        "ladder": [found.rung],
-        "remaining": entries.remaining(score.chi2, score.freedom, evidence),
-        **failure(study, study.model, z),
-    }
-    models = {BEFORE: (study.model, model.space.nominal), AFTER: (study.model, z)}
-    return finish(study, report, models, run_dir, recorder, found.estimate)
+    with screen() as told:
+        run = Run(run_dir, recorder, told)
+        told.phase("Cutting the logs into windows")
+        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        told.phase("Calibrating the model")
+        found = describe(study, calibrate(study))
+        z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)
+        report = {
+            **header,
+            "notes": [*fit_notes([found.explained]), *header["notes"]],
+            "verdict": None,
+            "as_given": as_given(study)[1],
+            "ladder": [found.rung],
+            "remaining": entries.remaining(score.chi2, score.freedom, evidence),
+        }
+        answer(report, run)
+        told.phase("Looking where the model fails")
+        report |= failure(study, study.model, z)
+        models = {BEFORE: (study.model, model.space.nominal), AFTER: (study.model, z)}
+        return finish(study, report, models, run, found.estimate)

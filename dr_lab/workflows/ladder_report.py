@@ -1,52 +1,55 @@
 """Report of a ladder: models with falling error, the ranking that chose each, and what is left."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 from dr_lab.diagnosis.ladder import Ladder, Rung
+from dr_lab.diagnosis.next_experiment import ExperimentSettings
 from dr_lab.diagnosis.settings import EvidenceSettings
-from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.workflows import entries, notes
 from dr_lab.workflows.calibrated import Described, as_given, describe
-from dr_lab.workflows.finish import finish
+from dr_lab.workflows.deciding import deciding_experiment
+from dr_lab.workflows.finish import Run, answer, finish
 from dr_lab.workflows.localised import failure
 from dr_lab.workflows.missing_force import missing_forces
 from dr_lab.workflows.study import Study
 
 
 def report_ladder(
-    verb: str,
-    study: Study,
-    ladder: Ladder,
-    run_dir: Path,
-    look: Look,
-    next_experiment: Mapping[str, Any] | None = None,
+    verb: str, study: Study, ladder: Ladder, run: Run, experiments: ExperimentSettings | None = None
 ) -> dict[str, Any]:
-    """Write the run of a verb that judges effects.
+    """Tell the answer of a verb that judges effects, then what belongs to it, and write the run.
 
     Args:
         verb: its name.
         study: model and logs.
         ladder: what was climbed; the first rung's ranking becomes the report's `ranking`.
-        run_dir: the run folder.
-        look: how the recording looks.
-        next_experiment: the report's entry on the experiment that would separate rivals.
+        run: where the results go.
+        experiments: which experiments are tried where rivals are left; None for none.
 
     Returns:
         The report (schema dr_lab/gap/1).
     """
+    run.screen.phase("Scoring the models of the ladder")
     described = [describe(study, explained) for explained in ladder.models]
     base, last = ladder.base, ladder.models[-1]
-    report = _report(verb, study, ladder, described) | {"next_experiment": next_experiment}
+    found = _answer(verb, study, ladder, described)
+    answer(found, run)
+    run.screen.phase("Looking where the model fails and what it misses")
+    failing = failure(study, base.model, base.fit.z)  # first, because what misses forces is among its windows
+    report = {**found, "missing_force": missing_forces(study, ladder.models), **failing}
+    report["next_experiment"] = None
+    if experiments is not None and any(step.rivals for step in ladder.steps):
+        run.screen.phase("Looking for the experiment that would decide")
+        report["next_experiment"] = deciding_experiment(study, ladder, experiments, run.folder)
     before = (base.model, base.fit.z) if last is not base else (study.model, study.model.space.nominal)
     shown = {BEFORE: before, AFTER: (last.model, last.fit.z)}
-    return finish(study, report, shown, run_dir, look, described[-1].estimate)
+    return finish(study, report, shown, run, described[-1].estimate)
 
 
-def _report(verb: str, study: Study, ladder: Ladder, described: Sequence[Described]) -> dict[str, Any]:
-    base, last, first = ladder.base, ladder.models[-1], ladder.rungs[0]
+def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Described]) -> dict[str, Any]:
+    last, first = ladder.models[-1], ladder.rungs[0]
     header = entries.header(verb, study)
     return {
         **header,
@@ -63,8 +66,6 @@ def _report(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
         "rungs": [_rung(study, rung) for rung in ladder.rungs],
         "remaining": entries.remaining(last.held_out.chi2, last.held_out.freedom, study.bench.evidence),
         "worst_direction": entries.worst_direction(last),
-        "missing_force": missing_forces(study, ladder.models),
-        **failure(study, base.model, base.fit.z),
     }
 
 

@@ -1,7 +1,6 @@
 """The report's entry on missing forces: how much the effects explain, how much anything could, and a formula."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,12 +9,11 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.force_formula import Formula, Variable, mean_square, sparse_formula
 from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
-from dr_lab.diagnosis.states import fit_states
-from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.diagnosis.residual_force import ResidualForce
+from dr_lab.diagnosis.windows import Windows
 from dr_lab.workflows.study import Study
 
-_PARTS = 8  # of a single log, in place of logs
+_PARTS = 8  # of the data, at least
 
 
 def missing_forces(study: Study, models: Sequence[Explained]) -> list[dict[str, Any]]:
@@ -24,25 +22,12 @@ def missing_forces(study: Study, models: Sequence[Explained]) -> list[dict[str, 
     Sizes are those beyond ``noise``, the root mean square that the measurements' noise alone gives the first model's
     force. ``ceiling`` is the share of its mean square that any function of the measured state could explain,
     ``explained`` the share that the effects took away; ``left`` belongs to what the last model misses, its shares to
-    all of that force, noise included.
+    all of that force, noise included. All are of ``windows`` short windows of the logs that score.
     """
-    windows = _short(study)
-    replays = [_forces(study, windows, explained) for explained in (models[0], models[-1])]
-    first, last = (forces for _, forces in replays)
+    first, last = (study.fits.forces(m.model, m.fit.z, study.short, study.few) for m in (models[0], models[-1]))
+    replay = Replay(models[-1].model, study.short.pick(study.few), study.bench.threads)
     known = [joint for joint, part in first.items() if np.isfinite(part.force).any()]
-    return [_entry(study, replays[-1][0], joint, first, last) for joint in known]
-
-
-def _short(study: Study) -> Windows:
-    settings, measured = study.local, study.measurements
-    short = replace(study.prediction, length=settings.length, stride=settings.length, max_windows=settings.max_windows)
-    return cut([*measured.fit, *measured.held_out], measured, study.compiled, short)
-
-
-def _forces(study: Study, windows: Windows, explained: Explained) -> tuple[Replay, dict[str, ResidualForce]]:
-    bench = study.bench
-    replay, fit = fit_states(explained.model, explained.fit.z, windows, bench.solver, bench.threads)
-    return replay, residual_forces(replay, fit)
+    return [_entry(study, replay, joint, first, last) for joint in known]
 
 
 def _entry(
@@ -56,6 +41,7 @@ def _entry(
     reached = before.ceiling * mean_square(first[joint].force) if before else None
     return {
         "joint": joint,
+        "windows": int(np.isfinite(first[joint].force).sum()),
         "unit": unit,
         "rms_first": missing**0.5,
         "rms_last": left**0.5,
@@ -100,7 +86,7 @@ def _variables(replay: Replay, forces: dict[str, ResidualForce]) -> list[Variabl
 
 
 def _groups(windows: Windows) -> NDArray[np.intp]:
-    """Log of each window; parts of a log where there is but one."""
-    if len(windows.logs) > 1:
-        return windows.log
-    return np.arange(len(windows)) * _PARTS // len(windows)
+    """Parts of the data that are left out together: logs, or where these are few each of them in as many parts."""
+    parts = -(-_PARTS // len(windows.logs))
+    counts = np.bincount(windows.log, minlength=len(windows.logs))
+    return np.concatenate([k * parts + np.arange(count) * parts // count for k, count in enumerate(counts)])

@@ -8,10 +8,9 @@ import numpy as np
 
 from dr_lab.diagnosis.channels import residual as channel_residual
 from dr_lab.diagnosis.channels import resolve
-from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
+from dr_lab.diagnosis.residual_force import ResidualForce
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.states import fit_states
-from dr_lab.diagnosis.windows import Windows, cut, window_begins
+from dr_lab.diagnosis.windows import cut, window_begins
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
@@ -23,6 +22,8 @@ from dr_lab.workflows.study import Study
 
 _EVERY_WINDOW = 10**9
 
+Forces = Mapping[str, Mapping[str, ResidualForce]]  # by role and joint
+
 
 def shown_logs(study: Study, longest: float) -> tuple[Log, ...]:
     """Logs that recordings show: the held-out ones, or the fit logs where none is held out, if they hold a window.
@@ -31,22 +32,27 @@ def shown_logs(study: Study, longest: float) -> tuple[Log, ...]:
     where no window lies in these, because commands begin later, as many seconds from the first window on.
     """
     logs = study.measurements.held_out or study.measurements.fit
-    parts = (_beginning(study, log, longest) for log in logs if log.name in study.predicted.logs)
+    held = set(study.predicted.logs) & set(study.short.logs)
+    parts = (_beginning(study, log, longest) for log in logs if log.name in held)
     return tuple(part for part in parts if part is not None)
 
 
 def play_log(study: Study, log: Log, models: Mapping[str, tuple[Model, Array]]) -> dict[str, Played]:
     """Play a log by role, in predicted windows that follow one another without a gap."""
-    windows = _consecutive(study, log, study.prediction.length)
+    settings = _one_after_another(study, study.prediction.length)
+    windows = cut([log], study.measurements, study.compiled, settings)
     return {role: play(study, model, z, windows) for role, (model, z) in models.items()}
 
 
-def overlay(
-    study: Study, log: Log, models: Mapping[str, tuple[Model, Array]], played: Mapping[str, Played], look: Look
-) -> Overlay:
-    """Everything that the recording shows of one log."""
+def missing(study: Study, models: Mapping[str, tuple[Model, Array]]) -> Forces:
+    """What models miss at each joint in short windows of the scored logs, by role and joint."""
+    return {role: study.fits.forces(model, z, study.short, study.few) for role, (model, z) in models.items()}
+
+
+def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces, look: Look) -> Overlay:
+    """Everything that the recording shows of one log; forces as `missing` gives them."""
     time, poses = _poses(study, log, played, look)
-    forces = {role: _forces(study, log, model, z) for role, (model, z) in models.items()}
+    of_log = study.short.log[study.few] == study.short.logs.index(log.name)
     joints = next(iter(forces.values())).keys() if forces else ()
     slides = {int(mujoco.mjtJoint.mjJNT_SLIDE)}
     unit = "N" if {int(study.compiled.joint(j).type[0]) for j in joints} == slides else "N·m"
@@ -57,7 +63,10 @@ def overlay(
         measured=log.outputs,
         simulated={role: at_samples(log, p) for role, p in played.items()},
         residual_velocity={
-            joint: (next(iter(forces.values()))[joint].velocity, {role: f[joint].force for role, f in forces.items()})
+            joint: (
+                next(iter(forces.values()))[joint].velocity[of_log],
+                {role: f[joint].force[of_log] for role, f in forces.items()},
+            )
             for joint in joints
         },
         commands=log.commands,
@@ -70,10 +79,9 @@ def overlay(
 def at_samples(log: Log, played: Played) -> dict[str, Array]:
     """Simulated channels at the measured times of a log, NaN between windows."""
     values = {name: np.full_like(signal.value, np.nan) for name, signal in log.outputs.items()}
-    tape, _ = played.replay.simulate(played.fit.z[None], played.fit.delta[None])
     for samples in played.replay.windows.samples:
         name = samples.channel.name
-        simulated = played.replay.reading(played.fit.z[None], tape, samples.channel)(samples.time[None])[0]
+        simulated = played.replay.reading(played.fit.z[None], played.tape, samples.channel)(samples.time[None])[0]
         times = samples.time + played.replay.windows.begin[:, None]
         shown = samples.scored & ~played.fit.infeasible[:, None]
         index = np.searchsorted(log.outputs[name].time, times[shown] - 1e-9)
@@ -110,22 +118,12 @@ def _until(log: Log, end: float) -> Log:
 def _is_playable(study: Study, log: Log) -> bool:
     if not all(map(len, (*log.outputs.values(), *log.commands.values()))):
         return False
-    cuts = (_one_after_another(study, length) for length in (study.prediction.length, study.local.length))
-    return all(len(window_begins(log, study.measurements.gaps, settings)) for settings in cuts)
+    settings = _one_after_another(study, study.prediction.length)
+    return len(window_begins(log, study.measurements.gaps, settings)) > 0
 
 
-def _one_after_another(study: Study, length: float, most: int = _EVERY_WINDOW) -> WindowSettings:
-    return replace(study.prediction, length=length, stride=length, max_windows=most)
-
-
-def _consecutive(study: Study, log: Log, length: float, most: int = _EVERY_WINDOW) -> Windows:
-    return cut([log], study.measurements, study.compiled, _one_after_another(study, length, most))
-
-
-def _forces(study: Study, log: Log, model: Model, z: Array) -> dict[str, ResidualForce]:
-    short = _consecutive(study, log, study.local.length, study.local.max_windows)
-    replay, fit = fit_states(model, z, short, study.bench.solver, study.bench.threads)
-    return residual_forces(replay, fit)
+def _one_after_another(study: Study, length: float) -> WindowSettings:
+    return replace(study.prediction, length=length, stride=length, max_windows=_EVERY_WINDOW)
 
 
 def _poses(
@@ -146,9 +144,8 @@ def _poses(
             ).value
     poses = {MEASURED: _kinematics(model, model, measured)}
     for role, part in played.items():
-        tape, _ = part.replay.simulate(part.fit.z[None], part.fit.delta[None])
         steps = np.rint(offsets / part.replay.windows.step).astype(int)
-        qpos = tape.qpos[0][:, steps].reshape(len(time), -1)
+        qpos = part.tape.qpos[0][:, steps].reshape(len(time), -1)
         poses[role] = _kinematics(part.replay.model.compile(part.fit.z), model, qpos)
     return time, poses
 

@@ -1,27 +1,107 @@
-"""Progress of work that tries many candidates."""
+"""What a verb tells while it works: a bar for each phase on a terminal, a line for each where there is none."""
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Protocol
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.console import Console
+from rich.markdown import Markdown
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TaskID, TextColumn, TimeElapsedColumn
+from rich.text import Text
+
+_PARTS = 4  # of a ranking that get a line each
+_LONGEST = 10.0  # s between two lines, as far as candidates are done in them
+
+
+class Screen(Protocol):
+    """Where a verb tells its user what it does and what it found."""
+
+    def phase(self, text: str) -> None:
+        """Say what begins now."""
+        ...
+
+    def ranking(self, count: int) -> Callable[[str], None]:
+        """Say that so many candidates are tried now; what comes back is called with each label that is done."""
+        ...
+
+    def show(self, markdown: str) -> None:
+        """Print what stays on the screen."""
+        ...
 
 
 @contextmanager
-def candidate_progress() -> Iterator[Callable[[int], Callable[[str], None]]]:
-    """Show a bar for each ranking.
+def screen() -> Iterator[Screen]:
+    """The terminal, or lines for a pipe or a file, which come out as they are printed."""
+    console = Console()
+    if not console.is_terminal:
+        yield _Lines(console)
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), _Count(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as bars:
+        yield _Bars(bars)
 
-    Yields:
-        A function that opens a bar over a number of candidates and gives what to call with each label that is done.
-    """
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, transient=True) as progress:
 
-        def watch(count: int) -> Callable[[str], None]:
-            task = progress.add_task("Trying effects", total=count)
+class _Lines:
+    def __init__(self, console: Console) -> None:
+        self._console = console
 
-            def done(label: str) -> None:
-                progress.update(task, advance=1, description=f"Trying effects: {label}")
+    def phase(self, text: str) -> None:
+        self._line(f"{text} …")
 
-            return done
+    def ranking(self, count: int) -> Callable[[str], None]:
+        self.phase(_trying(count))
+        tried, told, last = 0, 0, time.monotonic()
 
-        yield watch
+        def done(label: str) -> None:
+            nonlocal tried, told, last
+            tried += 1
+            due = tried * _PARTS // count > told * _PARTS // count or time.monotonic() - last >= _LONGEST
+            if due and count > 1:
+                told, last = tried, time.monotonic()
+                self._line(f"  {tried} of {count} tried, the last {label}")
+
+        return done
+
+    def show(self, markdown: str) -> None:
+        self._console.print()
+        self._console.print(Markdown(markdown))
+        self._console.print()
+
+    def _line(self, text: str) -> None:
+        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
+class _Bars:
+    def __init__(self, bars: Progress) -> None:
+        self._bars = bars
+
+    def phase(self, text: str) -> None:
+        self._begin(text, None)
+
+    def ranking(self, count: int) -> Callable[[str], None]:
+        task = self._begin(_trying(count), count)
+
+        def done(label: str) -> None:
+            self._bars.update(task, advance=1, description=f"Trying effects: {label}")
+
+        return done
+
+    def show(self, markdown: str) -> None:
+        self._bars.console.print(Markdown(markdown))
+
+    def _begin(self, text: str, total: int | None) -> TaskID:
+        for task in self._bars.task_ids:
+            self._bars.remove_task(task)
+        return self._bars.add_task(text, total=total)
+
+
+class _Count(MofNCompleteColumn):
+    """Nothing for a phase whose end is not counted."""
+
+    def render(self, task: Task) -> Text:
+        return super().render(task) if task.total is not None else Text("")
+
+
+def _trying(count: int) -> str:
+    return f"Trying {count} effects" if count != 1 else "Trying 1 effect"

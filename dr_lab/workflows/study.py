@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.diagnosis.bench import Bench
 from dr_lab.diagnosis.fit import Fitter
@@ -23,6 +25,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
 from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows.state_fits import StateFits
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,9 @@ class Study:
         measurements: the logs.
         bench: windows and settings on which models are compared.
         predicted: held-out windows whose start is known only from earlier samples.
+        short: such windows that are so short that an error stays near the state that caused it.
+        few: places of those short windows in which missing forces are looked at, evenly spread.
+        fits: states of windows that were fitted for the report.
         windows: how windows are cut.
         prediction: how predicted windows are cut.
         local: how the place of failure is looked for.
@@ -49,6 +55,9 @@ class Study:
     measurements: MeasurementSet
     bench: Bench
     predicted: Windows
+    short: Windows
+    few: NDArray[np.intp]
+    fits: StateFits
     windows: WindowSettings
     prediction: WindowSettings
     local: LocaliseSettings
@@ -97,12 +106,16 @@ def prepare(
         bench = replace(bench, fit=fit, held_out=held_out)
     compiled = model.nominal()
     own = require_own_logs_explained(model, measurements, windows, solver, model_check)
+    short = cut(scored, measurements, compiled, _short(predicted, localise))
     return Study(
         model=model,
         compiled=compiled,
         measurements=measurements,
         bench=bench,
         predicted=cut(scored, measurements, compiled, predicted),
+        short=short,
+        few=_spread(len(short), localise.formula.windows),
+        fits=StateFits(solver, count),
         windows=windows,
         prediction=predicted,
         local=localise,
@@ -125,6 +138,15 @@ def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
     fit = Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(model.space.nominal)
     score = score_of(*fit_states(model, fit.z, bench.held_out, bench.solver, bench.threads))
     return score.chi2 <= check.most_chi2(score.freedom)
+
+
+def _short(predicted: WindowSettings, localise: LocaliseSettings) -> WindowSettings:
+    return replace(predicted, length=localise.length, stride=localise.length, max_windows=localise.max_windows)
+
+
+def _spread(count: int, most: int) -> NDArray[np.intp]:
+    """At most so many of a count of places, from the first to the last."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.intp))
 
 
 def _scales(

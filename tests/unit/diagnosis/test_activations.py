@@ -84,5 +84,5 @@ def test_activations_that_never_forget_are_unknowns_of_a_window() -> None:
 def test_a_missing_force_is_told_beside_unknown_activations() -> None:
     model = machine("intvelocity")
     windows = windows_of(model, [own_log(model, 1)], windows_settings(length=0.1), noise=LARGE)
-    forces = residual_forces(*fit_states(model, np.zeros(0), windows, solver_settings(), 1))
+    forces = residual_forces(*fit_states(model, np.zeros(0), windows, solver_settings(), 1), solver_settings())
     assert np.isfinite(forces["hinge"].force).all()

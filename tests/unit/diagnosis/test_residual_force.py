@@ -37,7 +37,8 @@ SHORT = (predicted_settings(length=0.06, stride=0.06, max_windows=1000), windows
 
 def forces(model: Model, log: Log, settings: WindowSettings) -> dict[str, ResidualForce]:
     return residual_forces(
-        *fit_states(model, model.space.nominal, windows_of(model, [log], settings), solver_settings(), 1)
+        *fit_states(model, model.space.nominal, windows_of(model, [log], settings), solver_settings(), 1),
+        solver_settings(),
     )
 
 
@@ -59,7 +60,7 @@ def test_forces_of_a_right_model_scatter_as_their_noise_says(settings: WindowSet
     model = pendulum()
     logs = [swinging(f"log_{k}", model.nominal(), k) for k in range(8)]
     replay, fit = fit_states(model, model.space.nominal, windows_of(model, logs, settings), solver_settings(), 1)
-    found = residual_forces(replay, fit)["hinge"]
+    found = residual_forces(replay, fit, solver_settings())["hinge"]
     scatter = np.mean((found.force / found.noise) ** 2)
     assert scatter == pytest.approx(1.0, abs=4 * np.sqrt(2 / len(found.force)))
 
@@ -95,4 +96,4 @@ def test_windows_that_diverge_have_no_force() -> None:
     replay, fit = fit_states(model, model.space.nominal, windows, solver_settings(), 1)
     lost = np.arange(len(windows)) == 2
     fit = type(fit)(fit.z, fit.delta, fit.residuals, fit.cost, lost, fit.slopes)
-    np.testing.assert_array_equal(np.isnan(residual_forces(replay, fit)["hinge"].force), lost)
+    np.testing.assert_array_equal(np.isnan(residual_forces(replay, fit, solver_settings())["hinge"].force), lost)

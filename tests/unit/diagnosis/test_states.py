@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.states import StateFit, fit_states
+from dr_lab.diagnosis.states import StateFit, _Part, fit_states
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
@@ -85,3 +85,43 @@ def test_windows_that_diverge_are_marked_and_leave_the_others_alone() -> None:
     _, fine = fit_states(model, np.array([0.5]), windows, solver_settings(), 1)
     assert not fine.infeasible.any()
     assert np.isfinite(fit.residuals[replay.scored]).all()
+
+
+def test_of_windows_with_a_run_in_the_start_is_that_of_the_run_in_alone() -> None:
+    model, settings = pendulum(), predicted_settings()
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)], settings)
+    replay, fit = fit_states(model, WRONG, windows, EXACT, 1)
+    part = replay.until_known()
+    steps = part.windows.controls.shape[1] * windows.step
+    assert settings.run_in + 2 * settings.margin <= steps < settings.run_in + 2 * settings.margin + 3 * windows.step
+    _, known = fit_states(model, WRONG, part.windows, EXACT, 1)
+    np.testing.assert_array_equal(fit.delta, known.delta)
+    np.testing.assert_array_equal(fit.residuals, replay.residuals(WRONG[None], fit.delta[None])[0][0])
+    assert np.abs(fit.residuals[replay.scored]).max() > 0
+
+
+def test_some_of_the_windows_have_the_states_that_they_have_among_all() -> None:
+    model, rows = pendulum(), np.array([1, 4, 5])
+    windows = windows_of(model, [swinging(name, model.nominal(), k) for k, name in enumerate("ab")])
+    _, every = fit_states(model, WRONG, windows, EXACT, 1)
+    _, some = fit_states(model, WRONG, windows.pick(rows), EXACT, 1)
+    np.testing.assert_array_equal(some.delta, every.delta[rows])
+    np.testing.assert_array_equal(some.residuals, every.residuals[rows])
+
+
+def test_few_active_windows_are_simulated_alone_and_the_others_stay() -> None:
+    model = pendulum()
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)])
+    replay, fit = fit_states(model, WRONG, windows, solver_settings(), 1)
+    active = np.zeros(len(windows), bool)
+    active[[0, 3]] = True
+    whole = _Part(replay, np.arange(len(windows)), solver_settings())
+    assert whole.narrowed(np.ones(len(windows), bool)) is whole
+    part = whole.narrowed(active)
+    assert len(part.replay.windows) == 2
+    step = np.full_like(fit.delta, 1e-3)
+    moved, every = part.moved(fit, step), whole.moved(fit, step)
+    np.testing.assert_array_equal(moved.residuals, np.where(active[:, None], every.residuals, fit.residuals))
+    np.testing.assert_array_equal(moved.delta, np.where(active[:, None], fit.delta + step, fit.delta))
+    slopes = part.renew(fit, np.zeros_like(fit.slopes))
+    np.testing.assert_array_equal(slopes != 0, (whole.renew(fit, fit.slopes) != 0) & active[:, None, None])

@@ -154,3 +154,19 @@ def test_windows_between_the_samples_are_an_error() -> None:
     rare = measured([log("a", clock(20, 0.5))])
     with pytest.raises(DataError, match="Lengthen"):
         cut(rare.fit, replace(rare, gaps={"hinge.position": 1.0}), pendulum().nominal(), windows_settings(stride=0.5))
+
+
+def test_samples_of_uneven_logs_are_those_between_the_windows_edges() -> None:
+    rng = np.random.default_rng(5)
+    stamps = [np.cumsum(rng.uniform(1e-3, 9e-3, 500)) + 3.0 * k for k in range(2)]
+    settings = windows_settings(length=0.2, stride=0.2, run_in=0.1)
+    windows = windows_of(pendulum(), [log(f"log_{k}", t) for k, t in enumerate(stamps)], settings)
+    (samples,) = windows.samples
+    assert set(windows.log) == {0, 1}
+    for k, (which, begin) in enumerate(zip(windows.log, windows.begin, strict=True)):
+        time, middle = stamps[which], begin + settings.margin + settings.run_in
+        known = (time >= begin + settings.margin) & (time < middle)
+        scored = (time >= middle) & (time < middle + settings.length)
+        for chosen, mask in ((known, samples.fitted), (scored, samples.scored)):
+            np.testing.assert_allclose(samples.time[k, mask[k]], time[chosen] - begin, atol=1e-12)
+            np.testing.assert_array_equal(samples.value[k, mask[k], 0], np.sin(time[chosen]))

@@ -56,3 +56,23 @@ def test_a_window_without_samples_takes_the_nearest() -> None:
 def test_too_few_samples_say_how_many_are_needed() -> None:
     with pytest.raises(DataError, match=r"3 samples up to inf s; .* degree 3 needs 4"):
         local_polynomial(Signal("q", "rad", np.arange(3.0), np.zeros(3)), 1.0, 0.1)
+
+
+@pytest.mark.parametrize("width", [0.03, 2e-3])  # the narrow one takes the nearest samples
+def test_many_times_at_once_are_those_one_by_one_each_with_its_own_last_sample(width: float) -> None:
+    rng = np.random.default_rng(3)
+    time = uneven(300)
+    signal = Signal("q", "rad", time, np.sin(9 * time) + rng.normal(0, 0.01, 300))
+    at = rng.uniform(time[0], time[-1], 40)
+    until = np.maximum(at + rng.uniform(-0.25 * width, 0.05, 40), time[5])
+    at_once = local_polynomial(signal, at, width, until)
+    for k in range(40):
+        alone = local_polynomial(signal, at[k], width, until[k])
+        for part, whole in zip(alone, at_once, strict=True):
+            assert whole[k] == pytest.approx(float(part), rel=1e-9, abs=1e-9)
+
+
+def test_of_many_times_the_one_with_too_few_samples_is_told() -> None:
+    time = np.arange(10.0)
+    with pytest.raises(DataError, match=r"3 samples up to 2.5 s"):
+        local_polynomial(Signal("q", "rad", time, time), [5.0, 6.0], 2.0, until=[9.0, 2.5])

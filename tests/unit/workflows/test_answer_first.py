@@ -1,0 +1,114 @@
+"""What a verb prints while it works comes in the order in which its user needs it, and nothing is fitted twice."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnosis_machines import (
+    evidence_settings,
+    localise_settings,
+    measured,
+    pendulum,
+    predicted_settings,
+    solver_settings,
+    swinging,
+    windows_settings,
+)
+from effect_machines import catalogue_effect
+from hydra.utils import instantiate
+
+from dr_lab.cli.compose import compose
+from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows import finish, state_fits
+from dr_lab.workflows.add import add
+from dr_lab.workflows.state_fits import StateFits
+from dr_lab.workflows.study import prepare
+
+TRUTH = np.array([0.6, 0.08])
+
+
+def data() -> MeasurementSet:
+    logs = [swinging(f"log_{k}", pendulum().compile(TRUTH), k, seconds=2.0) for k in range(2)]
+    return measured(logs[:1], logs[1:])
+
+
+def settings(localise: LocaliseSettings | None = None) -> dict[str, Any]:
+    return {
+        "windows": windows_settings(max_windows=4),
+        "predicted": predicted_settings(max_windows=4),
+        "solver": solver_settings(),
+        "evidence": evidence_settings(),
+        "localise": localise or localise_settings(),
+        "threads": 1,
+    }
+
+
+def test_the_answer_is_out_before_the_recordings_begin(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = ""
+
+    def write_review(*_: object) -> None:
+        nonlocal known
+        known = capsys.readouterr().out
+
+    monkeypatch.setattr(finish, "write_review", write_review)
+    recorder = instantiate(compose("fit", []).recorder)
+    effects = {"coulomb_friction": catalogue_effect("coulomb_friction")}
+    add(pendulum(), data(), effects, {"joint": "hinge"}, **settings(), recorder=recorder, run_dir=tmp_path)
+    places = [
+        known.index(text)
+        for text in (
+            "Cutting the logs into windows …",
+            "Calibrating the model …",
+            "Trying 1 effect …",
+            "Scoring the models of the ladder …",
+            "No missing effect:",
+            "value ± std",
+            "Looking where the model fails and what it misses …",
+            "Writing the report …",
+            "Writing the recordings …",
+        )
+    ]
+    assert places == sorted(places)
+    assert (tmp_path / "report.json").is_file()
+
+
+def test_states_are_fitted_once_and_those_of_some_windows_are_among_those_of_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    model = pendulum()
+    study = prepare(model, data(), **settings())
+    count, few = 0, study.few[::2]
+
+    def counted(*arguments: Any) -> Any:  # noqa: ANN401 (whatever it is)
+        nonlocal count
+        count += 1
+        return fit_states(*arguments)
+
+    fit_states = state_fits.fit_states
+    monkeypatch.setattr(state_fits, "fit_states", counted)
+    fits, alone = (StateFits(study.bench.solver, 1) for _ in range(2))
+    replay, every = fits(model, TRUTH, study.short)
+    assert fits(model, TRUTH, study.short)[1] is every
+    among = fits.forces(model, TRUTH, study.short, few)["hinge"]
+    assert count == 1
+    fits(model, TRUTH + 0.01, study.short)
+    assert count == 2
+    np.testing.assert_allclose(among.force, alone.forces(model, TRUTH, study.short, few)["hinge"].force, rtol=1e-6)
+    assert len(replay.windows) == len(study.short)
+    assert len(among.force) == len(study.short.pick(few)) == len(few)
+
+
+def test_few_windows_are_spread_over_all() -> None:
+    study = prepare(pendulum(), data(), **settings())
+    assert len(study.few) == len(study.short)  # as many as there are
+    default = localise_settings()
+    sparse = replace(default, formula=replace(default.formula, windows=5))
+    study = prepare(pendulum(), data(), **settings(sparse))
+    assert len(study.few) == 5
+    assert (study.few[0], study.few[-1]) == (0, len(study.short) - 1)
+    assert np.ptp(np.diff(study.few)) <= 1
