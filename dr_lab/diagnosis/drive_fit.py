@@ -10,11 +10,12 @@ from scipy.optimize import lsq_linear
 
 from dr_lab.diagnosis.commands import actuator_columns
 from dr_lab.diagnosis.equation_error import Actuation, Demand, Weak, actuation, demand, weak_form
-from dr_lab.diagnosis.smoothed_motion import EquationErrorSettings, Motion, controls_at
-from dr_lab.trajectory import Array, Log
+from dr_lab.diagnosis.fault_settings import FaultSettings
+from dr_lab.diagnosis.smoothed_motion import Mask, Motion, controls_at
+from dr_lab.trajectory import Array, Log, Signal
 
-Mask = NDArray[np.bool_]
 _WRONG = 0.3  # largest error of a nominal model, as a share of gravity, inertia and (springs, offsets) of the need
+_OVERDONE = 0.1  # of the need, which the model's own friction may be too large by
 _SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
 _FRICTION = 1  # column of dry friction among what may explain the rest
 _FEWEST = 16  # test functions that a regression is worth
@@ -48,7 +49,8 @@ class DriveFit:
         time: middles of the test functions, s, shape (w,).
         need: what the motion needs beyond idle actuators, N·m or N, shape (w,).
         drive: what the commands give as logged, shape (w,).
-        speed: mean velocity, shape (w,).
+        straight: what they would give going straight from sample to sample, shape (w,); None where they come often.
+        speed: the joint's mean velocity, in units of its root mean square, shape (w,).
         others: columns that may explain the rest, shape (w, p).
         low: least coefficient of each, shape (p,).
         high: largest coefficient of each, shape (p,).
@@ -64,6 +66,7 @@ class DriveFit:
     time: Array
     need: Array
     drive: Array
+    straight: Array | None
     speed: Array
     others: Array
     low: Array
@@ -105,7 +108,7 @@ class DriveFit:
 
 
 def drive_fits(
-    model: mujoco.MjModel, logs: Sequence[Log], motion: Motion, settings: EquationErrorSettings
+    model: mujoco.MjModel, logs: Sequence[Log], motion: Motion, settings: FaultSettings
 ) -> tuple[DriveFit, ...]:
     """Regressions of all commanded actuators in all logs; those without a moving joint or test function are left out.
 
@@ -113,63 +116,91 @@ def drive_fits(
         model: compiled model.
         logs: the logs.
         motion: their smoothed motion.
-        settings: of the weak form.
+        settings: of the weak form, and how rarely commands may come.
     """
     needed = demand(model, motion)
     given = actuation(model, motion, controls_at(model, logs, motion))
-    weak = weak_form(motion, settings, needed.touching)
+    rare = settings.coarse * motion.step
+    straight = given
+    if any(_period(command) > rare for log in logs for command in log.commands.values()):
+        straight = actuation(model, motion, controls_at(model, logs, motion, straight=True))
+    every = _Forces(model, motion, needed, given, straight, weak_form(motion, settings.equation, needed.touching))
     sent = [i for i in range(model.nactuator) if model.actuator(i).name in actuator_columns(model, logs)]
-    found = []
+    fits = []
     for k, log in enumerate(logs):
         for i in sent:
-            fit = _fit(model, log, k, i, motion, needed, given, weak)
-            if fit is not None:
-                found.append(fit)
-    return tuple(found)
+            coarse = log.commands.get(model.actuator(i).name)
+            fits.append(every.fit(log, k, i, straight=coarse is not None and _period(coarse) > rare))
+    return tuple(fit for fit in fits if fit is not None)
 
 
-def _fit(
-    model: mujoco.MjModel, log: Log, k: int, i: int, motion: Motion, needed: Demand, given: Actuation, weak: Weak
-) -> DriveFit | None:
-    rows, grid = weak.log == k, motion.log == k
-    first = int(np.argmax(grid))
-    dof = int(np.abs(given.driven[grid, i]).sum(0).argmax()) if grid.any() else 0
-    force = given.driven[grid, i, dof]
-    index = weak.index[rows] - first
-    if rows.sum() < _FEWEST or not force.any():
-        return None
-    project = lambda values: values[grid][index] @ weak.weight  # noqa: E731
-    speed = motion.qvel[:, dof]
-    slow = _SLOW * np.sqrt((speed[grid] ** 2).mean()) or 1.0
-    place = motion.qpos[:, model.jnt_qposadr[model.dof_jntid[dof]]]
-    need = project(needed.force[:, dof] - given.idle[:, dof])
-    size = np.sqrt((need**2).mean())
-    # What may explain the rest, its least and its largest coefficient, as shares of the need where they are forces.
-    others = [
-        (project(speed), -np.inf, 0.3 * _WRONG * size),
-        (project(np.tanh(speed / slow)), -np.inf, 0.3 * _WRONG * size),
-        (project(place - place[grid].mean()), -_WRONG * size, _WRONG * size),
-        (np.ones(len(index)), -_WRONG * size, _WRONG * size),
-        *((project(given.driven[:, j, dof]), -np.inf, np.inf) for j in range(given.driven.shape[1]) if j != i),
-        (project(needed.gravity[:, dof]), -_WRONG, _WRONG),
-        (project(needed.inertia[:, dof]), -_WRONG, _WRONG),
-    ]
-    shapes, low, high = zip(*others, strict=True)
-    own = np.array([float(np.sqrt((shape**2).mean())) or 1.0 for shape in shapes])
-    own[-2:] = 1.0
-    return DriveFit(
-        log=log,
-        actuator=model.actuator(i).name,
-        joint=model.joint(int(model.dof_jntid[dof])).name,
-        time=weak.time[rows],
-        need=need,
-        drive=force[index] @ weak.weight,
-        speed=shapes[0],
-        others=np.stack(shapes, axis=1),
-        low=np.array(low) / own,
-        high=np.array(high) / own,
-        force=force,
-        index=index,
-        weight=weak.weight,
-        step=motion.step,
-    )
+def _period(command: Signal) -> float:
+    """Usual time between two samples, s."""
+    return float(np.median(np.diff(command.time))) if len(command) > 1 else 0.0
+
+
+@dataclass(frozen=True)
+class _Forces:
+    """All forces over the grid of a motion."""
+
+    model: mujoco.MjModel
+    motion: Motion
+    needed: Demand
+    given: Actuation
+    straight: Actuation
+    weak: Weak
+
+    def fit(self, log: Log, k: int, i: int, *, straight: bool) -> DriveFit | None:
+        """The regression of actuator i in the k-th log; None where nothing can be said."""
+        rows, grid = self.weak.log == k, self.motion.log == k
+        if rows.sum() < _FEWEST:
+            return None
+        dof = int(np.abs(self.given.driven[grid, i]).sum(0).argmax())
+        force = self.given.driven[grid, i, dof]
+        if not force.any():
+            return None
+        need = self._mean(self.needed.force[:, dof] - self.given.idle[:, dof], rows)
+        others, low, high = self._others(rows, grid, i, dof, float(np.sqrt((need**2).mean())))
+        index = self.weak.index[rows] - int(np.argmax(grid))
+        return DriveFit(
+            log=log,
+            actuator=self.model.actuator(i).name,
+            joint=self.model.joint(int(self.model.dof_jntid[dof])).name,
+            time=self.weak.time[rows],
+            need=need,
+            drive=force[index] @ self.weak.weight,
+            straight=self._mean(self.straight.driven[:, i, dof], rows) if straight else None,
+            speed=others[:, 0],
+            others=others,
+            low=low,
+            high=high,
+            force=force,
+            index=index,
+            weight=self.weak.weight,
+            step=self.motion.step,
+        )
+
+    def _others(self, rows: Mask, grid: Mask, i: int, dof: int, size: float) -> tuple[Array, Array, Array]:
+        """What may explain the rest of a need of this size: columns of typical size 1, least and largest coefficient.
+
+        Viscous and dry friction brake, whatever their size, but for the model's own that may be too large.
+        """
+        speed = self.motion.qvel[:, dof]
+        slow = _SLOW * float(np.sqrt((speed[grid] ** 2).mean())) or 1.0
+        place = self.motion.qpos[:, self.model.jnt_qposadr[self.model.dof_jntid[dof]]]
+        forces = [
+            (speed, -np.inf, _OVERDONE * size),
+            (np.tanh(speed / slow), -np.inf, _OVERDONE * size),
+            (place - place[grid].mean(), -_WRONG * size, _WRONG * size),
+            (np.ones(len(speed)), -_WRONG * size, _WRONG * size),
+            *((self.given.driven[:, j, dof], -np.inf, np.inf) for j in range(self.given.driven.shape[1]) if j != i),
+        ]
+        columns = [self._mean(force, rows) for force, _, _ in forces]
+        columns = [column / (float(np.sqrt((column**2).mean())) or 1.0) for column in columns]
+        columns += [self._mean(part[:, dof], rows) for part in (self.needed.gravity, self.needed.inertia)]
+        bounds = [(low, high) for _, low, high in forces] + [(-_WRONG, _WRONG)] * 2
+        low, high = np.array(bounds).T
+        return np.stack(columns, axis=1), low, high
+
+    def _mean(self, values: Array, rows: Mask) -> Array:
+        return values[self.weak.index[rows]] @ self.weak.weight
