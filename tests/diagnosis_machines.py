@@ -10,6 +10,7 @@ import numpy as np
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
@@ -69,6 +70,11 @@ def evidence_settings(**changes: float) -> EvidenceSettings:
 def localise_settings(**changes: float) -> LocaliseSettings:
     """The default search for the place of failure, with changes."""
     return replace(instantiate(_settings().localise), **changes)
+
+
+def fault_settings() -> FaultSettings:
+    """The default rules for faulty logs."""
+    return instantiate(_settings().faults, _convert_="all")
 
 
 def model_of(xml: str, parameters: Mapping[str, Mapping[str, object]] | None = None) -> Model:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.ladder import Ladder, Rung, Step
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.rank import rank
@@ -31,6 +32,7 @@ def add(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    faults: FaultSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -48,7 +50,7 @@ def add(
         UnknownNameError: the effect cannot sit there.
         ModelError: it cannot act there; the message says why.
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, faults, threads)
     placed = [_place(study, one, effect) for one in effects.values()]
     ladder = Ladder((), calibrate(study), ())
     with candidate_progress() as watch:

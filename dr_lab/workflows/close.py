@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
@@ -30,6 +31,7 @@ def close(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    faults: FaultSettings,
     next_experiment: ExperimentSettings,
     recorder: Look,
     most: int,
@@ -47,6 +49,7 @@ def close(
         solver: settings of the fits.
         evidence: when a gain counts.
         localise: how the place of failure is looked for.
+        faults: when a log is said to be faulty.
         next_experiment: which experiments are tried where logs cannot separate two effects.
         recorder: how the recording looks.
         most: most effects that are added; 0 only ranks them.
@@ -62,7 +65,7 @@ def close(
     if most < 0:
         raise ConfigError(f"most is {most}; expected the number of effects to add at most, 0 or more.")
     require_names(effects)
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, faults, threads)
     with candidate_progress() as watch:
         ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=most, watch=watch)
     proposal = deciding_experiment(study, ladder, next_experiment, run_dir)

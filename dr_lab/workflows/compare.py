@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.physics.model import Model
@@ -24,6 +25,7 @@ def compare(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    faults: FaultSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -35,7 +37,7 @@ def compare(
     Returns:
         The report (schema dr_lab/gap/1) whose ladder holds the one model.
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, faults, threads)
     z, (score, rung) = model.space.nominal, as_given(study)
     report = {
         **entries.header("compare", study),

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
@@ -29,6 +30,7 @@ def diagnose(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    faults: FaultSettings,
     next_experiment: ExperimentSettings,
     recorder: Look,
     threads: int | None,
@@ -40,7 +42,7 @@ def diagnose(
         The report (schema dr_lab/gap/1); its ladder ends with the named effect, where there is one.
     """
     require_names(effects)
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, faults, threads)
     with candidate_progress() as watch:
         ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=watch)
     ladder = ladder.with_first_step()

@@ -19,6 +19,7 @@ from dr_lab.recorders.tables import ladder_table, parameter_table, ranking_summa
 from dr_lab.recorders.verdict import verdict_markdown
 from dr_lab.trajectory import Array, Log
 from dr_lab.workflows.export import mjcf, write_context, write_model, write_rollout
+from dr_lab.workflows.fault_notes import KIND, faults_markdown
 from dr_lab.workflows.overlays import overlay, play_log, shown_logs
 from dr_lab.workflows.study import Study
 from dr_lab.workflows.write_simulated import write_simulated
@@ -71,7 +72,9 @@ def finish(
 
 
 def _plain(report: Mapping[str, Any], notes: Sequence[Mapping[str, Any]], run_dir: Path) -> dict[str, Any]:
-    more = {"notes": [*report.get("notes", []), *notes], "run": str(run_dir)}
+    every = [*report.get("notes", []), *notes]
+    every.sort(key=lambda note: note["kind"] != KIND)
+    more = {"notes": every, "run": str(run_dir)}
     return cast(dict[str, Any], to_plain({**report, **more}))
 
 
@@ -103,11 +106,12 @@ def _end(log: Log) -> float:
 def _summary(report: Mapping[str, Any]) -> str:
     ranking = report.get("ranking", [])
     others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
-    parts = [verdict_markdown(report), ladder_table(report), _parameters(report)]
+    notes = report.get("notes", [])
+    parts = [faults_markdown(notes), verdict_markdown(report), ladder_table(report), _parameters(report)]
     parts.append(ranking_summary(ranking[:_SHOWN], report.get("verdict")) + others)
     where = [f"- {r['signal']}, {r['region']}: {100 * r['share']:.0f} % of its error" for r in report.get("where", [])]
     parts.append(f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else "")
-    notes = report.get("notes", [])
+    notes = [note for note in notes if note["kind"] != KIND]
     left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
     parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")
     return "\n\n".join(part for part in parts if part.strip())

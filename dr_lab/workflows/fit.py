@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.physics.model import Model
@@ -25,6 +26,7 @@ def fit(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    faults: FaultSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -34,7 +36,7 @@ def fit(
     Returns:
         The report (schema dr_lab/gap/1).
     """
-    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, threads)
+    study = prepare(model, measurements, windows, predicted, solver, evidence, localise, faults, threads)
     found = describe(study, calibrate(study))
     z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)
     report = {

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import mujoco
 
+from dr_lab.diagnosis.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
 from dr_lab.diagnosis.rank import Bench
@@ -16,6 +18,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
 from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows.fault_notes import say_faults
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,7 @@ class Study:
         local: how the place of failure is looked for.
         scales: typical magnitudes of the machine.
         floor: error of the time step.
+        faults: what the model shows to be wrong with the logs.
     """
 
     model: Model
@@ -45,6 +49,7 @@ class Study:
     local: LocaliseSettings
     scales: Scales
     floor: NumericalFloor
+    faults: tuple[Fault, ...]
 
 
 def prepare(
@@ -55,16 +60,20 @@ def prepare(
     solver: SolverSettings,
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
+    faults: FaultSettings,
     threads: int | None,
 ) -> Study:
     """Cut the logs and measure scales and the numerical floor.
 
-    Without held-out logs the fit logs score too, which the report says.
+    Faults of the logs are printed at once, before anything is fitted. Without held-out logs the fit logs score too,
+    which the report says.
     """
     if not measurements.fit:
         raise ConfigError(
             f"Measurements {measurements.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
+    suspected = suspect_faults(model, measurements, faults)
+    say_faults(suspected, measurements)
     compiled = model.nominal()
     count = thread_count(threads)
     scored = measurements.held_out or measurements.fit
@@ -87,6 +96,7 @@ def prepare(
         local=localise,
         scales=_scales(model, compiled, measurements, windows.smoother, bench),
         floor=numerical_floor(model, scored, measurements, windows, count),
+        faults=suspected,
     )
 
 

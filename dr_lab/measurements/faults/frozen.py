@@ -52,7 +52,8 @@ def find_frozen(signal: Signal, contract: DataContract) -> tuple[Frozen, ...]:
     A motion ends in a standstill by braking: with the speed v before and the strongest braking a that the signal shows
     elsewhere it goes on for v² / 2a. A span is frozen if the value stops, or goes on behind it, from a speed whose
     braking distance is `contract.frozen_stop` usual changes of a sample; one such end suffices where the sensor's noise
-    moves every other sample, and else both do, or a jump at its end by `contract.frozen_jump` usual changes.
+    moves every other sample or half such a jump follows, and else both do, or a jump by `contract.frozen_jump` usual
+    changes at its end.
 
     Args:
         signal: a scalar channel; others have none.
@@ -128,6 +129,7 @@ def _frozen(
         goes = _speed(signal, last + 1, last + _REACH) ** 2 / (2 * brake) > contract.frozen_stop * usual
         jump = float(abs(signal.value[last + 1] - signal.value[last]))
     jumps = jump > contract.frozen_jump * usual
-    if not (jumps or (stops and goes) or (noisy and (stops or goes))):
+    leaps = jump > 0.5 * contract.frozen_jump * usual
+    if not (jumps or (stops and goes) or ((noisy or leaps) and (stops or goes))):
         return None
     return Frozen(first, last, float(signal.time[first]), float(signal.time[last]), jump if jumps else 0.0, signal.unit)

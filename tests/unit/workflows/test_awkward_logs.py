@@ -12,6 +12,7 @@ from diagnosis_machines import (
     NOISE,
     dragged,
     evidence_settings,
+    fault_settings,
     localise_settings,
     log_of,
     measured,
@@ -60,6 +61,7 @@ def study_settings() -> dict[str, Any]:
         "solver": solver_settings(),
         "evidence": evidence_settings(),
         "localise": localise_settings(),
+        "faults": fault_settings(),
         "threads": 1,
     }
 

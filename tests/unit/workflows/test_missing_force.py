@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from diagnosis_machines import (
     evidence_settings,
+    fault_settings,
     localise_settings,
     measured,
     pendulum,
@@ -41,6 +42,7 @@ def found(*dampings: float) -> dict[str, Any]:
         solver_settings(),
         evidence_settings(),
         localise_settings(),
+        fault_settings(),
         1,
     )
     fits = [cast(Any, Fitted(np.array([MASS, damping]))) for damping in dampings]
