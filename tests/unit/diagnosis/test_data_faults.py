@@ -39,7 +39,7 @@ Act = Callable[[Array, Array], Array]
 
 @cache
 def settings() -> FaultSettings:
-    return instantiate(compose("close", ["+faults=default"]).faults, _convert_="all")
+    return instantiate(compose("close", []).faults, _convert_="all")
 
 
 def nominal(actuator: str = MOTOR) -> Model:
