@@ -19,7 +19,7 @@ Compose = Callable[[str, Sequence[str]], Mapping[str, Any]]
 
 EXACT = "exact"
 _AND = " + "  # between the labels of several hidden effects
-_STUDIED = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check")
+_STUDIED = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 
 
 @dataclass(frozen=True)
