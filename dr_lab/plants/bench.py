@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.plants.body import Body
 from dr_lab.plants.excitation import SinesAndSteps
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.instruments import Instruments, RobotClock
@@ -29,6 +30,7 @@ class Recording:
         position: encoder readings of the joints, rad or m, shape (n, joints).
         command_time: host time at which each command was issued, s, shape (k,).
         command: commands to the actuators, shape (k, actuators).
+        velocity: what is reported of the joints' velocities, rad/s or m/s, shape (n, joints); None where nothing is.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Recording:
     position: Array
     command_time: Array
     command: Array
+    velocity: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -127,13 +130,16 @@ class Bench:
         sampled = start + self.instruments.sample_times(self.duration, stream(seed, name, "sample"))
         wish = self._wish(issued - start, peak, stream(seed, name, "excitation"))
         position, command = self.played(machine, issued - start, sampled - start, wish)
+        tools, stamp = self.instruments, clock.read(sampled)
+        position = self._encoded(position, stream(seed, name, "noise"))
         return Recording(
             name=name,
-            stamp=clock.read(sampled),
-            arrival=self.instruments.arrival(sampled, stream(seed, name, "transport")),
-            position=self._encoded(position),
-            command_time=issued,
-            command=command,
+            stamp=stamp,
+            arrival=tools.arrival(sampled, stream(seed, name, "transport")),
+            position=position,
+            command_time=issued[:: tools.logged_every],
+            command=command[:: tools.logged_every],
+            velocity=None if tools.velocity is None else tools.velocity.velocity(stamp, position, tools.sample_rate),
         )
 
     def _wish(self, time: Array, peak: float, generator: np.random.Generator) -> Array:
@@ -166,12 +172,19 @@ class Bench:
             accuracy=self.accuracy,
         )
         states, command = self.operator.operate(experiment, wish)
-        position = np.take_along_axis(states[:, : len(joints)], where.reshape(read.shape), axis=0)
-        return position + [self.hidden.reading_bias(joint) for joint in joints], command
+        shown = states[:, Body.of(machine, self.hidden).read_columns]
+        position = np.take_along_axis(shown, where.reshape(read.shape), axis=0)
+        columns = [self.hidden.reading(joint, sampled, position[:, row]) for row, joint in enumerate(joints)]
+        return np.stack(columns, axis=1) + [self.hidden.reading_bias(joint) for joint in joints], command
 
     def _start(self) -> State:
         return (*(self.start.get(joint, 0.0) for joint in self.joints), *(0.0 for _ in self.joints))
 
-    def _encoded(self, position: Array) -> Array:
-        turns = np.array([2 * np.pi / self.travel[joint] if joint in self.travel else 1.0 for joint in self.joints])
-        return self.instruments.encode(position * turns) / turns
+    @property
+    def turns(self) -> Array:
+        """Angle of each joint's encoder a unit of its position, rad/rad or rad/m, shape (joints,)."""
+        return np.array([2 * np.pi / self.travel[joint] if joint in self.travel else 1.0 for joint in self.joints])
+
+    def _encoded(self, position: Array, generator: np.random.Generator) -> Array:
+        angle = self.instruments.disturbed(position * self.turns, generator)
+        return self.instruments.encode(angle) / self.turns
