@@ -79,12 +79,13 @@ class MujocoMachine:
 
     def with_load(self, body: str, mass: float, distance: float) -> Self:
         """With a point mass on the line from a body's joint to its centre of mass, across the joint's axis."""
-        joint = index("body", body, self.bodies)
-        row, axis, anchor = int(self.model.jnt_bodyid[joint]), self.model.jnt_axis[joint], self.model.jnt_pos[joint]
-        reach = self.model.body_ipos[row] - anchor
-        lever = reach - axis * (axis @ reach)
+        anchor, lever = self._arm(body)
         length = float(np.linalg.norm(lever))
         return self.with_mass_at(body, mass, anchor + (distance / length * lever if length else 0.0))
+
+    def lever(self, body: str) -> float:
+        """Distance of a body's centre of mass from its joint's axis, m."""
+        return float(np.linalg.norm(self._arm(body)[1]))
 
     def with_mass_at(self, body: str, mass: float, place: Array) -> Self:
         """With a point mass (kg) at a place in a body's frame (m, shape (3,)), put together by the parallel axes."""
@@ -152,6 +153,13 @@ class MujocoMachine:
 
     def _altered(self, model: mujoco.MjModel) -> Self:
         return replace(type(self).of(model), gears=self.gears)
+
+    def _arm(self, body: str) -> tuple[Array, Array]:
+        """Where a body's joint is, and the way from there to its centre across the joint's axis, m, shape (3,)."""
+        joint, row = index("body", body, self.bodies), self._row(body)
+        axis, anchor = self.model.jnt_axis[joint], self.model.jnt_pos[joint]
+        reach = self.model.body_ipos[row] - anchor
+        return anchor, reach - axis * (axis @ reach)
 
     def _row(self, body: str) -> int:
         return int(self.model.jnt_bodyid[index("body", body, self.bodies)])
