@@ -48,7 +48,10 @@ class MjcfNominal(Nominal, ABC):
 
     @cached_property
     def _model(self) -> mujoco.MjModel:
-        model = mujoco.MjModel.from_xml_path(str(Path(self.mjcf)))
+        spec = mujoco.MjSpec.from_file(str(Path(self.mjcf)))
+        for body in spec.bodies:
+            body.simple = 0  # what is hidden may move its centre
+        model = spec.compile()
         if model.nq != model.nv or model.nv != model.njnt or model.nu != model.nactuator:
             raise ModelError(f"{self.mjcf}: a plant is made of hinges and slides, with one command to each actuator.")
         for option, value in _PRECISE.items():

@@ -62,7 +62,7 @@ class CorrelatedNoise:
         kept = self._kept(rate)
         shocks = generator.standard_normal(count)
         shocks[1:] *= np.sqrt(1 - kept**2)
-        return np.asarray(self.std * lfilter([1.0], [1.0, -kept], shocks))
+        return self.std * np.asarray(lfilter([1.0], [1.0, -kept], shocks))
 
     def white_equal(self, rate: float) -> float:
         """As std √((1 + a) / (1 − a))."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.errors import ModelError
 from dr_lab.plants.machine import Matrix, Vector
@@ -46,7 +47,7 @@ class PinocchioMachine(MujocoMachine):
     def _drive(self, q: Array, v: Array, command: Array) -> Array:
         joint, gear, gain, bias = self._drives
         force = gear * (gain * command + bias[:, 0] + gear * (bias[:, 1] * q[joint] + bias[:, 2] * v[joint]))
-        return np.bincount(joint, weights=force, minlength=len(q))
+        return np.asarray(np.bincount(joint, weights=force, minlength=len(q)), dtype=np.float64)
 
     def _drag(self, q: Array, v: Array) -> Array:
         """Generalised force of the medium, shape (n,)."""
@@ -72,7 +73,7 @@ class PinocchioMachine(MujocoMachine):
         return model, model.createData()
 
     @cached_property
-    def _drives(self) -> tuple[Array, Array, Array, Array]:
+    def _drives(self) -> tuple[NDArray[np.intp], Array, Array, Array]:
         """Joint, gear, gain and bias of each actuator."""
         model = self.model
         at_joints = (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)).all()
@@ -80,7 +81,7 @@ class PinocchioMachine(MujocoMachine):
         if not at_joints or not plain or model.actuator_gaintype.any():
             raise ModelError("A machine of Pinocchio is driven at its joints, by motors or position controllers alone.")
         bias = model.actuator_biasprm[:, :3] * (model.actuator_biastype == _AFFINE)[:, None]
-        return model.actuator_trnid[:, 0], model.actuator_gear[:, 0], model.actuator_gainprm[:, 0], bias
+        return model.actuator_trnid[:, 0].astype(np.intp), model.actuator_gear[:, 0], model.actuator_gainprm[:, 0], bias
 
     @cached_property
     def _boxes(self) -> list[tuple[int, Array, Array, Array]]:

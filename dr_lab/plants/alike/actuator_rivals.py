@@ -8,7 +8,7 @@ import numpy as np
 from dr_lab.plants.alike.course import Course, mean_held
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.response import Signature
-from dr_lab.plants.alike.rival import Rival, along, lacked, linear
+from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear
 from dr_lab.trajectory import Array
 
 
@@ -40,7 +40,8 @@ def actuator_rivals(course: Course, grids: Grids, per_command: Array, driven: Ar
         dead = [np.sign(mean) * np.maximum(np.abs(mean) - share * largest, 0.0) for share in (0.0, *grids.dead)]
         yield Rival(f"dead_zone@{name}", 1, along([changed(values) for values in dead]))
         yield Rival(f"voltage_sag@{name}", 1, linear(lacked(np.outer(mean * np.abs(mean), gain)), positive=True))
-        yield Rival(f"torque_scale@{name}", 1, linear(lacked(-driven[:, :, row])))
+        low, high = grids.scales
+        yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-driven[:, :, row])], [low - 1], [high - 1]),))
         yield from _limited(course, grids, driven[:, :, row], name)
 
 

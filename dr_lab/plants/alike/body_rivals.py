@@ -57,6 +57,6 @@ def body_rivals(course: Course, grids: Grids, command: Array, base: Array) -> It
     if dragged:
         yield Rival("air_drag@world", 1, linear(*map(lacked, dragged), positive=True))
     if machine.model.opt.density > 0:
-        blown = felt(*(slope(machine.with_medium(0.0, (*axis, 0.0)), 1.0) for axis in np.eye(2).tolist()))
+        blown = felt(*(slope(machine.with_medium(0.0, wind), 1.0) for wind in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))))
         if blown:
             yield Rival("wind@world", len(blown), linear(*map(lacked, blown)))

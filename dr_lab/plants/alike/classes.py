@@ -32,8 +32,8 @@ class Classes:
     A rival, or the base with its free parameters refitted, is of the class of a truth if the least χ² that it leaves of
     noise-free logs exceeds what the truth's own effect of the catalogue leaves by less than the threshold.
 
-    Noise counts as white with its density at low frequencies, where motions lie. Backlash and elasticity are rivals only
-    of themselves, as are effects of contacts: what they give along a course is not linear in anything.
+    Noise counts as white with its density at low frequencies, where motions lie. Backlash and elasticity are rivals
+    of themselves alone: what they give along a course is not linear in anything.
 
     Attributes:
         threshold: χ².

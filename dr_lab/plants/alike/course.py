@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.errors import ConfigError
 from dr_lab.plants.bench import Bench
@@ -88,7 +89,7 @@ class Course:
         return Body.of(self.machine, self.effect)
 
     @cached_property
-    def held(self) -> Array:
+    def held(self) -> NDArray[np.bool_]:
         """Which joints the hidden dry friction holds, shape (K, n)."""
         rubbed = np.zeros(self.position.shape[1], dtype=bool)
         rubbed[[joint for joint, _ in self.true_body.frictions]] = True
@@ -108,7 +109,7 @@ def courses(bench: Bench, seed: int, settling: float, parts: int) -> Iterator[Co
         bench: the machine with what is hidden in it.
         seed: of its true parameters and of the commands.
         parts: of the time between two commands, each an interval.
-        settling: time at the beginning of a log that is left out, s: before it, commands before the first one still act.
+        settling: time at the beginning of a log that is left out, s: what was commanded earlier still acts there.
 
     Raises:
         ConfigError: the machine's documents are no MJCF file.

@@ -22,6 +22,7 @@ class Grids:
         reaches: distances of a payload from the joint, shares of that of the body's centre.
         stalls: stall forces, shares of the largest force of the actuator.
         speeds: no-load speeds, shares of the joint's largest speed.
+        scales: lowest and highest share of its force that a drive delivers, as in the catalogue.
         periods: of cogging in a turn, as in the catalogue.
     """
 
@@ -38,4 +39,5 @@ class Grids:
     reaches: Sequence[float]
     stalls: Sequence[float]
     speeds: Sequence[float]
+    scales: tuple[float, float]
     periods: int

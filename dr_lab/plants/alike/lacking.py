@@ -4,10 +4,13 @@ import numpy as np
 
 from dr_lab.plants.alike.course import Course, rigid
 from dr_lab.plants.body import Body
+from dr_lab.plants.dry_friction import DryFriction
 from dr_lab.plants.hidden.effect import HiddenEffect, Law
 from dr_lab.plants.memory import Bristle, Memory, SlowCommand
 from dr_lab.plants.mujoco_machine import MujocoMachine
 from dr_lab.trajectory import Array
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 def lacking(course: Course, machine: MujocoMachine, command: Array) -> Array:
@@ -46,16 +49,9 @@ def lacking_with(course: Course, effect: HiddenEffect) -> Array:
         rows[:, joint] -= _averaged(course, joint, law)
     for place, (joint, memory) in enumerate(body.memories):
         if isinstance(memory, Bristle):
-            rows[:, joint] -= [
-                memory.force(z, memory.rate(z, v), v)
-                for z, v in zip(
-                    course.kept[:, columns[place]].tolist(), course.velocity[:, joint].tolist(), strict=True
-                )
-            ]
+            rows[:, joint] -= _bristled(course, joint, memory, columns[place])
     for joint, friction in body.frictions:
-        direction = course.direction[:, joint]
-        sliding = [friction.sliding(np.sign(d), v) for d, v in zip(direction, course.velocity[:, joint], strict=True)]
-        rows[:, joint] += direction * sliding
+        rows[:, joint] += _rubbed(course, joint, friction)
         rows[course.held[:, joint], joint] = 0.0
     return rows
 
@@ -66,7 +62,17 @@ def _columns(course: Course, body: Body) -> list[int]:
     return [own.index(memory) for memory in body.memories]
 
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+def _bristled(course: Course, joint: int, memory: Bristle, column: int) -> Array:
+    """Force of bristles, shape (K,)."""
+    states = zip(course.kept[:, column].tolist(), course.velocity[:, joint].tolist(), strict=True)
+    return np.array([memory.force(z, memory.rate(z, v), v) for z, v in states])
+
+
+def _rubbed(course: Course, joint: int, friction: DryFriction) -> Array:
+    """What dry friction takes, shape (K,)."""
+    direction = course.direction[:, joint]
+    states = zip(np.sign(direction).tolist(), course.velocity[:, joint].tolist(), strict=True)
+    return direction * np.array([friction.sliding(sign, v) for sign, v in states])
 
 
 def _averaged(course: Course, joint: int, law: Law) -> Array:

@@ -12,7 +12,9 @@ from dr_lab.trajectory import Array
 
 BASE = "base"
 _ROUNDING = 1e-12  # share of the largest eigenvalue below which a direction of the regression is none
-_ABSORBED = 1e-9  # share of a column's square below which nothing of it counts as left
+# Share of a column's square below which nothing of it counts as left: the course is differenced over intervals of some
+# milliseconds, which leaves a ten-thousandth of what it should cancel.
+_ABSORBED = 1e-7
 
 
 @dataclass(frozen=True)

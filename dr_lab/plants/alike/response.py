@@ -99,8 +99,8 @@ def response(course: Course, std: Array, rate: float) -> Response:
     drift[:, joints:], entry[:, joints:] = slopes, inverse
     left = one - half * drift
     return Response(
-        carried=np.linalg.solve(left, one + half * drift),
-        pushed=np.linalg.solve(left, 2 * half * entry),
+        carried=np.asarray(np.linalg.solve(left, one + half * drift), dtype=np.float64),
+        pushed=np.asarray(np.linalg.solve(left, 2 * half * entry), dtype=np.float64),
         information=course.step[:, None] * rate / std**2,
     )
 

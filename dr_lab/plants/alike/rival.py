@@ -1,5 +1,6 @@
 """What a rival could give along a course, as columns of a regression."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -59,7 +60,7 @@ def along(points: Sequence[Signature]) -> tuple[Choice, ...]:
     """
     return tuple(
         Choice([Signature(after.force - before.force, after.reading - before.reading)], [0.0], [1.0], before)
-        for before, after in zip(points[:-1], points[1:], strict=True)
+        for before, after in itertools.pairwise(points)
     )
 
 

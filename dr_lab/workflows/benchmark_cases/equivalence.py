@@ -34,7 +34,7 @@ class TruthClasses(ABC):
 
 @dataclass(frozen=True)
 class RankedClasses(TruthClasses):
-    """Classes by the diagnosis' own ranking of noise-free logs, for the truths that the answer does not hold exactly."""
+    """Classes by the diagnosis' own ranking of noise-free logs, of truths that the answer does not hold exactly."""
 
     def of(
         self, case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose

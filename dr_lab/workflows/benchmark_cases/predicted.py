@@ -16,7 +16,8 @@ from dr_lab.workflows.record_plant import PlantSource
 class PredictedClasses(TruthClasses):
     """The class of every truth by `dr_lab.plants.alike`, whatever the answer is.
 
-    Of a machine whose bodies touch something a truth is the only member of its class: what contacts do is not worked out.
+    Where another engine than Pinocchio moves the machine, as where bodies touch something, a truth is the only member
+    of its class: what contacts do is not worked out.
 
     Attributes:
         rule: how classes are predicted.
