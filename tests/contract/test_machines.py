@@ -2,6 +2,7 @@
 
 import collections
 import functools
+from typing import Any
 
 import pytest
 import yaml
@@ -22,7 +23,8 @@ def phenomena(option: str) -> tuple[str, ...]:
     """Names of what an option of ``plant/hidden`` hides."""
     fields = yaml.safe_load((HIDDEN / f"{option}.yaml").read_text(encoding="utf-8"))
     parts = [part for entry in fields.get("defaults", []) if isinstance(entry, dict) for part in entry.values()]
-    return tuple(p for part in parts for p in phenomena(part)) or (vars(locate(fields["_target_"], option))["name"],)
+    kind: Any = locate(fields["_target_"], option)
+    return tuple(p for part in parts for p in phenomena(part)) or (kind.name,)
 
 
 def machine_of(name: str) -> Machine:

@@ -36,7 +36,8 @@ class Regression:
     def members(self, number: int, labels: Sequence[str], threshold: float) -> dict[str, int]:
         """The class of a truth: label → number of parameters, 0 for the base.
 
-        Where the base is a member every effect is one, staying absent: then no other is listed.
+        Where the base is a member every effect is one, staying absent: then no other is listed. Nor is a rival with more
+        parameters than the truth's own effect: one that generalises it can always give the same, and claims more.
 
         Args:
             number: of the truth.
@@ -54,7 +55,11 @@ class Regression:
         if reduced[number, number] < own + threshold:
             return {labels[number]: count, BASE: 0}
         hidden = set(labels) - {labels[number]}
-        alike = {label: known[label] for label, chi2 in left.items() if chi2 < own + threshold and label not in hidden}
+        alike = {
+            label: known[label]
+            for label, chi2 in left.items()
+            if chi2 < own + threshold and known[label] <= count and label not in hidden
+        }
         return {labels[number]: count, **alike}
 
     def _left(self, reduced: Array, number: int) -> dict[str, float]:
