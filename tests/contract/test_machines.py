@@ -95,6 +95,18 @@ def test_strangers_hide_the_whole_catalogue_at_three_magnitudes() -> None:
     assert {case.instruments for case in cases if case.kind == "none"} >= {"correlated", "low_passed", "quantised"}
 
 
+def test_entries_give_every_number_that_is_asked_for() -> None:
+    for preset in ("strangers", "table"):
+        fields = yaml.safe_load((shipped() / "benchmark" / f"{preset}.yaml").read_text(encoding="utf-8"))
+        for name, entry in ((n, e) for wanted in fields["cases"].values() for n, e in wanted["entries"].items()):
+            for label, numbers in entry.get("hide", {}).items():
+                option, _, site = label.partition("@")
+                asked = yaml.safe_load((HIDDEN / "general" / f"{option}.yaml").read_text(encoding="utf-8"))
+                needed = {key for key, value in asked.items() if value == "???"}
+                assert needed - {"site"} <= numbers.keys() <= asked.keys(), (name, label)
+                assert site and "site" in asked, (name, label)
+
+
 def test_the_table_is_part_of_the_strangers() -> None:
     assert set(cases_of("table")) <= set(cases_of("strangers"))
 

@@ -30,8 +30,8 @@ class Classes:
     """How equivalence classes are predicted.
 
     A rival, or the base with its free parameters refitted, is of the class of a truth if the least χ² that it leaves of
-    noise-free logs exceeds what the truth's own effect of the catalogue leaves by less than the threshold, and if it has
-    no more parameters than that.
+    noise-free logs exceeds what the truth's own effect of the catalogue leaves by less than the threshold, and if it
+    has no more parameters than that.
 
     Noise counts as white with its density at low frequencies, where motions lie. Backlash and elasticity are rivals
     of themselves alone: what they give along a course is not linear in anything.

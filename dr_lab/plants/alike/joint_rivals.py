@@ -55,6 +55,9 @@ def _forces(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Riva
     def forced(*shapes: Array, positive: bool = False) -> tuple[Choice]:
         return linear(*(pushing(shape, row, count) for shape in shapes), positive=positive)
 
+    # What these give is not linear in anything: they have no rivals' shapes, but a number of parameters.
+    yield Rival(f"backlash@{joint}", 2)
+    yield Rival(f"joint_elasticity@{joint}", 3)
     one, turn = np.ones_like(q), grids.periods * q
     yield Rival(f"spring@{joint}", 2, forced(-q, one))
     yield Rival(f"constant_offset@{joint}", 1, forced(one))

@@ -36,8 +36,8 @@ class Regression:
     def members(self, number: int, labels: Sequence[str], threshold: float) -> dict[str, int]:
         """The class of a truth: label → number of parameters, 0 for the base.
 
-        Where the base is a member every effect is one, staying absent: then no other is listed. Nor is a rival with more
-        parameters than the truth's own effect: one that generalises it can always give the same, and claims more.
+        Where the base is a member every effect is one, staying absent: then no other is listed. Nor is a rival with
+        more parameters than the truth's own effect: one that generalises it can always give the same, and claims more.
 
         Args:
             number: of the truth.
@@ -49,7 +49,8 @@ class Regression:
         freed += [column for (place, choice) in others if choice is not None for column in _columns(place, choice)]
         reduced = without(self.gram, freed)
         left = self._left(reduced, number)
-        own = left.get(labels[number], 0.0)
+        own = left.get(labels[number], np.inf)
+        own = own if np.isfinite(own) else 0.0  # an effect whose shapes are not worked out gives what it gives
         known = {rival.label: rival.parameters for rival in self.rivals}
         count = known.get(labels[number], 1)
         if reduced[number, number] < own + threshold:
