@@ -104,7 +104,8 @@ def test_entries_give_every_number_that_is_asked_for() -> None:
                 asked = yaml.safe_load((HIDDEN / "general" / f"{option}.yaml").read_text(encoding="utf-8"))
                 needed = {key for key, value in asked.items() if value == "???"}
                 assert needed - {"site"} <= numbers.keys() <= asked.keys(), (name, label)
-                assert site and "site" in asked, (name, label)
+                assert site, (name, label)
+                assert "site" in asked, (name, label)
 
 
 def test_the_table_is_part_of_the_strangers() -> None:
