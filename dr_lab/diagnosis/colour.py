@@ -46,14 +46,15 @@ def variance_time(rho: Array) -> float:
 def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
     """Whether residuals above the noise floor are the instruments' own, and not what a force left.
 
-    1. They are rougher than a force makes them: however rough it is, as white noise, it moves a velocity by its
-       integral and a position by its double integral. The mean frequency of the residuals' power is compared with that
-       of integrated white noise in as many windows of the same length, less a polynomial of degree 3.
+    1. Beyond the sensors' white noise they are rougher than a force makes them: however rough it is, as white noise, it
+       moves a velocity by its integral and a position by its double integral. The mean frequency of the residuals'
+       power is compared with that of integrated white noise in as many windows of the same length, less a polynomial
+       of degree 3: more than what fitted starts take out of a window.
     2. They are as large in every window as chance allows, whatever the machine does: ln χ² of a window, n samples of a
        stationary Gaussian process, has the variance ψ'(n_eff/2).
 
     Args:
-        residual: residuals of w windows, shape (w, m).
+        residual: residuals of w windows, in standard deviations of the sensors' white noise, shape (w, m).
         used: which of them exist, shape (w, m).
         integrals: 2 for a position, 1 for a velocity.
     """
@@ -61,7 +62,7 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
     kept = residual[:, whole]
     if len(kept) < 2 or kept.shape[1] < _FEWEST or not (kept**2).sum(1).all():
         return False
-    return _homogeneous(kept) and _mean_frequency(_detrended(kept)) > _roughest(*kept.shape, integrals)
+    return _homogeneous(kept) and _mean_frequency(kept, white=1.0) > _roughest(*kept.shape, integrals)
 
 
 def _homogeneous(residual: Array) -> bool:
@@ -80,15 +81,16 @@ def _roughest(windows: int, samples: int, integrals: int) -> float:
         drawn = rng.standard_normal((windows, samples))
         for _ in range(integrals):
             drawn = np.cumsum(drawn, axis=1)
-        found.append(_mean_frequency(_detrended(drawn)))
+        found.append(_mean_frequency(_detrended(drawn), white=0.0))
     return float(np.mean(found) + 3.1 * np.std(found))  # of a mean over windows, so that it is Gaussian
 
 
-def _mean_frequency(residual: Array) -> float:
-    """Mean frequency of the power, in cycles a sample; each window weighs the same."""
-    power = np.abs(np.fft.rfft(residual * np.hanning(residual.shape[1]))) ** 2
-    power = (power / power.sum(1, keepdims=True)).mean(0)
-    return float(power @ np.fft.rfftfreq(residual.shape[1]))
+def _mean_frequency(residual: Array, white: float) -> float:
+    """Mean frequency in cycles a sample of the power beyond that of white noise of a variance; 0 where none is."""
+    taper = np.hanning(residual.shape[1])
+    power = (np.abs(np.fft.rfft(residual * taper)) ** 2).mean(0) - white * (taper**2).sum()
+    power = np.maximum(power, 0.0)
+    return float(power @ np.fft.rfftfreq(residual.shape[1]) / power.sum()) if power.any() else 0.0
 
 
 def _detrended(residual: Array) -> Array:
