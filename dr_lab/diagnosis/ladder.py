@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.diagnosis.bench import Bench, Explained, explain
-from dr_lab.diagnosis.evidence import at_floor, paired_gain, supported
+from dr_lab.diagnosis.evidence import Gain, at_floor, paired_gain, supported
 from dr_lab.diagnosis.rank import Candidate, rank
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.verdict import Verdict, decide
@@ -82,9 +82,13 @@ class Ladder:
             return replace(self, base=last)
         return replace(self, steps=(*self.steps[:-1], replace(self.steps[-1], explained=last)))
 
+    def gained(self, settings: EvidenceSettings) -> Gain:
+        """What all added effects gain together over the calibrated model."""
+        return paired_gain(self.base.held_out, self.models[-1].held_out, settings)
+
     def closed(self, settings: EvidenceSettings) -> float:
         """Share of the calibrated model's gap that all added effects close together; `Gain.gap` of the last model."""
-        return paired_gain(self.base.held_out, self.models[-1].held_out, settings).gap
+        return self.gained(settings).gap
 
     def verdict(self, settings: EvidenceSettings) -> str:
         """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.

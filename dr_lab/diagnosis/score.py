@@ -69,6 +69,12 @@ class Score:
     channels: Mapping[str, ChannelScore] = field(default_factory=dict)
 
     @property
+    def colour(self) -> float:
+        """Residuals that tell as much as one independent one does, over all channels."""
+        independent = sum(float(c.window_count.sum()) / c.colour for c in self.channels.values())
+        return self.freedom / independent if independent > 0 else 1.0
+
+    @property
     def freedom(self) -> float:
         """Degrees of freedom in all."""
         return float(self.window_count.sum())

@@ -196,12 +196,15 @@ def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSetti
 def _excess(candidate: Candidate, other: Candidate) -> tuple[float, ...]:
     """How much larger χ² a candidate leaves than another in windows that both simulate: of held-out, of fitted logs.
 
+    It counts in units of the noise that the other leaves, per independent residual.
+
     Where no logs are held out the scored ones are those that were fitted, and count once.
     """
     ours, theirs = candidate.explained.held_out, other.explained.held_out
     both = (ours.window_count > 0) & (theirs.window_count > 0)
-    held_out = float((ours.window_sum - theirs.window_sum)[both].sum())
-    fitted = other.explained.fit.below(candidate.explained.fit)
+    unit = max(theirs.chi2, 1.0) * theirs.colour
+    held_out = float((ours.window_sum - theirs.window_sum)[both].sum()) / unit
+    fitted = other.explained.fit.below(candidate.explained.fit) / unit
     return (held_out, fitted) if candidate.explained.apart else (held_out,)
 
 

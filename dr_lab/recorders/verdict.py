@@ -10,9 +10,9 @@ from dr_lab.recorders.quantity import number, percent
 
 def verdict_markdown(report: Mapping[str, Any]) -> str:
     """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
-    worse, found = _worse(report), f"{_found(report)} {_fall(report)}"
+    worse = _worse(report)
     calibrated = not report.get("verdict") and not report["ladder"][-1]["effects"]
-    told = [worse] if worse and calibrated else [worse, found]
+    told = [worse] if worse and calibrated else [worse, _found(report), _share(report), _fall(report)]
     return " ".join(part for part in (*told, _remaining(report)) if part)
 
 
@@ -85,9 +85,33 @@ def _remaining(report: Mapping[str, Any]) -> str:
     remaining = report.get("remaining")
     if not remaining:
         return ""
+    times = f"{number(remaining['chi2'] ** 0.5, 2)} times" if remaining["chi2"] is not None else "far above"
+    if remaining["status"] == "at_floor" and remaining.get("coloured"):
+        return f"What remains, {times} the sensors' white noise, is too rough and too even for a force: coloured noise."
     if remaining["status"] == "at_floor":
         return "What remains is noise."
-    return f"What remains (χ² {number(remaining['chi2'])}) is above the noise floor and not explained."
+    told = f"What remains (χ² {number(remaining['chi2'])}) is above the noise floor and not explained"
+    return f"{told} by anything in the catalogue: {times} the sensors' noise." if report.get("ranking") else f"{told}."
+
+
+def _share(report: Mapping[str, Any]) -> str:
+    """How much of what the calibrated model misses the added effects explain, and the prediction that gained most."""
+    explained, first = report.get("explained"), report["ladder"][0]
+    added = len(report["ladder"]) > 1 and not first["effects"]
+    if not explained or not added or explained["share"] is None or explained["share"] <= 0:
+        return ""
+    low, high = explained["low"], explained["high"]
+    interval = f" ({percent(low)} … {percent(high)})" if low is not None and high is not None else ""
+    words = "explain" if len(report["ladder"][-1]["effects"]) > 1 else "explains"
+    errors = [rung["held_out"].get("rmse_predicted") or {} for rung in (first, report["ladder"][-1])]
+    fallen = {name: error / errors[1][name] for name, error in errors[0].items() if error and errors[1].get(name)}
+    told = ""
+    if fallen:
+        name = max(fallen, key=lambda each: fallen[each])
+        unit = report["noise"].get(name, {}).get("unit", "")
+        told = f", `{name}` predicted to {number(errors[0][name], 3)} → {number(errors[1][name], 3)} {unit} RMS"
+    subject = "Together they" if words == "explain" else "It"
+    return f"{subject} {words} {percent(explained['share'])}{interval} of what the calibrated model misses{told}."
 
 
 def _with_status(report: Mapping[str, Any], status: str) -> list[str]:

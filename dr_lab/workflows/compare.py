@@ -52,7 +52,7 @@ def compare(
             **entries.header("compare", study),
             "verdict": None,
             "ladder": [rung],
-            "remaining": entries.remaining(score.chi2, score.freedom, evidence),
+            "remaining": entries.remaining(score, evidence),
         }
         answer(report, run)
         told.phase("Looking where the model fails")

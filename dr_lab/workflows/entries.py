@@ -9,7 +9,7 @@ from dr_lab.diagnosis import trust
 from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
-from dr_lab.diagnosis.evidence import noise_floor
+from dr_lab.diagnosis.evidence import at_floor, noise_floor
 from dr_lab.diagnosis.fit import Fit
 from dr_lab.diagnosis.localise import Region
 from dr_lab.diagnosis.rank import Candidate
@@ -162,9 +162,13 @@ def where(regions: Sequence[Region]) -> list[dict[str, Any]]:
     ]
 
 
-def remaining(chi2: float, freedom: float, evidence: EvidenceSettings) -> dict[str, Any]:
-    """What the last model leaves, by its χ² over that many degrees of freedom."""
-    return {"status": "at_floor" if chi2 <= noise_floor(freedom, evidence) else "unexplained", "chi2": chi2}
+def remaining(score: Score, evidence: EvidenceSettings) -> dict[str, Any]:
+    """What the last model leaves; `coloured` is noise of the instruments that is larger than the sensors' white one."""
+    return {
+        "status": "at_floor" if at_floor(score, evidence) else "unexplained",
+        "chi2": score.chi2,
+        "coloured": at_floor(score, evidence) and score.chi2 > noise_floor(score.freedom, evidence),
+    }
 
 
 def _own(candidate: Candidate, study: Study) -> dict[str, Any]:

@@ -54,7 +54,7 @@ def fit(
             "verdict": None,
             "as_given": as_given(study)[1],
             "ladder": [found.rung],
-            "remaining": entries.remaining(score.chi2, score.freedom, evidence),
+            "remaining": entries.remaining(score, evidence),
         }
         answer(report, run)
         told.phase("Looking where the model fails")

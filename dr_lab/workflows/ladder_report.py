@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from dr_lab.diagnosis.evidence import Gain
 from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -56,6 +57,7 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
         "notes": [*notes.fit_notes(ladder.models), *header["notes"], *_ladder_notes(study, ladder)],
         "verdict": _verdict(ladder, study.bench.evidence),
         "gap_closed": ladder.closed(study.bench.evidence),
+        "explained": _explained(ladder.gained(study.bench.evidence)),
         "reason": _reason(study, first),
         "as_given": as_given(study)[1],
         "ladder": [
@@ -64,9 +66,14 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
         ],
         "ranking": entries.ranking(study, first.ranking, first.verdict),
         "rungs": [_rung(study, rung) for rung in ladder.rungs],
-        "remaining": entries.remaining(last.held_out.chi2, last.held_out.freedom, study.bench.evidence),
+        "remaining": entries.remaining(last.held_out, study.bench.evidence),
         "worst_direction": entries.worst_direction(last),
     }
+
+
+def _explained(gain: Gain) -> dict[str, Any]:
+    """Share of the calibrated model's χ² that the added effects remove, its interval, and the gap closed by channel."""
+    return {"share": gain.share, "low": gain.low, "high": gain.high, "channels": dict(gain.channels)}
 
 
 def _ladder_notes(study: Study, ladder: Ladder) -> list[dict[str, Any]]:
