@@ -10,6 +10,7 @@ import numpy as np
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.replay import Replay
@@ -75,6 +76,11 @@ def localise_settings(**changes: float) -> LocaliseSettings:
 def model_check_settings(**changes: float) -> ModelCheckSettings:
     """The default check of a model, with changes."""
     return replace(instantiate(_settings().model_check), **changes)
+
+
+def fault_settings() -> FaultSettings:
+    """The default rules for faulty logs."""
+    return instantiate(_settings().faults, _convert_="all")
 
 
 def model_of(xml: str, parameters: Mapping[str, Mapping[str, object]] | None = None) -> Model:

@@ -1,16 +1,20 @@
 """Does one model explain held-out windows better than another? Paired gains with a block bootstrap."""
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 from scipy.stats import t as student
 
 from dr_lab.diagnosis.blocks import Indices, blocks
-from dr_lab.diagnosis.score import Score
+from dr_lab.diagnosis.score import ChannelScore, Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.trajectory import Array
+
+_LEAST = 1e-9  # degrees of freedom; a window without samples of a channel has none
 
 
 @dataclass(frozen=True)
@@ -21,11 +25,14 @@ class Gain:
         share: share of the worse model's χ² that the better one removes.
         low: lower end of its interval.
         high: upper end.
-        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes, the χ² of a model
-            being exp(mean ln(1 + χ²_w)) − 1 over the windows; 1 where the worse one is at the floor.
-        total: Σ_w (D_w worse − D_w better), the difference of the deviances −2 ln L of a window whose residuals are
-            noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²) above. It
-            is Δχ² near the noise floor, and no single wild window decides far above it.
+        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes, in the channel where
+            its evidence is most, the χ² of a model being exp(mean ln(1 + χ²_w)) − 1 over the windows; 1 where the worse
+            one is at the floor.
+        channels: that share by channel.
+        total: Σ (D worse − D better) over windows and channels, the difference of the deviances −2 ln L of residuals
+            that are noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²)
+            above, n being the number of independent ones among them. It is Δχ² near the noise floor, no single wild
+            window decides far above it, and there it does not depend on how large the noise is.
         total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
             worse simulates, NaN where there are too few blocks of data to know.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
@@ -37,6 +44,7 @@ class Gain:
     low: float
     high: float
     gap: float
+    channels: Mapping[str, float]
     total: float
     total_low: float
     trial_low: float
@@ -44,9 +52,7 @@ class Gain:
     clear: bool
 
 
-_NOTHING = Gain(
-    share=0.0, low=-np.inf, high=0.0, gap=0.0, total=0.0, total_low=-np.inf, trial_low=-np.inf, wins=0.0, clear=False
-)
+_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, {}, 0.0, -np.inf, -np.inf, 0.0, clear=False)
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -64,8 +70,9 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     both = (worse.window_count > 0) & (better.window_count > 0)
     if not both.any():
         return _NOTHING
-    ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
-    evidence = _deviance(theirs, count) - _deviance(ours, count)
+    ours, theirs = better.window_sum[both], worse.window_sum[both]
+    each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
+    evidence = np.sum([found[0] for found in each.values()], axis=0)
     resampled = _resampled(np.stack([theirs, ours, evidence]), worse.log[both], settings)
     share, n = float((theirs - ours).sum() / theirs.sum()), block_count(worse.log[both], settings)
     tail = 1 - settings.confidence
@@ -75,12 +82,13 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         -np.inf if diverges else _interval(total, resampled[2], n, 1 - confidence, settings)[0]
         for confidence in (settings.confidence, settings.trial_confidence)
     )
-    before, after = (_typical(sums, count) for sums in (theirs, ours))
+    closed = {name: found[1] for name, found in each.items()}
     return Gain(
         share=share,
         low=low,
         high=float(np.minimum(high, 1.0)),
-        gap=min((before - after) / (before - 1), 1.0) if before > 1 else 1.0,
+        gap=closed[max(each, key=lambda name: float(each[name][0].sum()))],
+        channels=closed,
         total=total,
         total_low=total_low,
         trial_low=trial_low,
@@ -94,15 +102,37 @@ def block_count(log: Indices, settings: EvidenceSettings) -> int:
     return len(blocks(log, settings.block, settings.least_blocks))
 
 
+def _paired(worse: Score, better: Score) -> dict[str, tuple[ChannelScore, ChannelScore]]:
+    """Both models' channels; all residuals as one channel where they are not told apart."""
+    if worse.channels and better.channels:
+        return {name: (worse.channels[name], better.channels[name]) for name in worse.channels}
+    first, second = (ChannelScore(s.window_sum, s.window_count, 1.0, instrumental=False) for s in (worse, better))
+    return {"": (first, second)}
+
+
+def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.bool_]) -> tuple[Array, float]:
+    """Evidence of each window, and the share of the gap that closes.
+
+    How many residuals are independent is read from those of the model that leaves less: what the other one leaves is
+    also coloured by what it lacks.
+    """
+    ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
+    least = better if better.chi2 <= worse.chi2 else worse
+    before, after = (_typical(sums, count) for sums in (theirs, ours))
+    gap = min((before - after) / (before - 1), 1.0) if before > 1 else 1.0
+    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, gap
+
+
 def _deviance(sums: Array, count: Array) -> Array:
     """−2 ln L of each window, but for a constant, at the likeliest variance of at least the noise's."""
-    level = sums / count
+    level = sums / np.maximum(count, _LEAST)
     return count * np.where(level > 1, 1 + np.log(np.maximum(level, 1)), level)
 
 
 def _typical(sums: Array, count: Array) -> float:
     """χ² of a typical window."""
-    return float(np.expm1((count * np.log1p(sums / count)).sum() / count.sum()))
+    level = sums / np.maximum(count, _LEAST)
+    return float(np.expm1((count * np.log1p(level)).sum() / max(count.sum(), _LEAST)))
 
 
 def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
@@ -121,8 +151,12 @@ def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
 
 
 def at_floor(score: Score, settings: EvidenceSettings) -> bool:
-    """Whether what a model leaves passes for noise."""
-    return score.chi2 <= noise_floor(score.freedom, settings)
+    """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make."""
+    if score.chi2 <= noise_floor(score.freedom, settings):
+        return True
+    every = score.channels.values()
+    floors = (noise_floor(float(c.window_count.sum()) / c.colour, settings) for c in every)
+    return bool(every) and all(c.instrumental or c.chi2 <= f for c, f in zip(every, floors, strict=True))
 
 
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

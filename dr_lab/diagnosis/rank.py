@@ -42,6 +42,8 @@ class Candidate:
         fitted: whether the effect was fitted; else it stayed absent, as its prediction was too small.
         final: whether it was fitted to all windows; else another candidate had beaten it on a part of them, or
             explained as much with fewer parameters.
+        resolved: whether it is more than a shift in time by less than a step of the model as given; an integrator's own
+            error is such a shift.
     """
 
     effect: PlacedEffect
@@ -51,6 +53,7 @@ class Candidate:
     predicted: float
     fitted: bool = True
     final: bool = True
+    resolved: bool = True
 
 
 class Ranking(NamedTuple):
@@ -227,7 +230,13 @@ class _Contest:
         model = self.base.model.with_effect(effect)
         explained = scored(self.bench, model, fit, 1, self.base.states, self.stop)
         gain = paired_gain(self.base.held_out, explained.held_out, self.bench.evidence)
-        return Candidate(effect, explained, gain, known, predicted)
+        return Candidate(effect, explained, gain, known, predicted, resolved=self._resolved(effect, explained))
+
+    def _resolved(self, effect: PlacedEffect, explained: Explained) -> bool:
+        if any(p.unit != "s" for p in effect.parameters):
+            return True
+        values, least = explained.values(), self.bench.timing_resolution
+        return any(abs(values[p.name] - p.nominal) >= least for p in effect.parameters)
 
     def _unfitted(self, k: int, first: Look) -> Candidate:
         """A candidate that stays absent, where it is the base."""

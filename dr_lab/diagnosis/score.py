@@ -1,15 +1,43 @@
 """How well a model at a context explains windows: χ² against the noise floor and errors in the signals' units."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from dr_lab.diagnosis.colour import autocorrelation, correlation_time, instrumental
+from dr_lab.diagnosis.point import Mask
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.states import StateFit
 from dr_lab.diagnosis.windows import Samples
 from dr_lab.trajectory import Array
+
+# How many times a force is integrated in what a channel of this kind reports.
+_INTEGRALS = {"position": 2, "velocity": 1}
+
+
+@dataclass(frozen=True)
+class ChannelScore:
+    """What one channel's residuals say, window by window.
+
+    Attributes:
+        window_sum: Σ residual² of each window, shape (w,).
+        window_count: degrees of freedom of each window, shape (w,).
+        colour: residuals that tell as much as one independent one does, at least 1.
+        instrumental: whether they are rougher than any force makes them, and the same whatever the machine does.
+    """
+
+    window_sum: Array
+    window_count: Array
+    colour: float
+    instrumental: bool
+
+    @property
+    def chi2(self) -> float:
+        """Σ residual² over the degrees of freedom; 0 where there are none."""
+        return float(self.window_sum.sum() / max(self.window_count.sum(), 1.0))
 
 
 @dataclass(frozen=True)
@@ -27,6 +55,7 @@ class Score:
             shape (w,).
         log: index of each window's log, shape (w,).
         infeasible: number of windows left out because their simulation diverges.
+        channels: the same by channel.
     """
 
     chi2: float
@@ -37,6 +66,7 @@ class Score:
     window_count: Array
     log: NDArray[np.intp]
     infeasible: int
+    channels: Mapping[str, ChannelScore] = field(default_factory=dict)
 
     @property
     def freedom(self) -> float:
@@ -48,7 +78,8 @@ def score_of(replay: Replay, fit: StateFit) -> Score:
     """Score of a fit on the scored samples of its own windows."""
     used = replay.scored & ~fit.infeasible[:, None]
     squared = np.where(used, fit.residuals**2, 0.0)
-    count = used.sum(1) - _taken_by_states(replay, fit, used)
+    taken = _taken_by_states(replay, fit, used)
+    count = used.sum(1) - taken.sum(1)
     rmse, nrmse, percent = _channel_errors(replay, squared, ~fit.infeasible)
     return Score(
         chi2=float(squared.sum() / count.sum()) if count.any() else np.inf,
@@ -59,18 +90,36 @@ def score_of(replay: Replay, fit: StateFit) -> Score:
         window_count=count,
         log=replay.windows.log,
         infeasible=int(fit.infeasible.sum()),
+        channels=_channels(replay, fit, used, taken),
     )
 
 
-def _taken_by_states(replay: Replay, fit: StateFit, used: NDArray[np.bool_]) -> Array:
-    """Degrees of freedom that a window's fitted state takes of its scored residuals, shape (w,).
+def _channels(replay: Replay, fit: StateFit, used: Mask, taken: Array) -> dict[str, ChannelScore]:
+    found = {}
+    parts = zip(*(replay.by_channel(rows) for rows in (fit.residuals, used.astype(float), taken)), strict=True)
+    for (samples, residual), (_, mask), (_, less) in parts:
+        name, kind = samples.channel.name, samples.channel.kind
+        # Components of a vector are windows of their own.
+        rows, exists = (x.transpose(0, 2, 1).reshape(-1, x.shape[1]) for x in (residual, mask > 0))
+        own = kind in _INTEGRALS and instrumental(rows[exists.any(1)], exists[exists.any(1)], _INTEGRALS[kind])
+        found[name] = ChannelScore(
+            window_sum=(mask * residual**2).sum((1, 2)),
+            window_count=mask.sum((1, 2)) - less.sum((1, 2)),
+            colour=correlation_time(autocorrelation(rows, exists)),
+            instrumental=own,
+        )
+    return found
 
-    tr(Jₛ H⁻¹ Jₛᵀ) with H = J_fᵀJ_f + P, J_f the slopes of the fitted and Jₛ those of the residuals that are fitted and
-    scored, P the precision of the state's prior.
+
+def _taken_by_states(replay: Replay, fit: StateFit, used: NDArray[np.bool_]) -> Array:
+    """Degrees of freedom that a window's fitted state takes of each of its scored residuals, shape (w, m).
+
+    diag(Jₛ H⁻¹ Jₛᵀ) with H = J_fᵀJ_f + P, J_f the slopes of the fitted and Jₛ those of the residuals that are fitted
+    and scored, P the precision of the state's prior.
     """
     fitted, both = (np.where(mask[..., None], fit.slopes, 0.0) for mask in (replay.fitted, replay.fitted & used))
     hessian = fitted.transpose(0, 2, 1) @ fitted + np.diag(replay.windows.prior.std**-2.0)
-    return np.einsum("wii->w", np.linalg.solve(hessian, both.transpose(0, 2, 1) @ both))
+    return np.einsum("wms,wsm->wm", both, np.linalg.solve(hessian, both.transpose(0, 2, 1)))
 
 
 def _channel_errors(

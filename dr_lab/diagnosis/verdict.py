@@ -53,7 +53,7 @@ def decide(
         scored: the logs that the scores are from, in words.
     """
     # Far from the floor much helps a bit.
-    helpful = [c for c in ranking if c.final and c.gain.gap >= settings.least_explained]
+    helpful = [c for c in ranking if c.final and c.resolved and c.gain.gap >= settings.least_explained]
     group = _inseparable([c for c in helpful if _passes(supported, c, settings)], settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}

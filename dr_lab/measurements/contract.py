@@ -31,6 +31,14 @@ class DataContract:
         fast: rounding errors of a quantised signal are random where it moves by this many steps a sample.
         quantised: there the residual is rounding alone up to this factor …
         staircase: … and in a slower staircase up to this one.
+        frozen: s, equal samples over a longer time are suspected to be frozen …
+        frozen_rest: … if no others outlast a share of it; the factor by which it is longer than those.
+        frozen_stop: usual changes of a sample in the braking distance that a motion leaves out …
+        frozen_jump: … or in the jump that follows.
+        copied: samples in a row that two logs share only if one is a copy.
+        resting: s, nothing moves for so long while commands go on, and the machine is said to be off.
+        resting_share: of its usual movement that a joint at rest makes at most.
+        resting_drive: of their usual range and scatter that commands have in that time at least.
     """
 
     minimum_samples: int
@@ -56,3 +64,11 @@ class DataContract:
     fast: float
     quantised: float
     staircase: float
+    frozen: float
+    frozen_rest: float
+    frozen_stop: float
+    frozen_jump: float
+    copied: int
+    resting: float
+    resting_share: float
+    resting_drive: float

@@ -6,6 +6,7 @@ from typing import Any
 from dr_lab.errors import ConfigError
 from dr_lab.measurements.cleaning import longest_wait
 from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.faults.find import mark_faults
 from dr_lab.measurements.log import clean
 from dr_lab.measurements.noise import estimate_noise
 from dr_lab.measurements.raw_log import RawLog, TimeAxis, read_raw
@@ -58,10 +59,12 @@ def read(
     measured, sent = channel_maps(outputs, clock or ""), channel_maps(commands or {}, clock or "")
     known = recordings(find_files(logs), group)
     fitted, scored = split(known, fit, held_out)
-    every = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
+    loaded = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
+    fit_logs, held_out_logs = mark_faults(loaded[: len(fitted)], loaded[len(fitted) :], contract)
+    every = (*fit_logs, *held_out_logs)
     gaps = _gaps(measured, sent, every, contract)
     noise = {c.name: _noise(c, every, gaps[c.name], contract) for c in measured}
-    return MeasurementSet(name, every[: len(fitted)], every[len(fitted) :], noise, gaps)
+    return MeasurementSet(name, fit_logs, held_out_logs, noise, gaps)
 
 
 def _load(

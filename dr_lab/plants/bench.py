@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.plants.body import Body
 from dr_lab.plants.excitation import SinesAndSteps
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.instruments import Instruments, RobotClock
@@ -29,6 +30,7 @@ class Recording:
         position: encoder readings of the joints, rad or m, shape (n, joints).
         command_time: host time at which each command was issued, s, shape (k,).
         command: commands to the actuators, shape (k, actuators).
+        velocity: what is reported of the joints' velocities, rad/s or m/s, shape (n, joints); None where nothing is.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Recording:
     position: Array
     command_time: Array
     command: Array
+    velocity: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -112,29 +115,40 @@ class Bench:
         """The logs of the machine that a seed stands for, one after the other; each starts at rest."""
         machine = self.nominal.machine(self.nominal.true_values(seed))
         clock = self.clock(seed)
-        for number, peak in enumerate(self.peaks):
-            yield self._record(machine, clock, seed, number, peak)
+        for number in range(len(self.peaks)):
+            yield self._record(machine, clock, seed, number)
 
     def clock(self, seed: int) -> RobotClock:
         """The robot's clock of the machine that a seed stands for."""
         return self.instruments.clock(self.epoch, stream(seed, "clock"))
 
-    def _record(self, machine: Machine, clock: RobotClock, seed: int, number: int, peak: float) -> Recording:
-        name = f"log_{number + 1}"
-        start = self.epoch + number * self.pause
-        # Times since 1970 are rounded to the clock's resolution; what happens, happens at the rounded times.
-        issued = start + self.instruments.command_times(self.duration, stream(seed, name, "command"))
+    def _record(self, machine: Machine, clock: RobotClock, seed: int, number: int) -> Recording:
+        name, start = f"log_{number + 1}", self._start_of(number)
         sampled = start + self.instruments.sample_times(self.duration, stream(seed, name, "sample"))
-        wish = self._wish(issued - start, peak, stream(seed, name, "excitation"))
-        position, command = self.played(machine, issued - start, sampled - start, wish)
+        after, wish = self.asked(seed, number)
+        position, command = self.played(machine, after, sampled - start, wish)
+        issued = start + after
+        tools, stamp = self.instruments, clock.read(sampled)
+        position = self._encoded(position, stream(seed, name, "noise"))
         return Recording(
             name=name,
-            stamp=clock.read(sampled),
-            arrival=self.instruments.arrival(sampled, stream(seed, name, "transport")),
-            position=self._encoded(position),
-            command_time=issued,
-            command=command,
+            stamp=stamp,
+            arrival=tools.arrival(sampled, stream(seed, name, "transport")),
+            position=position,
+            command_time=issued[:: tools.logged_every],
+            command=command[:: tools.logged_every],
+            velocity=None if tools.velocity is None else tools.velocity.velocity(stamp, position, tools.sample_rate),
         )
+
+    def asked(self, seed: int, number: int) -> tuple[Array, Array]:
+        """What is asked in a log, 0 the first: instants in s after its start, shape (k,), and wishes, shape (k, m)."""
+        name, start = f"log_{number + 1}", self._start_of(number)
+        # Times since 1970 are rounded to the clock's resolution; what happens, happens at the rounded times.
+        issued = start + self.instruments.command_times(self.duration, stream(seed, name, "command")) - start
+        return issued, self._wish(issued, self.peaks[number], stream(seed, name, "excitation"))
+
+    def _start_of(self, number: int) -> float:
+        return self.epoch + number * self.pause
 
     def _wish(self, time: Array, peak: float, generator: np.random.Generator) -> Array:
         sizes = [peak * self.shares.get(name, 1.0) for name in self.actuators]
@@ -155,6 +169,21 @@ class Bench:
         joints = machine.joints
         read = sampled[:, None] - np.array([self.hidden.reading_delay(joint) for joint in joints])
         instants, where = np.unique(read, return_inverse=True)
+        states, command = self.moved(machine, issued, instants, wish)
+        shown = states[:, Body.of(machine, self.hidden).read_columns]
+        position = np.take_along_axis(shown, where.reshape(read.shape), axis=0)
+        columns = [self.hidden.reading(joint, sampled, position[:, row]) for row, joint in enumerate(joints)]
+        return np.stack(columns, axis=1) + [self.hidden.reading_bias(joint) for joint in joints], command
+
+    def moved(self, machine: Machine, issued: Array, instants: Array, wish: Array) -> tuple[Array, Array]:
+        """How the machine moves with what is hidden in it: states as by `motion.simulate`, and the commands.
+
+        Args:
+            machine: as for `played`, likewise `issued` and `wish`.
+            issued: instants of the commands, s.
+            instants: when the motion is reported, s after the start, not decreasing, shape (n,).
+            wish: what is wished.
+        """
         experiment = Experiment(
             machine=machine,
             effect=self.hidden,
@@ -165,13 +194,16 @@ class Bench:
             start=self._start(),
             accuracy=self.accuracy,
         )
-        states, command = self.operator.operate(experiment, wish)
-        position = np.take_along_axis(states[:, : len(joints)], where.reshape(read.shape), axis=0)
-        return position + [self.hidden.reading_bias(joint) for joint in joints], command
+        return self.operator.operate(experiment, wish)
 
     def _start(self) -> State:
         return (*(self.start.get(joint, 0.0) for joint in self.joints), *(0.0 for _ in self.joints))
 
-    def _encoded(self, position: Array) -> Array:
-        turns = np.array([2 * np.pi / self.travel[joint] if joint in self.travel else 1.0 for joint in self.joints])
-        return self.instruments.encode(position * turns) / turns
+    @property
+    def turns(self) -> Array:
+        """Angle of each joint's encoder a unit of its position, rad/rad or rad/m, shape (joints,)."""
+        return np.array([2 * np.pi / self.travel[joint] if joint in self.travel else 1.0 for joint in self.joints])
+
+    def _encoded(self, position: Array, generator: np.random.Generator) -> Array:
+        angle = self.instruments.disturbed(position * self.turns, generator)
+        return self.instruments.encode(angle) / self.turns

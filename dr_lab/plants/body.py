@@ -6,6 +6,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.plants.dry_friction import DryFriction
 from dr_lab.plants.hidden.effect import HiddenEffect, Law, Motor, Oscillator
 from dr_lab.plants.machine import Machine, Matrix, Vector, index
+from dr_lab.plants.memory import Bristle, Memory, SlowCommand, SlowReading
 
 
 @dataclass(frozen=True)
@@ -17,6 +18,8 @@ class Body:
         laws: joint and law of each smooth force.
         frictions: joint and law of each dry friction.
         inside: joint and data of each hidden oscillator, then of each motor that turns by itself.
+        memories: place and data of what is remembered: of a joint, or of an actuator for a command.
+        at_motor: joints whose encoder sits at their hidden motor.
 
     Raises:
         ConfigError: two dry frictions sit at one joint.
@@ -27,6 +30,8 @@ class Body:
     laws: tuple[tuple[int, Law], ...]
     frictions: tuple[tuple[int, DryFriction], ...]
     inside: tuple[tuple[int, Oscillator | Motor], ...]
+    memories: tuple[tuple[int, Memory], ...] = ()
+    at_motor: frozenset[int] = frozenset()
 
     @classmethod
     def of(cls, machine: Machine, effect: HiddenEffect) -> "Body":
@@ -43,6 +48,8 @@ class Body:
             tuple((place(joint), law) for joint, law in effect.forces()),
             frictions,
             tuple((place(rotor.joint), rotor) for rotor in (*effect.oscillators(), *effect.motors())),
+            tuple((_kept_at(memory, machine), memory) for memory in effect.memories()),
+            frozenset(place(joint) for joint in machine.joints if effect.read_at_motor(joint)),
         )
 
     @property
@@ -50,11 +57,53 @@ class Body:
         """Number of degrees of freedom."""
         return len(self.machine.joints) + len(self.inside)
 
+    @property
+    def read_columns(self) -> tuple[int, ...]:
+        """Of each joint, the column of the state (positions, velocities, memories) that its encoder shows."""
+        columns = list(range(len(self.machine.joints)))
+        for row, (joint, rotor) in enumerate(self.inside, start=len(columns)):
+            if isinstance(rotor, Motor) and joint in self.at_motor:
+                columns[joint] = row
+        for row, (joint, memory) in enumerate(self.memories, start=2 * self.degrees):
+            if isinstance(memory, SlowReading):
+                columns[joint] = row
+        return tuple(columns)
+
+    def acting(self, command: Vector, kept: Vector) -> Vector:
+        """Commands that act: those that a driver is slow to follow are replaced by what it remembers."""
+        if not kept:
+            return command
+        slow = {place: row for row, (place, memory) in enumerate(self.memories) if isinstance(memory, SlowCommand)}
+        return [kept[slow[place]] if place in slow else value for place, value in enumerate(command)]
+
+    def rates(self, position: Vector, velocity: Vector, command: Vector, kept: Vector) -> list[float]:
+        """How fast each memory changes, in its unit per s."""
+        rates = []
+        for (place, memory), value in zip(self.memories, kept, strict=True):
+            if isinstance(memory, Bristle):
+                rates.append(memory.rate(value, velocity[place]))
+            elif isinstance(memory, SlowCommand):
+                rates.append(memory.rate(value, command[place]))
+            else:
+                rates.append(memory.rate(value, position[place]))
+        return rates
+
     def terms(
-        self, time: float, position: Vector, velocity: Vector, command: Vector, drag: Vector
+        self,
+        time: float,
+        position: Vector,
+        velocity: Vector,
+        command: Vector,
+        drag: Vector,
+        kept: Vector = (),
     ) -> tuple[Matrix, Vector]:
         """Mass matrix and force, where dry friction adds `drag` to the force; time in s in the log."""
         applied = list(drag)
+        for (joint, memory), value in zip(self.memories, kept, strict=True):
+            if isinstance(memory, Bristle):
+                speed = velocity[joint]
+                applied[joint] += memory.force(value, memory.rate(value, speed), speed)
+        command = self.acting(command, kept)
         for joint, law in self.laws:
             applied[joint] += law(time, position[joint], velocity[joint])
         if not self.inside:
@@ -82,3 +131,10 @@ class Body:
         for row, (_, rotor) in enumerate(self.inside, start=own):
             rows.append([rotor.inertia if column == row else 0.0 for column in range(self.degrees)])
         return rows, force
+
+
+def _kept_at(memory: Memory, machine: Machine) -> int:
+    """Place of the joint, or of the actuator, that a memory belongs to."""
+    if isinstance(memory, SlowCommand):
+        return index("actuator", memory.actuator, machine.actuators)
+    return index("joint", memory.joint, machine.joints)

@@ -10,11 +10,12 @@ from dr_lab.trajectory import Array
 
 @dataclass(frozen=True)
 class Command:
-    """Zero-order hold: value[i] acts from edge[i] until edge[i + 1]; before the first edge the command is zero.
+    """Zero-order hold: value[i] acts from edge[i] until edge[i + 1]; before the first edge it is `before`.
 
     Attributes:
         edge: times in s, increasing, shape (n,).
         value: in the actuator's unit, shape (n,).
+        before: in the actuator's unit.
 
     Raises:
         DataError: shapes disagree or the edges do not increase.
@@ -22,6 +23,7 @@ class Command:
 
     edge: Array
     value: Array
+    before: float = 0.0
 
     def __post_init__(self) -> None:
         if self.edge.ndim != 1 or self.edge.shape != self.value.shape:
@@ -33,4 +35,4 @@ class Command:
     def at(self, time: Array) -> Array:
         """The held value at each time, shape of `time`."""
         index = np.searchsorted(self.edge, time, side="right")
-        return np.concatenate([[0.0], self.value])[index]
+        return np.concatenate([[self.before], self.value])[index]

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dr_lab.plants.filtered_difference import FilteredDifference
+from dr_lab.plants.noise import Noise
 from dr_lab.trajectory import Array
 
 
@@ -42,6 +44,9 @@ class Instruments:
         transport_jitter: mean of the exponential time in s that may be added to it.
         transport_spacing: least time in s between two arrivals; a sample that is held up holds up those behind it.
         actuation_latency: time in s from a command's stamp to its voltage at the motor's driver.
+        noise: of the angle before it is counted; None leaves it as it is.
+        velocity: how velocities come of the angles; None reports none.
+        logged_every: of so many commands one is logged.
     """
 
     sample_rate: float
@@ -55,6 +60,9 @@ class Instruments:
     transport_jitter: float
     transport_spacing: float
     actuation_latency: float
+    noise: Noise | None = None
+    velocity: FilteredDifference | None = None
+    logged_every: int = 1
 
     def sample_times(self, duration: float, generator: np.random.Generator) -> Array:
         """Instants in s after the start at which the encoders are read."""
@@ -77,6 +85,19 @@ class Instruments:
         late = self.transport_latency + self.transport_jitter * generator.standard_exponential(len(host))
         queue = self.transport_spacing * np.arange(len(host))
         return np.asarray(np.maximum.accumulate(host + late - queue) + queue, dtype=np.float64)
+
+    def disturbed(self, angle: Array, generator: np.random.Generator) -> Array:
+        """Angles in rad with the encoder's noise, shape (n, joints)."""
+        if self.noise is None:
+            return angle
+        count, joints = angle.shape
+        return angle + np.stack([self.noise.draw(count, self.sample_rate, generator) for _ in range(joints)], axis=1)
+
+    def white_equal(self) -> float:
+        """Standard deviation in rad of the white noise that hides slow motions as much as noise and counts do."""
+        noise = 0.0 if self.noise is None else self.noise.white_equal(self.sample_rate)
+        count = 0.0 if self.counts is None else 2 * np.pi / self.counts
+        return float(np.hypot(noise, count / np.sqrt(12)))
 
     def encode(self, angle: Array) -> Array:
         """Angles in rad as the encoder reads them: the nearest count."""

@@ -13,6 +13,7 @@ from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.machine import Machine, Vector
+from dr_lab.plants.memory import Bristle, SlowCommand, SlowReading
 from dr_lab.plants.phases import Phase, State, phase_at
 from dr_lab.trajectory import Array
 
@@ -60,13 +61,14 @@ def simulate(
         start: positions, then velocities, of the machine's joints at time 0; None means zero.
 
     Returns:
-        Positions, then velocities, at each time in rad, m, rad/s and m/s, shape (n, 2 · degrees of freedom); those of a
-        hidden oscillator or motor come after the joints'.
+        Positions, then velocities, at each time in rad, m, rad/s and m/s, then what is remembered, shape
+        (n, 2 · degrees of freedom + memories); those of a hidden oscillator or motor come after the joints'.
 
     Raises:
         DataError: `time` is empty or decreases, or the integration fails.
     """
-    run = Run(Body.of(machine, effect), accuracy, time, start)
+    before = [command.before for command in commands]
+    run = Run(Body.of(machine, effect), accuracy, time, start, before)
     acting = [effect.command(name, command) for name, command in zip(machine.actuators, commands, strict=True)]
     edges = np.concatenate([[0.0, run.end], *(command.edge for command in acting)])
     bounds = np.unique(edges[(edges >= 0) & (edges <= run.end)])
@@ -80,39 +82,48 @@ class Run:
     """One simulation under way: where the machine is and which of the asked states are known.
 
     Attributes:
-        states: at each asked time, shape (n, 2 · degrees of freedom).
+        states: at each asked time, shape (n, 2 · degrees of freedom + memories).
         state: now.
+        body: what moves.
         end: the last time that is asked for, s.
 
     Raises:
         DataError: `time` is empty or decreases.
     """
 
-    def __init__(self, body: Body, accuracy: Accuracy, time: Array, start: State | None) -> None:
+    def __init__(
+        self, body: Body, accuracy: Accuracy, time: Array, start: State | None, before: Sequence[float] = ()
+    ) -> None:
         if len(time) == 0 or (np.diff(time) < 0).any():
             raise DataError(f"Plant: give times that do not decrease at which to report the motion; got {len(time)}.")
-        self.state = _whole(body, start)
+        self.state = _whole(body, start, before)
         self.states = np.tile(np.asarray(self.state, dtype=np.float64), (len(time), 1))
         self.end = float(time[-1])
-        self._body = body
+        self.body = body
         self._accuracy = accuracy
         self._time = time
         self._known = int(np.searchsorted(time, 0.0, side="right"))
 
     def advance(self, begin: float, stop: float, command: Vector) -> None:
         """Move from begin to stop at constant commands, through as many phases as it takes."""
-        phase, self.state = phase_at(self._body, begin, self.state, command)
+        phase, self.state = phase_at(self.body, begin, self.state, command)
         while begin < stop:
             begin, ended = self._follow(self._solver(phase, begin, stop, command), phase, command)
             if ended:
                 phase, self.state = phase.after(begin, self.state, command)
 
     def _solver(self, phase: Phase, begin: float, stop: float, command: Vector) -> DOP853:
-        degrees, wanted = self._body.degrees, self._accuracy
+        degrees, wanted = self.body.degrees, self._accuracy
 
         def slope(time: float, y: Array) -> Sequence[float]:
             now: State = tuple(y.tolist())
-            return (*now[degrees:], *phase.acceleration(time, now, command))
+            position, velocity, kept = now[:degrees], now[degrees : 2 * degrees], now[2 * degrees :]
+            gained = phase.acceleration(time, now, command)
+            return (
+                (*velocity, *gained, *self.body.rates(position, velocity, command, kept))
+                if kept
+                else (*velocity, *gained)
+            )
 
         return DOP853(
             slope,
@@ -161,10 +172,16 @@ def _end_of_phase(dense: DenseOutput, phase: Phase, command: Vector) -> float | 
     return None
 
 
-def _whole(body: Body, start: State | None) -> State:
-    """The start state with every hidden oscillator and motor as its joint."""
+def _whole(body: Body, start: State | None, before: Sequence[float]) -> State:
+    """The start state with every hidden oscillator and motor as its joint, and memories of a machine at rest.
+
+    `before` are the commands that act before the first one; none are zeros.
+    """
     own = len(body.machine.joints)
     joints = (0.0,) * (2 * own) if start is None else start
     position, velocity = joints[:own], joints[own:]
     inside = [joint for joint, _ in body.inside]
-    return (*position, *(position[j] for j in inside), *velocity, *(velocity[j] for j in inside))
+    moving = (*position, *(position[j] for j in inside), *velocity, *(velocity[j] for j in inside))
+    sent = before or (0.0,) * len(body.machine.actuators)
+    kept = {SlowCommand: sent, SlowReading: position, Bristle: (0.0,) * own}
+    return (*moving, *(kept[type(memory)][place] for place, memory in body.memories))

@@ -1,21 +1,22 @@
 """Machines whose mass matrix and forces MuJoCo works out, at one instant at a time."""
 
 import copy
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
+from typing import Self
 
 import mujoco
 import numpy as np
 
-from dr_lab.errors import ModelError
+from dr_lab.plants.inertia import moved, with_point
 from dr_lab.plants.machine import Gravity, Matrix, Vector, index
-from dr_lab.plants.nominal import Nominal
+from dr_lab.plants.mjcf_nominal import MjcfNominal
 from dr_lab.trajectory import Array
 
-# Contact forces to rounding, so that the integrator's error estimate sees no noise of the solver.
-_PRECISE = {"tolerance": 1e-14, "ls_tolerance": 1e-4, "iterations": 200, "ls_iterations": 200}
+# What a gear adds at its joint, N·m or N, from the drive's force there, that of gravity and of the motion itself, and
+# the joint's velocity.
+GearLaw = Callable[[float, float, float], float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,15 +31,17 @@ class MujocoMachine:
         joints: names of the joints, in the order of q.
         bodies: names of the bodies that the joints move.
         actuators: names of the actuators.
+        gears: joint and law of what gears add.
     """
 
     model: mujoco.MjModel
     joints: tuple[str, ...]
     bodies: tuple[str, ...]
     actuators: tuple[str, ...]
+    gears: tuple[tuple[int, GearLaw], ...] = ()
 
     @classmethod
-    def of(cls, model: mujoco.MjModel) -> "MujocoMachine":
+    def of(cls, model: mujoco.MjModel) -> Self:
         """The machine of a model, its derived constants made anew."""
         mujoco.mj_setConst(model, mujoco.MjData(model))
         return cls(
@@ -60,55 +63,106 @@ class MujocoMachine:
         data.qpos[:], data.qvel[:] = position, velocity
         data.ctrl[:], data.qfrc_applied[:] = command, applied
         mujoco.mj_forward(self.model, data)
+        for joint, law in self.gears:
+            drive, outside = float(data.qfrc_actuator[joint]), -float(data.qfrc_bias[joint])
+            data.qfrc_applied[joint] += law(drive, outside, velocity[joint])
+        if self.gears:
+            mujoco.mj_forward(self.model, data)
         mujoco.mj_fullM(self.model, data, dense)
         return dense.tolist(), (data.qfrc_smooth + data.qfrc_constraint).tolist()
 
-    def with_armature(self, joint: str, inertia: float) -> "MujocoMachine":
+    def with_armature(self, joint: str, inertia: float) -> Self:
         """With rotor inertia at a joint."""
         model = copy.copy(self.model)
         model.dof_armature[index("joint", joint, self.joints)] += inertia
-        return MujocoMachine.of(model)
+        return self._altered(model)
 
-    def with_load(self, body: str, mass: float, distance: float) -> "MujocoMachine":
-        """With a point mass on the line from a body's joint to its centre of mass, across the joint's axis.
-
-        Centre and inertia are put together by the parallel-axis theorem.
-        """
-        model = copy.copy(self.model)
-        joint = index("body", body, self.bodies)
-        row, axis, anchor = int(model.jnt_bodyid[joint]), model.jnt_axis[joint], model.jnt_pos[joint]
-        turn, own, centre = np.zeros(9), float(model.body_mass[row]), model.body_ipos[row].copy()
-        lever = centre - anchor - axis * (axis @ (centre - anchor))
+    def with_load(self, body: str, mass: float, distance: float) -> Self:
+        """With a point mass on the line from a body's joint to its centre of mass, across the joint's axis."""
+        anchor, lever = self._arm(body)
         length = float(np.linalg.norm(lever))
-        place = anchor + (distance / length * lever if length else 0.0)
-        mujoco.mju_quat2Mat(turn, model.body_iquat[row])
-        frame = turn.reshape(3, 3)
-        tensor = frame @ np.diag(model.body_inertia[row]) @ frame.T
-        common = (own * centre + mass * place) / (own + mass)
-        tensor += own * _about(centre - common) + mass * _about(place - common)
-        model.body_mass[row], model.body_ipos[row] = own + mass, common
-        model.body_inertia[row], model.body_iquat[row] = _principal(tensor)
-        model.body_sameframe[row] = int(mujoco.mjtSameFrame.mjSAMEFRAME_NONE)  # its axes are no longer the body's
-        return MujocoMachine.of(model)
+        return self.with_mass_at(body, mass, anchor + (distance / length * lever if length else 0.0))
 
-    def with_gravity(self, gravity: Gravity) -> "MujocoMachine":
+    def lever(self, body: str) -> float:
+        """Distance of a body's centre of mass from its joint's axis, m."""
+        return float(np.linalg.norm(self._arm(body)[1]))
+
+    def with_mass_at(self, body: str, mass: float, place: Array) -> Self:
+        """With a point mass (kg) at a place in a body's frame (m, shape (3,)), put together by the parallel axes."""
+        model = copy.copy(self.model)
+        with_point(model, self._row(body), mass, place)
+        return self._altered(model)
+
+    def with_centre_moved(self, body: str, offset: Array) -> Self:
+        """With a body's centre of mass moved in the body's frame (m, shape (3,)); its mass and own inertia stay."""
+        model = copy.copy(self.model)
+        moved(model, self._row(body), offset)
+        return self._altered(model)
+
+    def with_inertia_scaled(self, body: str, factor: float) -> Self:
+        """With a body's inertia about its own centre scaled; mass and centre stay."""
+        model = copy.copy(self.model)
+        model.body_inertia[self._row(body)] *= factor
+        return self._altered(model)
+
+    def with_medium(self, density: float, wind: tuple[float, float, float]) -> Self:
+        """In a medium that is denser (kg/m³) and moves faster (m/s) than the documented one."""
+        model = copy.copy(self.model)
+        model.opt.density += density
+        model.opt.wind += wind
+        return self._altered(model)
+
+    def with_gear_law(self, joint: str, law: GearLaw) -> Self:
+        """With a gear that adds a force of its own at a joint."""
+        return replace(self, gears=(*self.gears, (index("joint", joint, self.joints), law)))
+
+    def with_stiffness_scaled(self, actuator: str, share: float) -> Self:
+        """With a position controller of whose documented gain only a share acts; its damping gain stays."""
+        model, row = copy.copy(self.model), index("actuator", actuator, self.actuators)
+        model.actuator_gainprm[row, 0] *= share
+        model.actuator_biasprm[row, 1] *= share
+        return self._altered(model)
+
+    def with_floor_turned(self, floor: str, turn: Array) -> Self:
+        """With a plane turned by a quaternion (wxyz) about its own origin."""
+        model, turned = copy.copy(self.model), np.zeros(4)
+        plane = model.geom(floor)
+        mujoco.mju_mulQuat(turned, turn, plane.quat)
+        plane.quat[:] = turned
+        model.geom_sameframe[plane.id] = int(mujoco.mjtSameFrame.mjSAMEFRAME_NONE)
+        return self._altered(model)
+
+    def with_gravity(self, gravity: Gravity) -> Self:
         """In another gravity."""
         model = copy.copy(self.model)
         model.opt.gravity = gravity
-        return MujocoMachine.of(model)
+        return self._altered(model)
 
-    def with_drive_scaled(self, actuator: str, share: float) -> "MujocoMachine":
+    def with_drive_scaled(self, actuator: str, share: float) -> Self:
         """With a weaker (or stronger) drive."""
         model = copy.copy(self.model)
         model.actuator_gear[index("actuator", actuator, self.actuators)] *= share
-        return MujocoMachine.of(model)
+        return self._altered(model)
 
-    def with_contact(self, friction: float, time_constant: float, damping_ratio: float) -> "MujocoMachine":
+    def with_contact(self, friction: float, time_constant: float, damping_ratio: float) -> Self:
         """With contacts whose sliding friction, time constant and damping ratio are shares of the documented ones."""
         model = copy.copy(self.model)
         model.geom_friction[:, 0] *= friction
         model.geom_solref[:] *= [time_constant, damping_ratio]
-        return MujocoMachine.of(model)
+        return self._altered(model)
+
+    def _altered(self, model: mujoco.MjModel) -> Self:
+        return replace(type(self).of(model), gears=self.gears)
+
+    def _arm(self, body: str) -> tuple[Array, Array]:
+        """Where a body's joint is, and the way from there to its centre across the joint's axis, m, shape (3,)."""
+        joint, row = index("body", body, self.bodies), self._row(body)
+        axis, anchor = self.model.jnt_axis[joint], self.model.jnt_pos[joint]
+        reach = self.model.body_ipos[row] - anchor
+        return anchor, reach - axis * (axis @ reach)
+
+    def _row(self, body: str) -> int:
+        return int(self.model.jnt_bodyid[index("body", body, self.bodies)])
 
     @cached_property
     def _data(self) -> tuple[mujoco.MjData, Array]:
@@ -116,59 +170,9 @@ class MujocoMachine:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MujocoNominal(Nominal):
-    """A machine whose documents are an MJCF file.
-
-    Attributes:
-        mjcf: the file.
-        free: what is not exactly known: ``<body>.mass``, whose inertia scales with it, or ``<joint>.damping``.
-
-    Raises:
-        ModelError: the model is not one of hinges and slides with one command to each actuator.
-    """
-
-    mjcf: str
-    free: Sequence[str]
-
-    def documented(self) -> dict[str, float]:
-        """Masses (kg) and dampings (N·m·s/rad or N·s/m) as the file has them."""
-        model = self._model
-        return {name: float(_field(model, name)[0]) for name in self.free}
+class MujocoNominal(MjcfNominal):
+    """A machine whose documents are an MJCF file, played by MuJoCo."""
 
     def machine(self, true: Mapping[str, float]) -> MujocoMachine:
         """The machine with given masses and dampings."""
-        model = copy.copy(self._model)
-        for name, value in true.items():
-            field = _field(model, name)
-            if name.endswith(".mass"):
-                model.body(name.removesuffix(".mass")).inertia[:] *= value / field[0]
-            field[0] = value
-        return MujocoMachine.of(model)
-
-    @cached_property
-    def _model(self) -> mujoco.MjModel:
-        model = mujoco.MjModel.from_xml_path(str(Path(self.mjcf)))
-        if model.nq != model.nv or model.nv != model.njnt or model.nu != model.nactuator:
-            raise ModelError(f"{self.mjcf}: a plant is made of hinges and slides, with one command to each actuator.")
-        for option, value in _PRECISE.items():
-            setattr(model.opt, option, value)
-        return model
-
-
-def _field(model: mujoco.MjModel, name: str) -> Array:
-    """Where a free parameter stands in the compiled model, shape (1,)."""
-    element, _, attribute = name.rpartition(".")
-    return model.body(element).mass if attribute == "mass" else model.joint(element).damping
-
-
-def _about(offset: Array) -> Array:
-    """Inertia of a unit mass at an offset, shape (3, 3)."""
-    return float(offset @ offset) * np.eye(3) - np.outer(offset, offset)
-
-
-def _principal(tensor: Array) -> tuple[Array, Array]:
-    """Principal moments of inertia, and the quaternion of their axes."""
-    moments, axes = np.linalg.eigh(tensor)
-    turn = np.zeros(4)
-    mujoco.mju_mat2Quat(turn, (axes * np.sign(np.linalg.det(axes))).reshape(-1))
-    return moments, turn
+        return MujocoMachine.of(self.model(true))

@@ -17,7 +17,7 @@ _STOPPED = 1e-9
 
 (_POSV,) = get_lapack_funcs(("posv",), dtype=np.float64)  # solves M x = f for a positive definite M
 
-State = tuple[float, ...]  # positions, then velocities
+State = tuple[float, ...]  # positions, then velocities, then what is remembered
 
 
 @dataclass(frozen=True)
@@ -72,11 +72,11 @@ class Phase:
 
     def _terms(self, time: float, state: State, command: Vector) -> tuple[Matrix, Vector]:
         degrees = self.body.degrees
-        velocity, drag = state[degrees:], [0.0] * degrees
+        velocity, drag = state[degrees : 2 * degrees], [0.0] * degrees
         for (joint, friction), slide in zip(self.body.frictions, self.slides, strict=True):
             if slide:
                 drag[joint] = -slide * friction.sliding(slide, velocity[joint])
-        return self.body.terms(time, state[:degrees], velocity, command, drag)
+        return self.body.terms(time, state[:degrees], velocity, command, drag, state[2 * degrees :])
 
     def _margins(self, time: float, state: State, command: Vector) -> list[float]:
         """Of each dry friction: speed in the direction of its slide, or static friction less the load."""

@@ -33,7 +33,7 @@ def track(experiment: Experiment, controller: Controller) -> tuple[Array, Array]
     """
     machine, effect, issued = experiment.machine, experiment.effect, experiment.issued
     run = Run(Body.of(machine, effect), experiment.accuracy, experiment.instants, experiment.start)
-    actuators, joints, degrees = machine.actuators, len(machine.joints), len(run.state) // 2
+    actuators, joints, degrees = machine.actuators, len(machine.joints), run.body.degrees
     sent = Command(issued + experiment.latency, np.zeros(len(issued)))
     acts = [effect.command(name, sent).edge for name in actuators]
     asked, acting = np.zeros((len(issued), len(actuators))), np.zeros((len(issued) + 1, len(actuators)))

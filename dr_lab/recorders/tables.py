@@ -97,7 +97,7 @@ def _outcome(row: Mapping[str, Any]) -> tuple[str, str, str]:
         return ABSENT, f"≈ {percent(max(row['predicted_gain'], 0.0))} promised", ABSENT
     low, high = row["gain_ci"]
     interval = "" if low is None and high is None else f" ({percent(low)} … {percent(high)})"
-    gain = f"{percent(row['gain'])}{interval}"
+    gain = f"{percent(row['gain'])}{interval if row.get('final', True) else ', tried on few windows'}"
     return number(row["held_out_chi2"]), gain, "; ".join(_own_parameters(row)) or ABSENT
 
 

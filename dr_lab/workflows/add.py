@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
@@ -35,6 +36,7 @@ def add(
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
     model_check: ModelCheckSettings,
+    faults: FaultSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -54,7 +56,9 @@ def add(
     """
     with screen() as told:
         told.phase("Cutting the logs into windows")
-        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        study = prepare(
+            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
+        )
         placed = [_place(study, one, effect) for one in effects.values()]
         told.phase("Calibrating the model")
         ladder = Ladder((), calibrate(study), ())

@@ -1,5 +1,6 @@
 """Verb `benchmark`: hidden effects of simulated machines, diagnosed as a user would, and scored."""
 
+import fnmatch
 import functools
 import json
 import os
@@ -13,13 +14,14 @@ from rich.markdown import Markdown
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from dr_lab.effects.effect import Effect
-from dr_lab.errors import ConfigError, DrLabError
+from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
 from dr_lab.recorders.benchmark_review import write_benchmark_review
 from dr_lab.recorders.confusion import confusion_csv, confusion_picture, write_picture
 from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
-from dr_lab.workflows.benchmark_cases.case import Case, CaseSet, Machine, expand
+from dr_lab.workflows.benchmark_cases.case import Case, Cases, Machine, expand
 from dr_lab.workflows.benchmark_cases.diagnosed import diagnose_case
+from dr_lab.workflows.benchmark_cases.equivalence import TruthClasses
 from dr_lab.workflows.benchmark_cases.observed import Compose
 from dr_lab.workflows.benchmark_cases.outcome import Outcome
 from dr_lab.workflows.benchmark_cases.pages import effects_page, machines_page, misses_page, rates_page, report_page
@@ -33,11 +35,13 @@ RESUMES_FROM = CASES  # what a run folder must hold to be resumed
 
 def benchmark(
     machines: Mapping[str, Machine],
-    cases: Mapping[str, CaseSet],
+    cases: Mapping[str, Cases],
     goals: Goals,
     spelt: Mapping[str, Mapping[str, str]],
     effects: Mapping[str, Effect],
+    classes: TruthClasses,
     recorder: Look,
+    only: Sequence[str] | None,
     resume: str | None,
     processes: int | None,
     compose: Compose,
@@ -51,7 +55,9 @@ def benchmark(
         goals: what the figures should reach.
         spelt: effect → the plant's name of a parameter → the catalogue's, where they differ.
         effects: the catalogue, for the order of the confusion matrix.
+        classes: finds the equivalence classes by which answers are scored.
         recorder: colours of the confusion matrix.
+        only: names of cases, with the wildcards ``*``, ``?`` and ``[05]``; None takes all.
         resume: run folder of an interrupted benchmark, whose finished cases are taken over.
         processes: cases at a time; None takes every core.
         compose: gives the arguments of a verb, built from its name and overrides; must be importable in new processes.
@@ -62,13 +68,14 @@ def benchmark(
 
     Raises:
         ConfigError: nothing to run, or no run to resume.
+        UnknownNameError: no case has a wanted name.
         DrLabError: cases failed; the files of the others are written.
     """
-    wanted = expand(cases, machines)
+    wanted = _chosen(expand(cases, machines), only)
     folder = run_dir / CASES
     done = _taken_over(resume, wanted)
     keep(folder, done)
-    diagnose = functools.partial(diagnose_case, compose=compose)
+    diagnose = functools.partial(diagnose_case, compose=compose, classes=classes)
     failed = _run([case for case in wanted if case not in done], diagnose, done, folder, _process_count(processes))
     outcomes = [done[case] for case in wanted if case in done]
     result = summary(outcomes, failed, goals, spelt)
@@ -77,6 +84,14 @@ def benchmark(
         errors = "; ".join(dict.fromkeys(failed.values()))
         raise DrLabError(f"{len(failed)} of {len(wanted)} cases failed; report.md lists them. {errors}")
     return result
+
+
+def _chosen(cases: Sequence[Case], only: Sequence[str] | None) -> tuple[Case, ...]:
+    """The cases whose names are wanted."""
+    for pattern in only or ():
+        if not any(fnmatch.fnmatchcase(case.name, pattern) for case in cases):
+            raise UnknownNameError("case", pattern, [case.name for case in cases], "the chosen cases (only)")
+    return tuple(c for c in cases if only is None or any(fnmatch.fnmatchcase(c.name, pattern) for pattern in only))
 
 
 def _taken_over(resume: str | None, cases: Sequence[Case]) -> dict[Case, Outcome]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
@@ -32,6 +33,7 @@ def close(
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
     model_check: ModelCheckSettings,
+    faults: FaultSettings,
     next_experiment: ExperimentSettings,
     recorder: Look,
     most: int,
@@ -50,6 +52,7 @@ def close(
         evidence: when a gain counts.
         localise: how the place of failure is looked for.
         model_check: what is checked of the model before anything is blamed on the machine.
+        faults: when a log is said to be faulty.
         next_experiment: which experiments are tried where logs cannot separate two effects.
         recorder: how the recording looks.
         most: most effects that are added; 0 only ranks them.
@@ -67,7 +70,9 @@ def close(
     require_names(effects)
     with screen() as told:
         told.phase("Cutting the logs into windows")
-        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        study = prepare(
+            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
+        )
         told.phase("Calibrating the model")
         base, watch = calibrate(study), told.ranking
         ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
@@ -27,6 +28,7 @@ def compare(
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
     model_check: ModelCheckSettings,
+    faults: FaultSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -41,7 +43,9 @@ def compare(
     with screen() as told:
         run = Run(run_dir, recorder, told)
         told.phase("Cutting the logs into windows")
-        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        study = prepare(
+            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
+        )
         told.phase("Comparing the model with the logs")
         z, (score, rung) = model.space.nominal, as_given(study)
         report = {

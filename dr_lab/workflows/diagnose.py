@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
@@ -31,6 +32,7 @@ def diagnose(
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
     model_check: ModelCheckSettings,
+    faults: FaultSettings,
     next_experiment: ExperimentSettings,
     recorder: Look,
     threads: int | None,
@@ -44,7 +46,9 @@ def diagnose(
     require_names(effects)
     with screen() as told:
         told.phase("Cutting the logs into windows")
-        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        study = prepare(
+            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
+        )
         told.phase("Calibrating the model")
         base, watch = calibrate(study), told.ranking
         ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=0, watch=watch)

@@ -93,7 +93,10 @@ def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dic
 
 
 def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[dict[str, Any]]:
-    """Candidates in the verdict's order; `gain` is the share of the χ² on the scored logs that an effect removes."""
+    """Candidates in the verdict's order; `gain` is the share of the χ² on the scored logs that an effect removes.
+
+    Of a candidate that was tried on a part of the fitted windows alone, and beaten there, all figures are from these.
+    """
     rows = []
     order = {label: place for place, label in enumerate(verdict.effects)}
     for candidate in sorted(found, key=lambda c: order.get(c.effect.label, len(order))):
@@ -102,13 +105,15 @@ def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[
             {
                 "effect": candidate.effect.effect.name,
                 "site": candidate.effect.site,
-                "held_out_chi2": candidate.explained.held_out.chi2,
+                "held_out_chi2": candidate.explained.held_out.chi2 if candidate.final or not candidate.fitted else None,
                 "gain": candidate.gain.share,
                 "gain_ci": [candidate.gain.low, candidate.gain.high],
                 "evidence": candidate.gain.total,
                 "evidence_low": candidate.gain.total_low,
                 "wins": candidate.gain.wins,
                 "fitted": candidate.fitted,
+                "final": candidate.final,
+                "gap_closed": dict(candidate.gain.channels),
                 "predicted_gain": candidate.predicted,
                 "status": verdict.status[label],
                 "absorbed_by_parameters": label in verdict.absorbed,
@@ -166,8 +171,9 @@ def _own(candidate: Candidate, study: Study) -> dict[str, Any]:
     """The effect's fitted parameters; none where it was not fitted."""
     if not candidate.fitted:
         return {}
-    explained = candidate.explained
-    table = _marked(estimate(explained.model.space, explained.fit, study.bench.fit, study.bench.evidence))
+    explained, bench = candidate.explained, study.bench
+    windows = bench.fit if candidate.final else bench.screening().fit
+    table = _marked(estimate(explained.model.space, explained.fit, windows, bench.evidence))
     return {p.name: table[p.name] for p in candidate.effect.parameters}
 
 

@@ -17,6 +17,7 @@ from dr_lab.recorders.tables import ladder_table, parameter_table, ranking_summa
 from dr_lab.recorders.verdict import verdict_markdown
 from dr_lab.trajectory import Array, Log
 from dr_lab.workflows.export import mjcf, write_context, write_model, write_rollout
+from dr_lab.workflows.fault_notes import KIND, faults_markdown
 from dr_lab.workflows.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.workflows.progress import Screen
 from dr_lab.workflows.study import Study
@@ -52,7 +53,8 @@ def answer(report: Mapping[str, Any], run: Run) -> None:
     known = cast(dict[str, Any], to_plain({**report}))
     ranking = known.get("ranking", [])
     others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
-    parts = [verdict_markdown(known), ladder_table(known), _parameters(known)]
+    faults = faults_markdown(known.get("notes", []))
+    parts = [faults, verdict_markdown(known), ladder_table(known), _parameters(known)]
     parts.append(ranking_summary(ranking[:_SHOWN], known.get("verdict")) + others)
     run.screen.show(_paragraphs(parts))
 
@@ -100,7 +102,9 @@ def finish(
 
 
 def _plain(report: Mapping[str, Any], notes: Sequence[Mapping[str, Any]], run_dir: Path) -> dict[str, Any]:
-    more = {"notes": [*report.get("notes", []), *notes], "run": str(run_dir)}
+    every = [*report.get("notes", []), *notes]
+    every.sort(key=lambda note: note["kind"] != KIND)
+    more = {"notes": every, "run": str(run_dir)}
     return cast(dict[str, Any], to_plain({**report, **more}))
 
 
@@ -133,7 +137,7 @@ def _rest(report: Mapping[str, Any]) -> str:
     """Where the model fails, and notes."""
     where = [f"- {r['signal']}, {r['region']}: {100 * r['share']:.0f} % of its error" for r in report.get("where", [])]
     parts = [f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else ""]
-    notes = report.get("notes", [])
+    notes = [note for note in report.get("notes", []) if note["kind"] != KIND]
     left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
     parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")
     return _paragraphs(parts)

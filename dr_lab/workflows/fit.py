@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
@@ -28,6 +29,7 @@ def fit(
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
     model_check: ModelCheckSettings,
+    faults: FaultSettings,
     recorder: Look,
     threads: int | None,
     run_dir: Path,
@@ -40,7 +42,9 @@ def fit(
     with screen() as told:
         run = Run(run_dir, recorder, told)
         told.phase("Cutting the logs into windows")
-        study = prepare(model, measurements, windows, predicted, solver, evidence, localise, model_check, threads)
+        study = prepare(
+            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
+        )
         told.phase("Calibrating the model")
         found = describe(study, calibrate(study))
         z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)

@@ -10,12 +10,14 @@ from dr_lab.diagnosis.evidence import block_count
 from dr_lab.diagnosis.pruning import PutBack
 from dr_lab.diagnosis.unit_suspicion import suspect_degrees
 from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows.fault_notes import KIND, fault_notes
 from dr_lab.workflows.study import Study
 
 
 def study_notes(study: Study) -> list[dict[str, Any]]:
     """Notes on the data and the model, before anything is fitted."""
     return [
+        *fault_notes(study.faults, study.measurements),
         *_unit_note(study),
         *_step_note(study),
         *_silent_notes(study),
@@ -133,4 +135,5 @@ def _data_notes(measured: MeasurementSet) -> list[dict[str, Any]]:
         {"log": log.name, "kind": note.kind, "signal": note.signal, "message": note.message, "count": note.count}
         for log in (*measured.fit, *measured.held_out)
         for note in log.notes
+        if note.kind != KIND
     ]

@@ -19,7 +19,8 @@ class PlantSource:
 
     Attributes:
         plant: the machine on its bench.
-        joint_topic: topic of the encoder readings, ``sensor_msgs/msg/JointState`` with positions only.
+        joint_topic: topic of the encoder readings, ``sensor_msgs/msg/JointState``; velocities only where the
+            instruments report them.
         command_topic: topic of the commands, ``std_msgs/msg/Float64MultiArray`` with one number for each actuator.
     """
 
@@ -38,7 +39,12 @@ class PlantSource:
 
     def _named(self, recording: Recording) -> NamedLog:
         joints = JointStates(
-            self.joint_topic, self.plant.joints, recording.stamp, recording.arrival, recording.position
+            self.joint_topic,
+            self.plant.joints,
+            recording.stamp,
+            recording.arrival,
+            recording.position,
+            recording.velocity,
         )
         commands = FloatArrays(self.command_topic, self.plant.actuators, recording.command_time, recording.command)
         return NamedLog(recording.name, (joints, commands), {"source": "simulated machine"})

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.bench import Bench
+from dr_lab.diagnosis.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.fit import Fitter
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
@@ -25,6 +27,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
 from dr_lab.trajectory import MeasurementSet
+from dr_lab.workflows.fault_notes import say_faults
 from dr_lab.workflows.state_fits import StateFits
 
 
@@ -48,6 +51,7 @@ class Study:
         floor: error of the time step of the model as given.
         refinement: which step stands in its place, and why.
         own_chi2: χ² by channel of logs that the model made itself.
+        faults: what the model shows to be wrong with the logs.
     """
 
     model: Model
@@ -65,6 +69,7 @@ class Study:
     floor: NumericalFloor
     refinement: Refinement
     own_chi2: Mapping[str, float]
+    faults: tuple[Fault, ...]
 
 
 def prepare(
@@ -76,13 +81,15 @@ def prepare(
     evidence: EvidenceSettings,
     localise: LocaliseSettings,
     model_check: ModelCheckSettings,
+    faults: FaultSettings,
     threads: int | None,
 ) -> Study:
     """Cut the logs and measure scales and the numerical floor, and check the model.
 
     Where the model's step moves an output, what follows has a finer one, unless the calibrated model leaves no more
-    than noise as it is: then the logs ask for no other physics, or were simulated with that very step. Without
-    held-out logs the fit logs score too, which the report says.
+    than noise as it is: then the logs ask for no other physics, or were simulated with that very step. Faults of the
+    logs are printed at once, before anything is fitted. Without held-out logs the fit logs score too, which the report
+    says.
 
     Raises:
         ConfigError: no log is there to fit on.
@@ -92,6 +99,8 @@ def prepare(
         raise ConfigError(
             f"Measurements {measurements.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
+    suspected = suspect_faults(model, measurements, faults)
+    say_faults(suspected, measurements)
     count = thread_count(threads)
     scored = measurements.held_out or measurements.fit
     floor = numerical_floor(model, scored, measurements, windows, count)
@@ -123,6 +132,7 @@ def prepare(
         floor=floor,
         refinement=refined,
         own_chi2=own,
+        faults=suspected,
     )
 
 

@@ -1,6 +1,8 @@
 """Every machine of the benchmark composes as a user would, and hides what its kind says."""
 
+import collections
 import functools
+from typing import Any
 
 import pytest
 import yaml
@@ -9,7 +11,8 @@ from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose, options
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.targets import locate
-from dr_lab.workflows.benchmark_cases.case import CaseSet, Machine, expand
+from dr_lab.workflows.benchmark_cases.case import Case, Machine, expand
+from dr_lab.workflows.benchmark_cases.listed import Entry
 
 MACHINES = list(options("machine", (shipped(),)))
 HIDDEN = shipped() / "plant" / "hidden"
@@ -20,7 +23,8 @@ def phenomena(option: str) -> tuple[str, ...]:
     """Names of what an option of ``plant/hidden`` hides."""
     fields = yaml.safe_load((HIDDEN / f"{option}.yaml").read_text(encoding="utf-8"))
     parts = [part for entry in fields.get("defaults", []) if isinstance(entry, dict) for part in entry.values()]
-    return tuple(p for part in parts for p in phenomena(part)) or (vars(locate(fields["_target_"], option))["name"],)
+    kind: Any = locate(fields["_target_"], option)
+    return tuple(p for part in parts for p in phenomena(part)) or (kind.name,)
 
 
 def machine_of(name: str) -> Machine:
@@ -45,29 +49,92 @@ def test_what_is_hidden_is_of_its_kind(name: str) -> None:
 def test_logs_and_model_compose(name: str) -> None:
     machine = machine_of(name)
     source = compose("record", [*machine.record, "plant/instruments=exact"]).source
-    assert source["_target_"] == "dr_lab.workflows.record_plant.PlantSource"
+    kind = "record_plant.PlantSource" if "source=model" not in machine.record else "record_model.ModelSource"
+    assert source["_target_"] == f"dr_lab.workflows.{kind}"
     cfg = compose(
         "diagnose", [*machine.diagnose, "++measurements.outputs={a.position:{noise_std:0.1}}", "effect=spring"]
     )
     assert cfg.measurements.outputs["a.position"].noise_std == 0.1
 
 
-@pytest.mark.parametrize("preset", options("benchmark", (shipped(),)))
+def cases_of(preset: str) -> tuple[Case, ...]:
+    built = compose_arguments("benchmark", [f"benchmark={preset}"], (shipped(),))
+    return expand(built["cases"], built["machines"])
+
+
+@pytest.mark.parametrize("preset", ["full", "quick"])
 def test_presets_expand(preset: str) -> None:
-    fields = yaml.safe_load((shipped() / "benchmark" / f"{preset}.yaml").read_text(encoding="utf-8"))
-    sets = {
-        name: CaseSet(**{key: value for key, value in wanted.items() if key != "_target_"})
-        for name, wanted in fields["cases"].items()
-    }
-    machines = {name: machine_of(name) for name in MACHINES}
-    cases = expand(sets, machines)
-    assert {case.machine for case in cases} == set(MACHINES)
+    cases = cases_of(preset)
+    machines = {name for name in MACHINES if machine_of(name).single}
+    assert {case.machine for case in cases} == machines
     none = sum(case.kind == "none" for case in cases)
     least, alone = {"full": (25, 17), "quick": (4, 1)}[preset]
-    assert len(cases) - none >= (least - alone) * len(MACHINES)
-    assert none >= alone * len(MACHINES)
-    for wanted in sets.values():
-        assert set(wanted.hidden or ()) <= set(MACHINES)
+    assert len(cases) - none >= (least - alone) * len(machines)
+    assert none >= alone * len(machines)
+
+
+def hidden_in(case: Case) -> list[str]:
+    """Names, as the catalogue has them, of what a listed case hides."""
+    options = [label.partition("@")[0] for label in case.hidden.split(" + ") if label != "none"]
+    return [name for option in options for name in phenomena(f"general/{option}")]
+
+
+def test_strangers_hide_the_whole_catalogue_at_three_magnitudes() -> None:
+    cases, catalogue = cases_of("strangers"), set(options("effect", (shipped(),))) - {"formula"}
+    kinds = collections.Counter(case.kind for case in cases)
+    assert len(cases) >= 120
+    assert kinds["none"] >= 40
+    assert len({case.name for case in cases}) == len(cases) == len({case.seed for case in cases})
+    singles = collections.Counter(name for case in cases if case.kind == "single" for name in hidden_in(case))
+    assert {name for name, count in singles.items() if count >= 3} == catalogue
+    several = [hidden_in(case) for case in cases if case.kind == "several"]
+    assert {len(names) for names in several} == {2, 3, 4}
+    assert set().union(*several) <= catalogue
+    outside = [name for case in cases if case.kind == "outside" for name in hidden_in(case)]
+    assert catalogue.isdisjoint(outside)
+    assert {case.instruments for case in cases if case.kind == "none"} >= {"correlated", "low_passed", "quantised"}
+
+
+def test_entries_give_every_number_that_is_asked_for() -> None:
+    for preset in ("strangers", "table"):
+        fields = yaml.safe_load((shipped() / "benchmark" / f"{preset}.yaml").read_text(encoding="utf-8"))
+        for name, entry in ((n, e) for wanted in fields["cases"].values() for n, e in wanted["entries"].items()):
+            for label, numbers in entry.get("hide", {}).items():
+                option, _, site = label.partition("@")
+                asked = yaml.safe_load((HIDDEN / "general" / f"{option}.yaml").read_text(encoding="utf-8"))
+                needed = {key for key, value in asked.items() if value == "???"}
+                assert needed - {"site"} <= numbers.keys() <= asked.keys(), (name, label)
+                assert site, (name, label)
+                assert "site" in asked, (name, label)
+
+
+def test_the_table_is_part_of_the_strangers() -> None:
+    assert set(cases_of("table")) <= set(cases_of("strangers"))
+
+
+@pytest.mark.parametrize("case", cases_of("strangers")[::9], ids=lambda case: case.name)
+def test_listed_cases_compose(case: Case) -> None:
+    source = compose("record", case.recording(case.instruments)).source
+    named = source.get("plant", {}).get("hidden", {})
+    assert len(named.get("effects", {}) or [named]) == max(len(hidden_in(case)), 1)
+    compose("diagnose", [*case.diagnose, "effect=spring"])
+
+
+def test_an_entry_becomes_overrides() -> None:
+    one = Entry("wheel", 1, {"spring@wheel": {"stiffness": 0.1}}, instruments="white")
+    assert one.overrides() == (
+        "plant/hidden=general/spring",
+        "plant.hidden.site=wheel",
+        "plant.hidden.stiffness=0.1",
+        "plant/instruments=white",
+    )
+    two = Entry("elbow", 1, {"tool@forearm": {"place": [0.0, 0.1, 0.0]}, "tool@upper_arm": {"mass": 1.0}})
+    assert two.hidden == "tool@forearm + tool@upper_arm"
+    assert two.overrides()[1:4] == (
+        "+plant/hidden@plant.hidden.effects.part_1=general/tool",
+        "plant.hidden.effects.part_1.site=forearm",
+        "plant.hidden.effects.part_1.place=[0.0,0.1,0.0]",
+    )
 
 
 def test_arguments_are_those_of_the_verb() -> None:

@@ -54,7 +54,7 @@ def demo() -> tuple[Study, dict[str, Effect]]:
     """The demo's logs, the first seconds of two of them."""
     cut = ["measurements.fit=['log_1[0:3]']", "measurements.held_out=['log_5[0:2]']", "windows.max_windows=3"]
     cfg = compose("close", cut)
-    keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check")
+    keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
     built = {key: instantiate(cfg[key], _convert_="all") for key in keys}
     return prepare(**built, threads=2), instantiate(cfg.effects, _convert_="all")
 

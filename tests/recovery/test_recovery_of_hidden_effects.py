@@ -21,7 +21,7 @@ HIDDEN = {
     "sensor_time_offset_pole": ("sensor_time_offset@pole.offset", 8e-3, 0.01),
     "base_tilt": ("base_tilt@world.about_x", 0.05, 0.02),
 }
-KEYS = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check")
+KEYS = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 
 
 def diagnosed(hidden: str, folder: Path, plant: list[str], overrides: list[str]) -> tuple[Study, Rung]:

@@ -47,7 +47,7 @@ RIVALS = (
     "effect=[actuator_delay,actuator_lag,viscous_friction,coulomb_friction,stribeck_friction,torque_scale,armature,"
     "spring,constant_offset,payload,sensor_time_offset]"
 )
-KEYS = ("measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check")
+KEYS = ("measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 
 
 def servo(begin: float, end: float, state: Array, asked: float) -> OdeSolution:

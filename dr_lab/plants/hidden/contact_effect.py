@@ -4,6 +4,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.machine import Machine
 from dr_lab.plants.mujoco_machine import MujocoMachine
+from dr_lab.plants.pinocchio_machine import PinocchioMachine
 
 
 class ContactEffect(HiddenEffect):
@@ -15,7 +16,8 @@ class ContactEffect(HiddenEffect):
         Raises:
             ConfigError: it cannot.
         """
-        if not isinstance(machine, MujocoMachine) or self.site not in machine.bodies:
+        moved_by_other = isinstance(machine, PinocchioMachine)
+        if not isinstance(machine, MujocoMachine) or moved_by_other or self.site not in machine.bodies:
             raise ConfigError(
                 f"Hidden effect {self.label}: this machine has no contacts. Give one that has: plant=bouncer."
             )

@@ -8,6 +8,8 @@ from typing import ClassVar
 from dr_lab.plants.command import Command
 from dr_lab.plants.dry_friction import DryFriction
 from dr_lab.plants.machine import Machine
+from dr_lab.plants.memory import Memory
+from dr_lab.trajectory import Array
 
 Law = Callable[[float, float, float], float]  # force in N·m or N at a time in the log, a joint's position and velocity
 
@@ -96,6 +98,10 @@ class HiddenEffect:
         """Motors that do not turn as their joints do."""
         return ()
 
+    def memories(self) -> tuple[Memory, ...]:
+        """What it remembers beside the machine's own motion."""
+        return ()
+
     def command(self, actuator: str, command: Command) -> Command:
         """What an actuator makes of the command sent to it; each sample by itself, whatever came before."""
         del actuator
@@ -110,6 +116,16 @@ class HiddenEffect:
         """What a joint's encoder reads at zero, in rad or m."""
         del joint
         return 0.0
+
+    def read_at_motor(self, joint: str) -> bool:
+        """Whether a joint's encoder sits at its hidden motor instead of at the link."""
+        del joint
+        return False
+
+    def reading(self, joint: str, time: Array, position: Array) -> Array:
+        """What a joint's encoder makes of positions (rad or m) at times in the log (s), before its bias; both (n,)."""
+        del joint, time
+        return position
 
 
 class JointForce(HiddenEffect, ABC):

@@ -1,20 +1,20 @@
 """One case, from its logs to the answer that is scored."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from dr_lab.diagnosis.ladder import Ladder, climb
 from dr_lab.diagnosis.rank import Candidate
 from dr_lab.workflows.benchmark_cases.case import Case
-from dr_lab.workflows.benchmark_cases.equivalence import equivalence_class
-from dr_lab.workflows.benchmark_cases.observed import Compose, Observed, observe, observe_exactly
+from dr_lab.workflows.benchmark_cases.equivalence import TruthClasses
+from dr_lab.workflows.benchmark_cases.observed import Compose, observe
 from dr_lab.workflows.benchmark_cases.outcome import Outcome
 from dr_lab.workflows.calibrated import calibrate
 from dr_lab.workflows.entries import remaining
 
 
-def diagnose_case(case: Case, compose: Compose) -> Outcome:
+def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcome:
     """Record, diagnose and, where the answer is not exactly the truth, look for what is equivalent to it.
 
     Machines with several effects are climbed one rung further than the truth goes; all others are judged by their
@@ -23,6 +23,7 @@ def diagnose_case(case: Case, compose: Compose) -> Outcome:
     Args:
         case: what to diagnose.
         compose: gives the arguments of a verb, built from its name and overrides.
+        classes: finds the equivalence classes by which the answer is scored.
     """
     observed = observe(case, compose)
     study, begin = observed.study, (time.process_time(), time.monotonic())
@@ -45,7 +46,7 @@ def diagnose_case(case: Case, compose: Compose) -> Outcome:
         absorbed=list(ladder.absorbed),
         ranking=[c.effect.label for c in _ordered(first.ranking, first.verdict.effects)],
         standing={truth: _standing(ladder, truth) for truth in truths},
-        classes=_classes(case, truths, found, observed, compose),
+        classes=classes.of(case, truths, found, observed, compose),
         magnitudes=observed.magnitudes,
         fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
         chi2_base=base.held_out.chi2,
@@ -96,16 +97,3 @@ def _own_values(ladder: Ladder, truth: str) -> dict[str, float]:
         if own:
             return own
     return {}
-
-
-def _classes(
-    case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose
-) -> Mapping[str, Mapping[str, int]]:
-    """Equivalence classes of the truths that the answer does not hold exactly."""
-    single = case.kind == "single"
-    unclear = [t for t in truths if (found != [[t]] if single else not any(t in group for group in found))]
-    if not unclear:
-        return {}
-    noise = {channel: noise.std for channel, noise in observed.study.measurements.noise.items()}
-    exact = observe_exactly(case, compose, noise)
-    return {t: equivalence_class(exact, t, tuple(other for other in truths if other != t)) for t in unclear}

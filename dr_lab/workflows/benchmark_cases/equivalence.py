@@ -1,13 +1,53 @@
 """Which effects are the same to given logs: the equivalence class by which an answer is scored."""
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.rank import rank
 from dr_lab.effects.catalogue import candidates
-from dr_lab.workflows.benchmark_cases.observed import Observed
+from dr_lab.workflows.benchmark_cases.case import Case
+from dr_lab.workflows.benchmark_cases.observed import Compose, Observed, observe_exactly
 from dr_lab.workflows.benchmark_cases.outcome import BASE
 from dr_lab.workflows.calibrated import calibrate
+
+
+class TruthClasses(ABC):
+    """What finds out which effects given logs cannot tell from the truths."""
+
+    @abstractmethod
+    def of(
+        self, case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose
+    ) -> Mapping[str, Mapping[str, int]]:
+        """Classes by truth, label → number of parameters; a truth that is not asked for is alone in its class.
+
+        Args:
+            case: what was diagnosed.
+            truths: what is hidden, as ``effect@site``.
+            found: what was answered.
+            observed: the case as the diagnosis saw it.
+            compose: gives the arguments of a verb.
+        """
+
+
+@dataclass(frozen=True)
+class RankedClasses(TruthClasses):
+    """Classes by the diagnosis' own ranking of noise-free logs, of truths that the answer does not hold exactly."""
+
+    def of(
+        self, case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose
+    ) -> Mapping[str, Mapping[str, int]]:
+        """Classes of the truths that the answer does not hold exactly."""
+        single = case.kind == "single"
+        unclear = [t for t in truths if (found != [[t]] if single else not any(t in group for group in found))]
+        if not unclear:
+            return {}
+        noise = {channel: noise.std for channel, noise in observed.study.measurements.noise.items()}
+        exact = observe_exactly(case, compose, noise)
+        return {t: equivalence_class(exact, t, tuple(other for other in truths if other != t)) for t in unclear}
 
 
 def equivalence_class(observed: Observed, truth: str, others: tuple[str, ...]) -> dict[str, int]:

@@ -19,7 +19,7 @@ Compose = Callable[[str, Sequence[str]], Mapping[str, Any]]
 
 EXACT = "exact"
 _AND = " + "  # between the labels of several hidden effects
-_STUDIED = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check")
+_STUDIED = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 
 
 @dataclass(frozen=True)
@@ -64,13 +64,13 @@ def observe_exactly(case: Case, compose: Compose, noise: Mapping[str, float]) ->
 def _observed(case: Case, compose: Compose, instruments: str, overrides: Sequence[str]) -> Observed:
     with TemporaryDirectory() as name:
         folder = Path(name)
-        options = [f"plant/hidden={case.hidden}", f"plant/instruments={instruments}", f"seed={case.seed}"]
-        source = compose("record", [*case.record, *options])["source"]
+        source = compose("record", case.recording(instruments))["source"]
         with contextlib.redirect_stdout(io.StringIO()):
             record(source, str(folder), case.seed, folder)
         built = compose("diagnose", [*case.diagnose, f"measurements.logs=[{folder}/*.mcap]", *overrides])
         truth = yaml.safe_load((folder / "truth.yaml").read_text(encoding="utf-8"))
         study = prepare(**{key: built[key] for key in _STUDIED}, threads=1)
-    hidden = truth["hidden"]
+    # A machine that is its own model writes no hidden effect.
+    hidden = truth.get("hidden", {"effect": "", "parameters": {}})
     truths = () if case.kind == "none" else tuple(hidden["effect"].split(_AND))
     return Observed(study, built["effects"], truths, hidden["parameters"])

@@ -12,7 +12,9 @@ from dr_lab.workflows.benchmark_cases.score import mark
 _SAID = {
     "top_1": "effect and site right, one hidden effect",
     "top_3": "… among the first three",
+    "identifiable": "… of those that the data can show",
     "both_found": "all found, several hidden effects",
+    "doubles": "… two hidden effects",
     "false_alarm": "false alarms, nothing hidden",
     "wrong_with_confidence": "a wrong effect named, all cases",
     "outside_unexplained": "`unexplained`, effect outside of the catalogue",
@@ -25,6 +27,7 @@ _SAID = {
     "mean_cpu": "mean CPU s a case",
     "median_wall": "median wall s a case",
 }
+_KINDS = {"none": "nothing hidden", "single": "one effect", "several": "several", "outside": "outside"}
 
 
 def rates_page(summary: Mapping[str, Any]) -> str:
@@ -55,6 +58,16 @@ def machines_page(summary: Mapping[str, Any]) -> str:
     ]
     header = ["one effect", "several", "false alarms", "outside", "median χ²", "parameter error", "CPU s a case"]
     return table(["machine", "cases", *header], rows)
+
+
+def instruments_page(outcomes: Sequence[Outcome]) -> str:
+    """Of each kind of instruments: how often the answer was right, by what is hidden."""
+    rows = []
+    for name in sorted({o.case.instruments for o in outcomes}):
+        own = [o for o in outcomes if o.case.instruments == name]
+        kinds = [[mark(o).right for o in own if o.case.kind == kind] for kind in _KINDS]
+        rows.append([name, *(f"{sum(right)} of {len(right)}" if right else ABSENT for right in kinds)])
+    return table(["instruments", *_KINDS.values()], rows)
 
 
 def effects_page(outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]]) -> str:
@@ -98,6 +111,7 @@ def report_page(summary: Mapping[str, Any], outcomes: Sequence[Outcome], spelt: 
     sections = {
         "Figures": rates_page(summary),
         "Machines": machines_page(summary),
+        "Instruments": instruments_page(outcomes),
         "Misses": misses_page(summary),
         "Hidden effects": effects_page(outcomes, spelt),
         "Confusion": "![hidden against answered](confusion.png)",

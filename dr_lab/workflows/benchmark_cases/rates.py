@@ -8,7 +8,7 @@ from scipy.stats import binomtest
 
 from dr_lab.workflows.benchmark_cases.case import Kind
 from dr_lab.workflows.benchmark_cases.outcome import Outcome
-from dr_lab.workflows.benchmark_cases.score import mark
+from dr_lab.workflows.benchmark_cases.score import identifiable, mark
 
 CONFIDENCE = 0.95
 _ABSTENTIONS = ("equivalent", "none", "unexplained")
@@ -45,17 +45,20 @@ def rate(happened: Iterable[bool]) -> Rate | None:
 def rates(outcomes: Sequence[Outcome]) -> dict[str, Rate | None]:
     """The benchmark's rates, by name.
 
-    ``top_1`` and ``top_3`` of machines with one effect, ``both_found`` of those with several, ``false_alarm`` of
-    those without any, ``wrong_with_confidence`` of all, ``outside_unexplained`` of those with an effect that the
-    catalogue does not hold; ``abstained_equivalent``, ``…_none`` and ``…_unexplained`` of those with one effect: how
-    often the answer was that, right or not.
+    ``top_1`` and ``top_3`` of machines with one effect, ``identifiable`` as ``top_1`` of those whose effect the data
+    can show, ``both_found`` of those with several, ``doubles`` of those with two, ``false_alarm`` of those without
+    any, ``wrong_with_confidence`` of all, ``outside_unexplained`` of those with an effect that the catalogue does not
+    hold; ``abstained_equivalent``, ``…_none`` and ``…_unexplained`` of those with one effect: how often the answer was
+    that, right or not.
     """
     marks = {outcome.case: mark(outcome) for outcome in outcomes}
     single = _of("single", outcomes)
     return {
         "top_1": rate(marks[o.case].right for o in single),
         "top_3": rate(marks[o.case].top_3 for o in single),
+        "identifiable": rate(marks[o.case].right for o in single if identifiable(o)),
         "both_found": rate(marks[o.case].right for o in _of("several", outcomes)),
+        "doubles": rate(marks[o.case].right for o in _of("several", outcomes) if len(o.truths) == 2),
         "false_alarm": rate(bool(o.found) for o in _of("none", outcomes)),
         "wrong_with_confidence": rate(marks[o.case].false for o in outcomes),
         "outside_unexplained": rate(marks[o.case].right for o in _of("outside", outcomes)),

@@ -15,7 +15,8 @@ class Mark:
     Attributes:
         right: without anything hidden, ``none``; with something outside of the catalogue, ``unexplained``; with one
             effect, `named` with a member of its class, `equivalent` with exactly the class, or `none` that lists an
-            effect whose class holds the base as absorbed or not excited; with several, every one found.
+            effect whose class holds the base as absorbed or not excited; with several, every one found. Of a lenient
+            case everything is right that names no effect without rivals.
         top_3: right, or a member of the class is among the first three of the ranking.
         false: an effect was named, without rivals, that is not in the class of anything hidden.
     """
@@ -27,6 +28,18 @@ class Mark:
 
 def mark(outcome: Outcome) -> Mark:
     """Judge an outcome."""
+    judged = _strictly(outcome)
+    if outcome.case.lenient and not any(len(group) == 1 for group in outcome.found):
+        return Mark(True, True, judged.false)
+    return judged
+
+
+def identifiable(outcome: Outcome) -> bool:
+    """Whether the data can show the one effect that is hidden: its class does not hold the base."""
+    return outcome.case.kind == "single" and BASE not in members(outcome, outcome.truths[0])
+
+
+def _strictly(outcome: Outcome) -> Mark:
     kind = outcome.case.kind
     if kind in ("none", "outside"):
         right = outcome.verdict == ("none" if kind == "none" else "unexplained")

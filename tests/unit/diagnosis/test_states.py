@@ -54,10 +54,12 @@ def test_poor_states_are_looked_for_again_from_the_priors_mean() -> None:
     model, once = pendulum(), replace(solver_settings(), iterations=1)
     windows = windows_of(model, [swinging("a", model.nominal(), 0)])
     _, cold = fit_states(model, WRONG, windows, once, 1)
+    misled = np.arange(len(windows))[:, None, None] < 2
     misleading = np.random.default_rng(0).normal(size=cold.slopes.shape)
-    near = replace(cold, delta=np.zeros_like(cold.delta), slopes=misleading)  # one step along them gains nothing
+    delta = np.where(misled[..., 0], 100.0 * windows.prior.std, cold.delta)
+    near = replace(cold, delta=delta, slopes=np.where(misled, misleading, cold.slopes))
     _, warm = fit_states(model, WRONG, windows, once, 1, near)
-    np.testing.assert_array_equal(warm.delta, cold.delta)
+    np.testing.assert_array_equal(warm.delta[:2], cold.delta[:2])
 
 
 def test_the_default_settings_come_close_to_the_best_states() -> None:

@@ -36,7 +36,7 @@ def record(path: Path, seed: int = 0, command_delay: float = 0.0) -> None:
     """A robot whose clock is 20 s behind and 40 ppm slow; joint states at 500 Hz, voltages at 250 Hz."""
     rng = np.random.default_rng(seed)
     true = np.linspace(0.0, 6.0, 3000, endpoint=False)
-    position = COUNT * np.round(motion(true) / COUNT)
+    position = COUNT * np.round((1 + 0.01 * seed) * motion(true) / COUNT)
     log_time = true + 0.001 + rng.exponential(0.3e-3, len(true))
     stamp = (true - 20.0) * (1 - 40e-6)
     sent = np.linspace(0.0, 6.0, 1500, endpoint=False)

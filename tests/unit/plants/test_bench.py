@@ -17,7 +17,8 @@ from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.truth import truth
 
 FOLDER = Path(__file__).parents[3] / "conf" / "plant" / "hidden"
-HIDDEN = sorted({str(p.relative_to(FOLDER).with_suffix("")) for p in FOLDER.rglob("*.yaml")} - {"none"})
+EVERY = sorted({str(p.relative_to(FOLDER).with_suffix("")) for p in FOLDER.rglob("*.yaml")} - {"none"})
+HIDDEN = [option for option in EVERY if not option.startswith("general/")]  # those leave site and size to the user
 COUNT = 2 * np.pi / 2048
 
 

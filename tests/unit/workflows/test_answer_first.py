@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from diagnosis_machines import (
     evidence_settings,
+    fault_settings,
     localise_settings,
     measured,
+    model_check_settings,
     pendulum,
     predicted_settings,
     solver_settings,
@@ -42,6 +44,8 @@ def settings(localise: LocaliseSettings | None = None) -> dict[str, Any]:
         "solver": solver_settings(),
         "evidence": evidence_settings(),
         "localise": localise or localise_settings(),
+        "model_check": model_check_settings(),
+        "faults": fault_settings(),
         "threads": 1,
     }
 

@@ -12,6 +12,7 @@ from diagnosis_machines import (
     NOISE,
     dragged,
     evidence_settings,
+    fault_settings,
     localise_settings,
     log_of,
     measured,
@@ -62,6 +63,7 @@ def study_settings() -> dict[str, Any]:
         "evidence": evidence_settings(),
         "localise": localise_settings(),
         "model_check": model_check_settings(),
+        "faults": fault_settings(),
         "threads": 1,
     }
 

@@ -55,7 +55,9 @@ def test_rates_count_the_cases_that_they_speak_of() -> None:
     assert found == {
         "top_1": (2, 4),
         "top_3": (4, 4),
+        "identifiable": (2, 4),
         "both_found": (1, 1),
+        "doubles": (1, 1),
         "false_alarm": (1, 2),
         "wrong_with_confidence": (2, 8),
         "outside_unexplained": (1, 1),

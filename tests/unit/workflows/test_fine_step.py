@@ -12,6 +12,7 @@ from dr_lab.workflows.notes import study_notes
 from dr_lab.workflows.study import Study, prepare
 from tests.diagnosis_machines import (
     evidence_settings,
+    fault_settings,
     localise_settings,
     measured,
     model_check_settings,
@@ -42,6 +43,7 @@ def study(friction: float) -> tuple[Model, Study]:
         evidence_settings(),
         localise_settings(),
         model_check_settings(),
+        fault_settings(),
         1,
     )
 

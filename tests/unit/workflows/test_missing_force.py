@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from diagnosis_machines import (
     evidence_settings,
+    fault_settings,
     localise_settings,
     measured,
     model_check_settings,
@@ -43,6 +44,7 @@ def found(*dampings: float) -> dict[str, Any]:
         evidence_settings(),
         localise_settings(),
         model_check_settings(),
+        fault_settings(),
         1,
     )
     fits = [cast(Any, Fitted(np.array([MASS, damping]))) for damping in dampings]

@@ -1,0 +1,111 @@
+"""The colour of residuals: how many of them are independent, and whether a force or the instruments made them."""
+
+import functools
+
+import numpy as np
+from numpy.polynomial.legendre import legvander
+from numpy.typing import NDArray
+from scipy.special import polygamma
+from scipy.stats import chi2
+
+from dr_lab.trajectory import Array
+
+Mask = NDArray[np.bool_]
+_TERMS = 4  # polynomials that fitted starts take out of a window: position and velocity of two joints
+_DRAWS = 400  # references that a 99.9 % quantile is read from
+_CHANCE = 1e-5  # that stationary noise is taken for something else
+_FEWEST = 16  # samples in a window whose spectrum says anything
+
+
+def autocorrelation(residual: Array, used: Mask) -> Array:
+    """Autocorrelation within windows at lags of 0, 1, … samples, ρ_k = Σ r_t r_{t+k} / Σ r_t², per pair; shape (m,).
+
+    Args:
+        residual: residuals of w windows, shape (w, m).
+        used: which of them exist, shape (w, m).
+    """
+    values, count = np.where(used, residual, 0.0), used.astype(np.float64)
+    products, pairs = (_lagged(rows) for rows in (values, count))
+    mean = np.divide(products, pairs, out=np.zeros_like(products), where=pairs > 0.5)
+    return mean / mean[0] if mean[0] > 0 else np.eye(1, len(mean))[0]
+
+
+def correlation_time(rho: Array) -> float:
+    """1 + 2 Σ ρ_k in samples, up to the first ρ_k that is not positive: so many residuals tell as much as one does.
+
+    Source: Geyer, Statistical Science 7 (1992) 473, section 3.3 (initial positive sequence).
+    """
+    return 1.0 + 2.0 * float(_positive(rho).sum())
+
+
+def variance_time(rho: Array) -> float:
+    """1 + 2 Σ ρ_k² in samples: so many squares tell as much of the variance as one does (Bartlett 1946)."""
+    return 1.0 + 2.0 * float((_positive(rho) ** 2).sum())
+
+
+def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
+    """Whether residuals above the noise floor are the instruments' own, and not what a force left.
+
+    1. Beyond the sensors' white noise they are rougher than a force makes them: however rough it is, as white noise, it
+       moves a velocity by its integral and a position by its double integral. The mean frequency of the residuals'
+       power is compared with that of integrated white noise in as many windows of the same length, less a polynomial
+       of degree 3: more than what fitted starts take out of a window.
+    2. They are as large in every window as chance allows, whatever the machine does: ln χ² of a window, n samples of a
+       stationary Gaussian process, has the variance ψ'(n_eff/2).
+
+    Args:
+        residual: residuals of w windows, in standard deviations of the sensors' white noise, shape (w, m).
+        used: which of them exist, shape (w, m).
+        integrals: 2 for a position, 1 for a velocity.
+    """
+    whole = used.all(0)
+    kept = residual[:, whole]
+    if len(kept) < 2 or kept.shape[1] < _FEWEST or not (kept**2).sum(1).all():
+        return False
+    return _homogeneous(kept) and _mean_frequency(kept, white=1.0) > _roughest(*kept.shape, integrals)
+
+
+def _homogeneous(residual: Array) -> bool:
+    windows, samples = residual.shape
+    freedom = samples / variance_time(autocorrelation(residual, np.ones(residual.shape, bool)))
+    scatter = np.var(np.log((residual**2).mean(1)), ddof=1) / float(polygamma(1, freedom / 2))
+    return bool(scatter * (windows - 1) <= chi2.isf(_CHANCE, windows - 1))
+
+
+@functools.lru_cache(maxsize=64)
+def _roughest(windows: int, samples: int, integrals: int) -> float:
+    """Mean frequency that integrated white noise exceeds once in a thousand times."""
+    rng = np.random.default_rng(0)
+    found = []
+    for _ in range(_DRAWS):
+        drawn = rng.standard_normal((windows, samples))
+        for _ in range(integrals):
+            drawn = np.cumsum(drawn, axis=1)
+        found.append(_mean_frequency(_detrended(drawn), white=0.0))
+    return float(np.mean(found) + 3.1 * np.std(found))  # of a mean over windows, so that it is Gaussian
+
+
+def _mean_frequency(residual: Array, white: float) -> float:
+    """Mean frequency in cycles a sample of the power beyond that of white noise of a variance; 0 where none is."""
+    taper = np.hanning(residual.shape[1])
+    power = (np.abs(np.fft.rfft(residual * taper)) ** 2).mean(0) - white * (taper**2).sum()
+    power = np.maximum(power, 0.0)
+    return float(power @ np.fft.rfftfreq(residual.shape[1]) / power.sum()) if power.any() else 0.0
+
+
+def _detrended(residual: Array) -> Array:
+    basis = np.linalg.qr(legvander(np.linspace(-1, 1, residual.shape[1]), _TERMS - 1))[0]
+    return residual - residual @ basis @ basis.T
+
+
+def _lagged(rows: Array) -> Array:
+    """Σ over rows and t of x(t) x(t + k), shape (m,)."""
+    m = rows.shape[1]
+    return np.fft.irfft((np.abs(np.fft.rfft(rows, 2 * m)) ** 2).sum(0), 2 * m)[:m]
+
+
+def _positive(rho: Array) -> Array:
+    """The correlations at lags from 1 up to the first that is not positive; of the last half lags too few pairs are."""
+    tail = rho[1 : max(len(rho) // 2, 1)]
+    ends = np.flatnonzero(tail <= 0)
+    return tail[: ends[0]] if len(ends) else tail

@@ -1,0 +1,36 @@
+"""Factors between units that are often mistaken for one another, in words."""
+
+import numpy as np
+
+# True unit's size in that of the number that is read: a command of so many of these per SI unit was called SI.
+_UNITS = {
+    "milli (mN·m called N·m, mV called V)": 1e-3,
+    "kilo (N·m called mN·m)": 1e3,
+    "degrees (deg called rad)": np.pi / 180,
+    "radians (rad called deg)": 180 / np.pi,
+    "kilogram-force (kgf called N)": 9.80665,
+    "kilogram-force centimetres (kgf·cm called N·m)": 0.0980665,
+    "newton (N called kgf)": 1 / 9.80665,
+    "centi (cm called m, per cent called 1)": 1e-2,
+    "hundreds (1 called per cent)": 1e2,
+    "revolutions (rev called rad)": 2 * np.pi,
+}
+_NEAR = 1.6  # ratio up to which a factor passes for one of these: a model's own error and friction
+
+
+def factor_words(gain: float) -> str:
+    """The known factor that a gain is near to, as a clause, empty where there is none."""
+    name, factor = min(_UNITS.items(), key=lambda entry: abs(np.log(abs(gain) / entry[1])))
+    sign = " and of the opposite sign" if gain < 0 else ""
+    if abs(np.log(abs(gain) / factor)) > np.log(_NEAR):
+        return sign
+    return f", near {factor:.4g}: {name}{sign}"
+
+
+def remedy_of_factor(actuator: str, gain: float) -> str:
+    """What to write in the measurements."""
+    turned = " and sign: -1" if gain < 0 else ""
+    return (
+        f"Write the unit that measurements.commands.{actuator} has (mN·m, deg …), or its scale{turned}; or correct the "
+        "actuator's gear in the model."
+    )

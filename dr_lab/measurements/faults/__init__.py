@@ -1,0 +1,1 @@
+"""Faults of logs that their data alone show."""

@@ -1,0 +1,85 @@
+"""What effects at an actuator could give along a course."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from dr_lab.plants.alike.course import Course, mean_held
+from dr_lab.plants.alike.grids import Grids
+from dr_lab.plants.alike.response import Signature
+from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear
+from dr_lab.trajectory import Array
+
+
+def actuator_rivals(course: Course, grids: Grids, per_command: Array, driven: Array) -> Iterator[Rival]:
+    """Effects of every actuator.
+
+    Args:
+        course: where the machine moves.
+        grids: shapes that are tried.
+        per_command: force at each joint a unit of each command, shape (n, actuators).
+        driven: force of each actuator at its joints, all of it, N·m or N, shape (K, n, actuators).
+    """
+    for row, name in enumerate(course.machine.actuators):
+        sent, gain = course.sent[row], per_command[:, row]
+        mean = mean_held(sent, course.edge)
+        largest = float(np.abs(sent.value).max())
+
+        def changed(values: Array, mean: Array = mean, gain: Array = gain) -> Signature:
+            return lacked(-np.outer(values - mean, gain))
+
+        late = [mean_held(replace(sent, edge=sent.edge + d), course.edge) for d in (0.0, *grids.delays)]
+        yield Rival(f"actuator_delay@{name}", 1, along([changed(values) for values in late]))
+        slow = [mean, *(lagged(mean, course.step, constant) for constant in grids.lags)]
+        yield Rival(f"actuator_lag@{name}", 1, along([changed(values) for values in slow]))
+        ramps = [mean, *(ramped(mean, course.step, largest / time) for time in grids.ramps)]
+        yield Rival(f"rate_limit@{name}", 1, along([changed(values) for values in ramps]))
+        cut = [mean_clipped(mean, share * largest) for share in (1.0, *grids.limits)]
+        yield Rival(f"saturation@{name}", 1, along([changed(values) for values in cut]))
+        dead = [np.sign(mean) * np.maximum(np.abs(mean) - share * largest, 0.0) for share in (0.0, *grids.dead)]
+        yield Rival(f"dead_zone@{name}", 1, along([changed(values) for values in dead]))
+        yield Rival(f"voltage_sag@{name}", 1, linear(lacked(np.outer(mean * np.abs(mean), gain)), positive=True))
+        low, high = grids.scales
+        yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-driven[:, :, row])], [low - 1], [high - 1]),))
+        yield from _limited(course, grids, driven[:, :, row], name)
+
+
+def _limited(course: Course, grids: Grids, driven: Array, name: str) -> Iterator[Rival]:
+    """The limit that falls with speed, at the joint that the actuator drives alone."""
+    joint = int(np.abs(driven).sum(axis=0).argmax())
+    force, speed, choices = driven[:, joint], course.velocity[:, joint], []
+    for stall in np.abs(force).max() * np.asarray(grids.stalls):
+        points = []
+        for free in np.abs(speed).max() * np.asarray(grids.speeds):
+            added = np.zeros_like(driven)
+            added[:, joint] = np.clip(force, -stall * (1 + speed / free), stall * (1 - speed / free)) - force
+            points.append(lacked(-added))
+        choices += along(points)
+    yield Rival(f"torque_speed_limit@{name}", 2, tuple(choices))
+
+
+def lagged(mean: Array, step: Array, constant: float) -> Array:
+    """Mean over each interval of a command that acts through a first-order lag, shape (K,)."""
+    left = np.exp(-step / constant)
+    share = constant / step * (1 - left)
+    now, shown = float(mean[0]), np.zeros(len(mean))
+    for k, (u, kept, part) in enumerate(zip(mean.tolist(), left.tolist(), share.tolist(), strict=True)):
+        shown[k], now = u + (now - u) * part, u + (now - u) * kept
+    return shown
+
+
+def ramped(mean: Array, step: Array, rate: float) -> Array:
+    """Mean over each interval of a command that is followed at a limited rate (units per s), shape (K,)."""
+    now, shown = float(mean[0]), np.zeros(len(mean))
+    for k, (u, h) in enumerate(zip(mean.tolist(), step.tolist(), strict=True)):
+        away = u - now
+        time = min(abs(away) / rate, h)
+        shown[k] = u - away + np.sign(away) * rate * time * (1 - 0.5 * time / h)
+        now += float(np.sign(away)) * rate * time
+    return shown
+
+
+def mean_clipped(mean: Array, limit: float) -> Array:
+    """A command that is cut off."""
+    return np.clip(mean, -limit, limit)

@@ -1,0 +1,62 @@
+"""What effects of bodies and of what surrounds the machine could give along a course."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from dr_lab.plants.alike.course import Course
+from dr_lab.plants.alike.grids import Grids
+from dr_lab.plants.alike.lacking import lacking
+from dr_lab.plants.alike.rival import Rival, lacked, linear
+from dr_lab.plants.mujoco_machine import MujocoMachine
+from dr_lab.trajectory import Array
+
+_SMALL = 1e-4  # kg, m, rad, share: step of derivatives of what is linear, or nearly so
+_FELT = 1e-6  # share of the largest force below which a direction is not felt; far above rounding
+
+
+def body_rivals(course: Course, grids: Grids, command: Array, base: Array) -> Iterator[Rival]:
+    """Effects of every body, then of the world.
+
+    Args:
+        course: where the machine moves.
+        grids: shapes that are tried.
+        command: mean over each interval, shape (K, actuators).
+        base: what the machine without any effect lacks, shape (K, n).
+    """
+    machine = course.machine
+
+    def slope(altered: MujocoMachine, by: float) -> Array:
+        return (lacking(course, altered, command) - base) / by
+
+    def felt(*columns: Array) -> list[Array]:
+        sizes = [float(np.abs(column).max()) for column in columns]
+        return [c for c, size in zip(columns, sizes, strict=True) if size > _FELT * max(np.abs(base).max(), 1.0)]
+
+    for body in machine.bodies:
+        lever = machine.lever(body)
+        near, middle, far = (slope(machine.with_load(body, _SMALL, share * lever), _SMALL) for share in (0.0, 1.0, 2.0))
+        # What a point mass adds is of second order in its distance.
+        bend, rise = 0.5 * (far - 2 * middle + near), 0.5 * (4 * middle - 3 * near - far)
+        loads = [lacked(near + share * rise + share**2 * bend) for share in grids.reaches]
+        yield Rival(f"payload@{body}", 2, tuple(linear(load, positive=True)[0] for load in loads))
+        moved = felt(*(slope(machine.with_centre_moved(body, _SMALL * axis), _SMALL) for axis in np.eye(3)))
+        if moved:
+            yield Rival(f"centre_of_mass_offset@{body}", len(moved), linear(*map(lacked, moved)))
+        wider = felt(slope(machine.with_inertia_scaled(body, 1 + _SMALL), _SMALL))
+        if wider:
+            yield Rival(f"inertia_error@{body}", 1, linear(*map(lacked, wider)))
+    x, y, z = machine.gravity
+    tilted = felt(
+        slope(machine.with_gravity((x, y + _SMALL * z, z - _SMALL * y)), _SMALL),
+        slope(machine.with_gravity((x - _SMALL * z, y, z + _SMALL * x)), _SMALL),
+    )
+    if tilted:
+        yield Rival("base_tilt@world", len(tilted), linear(*map(lacked, tilted)))
+    dragged = felt(slope(machine.with_medium(1.0, (0.0, 0.0, 0.0)), 1.0))
+    if dragged:
+        yield Rival("air_drag@world", 1, linear(*map(lacked, dragged), positive=True))
+    if machine.model.opt.density > 0:
+        blown = felt(*(slope(machine.with_medium(0.0, wind), 1.0) for wind in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))))
+        if blown:
+            yield Rival("wind@world", len(blown), linear(*map(lacked, blown)))

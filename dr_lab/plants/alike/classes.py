@@ -1,0 +1,94 @@
+"""The equivalence class of a hidden effect, by regression of what the base lacks on what rivals give."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.plants.alike.actuator_rivals import actuator_rivals
+from dr_lab.plants.alike.body_rivals import body_rivals
+from dr_lab.plants.alike.course import Course, courses, rigid
+from dr_lab.plants.alike.forces import Forces
+from dr_lab.plants.alike.grids import Grids
+from dr_lab.plants.alike.joint_rivals import joint_rivals
+from dr_lab.plants.alike.lacking import lacking, lacking_with
+from dr_lab.plants.alike.regression import Regression
+from dr_lab.plants.alike.response import Signature, response
+from dr_lab.plants.alike.rival import Rival, lacked
+from dr_lab.plants.bench import Bench
+from dr_lab.plants.hidden.composite import Composite
+from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.plants.hidden.no_effect import NoEffect
+from dr_lab.plants.hidden.several import Several
+from dr_lab.trajectory import Array
+
+_SHARE = 0.01  # of a free parameter; what it changes is linear
+
+
+@dataclass(frozen=True)
+class Classes:
+    """How equivalence classes are predicted.
+
+    A rival, or the base with its free parameters refitted, is of the class of a truth if the least χ² that it leaves of
+    noise-free logs exceeds what the truth's own effect of the catalogue leaves by less than the threshold, and if it
+    has no more parameters than that.
+
+    Noise counts as white with its density at low frequencies, where motions lie. Backlash and elasticity are rivals
+    of themselves alone: what they give along a course is not linear in anything.
+
+    Attributes:
+        threshold: χ².
+        window: s; each begins at a free state.
+        settling: s at the beginning of each log that are left out.
+        parts: intervals between two commands.
+        grids: shapes of rivals that are tried.
+    """
+
+    threshold: float
+    window: float
+    settling: float
+    parts: int
+    grids: Grids
+
+    def of(self, bench: Bench, seed: int) -> dict[str, dict[str, int]]:
+        """The class of every effect that is hidden: ``effect@site`` → number of parameters, 0 for the base."""
+        parts = bench.hidden.parts if isinstance(bench.hidden, Composite) else (bench.hidden,)
+        labels = [part.label for part in parts]
+        std = np.full(len(bench.joints), bench.instruments.white_equal()) / bench.turns
+        rivals: tuple[Rival, ...] = ()
+        total, free = np.zeros(()), 0
+        for course in courses(bench, seed, self.settling, self.parts):
+            freed = [lacked(force) for force in _free(course, bench, seed)]
+            rivals, free = self._rivals(course), len(freed)
+            listed = [s for rival in rivals for choice in rival.choices for s in choice.signatures]
+            seen = response(course, std, bench.instruments.sample_rate)
+            window = max(round(self.window / float(np.median(course.step))), 1)
+            total = total + seen.gram([*(_truth(course, parts, part) for part in parts), *freed, *listed], window)
+        regression = Regression(total, len(parts), free, rivals)
+        return {label: regression.members(number, labels, self.threshold) for number, label in enumerate(labels)}
+
+    def _rivals(self, course: Course) -> tuple[Rival, ...]:
+        command = course.mean_command(NoEffect())
+        base = lacking(course, course.machine, command)
+        forces = Forces.of(course, command, base)
+        return (
+            *joint_rivals(course, self.grids, np.abs(forces.drive - forces.outside)),
+            *actuator_rivals(course, self.grids, forces.per_command, forces.driven),
+            *body_rivals(course, self.grids, command, base),
+        )
+
+
+def _free(course: Course, bench: Bench, seed: int) -> Iterator[Array]:
+    """What a unit of each free parameter, a share of its value, changes in what the base lacks."""
+    command, true = course.mean_command(NoEffect()), bench.nominal.true_values(seed)
+    base = lacking(course, course.machine, command)
+    for name, value in true.items():
+        other = bench.nominal.machine({**true, name: value * (1 + _SHARE)})
+        yield (lacking(course, rigid(other), command) - base) / _SHARE
+
+
+def _truth(course: Course, parts: Sequence[HiddenEffect], part: HiddenEffect) -> Signature:
+    """What the model lacks and reads otherwise that knows all hidden parts but one."""
+    rest = Several({str(number): other for number, other in enumerate(parts) if other is not part})
+    force = lacking_with(course, rest) - lacking_with(course, course.effect)
+    return Signature(force, course.read_with(rest) - course.reading)

@@ -1,0 +1,43 @@
+"""Places at which rivals are tried whose parameters bend what they give."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Grids:
+    """Values of shape parameters, in order; those of a log are shares of its largest command, speed or range.
+
+    Attributes:
+        delays: of actuators, s.
+        lags: time constants of actuators, s.
+        ramps: time from zero to the largest command at a limited rate, s.
+        limits: of commands, shares of the largest, falling.
+        dead: widths of dead zones, shares of the largest command.
+        offsets: of encoders in time, s, from the earliest to the latest.
+        filters: time constants of encoders, s.
+        stribeck: Stribeck speeds, shares of the joint's largest speed.
+        displacements: of hysteresis, shares of the joint's range.
+        stops: distances of an end stop from the end of the joint's travel, shares of the travel.
+        reaches: distances of a payload from the joint, shares of that of the body's centre.
+        stalls: stall forces, shares of the largest force of the actuator.
+        speeds: no-load speeds, shares of the joint's largest speed.
+        scales: lowest and highest share of its force that a drive delivers, as in the catalogue.
+        periods: of cogging in a turn, as in the catalogue.
+    """
+
+    delays: Sequence[float]
+    lags: Sequence[float]
+    ramps: Sequence[float]
+    limits: Sequence[float]
+    dead: Sequence[float]
+    offsets: Sequence[float]
+    filters: Sequence[float]
+    stribeck: Sequence[float]
+    displacements: Sequence[float]
+    stops: Sequence[float]
+    reaches: Sequence[float]
+    stalls: Sequence[float]
+    speeds: Sequence[float]
+    scales: tuple[float, float]
+    periods: int

@@ -1,0 +1,95 @@
+"""What effects at a joint could give along a course."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from dr_lab.plants.alike.course import Course
+from dr_lab.plants.alike.grids import Grids
+from dr_lab.plants.alike.rival import Choice, Rival, along, linear, pushing, showing
+from dr_lab.trajectory import Array
+
+
+def joint_rivals(course: Course, grids: Grids, load: Array) -> Iterator[Rival]:
+    """Effects of every joint, its encoder's included.
+
+    Args:
+        course: where the machine moves.
+        grids: shapes that are tried.
+        load: |drive − outside| at each joint, N·m or N, shape (K, n).
+    """
+    for row, joint in enumerate(course.machine.joints):
+        yield from _frictions(course, grids, load[:, row], row, joint)
+        yield from _forces(course, grids, row, joint)
+        yield from _readings(course, grids, row, joint)
+
+
+def _frictions(course: Course, grids: Grids, load: Array, row: int, joint: str) -> Iterator[Rival]:
+    q, v, count = course.position[:, row], course.velocity[:, row], course.position.shape[1]
+    # A held joint is braked by what it needs, which every dry friction that is large enough gives.
+    sign = np.where(course.held[:, row], 0.0, course.direction[:, row])
+
+    def of(shape: Array) -> Choice:
+        return linear(pushing(shape, row, count), positive=True)[0]
+
+    def several(*shapes: Array, positive: tuple[bool, ...]) -> tuple[Choice, ...]:
+        return linear(*(pushing(shape, row, count) for shape in shapes), positive=positive)
+
+    yield Rival(f"coulomb_friction@{joint}", 1, (of(-sign),))
+    yield Rival(f"asymmetric_friction@{joint}", 2, several(-sign, -(sign**2), positive=(True, False)))
+    speeds = np.abs(v).max() * np.asarray(grids.stribeck)
+    drops = [several(-sign, -sign * np.exp(-((v / s) ** 2)), positive=(True, True)) for s in speeds]
+    yield Rival(f"stribeck_friction@{joint}", 3, tuple(choice for drop in drops for choice in drop))
+    turned = several(-sign, -sign * np.sin(q), -sign * np.cos(q), positive=(True, False, False))
+    yield Rival(f"position_dependent_friction@{joint}", 3, turned)
+    yield Rival(f"load_dependent_friction@{joint}", 1, (of(-sign * load),))
+    yields = np.ptp(q) * np.asarray(grids.displacements)
+    yield Rival(f"hysteresis@{joint}", 2, tuple(of(-bent(v, course.step, y) / y) for y in yields))
+    yield Rival(f"viscous_friction@{joint}", 1, (of(-v),))
+    yield Rival(f"quadratic_drag@{joint}", 1, (of(-np.abs(v) * v),))
+
+
+def _forces(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:
+    q, a, count = course.position[:, row], course.acceleration[:, row], course.position.shape[1]
+
+    def forced(*shapes: Array, positive: bool = False) -> tuple[Choice]:
+        return linear(*(pushing(shape, row, count) for shape in shapes), positive=positive)
+
+    # What these give is not linear in anything: they have no rivals' shapes, but a number of parameters.
+    yield Rival(f"backlash@{joint}", 2)
+    yield Rival(f"joint_elasticity@{joint}", 3)
+    one, turn = np.ones_like(q), grids.periods * q
+    yield Rival(f"spring@{joint}", 2, forced(-q, one))
+    yield Rival(f"constant_offset@{joint}", 1, forced(one))
+    yield Rival(f"cogging@{joint}", 2, forced(np.sin(turn), np.cos(turn)))
+    yield Rival(f"armature@{joint}", 1, forced(-a, positive=True))
+    inwards = np.ptp(q) * np.asarray(grids.stops)
+    above = [forced(-np.maximum(q - (q.max() - far), 0.0), positive=True)[0] for far in inwards]
+    below = [forced(np.maximum(q.min() + far - q, 0.0), positive=True)[0] for far in inwards]
+    yield Rival(f"end_stop@{joint}", 2, (*above, *below))
+
+
+def _readings(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:
+    columns = (course.position, course.velocity, course.acceleration)
+    (q, v, a), count = (values[:, row] for values in columns), course.position.shape[1]
+
+    def read(*shapes: Array) -> tuple[Choice]:
+        return linear(*(showing(shape, row, count) for shape in shapes))
+
+    yield Rival(f"sensor_bias@{joint}", 1, read(np.ones_like(q)))
+    yield Rival(f"sensor_scale@{joint}", 1, read(q))
+    yield Rival(f"sensor_drift@{joint}", 1, read(course.middle))
+    yield Rival(f"encoder_eccentricity@{joint}", 2, read(np.sin(q), np.cos(q)))
+    late = [showing(-d * v + 0.5 * d**2 * a, row, count) for d in grids.offsets]
+    yield Rival(f"sensor_time_offset@{joint}", 1, along(late))
+    slow = [showing(-c * v + c**2 * a, row, count) for c in (0.0, *grids.filters)]
+    yield Rival(f"sensor_low_pass@{joint}", 1, along(slow))
+
+
+def bent(velocity: Array, step: Array, most: float) -> Array:
+    """Displacement of a spring that follows a joint within ± most, at the middle of each interval, shape (K,)."""
+    way, now, shown = velocity * step, 0.0, np.zeros(len(step))
+    for k, moved in enumerate(way.tolist()):
+        after = min(max(now + moved, -most), most)
+        shown[k], now = 0.5 * (now + after), after
+    return shown

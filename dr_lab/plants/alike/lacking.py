@@ -1,0 +1,86 @@
+"""The force that a model lacks to move along the true course."""
+
+import numpy as np
+
+from dr_lab.plants.alike.course import Course, rigid
+from dr_lab.plants.body import Body
+from dr_lab.plants.dry_friction import DryFriction
+from dr_lab.plants.hidden.effect import HiddenEffect, Law
+from dr_lab.plants.memory import Bristle, Memory, SlowCommand
+from dr_lab.plants.mujoco_machine import MujocoMachine
+from dr_lab.trajectory import Array
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+
+
+def lacking(course: Course, machine: MujocoMachine, command: Array) -> Array:
+    """M q'' − f of a machine along the course, N·m or N, shape (K, n).
+
+    Args:
+        course: where it moves.
+        machine: whose equations are asked.
+        command: mean over each interval, shape (K, actuators).
+    """
+    none, rows = [0.0] * len(machine.joints), []
+    for q, v, a, u in zip(course.position, course.velocity, course.acceleration, command, strict=True):
+        mass, force = machine.terms(q.tolist(), v.tolist(), u.tolist(), none)
+        rows.append(np.asarray(mass) @ a - force)
+    return np.asarray(rows)
+
+
+def lacking_with(course: Course, effect: HiddenEffect) -> Array:
+    """The same of the machine with an effect that is hidden in it, or with some of its parts.
+
+    What dry friction holds lacks nothing: it bears what it must. Nor does a machine with something inside that turns by
+    itself: its motion is not part of the course.
+    """
+    body = Body.of(course.machine, effect)
+    joints = len(course.machine.joints)
+    if body.inside:
+        return np.zeros((len(course.step), joints))
+    columns = _columns(course, body)
+    machine = rigid(body.machine)
+    command = course.mean_command(effect)
+    for place, (_, memory) in enumerate(body.memories):
+        if isinstance(memory, SlowCommand):
+            command[:, body.memories[place][0]] = course.kept[:, columns[place]]
+    rows = lacking(course, machine, command)
+    for joint, law in body.laws:
+        rows[:, joint] -= _averaged(course, joint, law)
+    for place, (joint, memory) in enumerate(body.memories):
+        if isinstance(memory, Bristle):
+            rows[:, joint] -= _bristled(course, joint, memory, columns[place])
+    for joint, friction in body.frictions:
+        rows[:, joint] += _rubbed(course, joint, friction)
+        rows[course.held[:, joint], joint] = 0.0
+    return rows
+
+
+def _columns(course: Course, body: Body) -> list[int]:
+    """Of each memory of a body its column among those of the course, whose body holds it too."""
+    own: list[tuple[int, Memory]] = list(course.true_body.memories)
+    return [own.index(memory) for memory in body.memories]
+
+
+def _bristled(course: Course, joint: int, memory: Bristle, column: int) -> Array:
+    """Force of bristles, shape (K,)."""
+    states = zip(course.kept[:, column].tolist(), course.velocity[:, joint].tolist(), strict=True)
+    return np.array([memory.force(z, memory.rate(z, v), v) for z, v in states])
+
+
+def _rubbed(course: Course, joint: int, friction: DryFriction) -> Array:
+    """What dry friction takes, shape (K,)."""
+    direction = course.direction[:, joint]
+    states = zip(np.sign(direction).tolist(), course.velocity[:, joint].tolist(), strict=True)
+    return direction * np.array([friction.sliding(sign, v) for sign, v in states])
+
+
+def _averaged(course: Course, joint: int, law: Law) -> Array:
+    """Mean of a law over each interval, through which the velocity changes evenly, shape (K,)."""
+    q, v, a = (values[:, joint] for values in (course.position, course.velocity, course.acceleration))
+    total = np.zeros(len(course.step))
+    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+        ahead = 0.5 * node * course.step
+        there = (course.middle + ahead, q + ahead * v, v + ahead * a)
+        total += 0.5 * weight * np.array([law(*x) for x in zip(*(part.tolist() for part in there), strict=True)])
+    return total

@@ -1,0 +1,143 @@
+"""How far a force that is missing, or a reading that is wrong, shows in logs cut into windows with free starts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.plants.alike.course import Course
+from dr_lab.plants.phases import solve
+from dr_lab.trajectory import Array
+
+_TINY = 1e-5  # rad, rad/s: step of the derivatives, whose error is its square
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What a model lacks or reads otherwise along a course; both change its residuals.
+
+    Attributes:
+        force: that the model lacks to move as the machine does, N·m or N, shape (K, n).
+        reading: of the model's encoders beyond its positions, rad or m, shape (K, n).
+    """
+
+    force: Array
+    reading: Array
+
+
+@dataclass(frozen=True)
+class Response:
+    """The linearised motion about a course.
+
+    With x = (δq, δq'), x' = A x + (0, M⁻¹ τ): over an interval of h, by the trapezoid rule, x → F x + B τ.
+
+    Attributes:
+        carried: F of each interval, shape (K, 2n, 2n).
+        pushed: B, shape (K, 2n, n).
+        information: of each interval and joint, samples in it over the noise's variance, shape (K, n).
+    """
+
+    carried: Array
+    pushed: Array
+    information: Array
+
+    def gram(self, signatures: Sequence[Signature], window: int) -> Array:
+        """Inner products, weighed by the noise, of what signatures make of the residuals; starts are regressed out.
+
+        Args:
+            signatures: m of them.
+            window: intervals in a window; a rest that is shorter than half of one is left out.
+
+        Returns:
+            Shape (m, m), in units of χ².
+        """
+        force = np.stack([s.force for s in signatures], axis=2)
+        reading = np.stack([s.reading for s in signatures], axis=2)
+        count, joints, many = force.shape
+        total = np.zeros((many, many))
+        for begin in range(0, count, window):
+            stop = min(begin + window, count)
+            if stop - begin < window / 2:
+                break
+            seen = self._seen(force[begin:stop], reading[begin:stop], begin)
+            starts, rest = seen[:, : 2 * joints], seen[:, 2 * joints :]
+            basis, _ = np.linalg.qr(starts)
+            rest = rest - basis @ (basis.T @ rest)
+            total += rest.T @ rest
+        return total
+
+    def _seen(self, force: Array, reading: Array, begin: int) -> Array:
+        """Weighed residuals of a window: of unit starts, then of the signatures; shape (samples, 2n + m)."""
+        count, joints, many = force.shape
+        own = 2 * joints
+        state, rows = np.zeros((own, own + many)), np.zeros((count, joints, own + many))
+        state[:, :own] = np.eye(own)
+        for k in range(count):
+            after = self.carried[begin + k] @ state
+            # A model that lacks a force falls behind: measured − simulated is what that force would do.
+            after[:, own:] += self.pushed[begin + k] @ force[k]
+            rows[k] = 0.5 * (state[:joints] + after[:joints])
+            state = after
+        rows[:, :, own:] -= reading
+        rows *= np.sqrt(self.information[begin : begin + count])[:, :, None]
+        return rows.reshape(count * joints, -1)
+
+
+def response(course: Course, std: Array, rate: float) -> Response:
+    """The linearised motion about a course, what is hidden included.
+
+    Args:
+        course: a log.
+        std: standard deviation of each joint's noise, as white, rad or m, shape (n,).
+        rate: samples per second, Hz.
+    """
+    slopes, inverse = _slopes(course)
+    count, joints = course.position.shape
+    half, one = 0.5 * course.step[:, None, None], np.eye(2 * joints)
+    drift, entry = np.zeros((count, 2 * joints, 2 * joints)), np.zeros((count, 2 * joints, joints))
+    drift[:, :joints, joints:] = np.eye(joints)
+    drift[:, joints:], entry[:, joints:] = slopes, inverse
+    left = one - half * drift
+    return Response(
+        carried=np.asarray(np.linalg.solve(left, one + half * drift), dtype=np.float64),
+        pushed=np.asarray(np.linalg.solve(left, 2 * half * entry), dtype=np.float64),
+        information=course.step[:, None] * rate / std**2,
+    )
+
+
+def _slopes(course: Course) -> tuple[Array, Array]:
+    """∂q''/∂(q, q'), shape (K, n, 2n), and ∂q''/∂τ = M⁻¹, shape (K, n, n)."""
+    count, joints = course.position.shape
+    slopes, inverse = np.zeros((count, joints, 2 * joints)), np.zeros((count, joints, joints))
+    command = course.mean_command(course.effect)
+    for k in range(count):
+        x = np.concatenate([course.position[k], course.velocity[k]])
+        for column, nudge in enumerate(_TINY * np.eye(2 * joints)):
+            ahead, behind = (_gained(course, k, x + side * nudge, command[k])[0] for side in (1.0, -1.0))
+            slopes[k, :, column] = (ahead - behind) / (2 * _TINY)
+        inverse[k] = np.linalg.inv(_gained(course, k, x, command[k])[1])
+    return slopes, inverse
+
+
+def _gained(course: Course, k: int, x: Array, command: Array) -> tuple[Array, Array]:
+    """Accelerations and mass matrix of the joints in a state near the course.
+
+    A motor or rotor inside counts as fixed to its joint: how it swings is left out of the linearised motion.
+    """
+    body, joints = course.true_body, len(x) // 2
+    q, v = x[:joints].tolist(), x[joints:].tolist()
+    none, kept = [0.0] * joints, course.kept[k].tolist()
+    if body.inside:
+        q, v = ([*values, *(values[j] for j, _ in body.inside)] for values in (q, v))
+        none = [0.0] * body.degrees
+    mass, force = body.terms(float(course.middle[k]), q, v, command.tolist(), none, kept)
+    matrix, push = _joined(body.inside, np.asarray(mass), np.asarray(force), joints)
+    return np.asarray(solve(matrix.tolist(), push.tolist())), matrix
+
+
+def _joined(inside: Sequence[tuple[int, object]], mass: Array, force: Array, joints: int) -> tuple[Array, Array]:
+    """Mass matrix and force where everything inside turns with its joint."""
+    along = np.eye(len(force), joints)
+    for row, (joint, _) in enumerate(inside, start=joints):
+        along[row, joint] = 1.0
+    return along.T @ mass @ along, along.T @ force

@@ -1,0 +1,52 @@
+"""What a hidden effect remembers: one more number that a first-order equation moves along with the machine."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Bristle:
+    """A deflection z inside a joint, from 0 on: z' = rate(z, v), and the joint feels force(z, z', v).
+
+    Attributes:
+        joint: name of the joint.
+        rate: of the deflection in rad/s or m/s, from the deflection (rad or m) and the joint's velocity.
+        force: in N·m or N on the joint, from the deflection, its rate and the joint's velocity.
+    """
+
+    joint: str
+    rate: Callable[[float, float], float]
+    force: Callable[[float, float, float], float]
+
+
+@dataclass(frozen=True)
+class SlowCommand:
+    """What a driver makes of its command u, from the command before the first on: x' = rate(x, u); x acts.
+
+    Attributes:
+        actuator: name of the actuator.
+        rate: in the command's unit per s, from x and u.
+    """
+
+    actuator: str
+    rate: Callable[[float, float], float]
+
+
+@dataclass(frozen=True)
+class SlowReading:
+    """What an encoder shows of a position q, from the position at the start on: y' = (q − y) / constant.
+
+    Attributes:
+        joint: name of the joint.
+        constant: s.
+    """
+
+    joint: str
+    constant: float
+
+    def rate(self, shown: float, position: float) -> float:
+        """Rate of what is shown, rad/s or m/s."""
+        return (position - shown) / self.constant
+
+
+Memory = Bristle | SlowCommand | SlowReading

@@ -1,0 +1,104 @@
+"""Machines whose mass matrix and forces Pinocchio works out, at one instant at a time."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.errors import ModelError
+from dr_lab.plants.machine import Matrix, Vector
+from dr_lab.plants.medium import box_drag, half_lengths
+from dr_lab.plants.mjcf_nominal import MjcfNominal
+from dr_lab.plants.mujoco_machine import MujocoMachine
+from dr_lab.plants.pinocchio_engine import pinocchio, tree
+from dr_lab.trajectory import Array
+
+_AFFINE = int(mujoco.mjtBias.mjBIAS_AFFINE)
+_PLAIN = (int(mujoco.mjtBias.mjBIAS_NONE), _AFFINE)
+
+
+@dataclass(frozen=True, eq=False)
+class PinocchioMachine(MujocoMachine):
+    """M(q) q'' = f of a tree of hinges and slides; only the numbers come from the MuJoCo model, no equation.
+
+    f = applied + drives − damping q' − C(q, q') q' − g(q) + drag of the medium + gears, where a drive is
+    gear (gain u + b₀ + b₁ l + b₂ l'), l = gear q: a motor's or a position controller's of MuJoCo's file. There are no
+    contacts, limits, springs or frictions but those that are hidden.
+    """
+
+    def terms(self, position: Vector, velocity: Vector, command: Vector, applied: Vector) -> tuple[Matrix, Vector]:
+        """Mass matrix and force."""
+        engine, (model, data) = pinocchio(), self._tree
+        q, v = np.asarray(position, dtype=np.float64), np.asarray(velocity, dtype=np.float64)
+        mass = engine.crba(model, data, q)
+        outside = -engine.nonLinearEffects(model, data, q, v)
+        drive = self._drive(q, v, np.asarray(command, dtype=np.float64))
+        force = np.asarray(applied) + drive + outside - self.model.dof_damping * v
+        for joint, law in self.gears:
+            force[joint] += law(float(drive[joint]), float(outside[joint]), velocity[joint])
+        if self.model.opt.density > 0:
+            force = force + self._drag(q, v)
+        return np.reshape(mass, (len(q), len(q))).tolist(), force.tolist()
+
+    def _drive(self, q: Array, v: Array, command: Array) -> Array:
+        joint, gear, gain, bias = self._drives
+        force = gear * (gain * command + bias[:, 0] + gear * (bias[:, 1] * q[joint] + bias[:, 2] * v[joint]))
+        return np.asarray(np.bincount(joint, weights=force, minlength=len(q)), dtype=np.float64)
+
+    def _drag(self, q: Array, v: Array) -> Array:
+        """Generalised force of the medium, shape (n,)."""
+        engine, (model, data) = pinocchio(), self._tree
+        engine.computeJointJacobians(model, data, q)
+        total, wind = np.zeros(len(q)), self.model.opt.wind
+        for number, centre, axes, half in self._boxes:
+            frame = data.oMi[number]
+            world = engine.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            # One column comes back as a vector.
+            jacobian = np.reshape(engine.getJointJacobian(model, data, number, world), (6, len(q)))
+            turn, reach = frame.rotation @ axes, frame.rotation @ centre
+            spin = jacobian[3:] @ v
+            carried = jacobian[:3] @ v + np.cross(spin, reach)
+            force, torque = box_drag(self.model.opt.density, half, turn.T @ (carried - wind), turn.T @ spin)
+            force, torque = turn @ force, turn @ torque
+            total += jacobian[:3].T @ force + jacobian[3:].T @ (torque + np.cross(reach, force))
+        return total
+
+    @cached_property
+    def _tree(self) -> tuple[Any, Any]:
+        model = tree(self.model)
+        return model, model.createData()
+
+    @cached_property
+    def _drives(self) -> tuple[NDArray[np.intp], Array, Array, Array]:
+        """Joint, gear, gain and bias of each actuator."""
+        model = self.model
+        at_joints = (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)).all()
+        plain = np.isin(model.actuator_biastype, _PLAIN).all() and not model.actuator_dyntype.any()
+        if not at_joints or not plain or model.actuator_gaintype.any():
+            raise ModelError("A machine of Pinocchio is driven at its joints, by motors or position controllers alone.")
+        bias = model.actuator_biasprm[:, :3] * (model.actuator_biastype == _AFFINE)[:, None]
+        return model.actuator_trnid[:, 0].astype(np.intp), model.actuator_gear[:, 0], model.actuator_gainprm[:, 0], bias
+
+    @cached_property
+    def _boxes(self) -> list[tuple[int, Array, Array, Array]]:
+        """Of each body that a joint moves: the joint's number, its box's centre and axes in its frame, half-lengths."""
+        model, found = self.model, []
+        for joint, row in enumerate(model.jnt_bodyid.tolist()):
+            axes = np.zeros(9)
+            mujoco.mju_quat2Mat(axes, model.body_iquat[row])
+            half = half_lengths(float(model.body_mass[row]), model.body_inertia[row])
+            found.append((joint + 1, model.body_ipos[row] - model.jnt_pos[joint], axes.reshape(3, 3), half))
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class PinocchioNominal(MjcfNominal):
+    """A machine whose documents are an MJCF file, played by Pinocchio."""
+
+    def machine(self, true: Mapping[str, float]) -> PinocchioMachine:
+        """The machine with given masses and dampings."""
+        return PinocchioMachine.of(self.model(true))

@@ -1,0 +1,186 @@
+"""Faults injected into the logs of a small machine are found with log and time; what machines really do is no fault."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import mujoco
+import numpy as np
+import pytest
+from hydra.utils import instantiate
+
+from dr_lab.cli.compose import compose
+from dr_lab.diagnosis.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.fault_settings import FaultSettings
+from dr_lab.physics.model import Model, from_spec
+from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
+
+STEP, LENGTH, PEAK = 0.002, 5.0, 1.5
+XML = """
+<mujoco>
+  <option timestep="0.002" integrator="RK4"/>
+  <worldbody>
+    <body name="upper">
+      <joint name="shoulder" axis="0 1 0" damping="0.02" {shoulder}/>
+      <inertial pos="0 0 -0.15" mass="{mass}" diaginertia="0.004 0.004 0.0004"/>
+      <body name="lower" pos="0 0 -0.3">
+        <joint name="elbow" axis="0 1 0" damping="0.01"/>
+        <inertial pos="0 0 -0.1" mass="0.3" diaginertia="0.001 0.001 0.0001"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>{actuator}</actuator>
+</mujoco>
+"""
+MOTOR = '<motor name="motor" joint="shoulder"/>'
+SERVO = '<position name="motor" joint="shoulder" kp="12" kv="0.3"/>'
+Act = Callable[[Array, Array], Array]
+
+
+@cache
+def settings() -> FaultSettings:
+    return instantiate(compose("close", []).faults, _convert_="all")
+
+
+def nominal(actuator: str = MOTOR) -> Model:
+    """The model as documented: the machine's upper link is 12 % lighter."""
+    return from_spec("arm", mujoco.MjSpec.from_string(XML.format(mass=0.44, shoulder="", actuator=actuator)), {})
+
+
+def command(seed: int, time: Array) -> Array:
+    rng = np.random.default_rng(seed)
+    rates, phases = rng.uniform(0.4, 3.0, 5), rng.uniform(0, 2 * np.pi, 5)
+    waves = np.sin(2 * np.pi * rates * time[:, None] + phases).sum(1)
+    return PEAK * waves / np.abs(waves).max()
+
+
+def driven(act: Act, shoulder: str, actuator: str, seed: int) -> Log:
+    """A log whose commands act as `act` says of times and commands; encoders of 4096 steps."""
+    model = mujoco.MjModel.from_xml_string(XML.format(mass=0.5, shoulder=shoulder, actuator=actuator))
+    data, time = mujoco.MjData(model), np.arange(0.0, LENGTH, STEP)
+    sent = command(seed, np.floor(time / 0.004) * 0.004)
+    acting, path = act(time, sent), np.empty((len(time), 2))
+    for k in range(len(time)):
+        path[k], data.ctrl[:] = data.qpos, acting[k]
+        mujoco.mj_step(model, data)
+    quantum = 2 * np.pi / 4096
+    outputs = {
+        f"{joint}.position": Signal(f"{joint}.position", "rad", time, quantum * np.round(path[:, i] / quantum))
+        for i, joint in enumerate(("shoulder", "elbow"))
+    }
+    return Log(f"log_{seed}", outputs, {"motor": Signal("motor", "N·m", time[::2], sent[::2])})
+
+
+def recorded(act: Act = lambda time, sent: sent, shoulder: str = "", actuator: str = MOTOR) -> MeasurementSet:
+    logs = [driven(act, shoulder, actuator, seed) for seed in (1, 2, 3)]
+    noise = {name: Noise(4.4e-4, "rad", "estimated") for name in logs[0].outputs}
+    return MeasurementSet("arm", tuple(logs[:2]), tuple(logs[2:]), noise, dict.fromkeys((*noise, "motor"), 0.02))
+
+
+def told(measured: MeasurementSet, change: Callable[[Signal], Signal], log: str = "") -> tuple[Fault, ...]:
+    """Faults of a set whose commands are changed, in one log or in all."""
+
+    def changed(each: Log) -> Log:
+        return replace(each, commands={"motor": change(each.commands["motor"])}) if log in ("", each.name) else each
+
+    parts = {part: tuple(map(changed, getattr(measured, part))) for part in ("fit", "held_out")}
+    return suspect_faults(nominal(), replace(measured, **parts), settings())
+
+
+@pytest.fixture(scope="module")
+def sound() -> MeasurementSet:
+    return recorded()
+
+
+def test_sound_logs_raise_nothing(sound: MeasurementSet) -> None:
+    assert suspect_faults(nominal(), sound, settings()) == ()
+
+
+@pytest.mark.parametrize(
+    ("act", "shoulder"),
+    [
+        (lambda time, sent: np.interp(time - 0.04, time, sent), ""),
+        (lambda time, sent: np.clip(sent, -0.6, 0.6), ""),
+        (lambda time, sent: np.sign(sent) * np.maximum(np.abs(sent) - 0.2, 0.0), ""),
+        (lambda time, sent: sent, 'frictionloss="0.25"'),
+        (lambda time, sent: 0.6 * sent, 'frictionloss="0.1" stiffness="0.3"'),
+    ],
+    ids=["delay", "saturation", "dead zone", "friction", "weak, spring"],
+)
+def test_what_machines_do_is_no_fault(act: Act, shoulder: str) -> None:
+    assert suspect_faults(nominal(), recorded(act, shoulder), settings()) == ()
+
+
+def test_a_turned_sign_is_told_in_its_log(sound: MeasurementSet) -> None:
+    (fault,) = told(sound, lambda s: replace(s, value=-s.value), "log_2")
+    assert (fault.kind, fault.log, fault.signal) == ("sign", "log_2", "motor")
+    assert fault.begin < 0.3
+    assert fault.end > LENGTH - 0.3
+    assert "sign: -1" in fault.remedy
+    everywhere = told(sound, lambda s: replace(s, value=-s.value))
+    assert [(f.kind, f.log) for f in everywhere] == [("sign", f"log_{k}") for k in (1, 2, 3)]
+
+
+def test_a_servos_turned_sign_is_told() -> None:
+    measured = recorded(actuator=SERVO)
+    assert suspect_faults(nominal(SERVO), measured, settings()) == ()
+    turned = recorded(lambda time, sent: -sent, actuator=SERVO)
+    assert {f.kind for f in suspect_faults(nominal(SERVO), turned, settings())} == {"sign"}
+
+
+@pytest.mark.parametrize(("factor", "word"), [(1e3, "mN·m"), (1e-3, "kilo"), (180 / np.pi, "deg")])
+def test_a_factor_between_units_is_told(sound: MeasurementSet, factor: float, word: str) -> None:
+    faults = told(sound, lambda s: replace(s, value=factor * s.value))
+    assert [(f.kind, f.log) for f in faults] == [("unit", f"log_{k}") for k in (1, 2, 3)]
+    assert word in faults[0].message
+
+
+@pytest.mark.parametrize("shift", [0.5, -0.3])
+def test_commands_out_of_step_are_told_with_the_shift(sound: MeasurementSet, shift: float) -> None:
+    (fault,) = told(sound, lambda s: replace(s, time=s.time + shift), "log_3")
+    assert (fault.kind, fault.log) == ("shift", "log_3")
+    assert f"latency: {shift:.2f}" in fault.remedy
+
+
+def test_a_machine_that_is_switched_off_is_told_with_the_time() -> None:
+    measured = recorded(lambda time, sent: np.where(time < 3.0, sent, 0.0))
+    faults = suspect_faults(nominal(), measured, settings())
+    assert [(f.kind, f.log) for f in faults] == [("off", f"log_{k}") for k in (1, 2, 3)]
+    for fault in faults:
+        assert fault.begin == pytest.approx(3.0, abs=0.25)
+        assert fault.end > LENGTH - 0.5
+
+
+def thinned(measured: MeasurementSet, period: float) -> MeasurementSet:
+    """The same set with the commands' samples a period apart, each as it was then."""
+
+    def thin(log: Log) -> Log:
+        sent = log.commands["motor"]
+        keep = np.arange(0, len(sent), round(period / 0.004))
+        return replace(log, commands={"motor": replace(sent, time=sent.time[keep], value=sent.value[keep])})
+
+    return replace(measured, fit=tuple(map(thin, measured.fit)), held_out=tuple(map(thin, measured.held_out)))
+
+
+def test_commands_that_changed_more_often_than_logged_are_told(sound: MeasurementSet) -> None:
+    faults = suspect_faults(nominal(), thinned(sound, 0.02), settings())
+    assert [(f.kind, f.log) for f in faults] == [("decimated", f"log_{k}") for k in (1, 2, 3)]
+    assert "every 20 ms" in faults[0].message
+
+
+def test_commands_that_are_truly_held_are_not_called_decimated() -> None:
+    measured = recorded(lambda time, sent: sent[np.searchsorted(time, np.floor(time / 0.02 + 1e-6) * 0.02 - 1e-6)])
+    assert suspect_faults(nominal(), thinned(measured, 0.02), settings()) == ()
+
+
+def test_commands_without_any_effect_are_told() -> None:
+    measured = recorded(lambda time, sent: 0.3 * np.sin(4 * time))
+    assert {f.kind for f in suspect_faults(nominal(), measured, settings())} <= {"off", "shift"}
+
+
+def test_machines_that_cannot_be_tested_are_left_in_peace(sound: MeasurementSet) -> None:
+    unmeasured = {"shoulder.position"}
+    fit = tuple(
+        replace(log, outputs={name: log.outputs[name] for name in unmeasured}) for log in (*sound.fit, *sound.held_out)
+    )
+    assert suspect_faults(nominal(), replace(sound, fit=fit, held_out=()), settings()) == ()

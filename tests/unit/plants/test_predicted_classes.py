@@ -1,0 +1,79 @@
+"""Equivalence classes that are known beforehand, predicted from the truth."""
+
+import numpy as np
+import pytest
+from hydra.utils import instantiate
+from strangers import needs_pinocchio
+
+from dr_lab.cli.compose import compose
+from dr_lab.plants.alike.actuator_rivals import lagged, ramped
+from dr_lab.plants.alike.classes import Classes
+from dr_lab.plants.alike.course import mean_held
+from dr_lab.plants.alike.joint_rivals import bent
+from dr_lab.plants.alike.regression import remaining, without
+from dr_lab.plants.alike.response import Signature
+from dr_lab.plants.alike.rival import Choice
+from dr_lab.plants.command import Command
+
+NOTHING = Signature(np.zeros((1, 1)), np.zeros((1, 1)))
+
+
+def classes(*overrides: str) -> dict[str, dict[str, int]]:
+    rule: Classes = instantiate(compose("benchmark", ["benchmark=strangers"]).classes.rule)
+    short = ["plant.duration=1.6", "plant.peaks=[0.5,0.4]"]
+    bench = instantiate(compose("record", ["plant=strangers/wheel", *short, *overrides]).plant, _convert_="all")
+    return rule.of(bench, seed=5)
+
+
+def hidden(name: str, *numbers: str) -> list[str]:
+    return [f"plant/hidden=general/{name}", *(f"plant.hidden.{number}" for number in numbers)]
+
+
+@needs_pinocchio
+def test_friction_is_alone_in_its_class_for_what_generalises_it_claims_more() -> None:
+    (known,) = classes(*hidden("coulomb_friction", "site=wheel", "torque=0.03")).values()
+    assert known == {"coulomb_friction@wheel": 1}
+
+
+@needs_pinocchio
+def test_what_a_free_parameter_does_is_of_the_class_of_the_base() -> None:
+    # Damping is free; mass and damping together are as good as another torque.
+    for numbers in (["viscous_friction", "site=wheel", "coefficient=0.01"], ["torque_scale", "site=motor", "gain=0.8"]):
+        (known,) = classes(*hidden(*numbers)).values()
+        assert "base" in known
+
+
+@needs_pinocchio
+def test_too_little_to_be_seen_is_of_the_class_of_the_base() -> None:
+    (known,) = classes(*hidden("coulomb_friction", "site=wheel", "torque=1e-5")).values()
+    assert "base" in known
+
+
+@needs_pinocchio
+def test_a_wrong_zero_is_a_leaning_base_to_a_wheel() -> None:
+    (known,) = classes(*hidden("sensor_bias", "site=wheel", "bias=0.05")).values()
+    assert {"sensor_bias@wheel", "base_tilt@world"} <= known.keys()
+    assert known.keys().isdisjoint({"base", "coulomb_friction@wheel", "sensor_scale@wheel"})
+
+
+def test_commands_are_averaged_lagged_and_ramped_exactly() -> None:
+    held = Command(np.array([0.0, 0.5]), np.array([1.0, 3.0]))
+    np.testing.assert_allclose(mean_held(held, np.array([0.25, 0.75, 1.0])), [2.0, 3.0])
+    mean, step = np.array([0.0, 1.0, 1.0]), np.full(3, 0.01)
+    share = 1 - np.exp(-0.01 / 0.004)
+    np.testing.assert_allclose(lagged(mean, step, 0.004), [0.0, 1 - 0.4 * share, 1 - 0.4 * share * (1 - share)])
+    np.testing.assert_allclose(ramped(mean, step, 50.0), [0.0, 0.25, 0.75])
+    np.testing.assert_allclose(bent(np.array([1.0, 1.0, -1.0]), np.ones(3), 1.5), [0.5, 1.25, 1.0])
+
+
+def test_columns_are_regressed_out_and_bounds_kept() -> None:
+    generator = np.random.default_rng(0)
+    columns = generator.standard_normal((50, 4))
+    gram = without(columns.T @ columns, [1])
+    clean = columns - np.outer(columns[:, 1], columns[:, 1] @ columns / (columns[:, 1] @ columns[:, 1]))
+    np.testing.assert_allclose(gram, clean.T @ clean, atol=1e-9)
+    free = Choice([NOTHING, NOTHING], [-np.inf] * 2, [np.inf] * 2)
+    fitted = np.linalg.lstsq(clean[:, 2:], -clean[:, 0])[1][0]
+    assert remaining(gram, 0, 2, free) == pytest.approx(fitted, rel=1e-6)
+    bound = Choice([NOTHING], [0.0], [0.0])
+    assert remaining(gram, 0, 2, bound) == pytest.approx(gram[0, 0])

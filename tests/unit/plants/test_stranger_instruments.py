@@ -1,0 +1,76 @@
+"""Coloured noise by its spectrum and its variance, velocities of differences, and commands that are logged seldom."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from hydra.utils import instantiate
+from scipy.signal import welch
+
+from dr_lab.cli.compose import compose
+from dr_lab.plants.bench import Bench
+from dr_lab.plants.filtered_difference import FilteredDifference
+from dr_lab.plants.noise import CorrelatedNoise, LowPassedNoise, Noise, WhiteNoise
+
+RATE, COUNT, STD = 500.0, 200_000, 5e-4
+NOISES: Mapping[str, tuple[Noise, float]] = {  # with the corner of its spectrum in Hz, where half of the power is left
+    "correlated": (CorrelatedNoise(STD, 0.02), 1 / (2 * np.pi * 0.02)),
+    "low_passed": (LowPassedNoise(STD, 20.0), 20.0),
+}
+
+
+@pytest.mark.parametrize("name", NOISES)
+def test_the_spectrum_falls_to_half_at_the_corner(name: str) -> None:
+    noise, corner = NOISES[name]
+    drawn = noise.draw(COUNT, RATE, np.random.default_rng(2))
+    assert drawn.std() == pytest.approx(STD, rel=0.03)
+    frequency, density = welch(drawn, fs=RATE, nperseg=4096)
+    flat = density[(frequency > 0.3) & (frequency < corner / 5)].mean()
+    near = np.abs(frequency - corner) < corner / 20
+    assert density[near].mean() / flat == pytest.approx(0.5, abs=0.05)
+    # White noise of this deviation has the same density: σ² over half of the rate.
+    assert flat == pytest.approx(noise.white_equal(RATE) ** 2 / (RATE / 2), rel=0.07)
+
+
+def test_correlation_falls_to_a_share_of_e() -> None:
+    drawn = CorrelatedNoise(1.0, 0.02).draw(COUNT, RATE, np.random.default_rng(3))
+    assert np.mean(drawn[10:] * drawn[:-10]) == pytest.approx(np.exp(-1), abs=0.02)  # 10 samples are 20 ms
+
+
+def test_white_noise_is_its_own_equal() -> None:
+    assert WhiteNoise(STD).white_equal(RATE) == STD
+    assert WhiteNoise(STD).draw(COUNT, RATE, np.random.default_rng(4)).std() == pytest.approx(STD, rel=0.01)
+
+
+def test_filtered_differences_of_even_motion_settle_exponentially() -> None:
+    time = np.arange(200) / RATE
+    velocity = FilteredDifference(30.0).velocity(time, 3.0 * time[:, None], RATE)[:, 0]
+    expected = 3.0 * (1 - np.exp(-2 * np.pi * 30.0 / RATE * np.arange(200)))
+    np.testing.assert_allclose(velocity, expected, rtol=0, atol=1e-12)
+
+
+def bench(*overrides: str) -> Bench:
+    return instantiate(
+        compose("record", ["plant=pendulum", "plant.duration=0.4", "plant.peaks=[2.0]", *overrides]).plant
+    )
+
+
+def test_one_of_five_commands_is_logged_and_all_act() -> None:
+    (sparse,) = bench("plant/instruments=sparse").recordings(1)
+    (white,) = bench("plant/instruments=white", "plant.instruments.sample_rate=50.0").recordings(1)
+    np.testing.assert_array_equal(sparse.command, white.command[::5])
+    np.testing.assert_array_equal(sparse.command_time, white.command_time[::5])
+    np.testing.assert_array_equal(sparse.position, white.position)
+    assert np.diff(sparse.stamp).mean() == pytest.approx(0.02, rel=1e-3)
+
+
+def test_velocities_come_of_the_logged_positions() -> None:
+    (log,) = bench("plant/instruments=differenced").recordings(1)
+    assert log.velocity is not None
+    expected = FilteredDifference(30.0).velocity(log.stamp, log.position, 500.0)
+    np.testing.assert_array_equal(log.velocity, expected)
+
+
+def test_noise_and_counts_add_up() -> None:
+    instruments = bench("plant/instruments=quantised").instruments
+    assert instruments.white_equal() == pytest.approx(np.hypot(1e-4, 2 * np.pi / 4096 / np.sqrt(12)))
