@@ -25,10 +25,10 @@ class Gain:
         share: share of the worse model's χ² that the better one removes.
         low: lower end of its interval.
         high: upper end.
-        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes, in the channel where
-            its evidence is most, the χ² of a model being exp(mean ln(1 + χ²_w)) − 1 over the windows; 1 where the worse
-            one is at the floor.
+        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes, the χ² of a model
+            being exp(mean ln(1 + χ²_w)) − 1 over the windows; 1 where the worse one is at the floor.
         channels: that share by channel.
+        place: the channel in which the evidence is most.
         total: Σ (D worse − D better) over windows and channels, the difference of the deviances −2 ln L of residuals
             that are noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²)
             above, n being the number of independent ones among them. It is Δχ² near the noise floor, no single wild
@@ -45,6 +45,7 @@ class Gain:
     high: float
     gap: float
     channels: Mapping[str, float]
+    place: str
     total: float
     total_low: float
     trial_low: float
@@ -52,7 +53,7 @@ class Gain:
     clear: bool
 
 
-_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, {}, 0.0, -np.inf, -np.inf, 0.0, clear=False)
+_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, 0.0, clear=False)
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -87,8 +88,9 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         share=share,
         low=low,
         high=float(np.minimum(high, 1.0)),
-        gap=closed[max(each, key=lambda name: float(each[name][0].sum()))],
+        gap=_gap(theirs, ours, worse.window_count[both]),
         channels=closed,
+        place=max(each, key=lambda name: float(each[name][0].sum())),
         total=total,
         total_low=total_low,
         trial_low=trial_low,
@@ -118,9 +120,13 @@ def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.boo
     """
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     least = better if better.chi2 <= worse.chi2 else worse
-    before, after = (_typical(sums, count) for sums in (theirs, ours))
-    gap = min((before - after) / (before - 1), 1.0) if before > 1 else 1.0
-    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, gap
+    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, _gap(theirs, ours, count)
+
+
+def _gap(worse: Array, better: Array, count: Array) -> float:
+    """Share of the gap of a typical window that closes, from the sums of its squares."""
+    before, after = _typical(worse, count), _typical(better, count)
+    return min((before - after) / (before - 1), 1.0) if before > 1 else 1.0
 
 
 def _deviance(sums: Array, count: Array) -> Array:
@@ -154,9 +160,24 @@ def at_floor(score: Score, settings: EvidenceSettings) -> bool:
     """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make."""
     if score.chi2 <= noise_floor(score.freedom, settings):
         return True
-    every = score.channels.values()
-    floors = (noise_floor(float(c.window_count.sum()) / c.colour, settings) for c in every)
-    return bool(every) and all(c.instrumental or c.chi2 <= f for c, f in zip(every, floors, strict=True))
+    return bool(score.channels) and all(_channel_at_floor(channel, settings) for channel in score.channels.values())
+
+
+def largest_gap(gain: Gain) -> float:
+    """Share of the gap that closes, over all channels or in the one where the evidence is most, whichever is more."""
+    return max(gain.gap, gain.channels.get(gain.place, 0.0))
+
+
+def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings) -> bool:
+    """Whether the channel with the most evidence comes down to the noise floor from above it."""
+    pair = (score.channels.get(gain.place) for score in (worse, better))
+    before, after = (channel is not None and _channel_at_floor(channel, settings) for channel in pair)
+    return after and not before
+
+
+def _channel_at_floor(channel: ChannelScore, settings: EvidenceSettings) -> bool:
+    floor = noise_floor(float(channel.window_count.sum()) / channel.colour, settings)
+    return channel.instrumental or channel.chi2 <= floor
 
 
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
@@ -180,7 +201,7 @@ def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings)
 def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """Whether a gain, if certain, is beyond the threshold and the penalty of the added parameters, and no trifle."""
     enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
-    return enough and gain.gap >= settings.least_gap
+    return enough and largest_gap(gain) >= settings.least_gap
 
 
 def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:

@@ -5,7 +5,16 @@ from dataclasses import dataclass
 from math import isnan
 
 from dr_lab.diagnosis.bench import Explained
-from dr_lab.diagnosis.evidence import Gain, at_floor, noise_floor, paired_gain, sizeable, supported, worth_a_trial
+from dr_lab.diagnosis.evidence import (
+    Gain,
+    at_floor,
+    largest_gap,
+    noise_floor,
+    paired_gain,
+    sizeable,
+    supported,
+    worth_a_trial,
+)
 from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
@@ -53,7 +62,7 @@ def decide(
         scored: the logs that the scores are from, in words.
     """
     # Far from the floor much helps a bit.
-    helpful = [c for c in ranking if c.final and c.resolved and c.gain.gap >= settings.least_explained]
+    helpful = [c for c in ranking if c.final and c.resolved and largest_gap(c.gain) >= settings.least_explained]
     group = _inseparable([c for c in helpful if _passes(supported, c, settings)], settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}

@@ -9,6 +9,7 @@ import mujoco
 from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import add_passive_force, joint_of, slides
+from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.parameter import Parameter
 
 
@@ -44,6 +45,8 @@ class AsymmetricFriction(DryFrictionEffect):
     law: ClassVar[str] = "tau = -tau_m (sign(v) + s)"
     fingerprint: ClassVar[str] = "force residual jumps with the sign of velocity, about a mean that is not zero"
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "stribeck_friction", "constant_offset")
+    holds: ClassVar[Mapping[str, SpecialCase]] = {"coulomb_friction": SpecialCase(("asymmetry",), {"mean": "torque"})}
+    shapes: ClassVar[tuple[str, ...]] = ("asymmetry",)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The mean of the two directions' torques, and the share by which they differ from it."""

@@ -57,6 +57,7 @@ class Backlash(MotorSideEffect):
     law: ClassVar[str] = "J (delta'' + q'') = tau_m while |delta| < gap/2, else rigid"
     fingerprint: ClassVar[str] = "the link coasts and is hit whenever the torque that it takes turns round"
     confused_with: ClassVar[tuple[str, ...]] = ("joint_elasticity", "dead_zone", "hysteresis", "actuator_delay")
+    shapes: ClassVar[tuple[str, ...]] = ("rotor",)
     lacks: ClassVar[str] = "the motor that turns freely within the gap; the file holds it rigid with its link"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

@@ -50,6 +50,27 @@ def candidates(model: Model, effects: Mapping[str, Effect], scales: Scales, comp
     return Candidates(tuple(placed), refused)
 
 
+@dataclass(frozen=True)
+class SpecialCases:
+    """The effects of a catalogue that another one acts as, at its site.
+
+    Attributes:
+        effects: the catalogue, by name.
+        scales: size of the effects' bounds.
+        compiled: the compiled nominal model without effects, which tells the sites.
+    """
+
+    effects: Mapping[str, Effect]
+    scales: Scales
+    compiled: mujoco.MjModel
+
+    def of(self, richer: PlacedEffect, model: Model) -> tuple[PlacedEffect, ...]:
+        """Those that can act at its site of a model, which does not hold them there yet."""
+        held = {name: self.effects[name] for name in richer.effect.holds if name in self.effects}
+        found = candidates(model, held, self.scales, self.compiled).placed
+        return tuple(poorer for poorer in found if poorer.site == richer.site)
+
+
 def require_names(effects: Mapping[str, Effect]) -> None:
     """Check that each effect goes by its own name, so that no two of a catalogue are called alike.
 

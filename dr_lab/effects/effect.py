@@ -7,6 +7,7 @@ from typing import ClassVar, TypeVar
 
 import mujoco
 
+from dr_lab.effects.special_case import SpecialCase
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
@@ -72,6 +73,8 @@ class Effect(ABC):
         law: one line of physics.
         fingerprint: what the residual looks like when the effect is missing.
         confused_with: names of effects that given data may not separate from it.
+        holds: names of effects that it acts as, at the same site, for some values of its parameters, and how.
+        shapes: short names of parameters that act only where another parameter of it is away from absent.
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
         patience: times as many iterations as others get that a start away from absent needs to show its worth.
     """
@@ -81,6 +84,8 @@ class Effect(ABC):
     law: ClassVar[str]
     fingerprint: ClassVar[str]
     confused_with: ClassVar[tuple[str, ...]] = ()
+    holds: ClassVar[Mapping[str, SpecialCase]] = {}
+    shapes: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[str] = ""
     patience: ClassVar[int] = 1
 
@@ -190,6 +195,12 @@ class PlacedEffect:
     def label(self) -> str:
         """``effect@site``."""
         return f"{self.effect.name}@{self.site}"
+
+    @property
+    def absent(self) -> dict[str, float]:
+        """Full name → nominal value of the parameters that make it act; it is absent where all of them are there."""
+        shapes = {f"{self.label}.{name}" for name in self.effect.shapes}
+        return {p.name: p.nominal for p in self.parameters if p.name not in shapes}
 
     def prepare(self, spec: mujoco.MjSpec) -> None:
         """Write into a fresh spec at its nominal values what the effect needs in every context."""

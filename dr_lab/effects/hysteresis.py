@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, slides
+from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -51,6 +52,10 @@ class Hysteresis(JointEffect):
     law: ClassVar[str] = "tau = -tau_y b/x_y, b follows the joint within +-x_y"
     fingerprint: ClassVar[str] = "force residual that rises after every reversal over a fixed way, then stays"
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "spring", "backlash", "joint_elasticity")
+    holds: ClassVar[Mapping[str, SpecialCase]] = {
+        "coulomb_friction": SpecialCase(("displacement",), {"torque": "torque"})
+    }
+    shapes: ClassVar[tuple[str, ...]] = ("displacement",)
     lacks: ClassVar[str] = "the spring that yields, whose displacement goes on from step to step"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

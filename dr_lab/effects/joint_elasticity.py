@@ -58,6 +58,7 @@ class JointElasticity(MotorSideEffect):
         "residual that rings at one frequency after jumps of the command; the link answers late"
     )
     confused_with: ClassVar[tuple[str, ...]] = ("backlash", "actuator_delay", "actuator_lag", "armature")
+    shapes: ClassVar[tuple[str, ...]] = ("rotor", "retardation")
     lacks: ClassVar[str] = "the motor that turns against its link on a spring; the file holds them rigid"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import slides
+from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -45,6 +46,10 @@ class PositionDependentFriction(DryFrictionEffect):
     law: ClassVar[str] = "|tau| <= tau_m (1 + a sin(q) + b cos(q))"
     fingerprint: ClassVar[str] = "force residual jumps with the sign of velocity, by an amount that repeats every turn"
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "asymmetric_friction")
+    holds: ClassVar[Mapping[str, SpecialCase]] = {
+        "coulomb_friction": SpecialCase(("sine", "cosine"), {"mean": "torque"})
+    }
+    shapes: ClassVar[tuple[str, ...]] = ("sine", "cosine")
     lacks: ClassVar[str] = "the friction loss of the joint that follows its position from step to step"
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import mujoco
 from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import add_passive_force, joint_of, slides
+from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.parameter import Parameter
 
 
@@ -53,6 +54,8 @@ class StribeckFriction(DryFrictionEffect):
     law: ClassVar[str] = "tau = -sign(v) (tau_c + tau_e exp(-(v/v_s)^2))"
     fingerprint: ClassVar[str] = "force residual jumps at reversals and falls with speed; the joint sticks, then slips"
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "viscous_friction")
+    holds: ClassVar[Mapping[str, SpecialCase]] = {"coulomb_friction": SpecialCase(("excess",), {"kinetic": "torque"})}
+    shapes: ClassVar[tuple[str, ...]] = ("speed",)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The two torques and the Stribeck speed."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
 from dr_lab.effects.effect import Scales
+from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.compiled_contexts import distinct
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
@@ -48,6 +49,8 @@ class TorqueSpeedLimit(ActuatorEffect):
     law: ClassVar[str] = "|F| <= F_stall (1 - sign(F) v / v_free)"
     fingerprint: ClassVar[str] = "residual only where much torque is asked for at high speed, along the motion"
     confused_with: ClassVar[tuple[str, ...]] = ("saturation", "viscous_friction", "torque_scale")
+    holds: ClassVar[Mapping[str, SpecialCase]] = {"saturation": SpecialCase(("inverse_speed",))}
+    shapes: ClassVar[tuple[str, ...]] = ("inverse_speed",)
     lacks: ClassVar[str] = "the bound of the command that falls with the joint's speed"
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:

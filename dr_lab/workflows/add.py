@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.diagnosis.fault_settings import FaultSettings
-from dr_lab.diagnosis.ladder import Ladder, Rung, Step
+from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.rank import rank
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.diagnosis.step import Step
 from dr_lab.diagnosis.verdict import decide
 from dr_lab.effects.effect import Effect, PlacedEffect, place
 from dr_lab.errors import ConfigError

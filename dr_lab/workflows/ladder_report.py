@@ -77,7 +77,8 @@ def _explained(gain: Gain) -> dict[str, Any]:
 
 
 def _ladder_notes(study: Study, ladder: Ladder) -> list[dict[str, Any]]:
-    return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *notes.dropped(ladder.dropped)]
+    changed = [*notes.dropped(ladder.dropped), *notes.put_back(ladder.put_back)]
+    return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *changed]
 
 
 def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:

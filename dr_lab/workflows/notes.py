@@ -7,6 +7,7 @@ from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.channels import unmeasured_joints
 from dr_lab.diagnosis.commands import silent_actuators
 from dr_lab.diagnosis.evidence import block_count
+from dr_lab.diagnosis.pruning import PutBack
 from dr_lab.diagnosis.unit_suspicion import suspect_degrees
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.fault_notes import KIND, fault_notes
@@ -71,6 +72,17 @@ def dropped(labels: Sequence[str]) -> list[dict[str, Any]]:
     """Notes on effects that were added and not kept."""
     told = "was added, and dropped again: beside the effects that stay, the logs do not ask for it beyond doubt."
     return [{"kind": "dropped", "message": f"{label} {told}"} for label in labels]
+
+
+def put_back(found: Sequence[PutBack]) -> list[dict[str, Any]]:
+    """Notes on effects in whose place a special case of them stands."""
+    return [{"kind": "put_back", "message": _put_back(one)} for one in found]
+
+
+def _put_back(one: PutBack) -> str:
+    values = ", ".join(f"{name} {value:.2g} ± {std:.2g}" for name, (value, std) in one.further.items())
+    held = "are compatible with nothing" if one.compatible else "explain no more of the logs that score, beyond doubt"
+    return f"{one.richer} was put back to {one.poorer}: its further parameters {held} ({values})."
 
 
 def _unit_note(study: Study) -> list[dict[str, Any]]:

@@ -239,3 +239,17 @@ def _bytes(model: mujoco.MjModel) -> bytes:
     buffer = np.zeros(mujoco.mj_sizeModel(model), np.uint8)
     mujoco.mj_saveModel(model, None, buffer)
     return buffer.tobytes()
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if catalogue_effect(name).shapes])
+def test_what_only_shapes_an_effect_does_nothing_alone(name: str) -> None:
+    """At the first site where the effect has them."""
+    extended, one = next(
+        found for found in (put(*each) for each in every() if each[1] == name) if len(found[1].parameters) > 1
+    )
+    shapes = [k for k, p in enumerate(one.parameters) if p.name not in one.absent]
+    assert [one.parameters[k].name.rpartition(".")[2] for k in shapes] == list(one.effect.shapes)
+    corners = np.tile(extended.space.nominal, (3, 1))
+    corners[1, shapes], corners[2, shapes] = extended.space.low[shapes], extended.space.high[shapes]
+    paths = replayed(extended, corners, *commands(extended))
+    np.testing.assert_allclose(paths[1:], paths[:1].repeat(2, axis=0), rtol=0, atol=1e-9)

@@ -8,14 +8,19 @@ from diagnosis_machines import evidence_settings, pendulum, solver_settings, swi
 from effect_machines import catalogue_effect
 
 from dr_lab.diagnosis.bench import Bench, Explained, explain
-from dr_lab.diagnosis.ladder import Ladder, Step, climb, prune, reconsider
+from dr_lab.diagnosis.ladder import Ladder, climb
+from dr_lab.diagnosis.pruning import Pruned, finished, lean, prune
 from dr_lab.diagnosis.rank import Candidate
+from dr_lab.diagnosis.restack import reconsider
 from dr_lab.diagnosis.scales import machine_scales
-from dr_lab.effects.effect import Effect
+from dr_lab.diagnosis.step import Step
+from dr_lab.effects.catalogue import SpecialCases
+from dr_lab.effects.effect import Effect, place
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log
 
 DEFAULT: dict[str, float] = {}
+SITES = {"asymmetric_friction": "hinge", "base_tilt": "world", "coulomb_friction": "hinge"}
 SURE = {"confidence": 0.999, "least_named": 1.0}  # beside friction a constant torque is then in doubt
 
 
@@ -155,3 +160,30 @@ def test_what_later_effects_made_superfluous_is_dropped() -> None:
     assert [s.explained.model.effects[-1].label for s in kept] == ["coulomb_friction@hinge", "constant_offset@hinge"]
     assert kept[-1].explained.held_out.chi2 < 1.2
     assert prune(bench, ladder.base, kept) == (kept, ())
+
+
+def test_asymmetric_friction_beside_a_tilt_that_was_missing_is_put_back_to_coulomb_friction() -> None:
+    """The richer kind came first, with the tilt as its asymmetry."""
+    model, logs = pendulum(), rubbing(0.05, 0.0)
+    scales = machine_scales(model.nominal(), logs[:2], 0.03)
+    cases = SpecialCases({name: catalogue_effect(name) for name in SITES}, scales, model.nominal())
+    richer, tilt, friction = (place(cases.effects[n], cases.compiled, at, scales) for n, at in SITES.items())
+    true = model.with_effect(friction).with_effect(tilt)
+    machine = true.compile(true.space.vector({f"{friction.label}.torque": 0.05, f"{tilt.label}.about_y": 0.04}))
+    bench = bench_of([swinging(f"log_{k}", machine, k, seconds=2.0) for k in range(3)], model)
+    base = explain(bench, model, model.space.nominal)
+    first = model.with_effect(richer)
+    begin = first.space.vector({f"{richer.label}.mean": 0.04})
+    skewed = explain(bench, first, begin)
+    second = explain(bench, first.with_effect(tilt), np.append(skewed.fit.z, 0.0), skewed.fit.delta)
+    found = lean(bench, base, (Step(skewed, ()), Step(second, ())), cases)
+    assert [s.effect.label for s in found.steps] == [friction.label, tilt.label]
+    assert found.dropped == ()
+    (back,) = found.put_back
+    assert (back.richer, back.poorer) == (richer.label, friction.label)
+    value, std = back.further["asymmetry"]
+    assert abs(value) < 3 * std
+    values = found.steps[-1].explained.values()
+    np.testing.assert_allclose(values[f"{friction.label}.torque"], 0.05, rtol=0.05)
+    np.testing.assert_allclose(values[f"{tilt.label}.about_y"], 0.04, rtol=0.05)
+    assert finished(bench, base, found.steps, cases) == Pruned(found.steps)

@@ -1,6 +1,6 @@
 """Effects on trial beside effects that are beyond doubt, on models of which only the scores are known."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -10,16 +10,21 @@ import pytest
 from diagnosis_machines import evidence_settings
 from effect_machines import block, placed
 
-from dr_lab.diagnosis import ladder
+from dr_lab.diagnosis import ladder, pruning, restack
 from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.evidence import paired_gain, supported, worth_a_trial
 from dr_lab.diagnosis.identifiability import Identifiability
 from dr_lab.diagnosis.ladder import Ladder, Rung
+from dr_lab.diagnosis.pruning import PutBack
 from dr_lab.diagnosis.rank import Candidate, Ranking
 from dr_lab.diagnosis.score import Score
+from dr_lab.diagnosis.step import Step
 from dr_lab.diagnosis.verdict import decide
+from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
+from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.trajectory import Array
+from dr_lab.workflows.notes import put_back
 
 SETTINGS = evidence_settings()
 BLOCKS, WINDOWS, COUNT = 10, 30, 300.0  # three windows a block, one log
@@ -27,6 +32,7 @@ NOISE = np.random.default_rng(0).chisquare(COUNT, WINDOWS)
 SIMPLE, RICH = (placed(block(), name, "rail") for name in ("coulomb_friction", "stribeck_friction"))
 BENCH = cast(Bench, SimpleNamespace(evidence=SETTINGS, scored="held-out logs"))
 WIDE = np.repeat(20.0, BLOCKS)
+NOTHING = cast(Any, None)
 SCATTERED = np.array([1.0, 1.0, -0.3, 1.0, -0.3, 1.0, -0.3, -0.3, 1.0, -0.3])
 
 
@@ -49,8 +55,13 @@ def effects_of(found: Explained) -> tuple[PlacedEffect, ...]:
 class Machine:
     """What the sets of some effects leave."""
 
-    def __init__(self, effects: Sequence[PlacedEffect], left: Callable[[Sequence[PlacedEffect]], Array]) -> None:
-        self.effects, self.left = effects, left
+    def __init__(
+        self,
+        effects: Sequence[PlacedEffect],
+        left: Callable[[Sequence[PlacedEffect]], Array],
+        known: Mapping[str, tuple[float, float]] | None = None,
+    ) -> None:
+        self.effects, self.left, self.known = effects, left, known or {}
 
     def explain(self, effects: tuple[PlacedEffect, ...]) -> Explained:
         return explained(effects, self.left(effects))
@@ -65,6 +76,19 @@ class Machine:
     def on(self, _: Bench, below: Explained, above: Explained) -> Explained:
         return self.explain((*effects_of(below), effects_of(above)[-1]))
 
+    def special_cases(self, richer: PlacedEffect, model: Any) -> list[PlacedEffect]:  # noqa: ANN401 (a model's double)
+        free = (effect for effect in self.effects if effect not in model.effects)
+        return [effect for effect in free if effect.effect.name in richer.effect.holds]
+
+    def known_of(self, _: Bench, found: Explained) -> ContextEstimate:
+        """Parameters beyond doubt, but for those of which other values and standard deviations are known."""
+        space = ContextSpace(tuple(p for effect in effects_of(found) for p in effect.parameters))
+        known = [self.known.get(name, (1.0, 0.01)) for name in space.names]
+        return ContextEstimate(space, np.array([value for value, _ in known]), np.diag([std**2 for _, std in known]))
+
+    def made(self, swap: Any, found: Explained) -> Explained:  # noqa: ANN401 (private)
+        return self.explain(tuple(swap.poorer if e.label == swap.richer.label else e for e in effects_of(found)))
+
 
 def candidate(base: Explained, found: Explained) -> Candidate:
     """One whose place the free parameters can take, once there is an effect."""
@@ -75,12 +99,19 @@ def candidate(base: Explained, found: Explained) -> Candidate:
 
 def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Ladder:
     """The ladder of a machine."""
+    prepare(machine, monkeypatch)
+    return ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=lambda _: lambda _: None)
+
+
+def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let nothing be simulated."""
     for name in ("candidates", "rank"):
         monkeypatch.setattr(ladder, name, getattr(machine, name))
-    monkeypatch.setattr(ladder, "_on", machine.on)
-    monkeypatch.setattr(ladder, "_as_good_as_it_can", lambda _, base, fewer, __: (fewer, base))
-    nothing = cast(Any, None)
-    return ladder.climb(BENCH, machine.explain(()), {}, nothing, nothing, most=4, watch=lambda _: lambda _: None)
+    monkeypatch.setattr(restack, "_on", machine.on)
+    monkeypatch.setattr(pruning, "_as_good_as_it_can", lambda _, base, fewer, __: (fewer, base))
+    monkeypatch.setattr(pruning, "known_of", machine.known_of)
+    monkeypatch.setattr(SpecialCases, "of", lambda _, richer, model: machine.special_cases(richer, model))
+    monkeypatch.setattr("dr_lab.diagnosis.pruning._Swap.made", lambda swap, _, __, found: machine.made(swap, found))
 
 
 def labels(effects: Sequence[PlacedEffect]) -> list[str]:
@@ -144,3 +175,92 @@ def test_where_all_that_was_added_is_dropped_nothing_is_named(base: Array, verdi
     whole = Ladder((rung,), below, ())
     assert whole.verdict(SETTINGS) == "named"  # `most` is 0: nothing was tried beside it
     assert replace(whole, dropped=(SIMPLE.label,)).verdict(SETTINGS) == verdict
+
+
+SKEW, TILT, SOFT = (placed(block(), name, "rail") for name in ("asymmetric_friction", "constant_offset", "armature"))
+ASYMMETRY = f"{SKEW.label}.asymmetry"
+
+
+def beside_a_tilt(effects: Sequence[PlacedEffect]) -> Array:
+    """The tilt's absence lets the asymmetry explain a lot; beside the tilt it explains nothing."""
+    rubs, tilted = SKEW in effects or SIMPLE in effects, TILT in effects
+    if rubs and tilted:
+        return np.zeros(BLOCKS)
+    return np.repeat(2.0 if SKEW in effects else 10.0 if rubs else 15.0 if tilted else 20.0, BLOCKS)
+
+
+@pytest.mark.parametrize(("value", "std"), [(0.0004, 0.0054), (0.2, 0.01)])
+def test_what_explains_no_more_beside_what_was_missing_is_put_back(
+    value: float, std: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine = Machine((SIMPLE, SKEW, TILT), beside_a_tilt, {ASYMMETRY: (value, std)})
+    climbed = climb(machine, monkeypatch)
+    assert climbed.rungs[0].verdict.effects == (SKEW.label,)
+    assert labels(effects_of(climbed.models[-1])) == labels([SIMPLE, TILT])
+    assert labels(effects_of(climbed.models[1])) == [SIMPLE.label]
+    assert climbed.dropped == ()
+    (back,) = climbed.put_back
+    assert (back.richer, back.poorer, back.further) == (SKEW.label, SIMPLE.label, {"asymmetry": (value, std)})
+    assert back.compatible == (value < std)
+
+
+@pytest.mark.parametrize(("std", "stays"), [(0.01, SKEW), (0.1, SIMPLE)])
+def test_a_richer_effect_stands_if_the_scatter_between_logs_lets_it(
+    std: float, stays: PlacedEffect, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It explains more of the held-out logs; alone it is judged when the climb is over."""
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        return np.repeat(0.0 if SKEW in effects else 1.0 if SIMPLE in effects else 20.0, BLOCKS)
+
+    climbed = climb(Machine((SIMPLE, SKEW), left, {ASYMMETRY: (0.2, std)}), monkeypatch)
+    assert labels(effects_of(climbed.models[-1])) == [stays.label]
+    assert [back.compatible for back in climbed.put_back] == ([True] if stays is SIMPLE else [])
+
+
+def test_what_was_needed_beside_the_richer_effect_alone_falls_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The armature makes up for what the richer effect does wrong beside a tilt; the poorer one does it right."""
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        if SKEW in effects and TILT in effects and SOFT not in effects:
+            return np.repeat(6.0, BLOCKS)
+        return beside_a_tilt(effects)
+
+    machine = Machine((SIMPLE, SKEW, SOFT, TILT), left, {ASYMMETRY: (0.0, 0.1)})
+    prepare(machine, monkeypatch)
+    steps = tuple(Step(machine.explain((SKEW, SOFT, TILT)[:k]), ()) for k in (1, 2, 3))
+    found = pruning.lean(BENCH, machine.explain(()), steps, SpecialCases({}, NOTHING, NOTHING))
+    assert [step.effect.label for step in found.steps] == labels([SIMPLE, TILT])
+    assert found.dropped == (SOFT.label,)
+    assert [back.richer for back in found.put_back] == [SKEW.label]
+
+
+def test_an_effect_compatible_with_its_absence_does_not_stay(monkeypatch: pytest.MonkeyPatch) -> None:
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        return np.zeros(BLOCKS) if TILT in effects else WIDE
+
+    name = TILT.parameters[0].name
+    assert climb(Machine((TILT,), left, {name: (1.0, 0.35)}), monkeypatch).dropped == ()
+    climbed = climb(Machine((TILT,), left, {name: (1.0, 0.5)}), monkeypatch)
+    assert (climbed.steps, climbed.dropped) == ((), (TILT.label,))
+    assert climbed.verdict(SETTINGS) == "unexplained"
+
+
+def test_rivals_that_are_richer_kinds_of_what_is_put_back_are_none_any_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine((SIMPLE, SKEW), beside_a_tilt, {ASYMMETRY: (0.0, 0.1)})
+    prepare(machine, monkeypatch)
+    base = machine.explain(())
+    rivals = tuple(candidate(base, machine.explain((each,))) for each in (SIMPLE, RICH, SOFT))
+    steps = (Step(machine.explain((SKEW,)), rivals), Step(machine.explain((SKEW, TILT)), ()))
+    found = pruning.lean(BENCH, base, steps, SpecialCases({}, NOTHING, NOTHING))
+    assert [rival.effect.label for rival in found.steps[0].rivals] == [SOFT.label]
+
+
+def test_a_report_tells_what_was_put_back_and_why() -> None:
+    found = PutBack(SKEW.label, SIMPLE.label, {"asymmetry": (0.0004, 0.0054)}, compatible=True)
+    told, other = (note["message"] for note in put_back([found, replace(found, compatible=False)]))
+    assert told == (
+        "asymmetric_friction@rail was put back to coulomb_friction@rail: its further parameters are compatible with "
+        "nothing (asymmetry 0.0004 ± 0.0054)."
+    )
+    assert "explain no more" in other

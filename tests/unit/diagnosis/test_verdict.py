@@ -17,8 +17,9 @@ from pretended_rankings import (
     wild,
 )
 
-from dr_lab.diagnosis.ladder import Ladder, Rung, Step
+from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.score import Score
+from dr_lab.diagnosis.step import Step
 from dr_lab.diagnosis.verdict import decide
 
 

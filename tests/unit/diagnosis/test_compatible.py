@@ -1,0 +1,41 @@
+import numpy as np
+import pytest
+
+from dr_lab.diagnosis.compatible import chance
+from dr_lab.physics.context import ContextEstimate, ContextSpace
+from dr_lab.physics.parameter import Parameter
+
+SPACE = ContextSpace(tuple(Parameter(name, "1", 0.0, -1.0, 1.0) for name in "abc"))
+
+
+def known(mean: list[float], covariance: np.ndarray) -> ContextEstimate:
+    return ContextEstimate(SPACE, np.array(mean), covariance)
+
+
+def test_one_parameter_is_judged_by_its_standard_deviations() -> None:
+    found = known([0.3, 0.2, 0.0], np.diag([0.01, 1.0, 1.0]))
+    assert chance(found, {"a": 0.0}) == pytest.approx(0.0026998, rel=1e-4)  # three of them, both sides
+    assert chance(found, {"a": 0.3}) == 1
+
+
+def test_several_are_judged_together() -> None:
+    """χ² with two degrees of freedom exceeds 9 in exp(−4.5) of all cases."""
+    found = known([0.3, 5.0, 0.0], np.diag([0.01, 1e-6, 1.0]))
+    assert chance(found, {"a": 0.0, "c": 0.0}) == pytest.approx(np.exp(-4.5))
+
+
+def test_parameters_that_can_replace_one_another_are_certain_together_alone() -> None:
+    """Each is known to ±1, their sum of 0.1 to ±0.01."""
+    apart, together = np.array([1.0, -1.0, 0.0]) / np.sqrt(2), np.array([1.0, 1.0, 0.0]) / np.sqrt(2)
+    covariance = 2 * np.outer(apart, apart) + 5e-5 * np.outer(together, together) + np.diag([0.0, 0.0, 1.0])
+    found = known([0.05, 0.05, 0.0], covariance)
+    assert chance(found, {"a": 0.0}) > 0.9
+    assert chance(found, {"a": 0.0, "b": 0.0}) < 1e-20
+
+
+def test_parameters_of_different_size_are_judged_alike() -> None:
+    one = known([0.3, 0.2, 0.0], np.array([[0.01, 0.004, 0], [0.004, 0.01, 0], [0, 0, 1.0]]))
+    scale = np.diag([1e-9, 1e6, 1.0])
+    other = known([0.3e-9, 0.2e6, 0.0], scale @ one.covariance @ scale)
+    both = {"a": 0.0, "b": 0.0}
+    assert chance(other, both) == pytest.approx(chance(one, both))
