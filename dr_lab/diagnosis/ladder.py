@@ -80,7 +80,7 @@ class Ladder:
         return paired_gain(self.base.held_out, self.models[-1].held_out, settings)
 
     def closed(self, settings: EvidenceSettings) -> float:
-        """Share of the calibrated model's gap that all effects close; 1 where they bring a channel to its noise floor."""
+        """Share of the calibrated model's gap that all effects close; 1 where they bring a channel to its floor."""
         gain = self.gained(settings)
         return 1.0 if cleared(self.base.held_out, self.models[-1].held_out, gain, settings) else gain.gap
 
