@@ -26,7 +26,6 @@ from dr_lab.trajectory import Array
 
 _In = TypeVar("_In")
 _Out = TypeVar("_Out")
-_NEAR = 10.0  # times the threshold: a promise below, made by few windows, is asked of all
 
 
 @dataclass(frozen=True)
@@ -170,7 +169,7 @@ class _Contest:
     def _ask_all_windows(self, promise: Array) -> None:
         """Look at all windows where few promise something, but not much."""
         settings = self.bench.evidence
-        least, enough = settings.least_hope * settings.threshold, _NEAR * settings.threshold
+        least, enough = settings.least_hope * settings.threshold, settings.enough_hope * settings.threshold
         if self.thin is self.bench or promise.max(initial=0.0) > enough:
             return
         unsure = [int(k) for k in np.flatnonzero(promise >= least)]

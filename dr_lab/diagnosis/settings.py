@@ -124,6 +124,7 @@ class EvidenceSettings:
         least_promise: share of the largest gain on the fit windows, first as predicted, then as reached: candidates
             that promise less stay unfitted.
         least_hope: share of `threshold` that a linear step must promise for a candidate to be fitted.
+        enough_hope: the same, beyond which what few windows promise is believed; below, all windows are asked.
         screen_windows: most fit windows on which candidates are looked at and tried; those that stand there are fitted
             to all.
         confidence: of the intervals of paired gains, and of the lower bound of their evidence.
@@ -153,6 +154,7 @@ class EvidenceSettings:
     most_fits: int
     least_promise: float
     least_hope: float
+    enough_hope: float
     screen_windows: int
     confidence: float
     trial_confidence: float
@@ -182,6 +184,7 @@ class EvidenceSettings:
             (
                 "least_promise",
                 "least_hope",
+                "enough_hope",
                 "seed",
                 "threshold",
                 "least_gap",

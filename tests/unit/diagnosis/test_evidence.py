@@ -13,6 +13,7 @@ SETTINGS = EvidenceSettings(
     most_fits=100,
     least_promise=0.0,
     least_hope=0.5,
+    enough_hope=10.0,
     screen_windows=10,
     confidence=0.99,
     trial_confidence=0.95,
