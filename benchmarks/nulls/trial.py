@@ -30,7 +30,7 @@ from nulls.machines import MACHINES, Missing, Motions, move, split
 
 FITTED, HELD_OUT = 4, 2  # logs
 CANDIDATES = ("coulomb_friction", "quadratic_drag", "spring", "actuator_delay", "saturation", "constant_offset")
-_STUDY = ("model", "windows", "predicted", "solver", "evidence", "localise", "model_check")
+_STUDY = ("model", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 _PILOT = 3.0  # noise standard deviations of model error at which its size is settled
 _TRIES = 3  # of the pilot
 _TOLD = 6  # windows of each further log: logs tell more than neighbouring windows

@@ -51,7 +51,8 @@ class Bench:
         solver: settings of the fits.
         evidence: settings of the comparison.
         threads: threads in all.
-        timing_resolution: s, step of the model as given; a timing effect that is smaller cannot be told from it.
+        timing_resolution: s, step of the model as given, or the wait between commands that were logged more slowly than
+            they changed; a shift in time that is smaller cannot be told from it.
     """
 
     fit: Windows

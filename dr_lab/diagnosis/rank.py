@@ -41,8 +41,8 @@ class Candidate:
         fitted: whether the effect was fitted; else it stayed absent, as its prediction was too small.
         final: whether it was fitted to all windows; else another candidate had beaten it on a part of them, or
             explained as much with fewer parameters.
-        resolved: whether it is more than a shift in time by less than a step of the model as given; an integrator's own
-            error is such a shift.
+        resolved: whether it is more than a shift in time by less than `Bench.timing_resolution`; an integrator's own
+            error is such a shift, and so is what a command that is logged too rarely leaves.
     """
 
     effect: PlacedEffect

@@ -1,6 +1,6 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -104,7 +104,8 @@ def prepare(
     count = thread_count(threads)
     scored = measurements.held_out or measurements.fit
     floor = numerical_floor(model, scored, measurements, windows, count)
-    bench = Bench(*_windows(model, measurements, windows), solver, evidence, count, timing_resolution=floor.step)
+    resolution = max(floor.step, _longest_wait(measurements, suspected))
+    bench = Bench(*_windows(model, measurements, windows), solver, evidence, count, timing_resolution=resolution)
     if floor.largest > model_check.least_share and _explains(model, bench, model_check):
         refined = unneeded(model, floor)
     else:
@@ -134,6 +135,13 @@ def prepare(
         own_chi2=own,
         faults=suspected,
     )
+
+
+def _longest_wait(measured: MeasurementSet, suspected: Sequence[Fault]) -> float:
+    """Longest usual time in s between two samples of commands that seem logged more slowly than they changed; or 0."""
+    logs = {log.name: log for log in (*measured.fit, *measured.held_out)}
+    rare = [logs[fault.log].commands[fault.signal] for fault in suspected if fault.kind == "decimated"]
+    return max((float(np.median(np.diff(signal.time))) for signal in rare), default=0.0)
 
 
 def _windows(model: Model, measurements: MeasurementSet, windows: WindowSettings) -> tuple[Windows, Windows]:
