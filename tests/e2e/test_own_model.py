@@ -1,6 +1,7 @@
 """A model of one's own, on which some effects of the catalogue cannot act."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -44,7 +45,7 @@ def test_what_cannot_act_is_left_out_and_said(mine: tuple[str, ...]) -> None:
     assert report["verdict"] == "named"
     assert [row["effect"] for row in report["ranking"]] == ["sensor_time_offset"]
     delay, passive = (note["message"] for note in report["notes"] if note["kind"] == "not_tried")
-    assert delay.startswith("Not tried: actuator_delay@drive. Actuator 'drive' already keeps 6 commands.")
+    assert re.match(r"Not tried: actuator_delay@drive\. Actuator 'drive' already keeps \d+ commands\.", delay)
     assert passive.startswith(
         "Not tried: viscous_friction@hinge, constant_offset@hinge. Joint 'hinge' has springdamper"
     )
