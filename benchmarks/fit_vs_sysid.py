@@ -83,7 +83,7 @@ def measured(model: Model, seed: int) -> Log:
 def with_dr_lab(model: Model, data: MeasurementSet, settings: Any) -> Array:  # noqa: ANN401 (Hydra's configuration)
     """Damping and friction by dr_lab's `Fitter`."""
     windows = instantiate(settings.windows)
-    windows = replace(windows, max_windows=round(SECONDS / windows.stride))
+    windows = replace(windows, seconds=SECONDS * len(data.fit))
     replay = Replay(model, cut(data.fit, data, model.nominal(), windows))
     return Fitter(replay, instantiate(settings.solver)).run(model.space.nominal).z
 

@@ -157,9 +157,8 @@ def _diagnosed(null: Null, measured: MeasurementSet, further: Sequence[Log]) -> 
     placed = _placed(study, settings["effects"], null.seed)
     ranking = rank(study.bench, base, placed, lambda label: None)
     verdict = decide(*ranking, study.bench.evidence, study.bench.scored)
-    judged = _Judge(
-        study, ranking.base, cut(further, measured, study.compiled, replace(study.windows, max_windows=_TOLD))
-    )
+    told = replace(study.windows, seconds=_TOLD * study.windows.length * len(further))
+    judged = _Judge(study, ranking.base, cut(further, measured, study.compiled, told))
     left = np.sqrt(np.mean([value**2 for value in ranking.base.held_out.rmse.values()])) / machine.std
     return {
         "verdict": verdict.kind,

@@ -53,6 +53,7 @@ class Bench:
         threads: threads in all.
         timing_resolution: s, step of the model as given, or the wait between commands that were logged more slowly than
             they changed; a shift in time that is smaller cannot be told from it.
+        confirms: held-out windows that choose nothing; None where none are left for that.
     """
 
     fit: Windows
@@ -61,6 +62,7 @@ class Bench:
     evidence: EvidenceSettings
     threads: int
     timing_resolution: float = 0.0
+    confirms: Windows | None = None
 
     @property
     def apart(self) -> bool:
@@ -76,7 +78,8 @@ class Bench:
     def screened(self) -> Rows:
         """Fit windows on which candidates are looked at and tried, evenly spread over the logs."""
         count = len(self.fit)
-        most = min(count, self.evidence.screen_windows)
+        asked = round(self.evidence.screen_seconds / self.fit.length)
+        most = min(count, max(asked, self.evidence.screen_windows))
         return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
 
     def screening(self) -> "Bench":
@@ -91,7 +94,7 @@ def explain(bench: Bench, model: Model, start: Array, delta: Array | None = None
 
 def fitted_alone(replay: Replay, fit: Fit) -> Explained:
     """A fit scored on the windows that it was fitted to, which takes no simulation and flatters it."""
-    states = StateFit(fit.z, fit.delta, fit.residuals, fit.cost, fit.infeasible, fit.slopes.state)
+    states = _states(fit)
     return Explained(replay.model, fit, states, score_of(replay, states), apart=False)
 
 
@@ -105,4 +108,11 @@ def scored(
 ) -> Explained:
     """Score a fit on the held-out windows; `near` are states there of a similar model, `stop` ends it from outside."""
     replay, states = fit_states(model, fit.z, bench.held_out, bench.solver, threads or bench.threads, near, stop)
-    return Explained(model, fit, states, score_of(replay, states), bench.apart)
+    score = score_of(replay, states)
+    if bench.apart:
+        score = replace(score, fitted=score_of(Replay(model, bench.fit, 1), _states(fit)))
+    return Explained(model, fit, states, score, bench.apart)
+
+
+def _states(fit: Fit) -> StateFit:
+    return StateFit(fit.z, fit.delta, fit.residuals, fit.cost, fit.infeasible, fit.slopes.state)

@@ -33,8 +33,9 @@ class Gain:
             that are noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²)
             above, n being the number of independent ones among them. It is Δχ² near the noise floor, no single wild
             window decides far above it, and there it does not depend on how large the noise is.
-        total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
-            worse simulates, NaN where there are too few blocks of data to know.
+        total_low: what it exceeds at the confidence asked for, as the gains in all windows scatter, the fitted ones
+            included; −∞ where the better model diverges in a window that the worse simulates, NaN where there are too
+            few blocks of data to know.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
         wins: share of windows in which the χ² is lower.
         clear: whether every window gains and the worse model is above the noise floor.
@@ -59,6 +60,9 @@ _NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, 0.0, clea
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
     """Gain of `better` over `worse`, window by window.
 
+    What is gained is read from the windows that score, how certain it is from those that were fitted as well: gains
+    scatter there alike, and a few held-out windows alone show that badly.
+
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
     inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an interval reaches to
     ±√(n/(n − 1)) t_{n−1} standard deviations; below `settings.least_compared` blocks it is not known. Logs themselves
@@ -74,15 +78,12 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     ours, theirs = better.window_sum[both], worse.window_sum[both]
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
     evidence = np.sum([found[0] for found in each.values()], axis=0)
-    resampled = _resampled(np.stack([theirs, ours, evidence]), worse.log[both], settings)
+    resampled = _resampled(np.stack([theirs, ours]), worse.log[both], settings)
     share, n = float((theirs - ours).sum() / theirs.sum()), block_count(worse.log[both], settings)
     tail = 1 - settings.confidence
     low, high = _interval(share, 1 - resampled[1] / resampled[0], n, tail / 2, settings)
-    total, diverges = float(evidence.sum()), ((worse.window_count > 0) & (better.window_count == 0)).any()
-    total_low, trial_low = (
-        -np.inf if diverges else _interval(total, resampled[2], n, 1 - confidence, settings)[0]
-        for confidence in (settings.confidence, settings.trial_confidence)
-    )
+    diverges = ((worse.window_count > 0) & (better.window_count == 0)).any()
+    total_low, trial_low = (-np.inf, -np.inf) if diverges else _lowest(evidence, worse, better, both, settings)
     closed = {name: found[1] for name, found in each.items()}
     return Gain(
         share=share,
@@ -91,12 +92,31 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         gap=_gap(theirs, ours, worse.window_count[both]),
         channels=closed,
         place=max(each, key=lambda name: float(each[name][0].sum())),
-        total=total,
+        total=float(evidence.sum()),
         total_low=total_low,
         trial_low=trial_low,
         wins=float((theirs > ours).mean()),
         clear=bool((theirs > ours).all() and not diverges and not at_floor(worse, settings)),
     )
+
+
+def _lowest(
+    evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_], settings: EvidenceSettings
+) -> tuple[float, float]:
+    """What the evidence exceeds, and what it exceeds at the confidence of a trial, of as many windows as score."""
+    every, log = evidence, worse.log[both]
+    if worse.fitted is not None and better.fitted is not None:
+        known = (worse.fitted.window_count > 0) & (better.fitted.window_count > 0)
+        pairs = _paired(worse.fitted, better.fitted).values()
+        more = np.sum([_one_channel(*pair, known)[0] for pair in pairs], axis=0)
+        every, log = np.append(evidence, more), np.append(log, log.max() + 1 + worse.fitted.log[known])
+    resampled, n = _resampled(every[None], log, settings)[0], block_count(log, settings)
+    scale = len(evidence) / len(every)
+    low, trial = (
+        _interval(float(every.sum()), resampled, n, 1 - confidence, settings)[0] * scale
+        for confidence in (settings.confidence, settings.trial_confidence)
+    )
+    return low, trial
 
 
 def block_count(log: Indices, settings: EvidenceSettings) -> int:

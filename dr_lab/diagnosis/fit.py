@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.normal_equations import NormalEquations
-from dr_lab.diagnosis.point import Point, better_start, huber_weights, window_costs
+from dr_lab.diagnosis.point import Point, better_start, window_costs
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.slopes import Slopes, differences
@@ -180,7 +180,7 @@ class Fitter:
             delta: state corrections that were fitted at another context, shape (w, nstate).
         """
         mean = self._point(z, np.zeros_like(delta))
-        weight = huber_weights(mean.residuals, self.replay.fitted, mean.infeasible, self.settings.huber)
+        weight = self.replay.weights(mean.residuals, mean.infeasible, self.settings.huber)
         return better_start(mean, self._point(z, delta), weight, self._precision)
 
     def polish(self, z: Array, delta: Array) -> Point:
@@ -214,7 +214,7 @@ class Fitter:
 
     def _linear(self, point: Point, slopes: Slopes) -> tuple[Point, Array, NormalEquations]:
         """The point with its cost under fresh robust weights, the weights, and the normal equations there."""
-        weight = huber_weights(point.residuals, self.replay.fitted, point.infeasible, self.settings.huber)
+        weight = self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
         unit = self.space.to_unit(point.z) - self.space.to_unit(self.space.nominal)
         equations = NormalEquations.build(
             residual=point.residuals,

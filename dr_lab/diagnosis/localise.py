@@ -24,7 +24,7 @@ class LocaliseSettings:
 
     Attributes:
         length: s, horizon of the windows; short, so that an error stays near the state that caused it.
-        max_windows: most windows taken from one log, evenly spread.
+        seconds: time in all that is taken of the logs, evenly spread.
         depth: most conditions that describe a region.
         least: smallest share of the samples that makes a region.
         regions: regions reported per channel.
@@ -37,7 +37,7 @@ class LocaliseSettings:
     """
 
     length: float
-    max_windows: int
+    seconds: float
     depth: int
     least: float
     regions: int
@@ -46,8 +46,8 @@ class LocaliseSettings:
     formula: FormulaSettings
 
     def __post_init__(self) -> None:
-        least = dict.fromkeys(("max_windows", "depth", "regions", "horizons"), 1.0)
-        require_numbers(self, "localise", positive=("length", "least"), least={**least, "lags": 0.0})
+        least = dict.fromkeys(("depth", "regions", "horizons"), 1.0)
+        require_numbers(self, "localise", positive=("length", "seconds", "least"), least={**least, "lags": 0.0})
         if self.least >= 1:
             raise ConfigError(f"localise.least is {self.least:g}; expected a share of the samples below 1.")
 

@@ -1,14 +1,16 @@
 """A context with start states, and how well they fit."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
-_MAD_TO_STD = 1.4826  # of a Gaussian
+_USUAL = 0.9  # share of a window's samples that tells how large its residuals usually are; a glitch is shorter
 
 
 @dataclass(frozen=True)
@@ -30,19 +32,37 @@ class Point:
     infeasible: Mask
 
 
-def huber_weights(residuals: Array, fitted: Mask, infeasible: Mask, limit: float) -> Array:
-    """Huber weights about a robust scale of at least one noise standard deviation; 0 for unused samples.
+def huber_weights(residuals: Array, fitted: Mask, infeasible: Mask, limit: float, channels: Sequence[slice]) -> Array:
+    """Huber weights about a robust scale of each channel in each window, at least one noise standard deviation.
+
+    The scale is that of a Gaussian of which as much lies within the size that nine tenths of the samples keep to. So
+    a short glitch weighs little, while a window in which a wrong model strays weighs as much as any other: that is
+    what a fit has to see. Unused samples weigh 0.
+
+    Source: Huber, Annals of Mathematical Statistics 35 (1964) 73.
 
     Args:
         residuals: shape (w, m).
         fitted: samples that count, shape (w, m).
         infeasible: windows that are left out, shape (w,).
         limit: robust standard deviations beyond which a residual counts linearly.
+        channels: columns of each channel.
     """
     used = fitted & ~infeasible[:, None]
     size = np.abs(residuals)
-    scale = max(1.0, _MAD_TO_STD * float(np.median(size[used]))) if used.any() else 1.0
-    return np.where(used, limit * scale / np.maximum(size, limit * scale), 0.0)
+    bound = np.empty_like(size)
+    for columns in channels:
+        usual = _quantile(size[:, columns], used[:, columns]) / ndtri((1 + _USUAL) / 2)
+        bound[:, columns] = limit * np.maximum(usual, 1.0)[:, None]
+    return np.where(used, bound / np.maximum(size, bound), 0.0)
+
+
+def _quantile(size: Array, used: Mask) -> Array:
+    """The size that a usual share of the used samples keeps to, shape (w,); 0 where none is used."""
+    count = used.sum(1)
+    place = np.maximum(np.ceil(_USUAL * count).astype(np.intp) - 1, 0)
+    ordered = np.sort(np.where(used, size, np.inf), axis=1)
+    return np.where(count > 0, np.take_along_axis(ordered, place[:, None], axis=1)[:, 0], 0.0)
 
 
 def window_costs(point: Point, weight: Array, precision: Array) -> Array:

@@ -70,7 +70,7 @@ def refine(
     given, share = floor.step, floor.largest
     if share <= check.least_share:
         return Refinement(model, given, share, share, "")
-    few = replace(settings, max_windows=max(1, -(-check.windows // len(logs))))
+    few = replace(settings, seconds=check.windows * settings.length)
     tried = []
     for finer, cost in _finer(model, check.finest):
         found = _Tried(finer, cost, _share(finer, logs, measured, few, threads))

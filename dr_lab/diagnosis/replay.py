@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from threading import Event
 
 import mujoco
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.channels import Channel, Tape, available, residual
+from dr_lab.diagnosis.point import huber_weights
 from dr_lab.diagnosis.run_in import RunIn
 from dr_lab.diagnosis.unread import reach, unread
 from dr_lab.diagnosis.until_known import until_known
@@ -37,6 +39,11 @@ class Replay:
         windows: the windows; their controls follow the layout of the model without effects, whose actuators come first.
         threads: C threads; None takes every core.
         stop: once it is set, from another thread, the replay refuses to go on.
+
+    Attributes:
+        fitted: residuals that estimate starts and parameters, shape (w, m).
+        scored: residuals that count in the score, shape (w, m).
+        channels: columns of each channel's residuals.
     """
 
     def __init__(self, model: Model, windows: Windows, threads: int | None = None, stop: Event | None = None) -> None:
@@ -57,6 +64,8 @@ class Replay:
         self._require_past()
         self.fitted = self._mask("fitted")
         self.scored = self._mask("scored")
+        ends = np.cumsum([0, *(s.time.shape[1] * s.channel.size for s in windows.samples)])
+        self.channels = [slice(int(first), int(last)) for first, last in pairwise(ends)]
 
     def part(self, rows: NDArray[np.intp]) -> "Replay":
         """The replay of some of the windows, at these places."""
@@ -118,13 +127,14 @@ class Replay:
         """What the sensor of a channel reports of a tape under contexts z (c, n)."""
         return self.model.reading(z, channel.name, partial(tape.read, channel), self.windows.begin[:, None])
 
+    def weights(self, residuals: Array, infeasible: Mask, limit: float) -> Array:
+        """Huber weights of residuals (w, m), of windows (w,) that diverge none; see `huber_weights`."""
+        return huber_weights(residuals, self.fitted, infeasible, limit, self.channels)
+
     def by_channel(self, residuals: Array) -> Iterator[tuple[Samples, Array]]:
         """Each channel's samples with its columns of the residuals, (w, all) → (w, m, size)."""
-        first = 0
-        for samples in self.windows.samples:
-            last = first + samples.time.shape[1] * samples.channel.size
-            yield samples, residuals[:, first:last].reshape(*samples.time.shape, samples.channel.size)
-            first = last
+        for samples, columns in zip(self.windows.samples, self.channels, strict=True):
+            yield samples, residuals[:, columns].reshape(*samples.time.shape, samples.channel.size)
 
     def simulate(self, z: Array, delta: Array) -> tuple[Tape, Mask]:
         """Rollouts of every window under every context; arguments as `residuals`.

@@ -56,6 +56,8 @@ class Score:
         log: index of each window's log, shape (w,).
         infeasible: number of windows left out because their simulation diverges.
         channels: the same by channel.
+        fitted: the same model's score on the windows that it was fitted to, where these are others; it is flattered
+            there, but shows as well how its gain scatters.
     """
 
     chi2: float
@@ -67,6 +69,7 @@ class Score:
     log: NDArray[np.intp]
     infeasible: int
     channels: Mapping[str, ChannelScore] = field(default_factory=dict)
+    fitted: "Score | None" = None
 
     @property
     def colour(self) -> float:

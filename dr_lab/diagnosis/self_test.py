@@ -77,7 +77,7 @@ def _own_windows(
     if not logs:
         return None
     lead = steps * compiled.opt.timestep
-    long = replace(windows, length=windows.length + lead, stride=windows.length + lead)
+    long = windows.of_length(windows.length + lead)
     replay = Replay(model, windows_at(logs, starts, measured, compiled, long), threads=1)
     tape, infeasible = replay.simulate(z, np.zeros((1, len(logs), replay.nstate)))
     kept = [k for k in range(len(logs)) if not infeasible[0, k]]
@@ -105,9 +105,7 @@ def _stretches(
     step = compiled.opt.timestep
     wanted = int(np.ceil(max(check.lead, run_in_of(compiled, windows), windows.memory, windows.past) / step))
     for steps in (wanted, wanted // 2, wanted // 4, 0):
-        length = windows.length + steps * step
-        most = -(-check.windows // len(measured.fit))
-        long = replace(windows, length=length, stride=length, max_windows=most)
+        long = windows.of_length(windows.length + steps * step)
         found = [(log, begin) for log in measured.fit for begin in window_begins(log, measured.gaps, long)]
         if found:
             chosen = np.unique(np.linspace(0, len(found) - 1, min(len(found), check.windows)).round().astype(int))

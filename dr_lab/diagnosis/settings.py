@@ -1,10 +1,12 @@
 """Settings of the diagnosis; their values live in conf/windows, conf/solver and conf/evidence."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from dr_lab.errors import ConfigError, require_numbers
 
-_ROUNDING = 1e-9  # s
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -12,47 +14,61 @@ class WindowSettings:
     """How logs are cut; times in s.
 
     Attributes:
-        length: scored part of a window.
-        stride: time between the starts of two windows; at least `length`, so that no sample counts twice.
+        length: scored part of a window, and the time between the starts of two windows, so that no sample counts twice.
+        longest: the longest length that is tried where a gap remains that shorter windows do not explain.
+        longer: factor from one length that is tried to the next.
+        seconds: scored time in all that is taken of the logs that are fitted, and as much of those that score, evenly
+            spread over each log; one window of each log at least.
         margin: simulated time before and after the scored part, which delayed outputs may reach into.
         run_in: time before the scored part whose samples alone estimate the start (0: the scored samples do).
         past: time before the start for which commands are kept, at least the longest delay of an actuator.
         memory: time before the start of which laws that remember see motion and commands; before the log all rests.
         forgotten: time constants in which an actuator's activation forgets where it began; memory is as much longer.
         longest_run_in: longest memory for that; slower activations, and those that never forget, are fitted.
-        max_windows: most windows taken from one log, evenly spread.
         smoother: half-width of the local polynomial that gives a start its first estimate.
         prior_scale: standard deviations of the noise that the first estimate may be wrong by.
         unmeasured_position: prior standard deviation of a joint position that is not measured, rad or m.
         unmeasured_velocity: the same of its velocity, rad/s or m/s.
 
     Raises:
-        ConfigError: a number is too small, or the windows overlap.
+        ConfigError: a number is too small.
     """
 
     length: float
-    stride: float
+    longest: float
+    longer: float
+    seconds: float
     margin: float
     run_in: float
     past: float
     memory: float
     forgotten: float
     longest_run_in: float
-    max_windows: int
     smoother: float
     prior_scale: float
     unmeasured_position: float
     unmeasured_velocity: float
 
     def __post_init__(self) -> None:
-        positive = ("length", "forgotten", "smoother", "prior_scale", "unmeasured_position", "unmeasured_velocity")
-        least = {"margin": 0.0, "run_in": 0.0, "past": 0.0, "memory": 0.0, "longest_run_in": 0.0, "max_windows": 1.0}
+        prior = ("prior_scale", "unmeasured_position", "unmeasured_velocity")
+        positive = ("length", "longest", "seconds", "forgotten", "smoother", *prior)
+        least = {"longer": 1.1, "margin": 0.0, "run_in": 0.0, "past": 0.0, "memory": 0.0, "longest_run_in": 0.0}
         require_numbers(self, "windows", positive=positive, least=least)
-        if self.stride < self.length - _ROUNDING:
-            raise ConfigError(
-                f"The stride of windows is {self.stride:g} s, their length {self.length:g} s: they would overlap and "
-                f"samples count twice. Set stride to at least {self.length:g}."
-            )
+
+    @property
+    def lengths(self) -> list[float]:
+        """The lengths that may be tried, the shortest first."""
+        steps = max(0, int(np.log(max(self.longest / self.length, 1.0)) / np.log(self.longer) + _ROUNDING))
+        return [self.length * self.longer**k for k in range(steps + 1)]
+
+    def of_length(self, length: float) -> "WindowSettings":
+        """The same with windows of one length alone."""
+        return replace(self, length=length, longest=length)
+
+    @property
+    def most(self) -> int:
+        """How many windows are taken of all logs together."""
+        return max(1, round(self.seconds / self.length))
 
 
 @dataclass(frozen=True)
@@ -125,8 +141,9 @@ class EvidenceSettings:
             that promise less stay unfitted.
         least_hope: share of `threshold` that a linear step must promise for a candidate to be fitted.
         enough_hope: the same, beyond which what few windows promise is believed; below, all windows are asked.
-        screen_windows: most fit windows on which candidates are looked at and tried; those that stand there are fitted
+        screen_seconds: s of fit windows on which candidates are looked at and tried; those that stand there are fitted
             to all.
+        screen_windows: how many they are at least.
         confidence: of the intervals of paired gains, and of the lower bound of their evidence.
         trial_confidence: of the bound that an effect's evidence must exceed for the ladder to go on with it on trial
             where nothing is supported at `confidence`.
@@ -155,6 +172,7 @@ class EvidenceSettings:
     least_promise: float
     least_hope: float
     enough_hope: float
+    screen_seconds: float
     screen_windows: int
     confidence: float
     trial_confidence: float
@@ -196,7 +214,7 @@ class EvidenceSettings:
             ),
             0.0,
         )
-        require_numbers(self, "evidence", positive=("floor",), least=least)
+        require_numbers(self, "evidence", positive=("floor", "screen_seconds"), least=least)
         for name, each in (("confidence", self.confidence), ("trial_confidence", self.trial_confidence)):
             if not 0 < each < 1:
                 raise ConfigError(f"evidence.{name} is {each:g}; expected a share between 0 and 1, as 0.99.")

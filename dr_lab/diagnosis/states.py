@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from dr_lab.diagnosis.point import Point, better_start, huber_weights, take, window_costs
+from dr_lab.diagnosis.point import Point, better_start, take, window_costs
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.slopes import differences
@@ -145,7 +145,7 @@ class _Search:
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
 
     def _weights(self, point: Point) -> Array:
-        return huber_weights(point.residuals, self.replay.fitted, point.infeasible, self.settings.huber)
+        return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
 
     def _point(self, delta: Array) -> Point:
         residuals, infeasible = self.replay.residuals(self.z[None], delta[None])

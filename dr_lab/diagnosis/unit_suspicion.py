@@ -59,7 +59,7 @@ def suspect_degrees(
     wide = tuple(name for name in measured.noise if _is_wide(name, measured, logs))
     if not wide:
         return None
-    few = replace(settings, max_windows=min(settings.max_windows, _WINDOWS))
+    few = replace(settings, seconds=min(settings.seconds, _WINDOWS * settings.length * len(logs)))
 
     def chi2(data: MeasurementSet) -> float:
         windows = cut(data.held_out or data.fit, data, model.nominal(), few)

@@ -61,6 +61,7 @@ class Windows:
         prior: first estimate of the start and how far it may be wrong.
         step: s, time step of the simulation.
         margin: s, time simulated beyond the samples at either end.
+        length: s, scored time of each.
     """
 
     log: NDArray[np.intp]
@@ -75,6 +76,7 @@ class Windows:
     prior: StartPrior
     step: float
     margin: float
+    length: float
 
     def __len__(self) -> int:
         """Number of windows."""
@@ -159,6 +161,7 @@ def windows_at(
         prior=prior if hidden is None else replace(prior, std=np.concatenate([prior.std, hidden.std])),
         step=step,
         margin=settings.margin,
+        length=settings.length,
     )
 
 
@@ -171,6 +174,7 @@ def _windowed(
     if run_in > settings.past:
         begins = [b if len(b) else window_begins(log, gaps, settings) for log, b in zip(logs, begins, strict=True)]
     kept = [k for k, b in enumerate(begins) if len(b)]
+    counts = _shares([len(begins[k]) for k in kept], settings.most)
     if not kept:
         need = settings.length + settings.run_in + 2 * settings.margin
         spans = (_span(log, settings.past) for log in logs)
@@ -180,7 +184,21 @@ def _windowed(
             f"No log holds one gapless window of {need:.3g} s behind {settings.past:g} s of commands (logs: {listed})."
             f"{''.join(broken[:1])} Shorten windows.length or give longer logs{' or some without gaps' * bool(broken)}."
         )
-    return [logs[k] for k in kept], [begins[k] for k in kept]
+    return [logs[k] for k in kept], [_spread(begins[k], count) for k, count in zip(kept, counts, strict=True)]
+
+
+def _shares(counts: Sequence[int], most: int) -> list[int]:
+    """How many windows each log gives: as many as any other, or all that it has, `most` together; one at least."""
+    given, left = [0] * len(counts), most
+    for done, k in enumerate(sorted(range(len(counts)), key=counts.__getitem__)):
+        given[k] = min(counts[k], max(1, round(left / (len(counts) - done))))
+        left -= given[k]
+    return given
+
+
+def _spread(begins: Array, count: int) -> Array:
+    """So many of the starts, evenly spread."""
+    return begins[np.unique(np.linspace(0, len(begins) - 1, count).round().astype(int))]
 
 
 def _span(log: Log, past: float) -> tuple[float, float]:
@@ -190,7 +208,7 @@ def _span(log: Log, past: float) -> tuple[float, float]:
 
 
 def window_begins(log: Log, gaps: Mapping[str, float], settings: WindowSettings) -> Array:
-    """Simulated starts of the windows of a log that no gap touches, at most `max_windows`, evenly spread.
+    """Simulated starts of all windows of a log that no gap touches.
 
     Args:
         log: the log; every signal has a sample.
@@ -204,14 +222,13 @@ def window_begins(log: Log, gaps: Mapping[str, float], settings: WindowSettings)
     total = settings.run_in + settings.length + 2 * settings.margin
     waits = {name: gaps.get(name, np.inf) for name in log.commands}
     last = min([last, *(signal.time[-1] + waits[name] for name, signal in log.commands.items())])  # held until then
-    begins = np.arange(first, last - total, settings.stride)
+    begins = np.arange(first, last - total, settings.length)
     for name, signal in log.outputs.items():
         begins = begins[_gapless(begins, total, signal.time, gaps[name])]
         begins = begins[starts_known(signal, begins, settings)]
     for name, signal in log.commands.items():  # delayed actuators ask for those of before the start
         begins = begins[_gapless(begins - settings.past, total + settings.past, signal.time, waits[name])]
-    keep = np.unique(np.linspace(0, len(begins) - 1, min(len(begins), settings.max_windows)).round().astype(int))
-    return begins[keep] if len(begins) else begins
+    return begins
 
 
 def _gapless(begins: Array, total: float, time: Array, gap: float) -> NDArray[np.bool_]:

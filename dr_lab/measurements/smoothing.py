@@ -40,8 +40,9 @@ def local_polynomial(
 
     For each time s the coefficients c minimise Σ_i (y_i − Σ_k c_k (t_i − s)^k)² over the samples with
     |t_i − s| ≤ half_width and t_i ≤ until; the value is c_0, the slope c_1 and the curvature 2 c_2. Where that leaves
-    fewer than degree + 1 samples (gaps, ends, low rates) the nearest degree + 1 are taken. A polynomial signal up to
-    the degree is reproduced exactly, at the ends as well.
+    fewer than 2 · degree samples (gaps, ends, low rates) the nearest 2 · degree are taken, or as many as there are: as
+    many as coefficients would go through the noise. A polynomial signal up to the degree is reproduced exactly, at the
+    ends as well.
 
     Args:
         signal: samples, at least degree + 1 of them; a vector signal is fitted column by column.
@@ -77,7 +78,7 @@ def local_polynomial(
 
 
 def _solve(time: Array, value: Array, at: Array, usable: Indices, half_width: float, degree: int) -> LocalFit:
-    low, high = _windows(time, at, usable, half_width, degree + 1)
+    low, high = _windows(time, at, usable, half_width, 2 * degree)
     index = low[:, None] + np.arange(int((high - low).max()))
     inside = index < high[:, None]
     index = np.minimum(index, len(time) - 1)
@@ -105,13 +106,14 @@ def _windows(time: Array, at: Array, usable: Indices, half_width: float, least: 
     """First and one-past-last sample of each window, widened to the nearest `least` samples where it holds fewer."""
     low = np.minimum(np.searchsorted(time, at - half_width, side="left"), usable)
     high = np.minimum(np.searchsorted(time, at + half_width, side="right"), usable)
-    few = np.flatnonzero(high - low < least)
+    few = np.flatnonzero(high - low < np.minimum(least, usable))
     if len(few):
         first = np.minimum(np.searchsorted(time, at[few]), usable[few])
         candidates = first[:, None] + np.arange(-least, least)
         exists = (candidates >= 0) & (candidates < usable[few, None])
         distance = np.abs(time[np.clip(candidates, 0, len(time) - 1)] - at[few, None])
         order = np.argsort(np.where(exists, distance, np.inf), axis=1, kind="stable")[:, :least]
-        nearest = np.take_along_axis(candidates, order, axis=1)
-        low[few], high[few] = nearest.min(1), nearest.max(1) + 1
+        nearest, known = (np.take_along_axis(rows, order, axis=1) for rows in (candidates, exists))
+        low[few] = np.where(known, nearest, len(time)).min(1)
+        high[few] = np.where(known, nearest, -1).max(1) + 1
     return low, high

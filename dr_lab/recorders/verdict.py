@@ -12,7 +12,8 @@ def verdict_markdown(report: Mapping[str, Any]) -> str:
     """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
     worse = _worse(report)
     calibrated = not report.get("verdict") and not report["ladder"][-1]["effects"]
-    told = [worse] if worse and calibrated else [worse, _found(report), _share(report), _fall(report)]
+    answer = (worse, _found(report), _share(report), _fall(report), _confirmed(report))
+    told = [worse] if worse and calibrated else answer
     return " ".join(part for part in (*told, _remaining(report)) if part)
 
 
@@ -79,6 +80,21 @@ def _fall(report: Mapping[str, Any]) -> str:
     # Longer ladders have their own table; the sentence keeps the ends and the calibrated model, which effects improve.
     told = errors if len(errors) <= 3 else [*errors[:2], "…", errors[-1]]
     return f"χ² on {scored(report)}: {' → '.join(told)}; 1 is the noise floor."
+
+
+def _confirmed(report: Mapping[str, Any]) -> str:
+    """What the windows say that chose nothing."""
+    found = report.get("confirmation")
+    if not found:
+        return ""
+    fall = f"χ² {number(found['chi2_before'])} → {number(found['chi2_after'])}"
+    where = f"On {found['windows']} windows that chose nothing"
+    told = {
+        "confirmed": f"{where} the same is found: {fall}.",
+        "undecided": f"{where} the error falls too, {fall}, but they are too few to be sure.",
+        "contradicted": f"**{where} the error does not fall: {fall}. Do not trust what was added.**",
+    }
+    return told[found["status"]]
 
 
 def _remaining(report: Mapping[str, Any]) -> str:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.diagnosis.fault_settings import FaultSettings
-from dr_lab.diagnosis.ladder import climb
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
@@ -16,7 +15,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
-from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.climbing import climbed
 from dr_lab.workflows.finish import Run
 from dr_lab.workflows.ladder_report import report_ladder
 from dr_lab.workflows.progress import screen
@@ -73,7 +72,5 @@ def close(
         study = prepare(
             model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
         )
-        told.phase("Calibrating the model")
-        base, watch = calibrate(study), told.ranking
-        ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
+        study, ladder = climbed(study, effects, most=most, watch=told.ranking, phase=told.phase)
         return report_ladder("close", study, ladder, Run(run_dir, recorder, told), next_experiment)

@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.diagnosis import trust
 from dr_lab.diagnosis.bench import Bench, Explained
+from dr_lab.diagnosis.confirmation import Confirmation
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
 from dr_lab.diagnosis.evidence import at_floor, noise_floor
@@ -43,9 +44,20 @@ def header(verb: str, study: Study) -> dict[str, Any]:
             for name, noise in measured.noise.items()
         },
         "logs": {"fit": [log.name for log in measured.fit], "held_out": [log.name for log in measured.held_out]},
-        "windows": {"length": study.windows.length, "fit": len(study.bench.fit), "held_out": len(study.bench.held_out)},
+        "windows": _windows(study),
         "clocks": _clocks(measured),
         "notes": study_notes(study),
+    }
+
+
+def _windows(study: Study) -> dict[str, Any]:
+    """How long and how many windows are."""
+    bench = study.bench
+    return {
+        "length": study.windows.length,
+        "fit": len(bench.fit),
+        "held_out": len(bench.held_out),
+        "confirm": 0 if bench.confirms is None else len(bench.confirms),
     }
 
 
@@ -131,6 +143,22 @@ def _replaced_by(candidate: Candidate, told: float) -> dict[str, float]:
     names, largest = candidate.explained.model.space.names, float(np.abs(moves).max(initial=0.0))
     order = np.argsort(-np.abs(moves))
     return {names[k]: float(moves[k]) for k in order if abs(moves[k]) >= told * largest}
+
+
+def confirmation(found: Confirmation | None) -> dict[str, Any] | None:
+    """What the windows that chose nothing say; null where none were left, or nothing was added."""
+    if found is None:
+        return None
+    return {
+        "status": found.status,
+        "windows": found.windows,
+        "chi2_before": found.before.chi2,
+        "chi2_after": found.after.chi2,
+        "gain": found.gain.share,
+        "gain_ci": [found.gain.low, found.gain.high],
+        "evidence": found.gain.total,
+        "evidence_low": found.gain.total_low,
+    }
 
 
 def worst_direction(explained: Explained) -> dict[str, float]:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from dr_lab.diagnosis.confirmation import Confirmation, confirm
 from dr_lab.diagnosis.evidence import Gain
 from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
@@ -50,12 +51,13 @@ def report_ladder(
 
 
 def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Described]) -> dict[str, Any]:
-    last, first = ladder.models[-1], ladder.rungs[0]
+    last, first, found = ladder.models[-1], ladder.rungs[0], _confirmation(study, ladder)
     header = entries.header(verb, study)
     return {
         **header,
         "notes": [*notes.fit_notes(ladder.models), *header["notes"], *_ladder_notes(study, ladder)],
-        "verdict": _verdict(ladder, study.bench.evidence),
+        "verdict": _verdict(ladder, study.bench.evidence, found),
+        "confirmation": entries.confirmation(found),
         "gap_closed": ladder.closed(study.bench.evidence),
         "explained": _explained(ladder.gained(study.bench.evidence)),
         "reason": _reason(study, first),
@@ -81,11 +83,20 @@ def _ladder_notes(study: Study, ladder: Ladder) -> list[dict[str, Any]]:
     return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *changed]
 
 
-def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:
-    """The ladder's verdict where all was added with support, else that of the rung that gave none."""
+def _confirmation(study: Study, ladder: Ladder) -> Confirmation | None:
+    return confirm(study.bench, ladder.base, ladder.models[-1], study.fits)
+
+
+def _verdict(ladder: Ladder, settings: EvidenceSettings, found: Confirmation | None) -> str:
+    """The ladder's verdict where all was added with support, else that of the rung that gave none.
+
+    What windows that chose nothing contradict is not named.
+    """
     for rung, step in zip(ladder.rungs, ladder.steps, strict=False):
         if not step.proven:  # an effect that a user added without support
             return rung.verdict.kind
+    if found is not None and found.status == "contradicted":
+        return "unexplained"
     return ladder.verdict(settings)
 
 

@@ -20,7 +20,7 @@ from dr_lab.trajectory import Array, Log
 from dr_lab.workflows.export import Played, play
 from dr_lab.workflows.study import Study
 
-_EVERY_WINDOW = 10**9
+_EVERY_WINDOW = 1e9  # s
 
 Forces = Mapping[str, Mapping[str, ResidualForce]]  # by role and joint
 
@@ -123,7 +123,7 @@ def _is_playable(study: Study, log: Log) -> bool:
 
 
 def _one_after_another(study: Study, length: float) -> WindowSettings:
-    return replace(study.prediction, length=length, stride=length, max_windows=_EVERY_WINDOW)
+    return replace(study.prediction.of_length(length), seconds=_EVERY_WINDOW)
 
 
 def _poses(

@@ -11,6 +11,7 @@ from dr_lab.diagnosis.bench import Bench
 from dr_lab.diagnosis.data_faults import Fault, suspect_faults
 from dr_lab.diagnosis.fault_settings import FaultSettings
 from dr_lab.diagnosis.fit import Fitter
+from dr_lab.diagnosis.folds import folds
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
@@ -52,6 +53,7 @@ class Study:
         refinement: which step stands in its place, and why.
         own_chi2: χ² by channel of logs that the model made itself.
         faults: what the model shows to be wrong with the logs.
+        asked: what it is made of, so that it can be made with longer windows.
     """
 
     model: Model
@@ -70,6 +72,7 @@ class Study:
     refinement: Refinement
     own_chi2: Mapping[str, float]
     faults: tuple[Fault, ...]
+    asked: "Asked"
 
 
 def prepare(
@@ -91,6 +94,18 @@ def prepare(
     logs are printed at once, before anything is fitted. Without held-out logs the fit logs score too, which the report
     says.
 
+    Args:
+        model: the model as given.
+        measurements: the logs.
+        windows: how logs are cut.
+        predicted: how predicted windows are cut.
+        solver: settings of the fits.
+        evidence: when a gain counts.
+        localise: how the place of failure is looked for.
+        model_check: what is checked of the model before anything is blamed on the machine.
+        faults: when a log is said to be faulty.
+        threads: worker threads; None takes every core.
+
     Raises:
         ConfigError: no log is there to fit on.
         ModelError: the model diverges in every window, or does not explain logs that it made itself.
@@ -101,40 +116,67 @@ def prepare(
         )
     suspected = suspect_faults(model, measurements, faults)
     say_faults(suspected, measurements)
-    count = thread_count(threads)
-    scored = measurements.held_out or measurements.fit
-    floor = numerical_floor(model, scored, measurements, windows, count)
-    resolution = max(floor.step, _longest_wait(measurements, suspected))
-    bench = Bench(*_windows(model, measurements, windows), solver, evidence, count, timing_resolution=resolution)
-    if floor.largest > model_check.least_share and _explains(model, bench, model_check):
-        refined = unneeded(model, floor)
-    else:
-        refined = refine(model, scored, measurements, windows, model_check, floor, count)
-    if refined.model is not model:
-        model = refined.model
-        fit, held_out = _windows(model, measurements, windows)
-        bench = replace(bench, fit=fit, held_out=held_out)
-    compiled = model.nominal()
-    own = require_own_logs_explained(model, measurements, windows, solver, model_check)
-    short = cut(scored, measurements, compiled, _short(predicted, localise))
-    return Study(
-        model=model,
-        compiled=compiled,
-        measurements=measurements,
-        bench=bench,
-        predicted=cut(scored, measurements, compiled, predicted),
-        short=short,
-        few=_spread(len(short), localise.formula.windows),
-        fits=StateFits(solver, count),
-        windows=windows,
-        prediction=predicted,
-        local=localise,
-        scales=_scales(model, compiled, measurements, windows.smoother, bench),
-        floor=floor,
-        refinement=refined,
-        own_chi2=own,
-        faults=suspected,
-    )
+    asked = Asked(model, measurements, predicted, solver, evidence, localise, model_check, suspected, threads)
+    return asked.study(windows)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a study is made of, but for how its windows are cut."""
+
+    model: Model
+    measurements: MeasurementSet
+    predicted: WindowSettings
+    solver: SolverSettings
+    evidence: EvidenceSettings
+    localise: LocaliseSettings
+    check: ModelCheckSettings
+    faults: tuple[Fault, ...]
+    threads: int | None
+
+    def study(self, windows: WindowSettings) -> Study:
+        """The study with these windows."""
+        measured, count = self.measurements, thread_count(self.threads)
+        scored = measured.held_out or measured.fit
+        floor = numerical_floor(self.model, scored, measured, windows, count)
+        refined = self._refined(windows, floor)
+        model, compiled = refined.model, refined.model.nominal()
+        bench = self._bench(model, windows, floor)
+        short = cut(scored, measured, compiled, _short(self.predicted, self.localise))
+        return Study(
+            model=model,
+            compiled=compiled,
+            measurements=measured,
+            bench=bench,
+            predicted=cut(scored, measured, compiled, self.predicted),
+            short=short,
+            few=_spread(len(short), self.localise.formula.windows),
+            fits=StateFits(self.solver, count),
+            windows=windows,
+            prediction=self.predicted,
+            local=self.localise,
+            scales=_scales(model, compiled, measured, windows.smoother, bench),
+            floor=floor,
+            refinement=refined,
+            own_chi2=require_own_logs_explained(model, measured, windows, self.solver, self.check),
+            faults=self.faults,
+            asked=self,
+        )
+
+    def _bench(self, model: Model, windows: WindowSettings, floor: NumericalFloor) -> Bench:
+        measured, compiled = self.measurements, model.nominal()
+        fit = cut(measured.fit, measured, compiled, windows)
+        scored = cut(measured.held_out, measured, compiled, windows) if measured.held_out else fit
+        chooses, confirms = (fit, None) if scored is fit else folds(scored)
+        resolution = max(floor.step, _longest_wait(measured, self.faults))
+        return Bench(fit, chooses, self.solver, self.evidence, thread_count(self.threads), resolution, confirms)
+
+    def _refined(self, windows: WindowSettings, floor: NumericalFloor) -> Refinement:
+        """The model with a step that does not show, or as given where the logs ask for nothing else."""
+        measured, check, count = self.measurements, self.check, thread_count(self.threads)
+        if floor.largest > check.least_share and _explains(self.model, self._bench(self.model, windows, floor), check):
+            return unneeded(self.model, floor)
+        return refine(self.model, measured.held_out or measured.fit, measured, windows, check, floor, count)
 
 
 def _longest_wait(measured: MeasurementSet, suspected: Sequence[Fault]) -> float:
@@ -142,13 +184,6 @@ def _longest_wait(measured: MeasurementSet, suspected: Sequence[Fault]) -> float
     logs = {log.name: log for log in (*measured.fit, *measured.held_out)}
     rare = [logs[fault.log].commands[fault.signal] for fault in suspected if fault.kind == "decimated"]
     return max((float(np.median(np.diff(signal.time))) for signal in rare), default=0.0)
-
-
-def _windows(model: Model, measurements: MeasurementSet, windows: WindowSettings) -> tuple[Windows, Windows]:
-    """Windows to fit on and to score, the same where no log is held out."""
-    compiled = model.nominal()
-    fit = cut(measurements.fit, measurements, compiled, windows)
-    return fit, cut(measurements.held_out, measurements, compiled, windows) if measurements.held_out else fit
 
 
 def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
@@ -159,7 +194,7 @@ def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
 
 
 def _short(predicted: WindowSettings, localise: LocaliseSettings) -> WindowSettings:
-    return replace(predicted, length=localise.length, stride=localise.length, max_windows=localise.max_windows)
+    return replace(predicted.of_length(localise.length), seconds=localise.seconds)
 
 
 def _spread(count: int, most: int) -> NDArray[np.intp]:

@@ -12,7 +12,7 @@ from dr_lab.errors import DrLabError
 from dr_lab.recorders.viewer import headless_viewer
 
 # The demo with few rivals and few windows: the whole of it takes minutes.
-QUICK = ("effect=[coulomb_friction,viscous_friction,actuator_delay]", "windows.max_windows=6")
+QUICK = ("effect=[coulomb_friction,viscous_friction,actuator_delay]", "windows.seconds=7.2")
 
 
 @pytest.fixture(scope="session")

@@ -15,7 +15,7 @@ from dr_lab.recorders.mcap import write_mcap
 Capture = pytest.CaptureFixture[str]
 Refused = Callable[..., str]
 EXAMPLES = Path(__file__).parents[2] / "examples" / "furuta"
-SMALL = ("windows.max_windows=2", "measurements.fit=[log_1]", "measurements.held_out=[]")
+SMALL = ("windows.seconds=0.6", "measurements.fit=[log_1]", "measurements.held_out=[]")
 TIME = np.arange(0.0, 4.0, 0.002)
 SWING = np.cos(5.0 * TIME)
 
@@ -171,8 +171,8 @@ def test_logs_that_cannot_be_written(refused: Refused, tmp_path: Path) -> None:
 NUMBERS = {
     "windows.length=-1": "windows.length is -1; expected a number above 0.",
     "windows.length=20": "No log holds one gapless window of 20 s",
-    "windows.stride=0.1": "they would overlap and samples count twice. Set stride to at least 0.3.",
-    "windows.max_windows=0": "windows.max_windows is 0; expected at least 1.",
+    "windows.longest=0": "windows.longest is 0; expected a number above 0.",
+    "windows.seconds=0": "windows.seconds is 0; expected a number above 0.",
     "solver.iterations=0": "solver.iterations is 0; expected at least 1.",
     "evidence.confidence=95": "evidence.confidence is 95; expected a share between 0 and 1, as 0.99.",
     "localise.least=2": "localise.least is 2; expected a share of the samples below 1.",

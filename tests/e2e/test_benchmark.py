@@ -11,7 +11,7 @@ from dr_lab.__main__ import main
 DIAGNOSE = (
     "model=furuta",
     "measurements=furuta",
-    "windows.max_windows=4",
+    "windows.seconds=4.8",
     "effect=[coulomb_friction,actuator_delay]",
 )
 SMALL = "machines.furuta.diagnose=[" + ",".join(f'"{override}"' for override in DIAGNOSE) + "]"

@@ -28,7 +28,7 @@ CTRL_C = (signal.SIGINT, 130, "interrupted")
 SIGTERM = (signal.SIGTERM, 143, "terminated")
 PROMPT = 5.0  # s; a fifth of it on a quiet machine
 LOGS = ["measurements.fit=[log_1]", "measurements.held_out=[log_5]"]
-SMALL = [*LOGS, "windows.max_windows=2"]
+SMALL = [*LOGS, "windows.seconds=2.4"]
 PRESSES_ITSELF = """
 import os, signal, sys
 _, moment, part, *sys.argv[1:] = sys.argv
@@ -118,7 +118,7 @@ def test_while_nothing_has_begun(tmp_path: Path) -> None:
 
 
 def test_candidates_stop_at_their_next_simulation() -> None:
-    cfg = compose("diagnose", [*LOGS, "windows.max_windows=6"])
+    cfg = compose("diagnose", [*LOGS, "windows.seconds=7.2"])
     keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
     study = prepare(**{key: instantiate(cfg[key], _convert_="all") for key in keys}, threads=2)
     base, effects = calibrate(study), instantiate(cfg.effects, _convert_="all")

@@ -52,7 +52,7 @@ def plain(*folders: Path) -> dict[str, list[float]]:
 @pytest.fixture(scope="module")
 def demo() -> tuple[Study, dict[str, Effect]]:
     """The demo's logs, the first seconds of two of them."""
-    cut = ["measurements.fit=['log_1[0:3]']", "measurements.held_out=['log_5[0:2]']", "windows.max_windows=3"]
+    cut = ["measurements.fit=['log_1[0:3]']", "measurements.held_out=['log_5[0:2]']", "windows.seconds=0.9"]
     cfg = compose("close", cut)
     keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
     built = {key: instantiate(cfg[key], _convert_="all") for key in keys}

@@ -36,7 +36,7 @@ def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
     (tmp_path / "mine" / "model" / "gate.yaml").write_text(YAML)
     own = ("--config-dir", "mine", "model=gate")
     assert main(["record", "source=model", *own, *LOGS, "output=mine"]) == 0
-    return (*own, "measurements=recorded", "windows.max_windows=4")
+    return (*own, "measurements=recorded", "windows.seconds=4.8")
 
 
 def test_what_cannot_act_is_left_out_and_said(mine: tuple[str, ...]) -> None:

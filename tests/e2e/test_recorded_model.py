@@ -11,7 +11,7 @@ from mcap.reader import make_reader
 
 PROGRAM = Path(sys.executable).with_name("dr-lab")
 TRUTH = ["model=furuta", "peaks={motor:6}", "context={arm.mass:0.1}"]
-READ = ["--config-dir=logs", "model=furuta", "measurements=recorded", "windows.max_windows=4", "hydra.run.dir=run"]
+READ = ["--config-dir=logs", "model=furuta", "measurements=recorded", "windows.seconds=4.8", "hydra.run.dir=run"]
 
 
 def dr_lab(folder: Path, *arguments: str) -> None:

@@ -38,7 +38,7 @@ def quickly(hidden: str, folder: Path) -> tuple[Study, Rung]:
     """Four logs of 3 s, four windows of each, four effects."""
     plant = ["plant.duration=3.0", "plant.peaks=[8.0,6.0,7.0,5.0]"]
     data = ["measurements.fit=[log_1,log_2,log_3]", "measurements.held_out=[log_4]"]
-    return diagnosed(hidden, folder, plant, [*data, "windows.max_windows=4", f"effect=[{','.join(FEW)}]"])
+    return diagnosed(hidden, folder, plant, [*data, "windows.seconds=4.8", f"effect=[{','.join(FEW)}]"])
 
 
 @pytest.mark.parametrize("hidden", HIDDEN)

@@ -93,7 +93,7 @@ def judged(study: Study, base: Explained, cfg: DictConfig) -> tuple[Verdict, Can
 
 @pytest.mark.slow
 def test_a_late_command_is_no_damping() -> None:
-    cfg = compose("diagnose", [RIVALS, "windows.length=0.5", "windows.max_windows=5"])
+    cfg = compose("diagnose", [RIVALS, "windows.length=0.5", "windows.seconds=5.0"])
     logs = [late(seed) for seed in range(3)]
     noise = {
         "hinge.position": Noise(POSITION_NOISE, "rad", "given"),
@@ -116,7 +116,7 @@ def test_stribeck_friction_is_not_passed_as_coulomb_and_viscous_friction(tmp_pat
     gentle = ["plant.peaks=[1.5,1.2,1.4]", "plant.duration=4.0"]  # slow enough for the excess to matter
     record(instantiate(compose("record", ["plant=pendulum", *hidden, *gentle]).source), str(tmp_path), 0, tmp_path)
     logs = f"measurements.logs=[{tmp_path}/*.mcap]"
-    split = ["measurements.fit=[log_1,log_2]", "measurements.held_out=[log_3]", "windows.max_windows=8"]
+    split = ["measurements.fit=[log_1,log_2]", "measurements.held_out=[log_3]", "windows.seconds=4.8"]
     cfg = compose("diagnose", [RIVALS, "model=pendulum", "measurements=pendulum", logs, *split])
     plain = instantiate(cfg.model, _convert_="all")
     study = study_of(plain, cfg)

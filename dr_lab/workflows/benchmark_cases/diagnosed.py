@@ -2,15 +2,16 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-from dr_lab.diagnosis.ladder import Ladder, climb
+from dr_lab.diagnosis.ladder import Ladder
 from dr_lab.diagnosis.rank import Candidate
 from dr_lab.workflows.benchmark_cases.case import Case
 from dr_lab.workflows.benchmark_cases.equivalence import TruthClasses
 from dr_lab.workflows.benchmark_cases.observed import Compose, observe
 from dr_lab.workflows.benchmark_cases.outcome import Outcome
-from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.climbing import climbed
 from dr_lab.workflows.entries import remaining
 
 
@@ -25,14 +26,13 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
         compose: gives the arguments of a verb, built from its name and overrides.
         classes: finds the equivalence classes by which the answer is scored.
     """
-    observed = observe(case, compose)
-    study, begin = observed.study, (time.process_time(), time.monotonic())
+    observed, begin = observe(case, compose), (time.process_time(), time.monotonic())
     truths = observed.truths if case.kind != "outside" else ()
     most = len(truths) + 1 if case.kind == "several" else 0
-    base = calibrate(study)
-    ladder = climb(
-        study.bench, base, observed.effects, study.scales, study.compiled, most=most, watch=lambda _: lambda _: None
+    study, ladder = climbed(
+        observed.study, observed.effects, most=most, watch=lambda _: lambda _: None, phase=lambda _: None
     )
+    observed = replace(observed, study=study)
     cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
     ladder = ladder if most else ladder.with_first_step()
     first, last = ladder.rungs[0], ladder.models[-1]
@@ -49,7 +49,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
         classes=classes.of(case, truths, found, observed, compose),
         magnitudes=observed.magnitudes,
         fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
-        chi2_base=base.held_out.chi2,
+        chi2_base=ladder.base.held_out.chi2,
         chi2=last.held_out.chi2,
         remaining=remaining(last.held_out, study.bench.evidence)["status"],
         cpu=cpu,

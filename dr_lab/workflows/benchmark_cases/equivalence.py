@@ -45,8 +45,7 @@ class RankedClasses(TruthClasses):
         unclear = [t for t in truths if (found != [[t]] if single else not any(t in group for group in found))]
         if not unclear:
             return {}
-        noise = {channel: noise.std for channel, noise in observed.study.measurements.noise.items()}
-        exact = observe_exactly(case, compose, noise)
+        exact = observe_exactly(case, compose, observed)
         return {t: equivalence_class(exact, t, tuple(other for other in truths if other != t)) for t in unclear}
 
 

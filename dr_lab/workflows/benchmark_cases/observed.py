@@ -19,7 +19,17 @@ Compose = Callable[[str, Sequence[str]], Mapping[str, Any]]
 
 EXACT = "exact"
 _AND = " + "  # between the labels of several hidden effects
-_STUDIED = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
+_STUDIED = (
+    "model",
+    "measurements",
+    "windows",
+    "predicted",
+    "solver",
+    "evidence",
+    "localise",
+    "model_check",
+    "faults",
+)
 
 
 @dataclass(frozen=True)
@@ -46,22 +56,25 @@ def observe(case: Case, compose: Compose) -> Observed:
         case: which one.
         compose: gives the arguments of a verb, built from its name and overrides.
     """
-    return _observed(case, compose, case.instruments, [])
+    return _observed(case, compose, case.instruments)
 
 
-def observe_exactly(case: Case, compose: Compose, noise: Mapping[str, float]) -> Observed:
-    """The same motion without noise, clock error or jitter, weighed by a given noise.
+def observe_exactly(case: Case, compose: Compose, seen: Observed) -> Observed:
+    """The same motion without noise, clock error or jitter, weighed by the noise that was seen and cut alike.
 
     Args:
         case: which one.
         compose: as for `observe`.
-        noise: standard deviation by channel, in the channel's unit.
+        seen: the case as the diagnosis saw it.
     """
-    stds = ",".join(f"{channel}:{{noise_std:{float(std)!r}}}" for channel, std in noise.items())
-    return _observed(case, compose, EXACT, [f"++measurements.outputs={{{stds}}}"])
+    noise = seen.study.measurements.noise
+    stds = ",".join(f"{channel}:{{noise_std:{float(each.std)!r}}}" for channel, each in noise.items())
+    length = seen.study.windows.length
+    overrides = [f"++measurements.outputs={{{stds}}}", f"windows.length={length!r}"]
+    return _observed(case, compose, EXACT, overrides)
 
 
-def _observed(case: Case, compose: Compose, instruments: str, overrides: Sequence[str]) -> Observed:
+def _observed(case: Case, compose: Compose, instruments: str, overrides: Sequence[str] = ()) -> Observed:
     with TemporaryDirectory() as name:
         folder = Path(name)
         source = compose("record", case.recording(instruments))["source"]

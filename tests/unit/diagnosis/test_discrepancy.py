@@ -38,7 +38,7 @@ def fitted(model: Model, logs: list[Log], settings: WindowSettings) -> tuple[Rep
 
 
 def test_a_missing_acceleration_grows_with_the_square_of_the_horizon() -> None:
-    settings = predicted_settings(max_windows=1)
+    settings = predicted_settings(seconds=0.3)
     start, push = settings.past + settings.margin + settings.run_in, 0.6
 
     def late(data: mujoco.MjData) -> None:
@@ -110,7 +110,7 @@ def test_independent_residuals_stay_within_the_band(colour: float) -> None:
 def test_a_command_held_longer_than_the_lags_does_not_pass_for_the_cause_of_a_growing_error() -> None:
     command = steps_command("drive", 1.0, 6.0, seed=0, period=0.6)
     log = replace(swinging("a", pendulum().nominal(), 0, seconds=6.0), commands={"drive": command})
-    replay = Replay(pendulum(), windows_of(pendulum(), [log], windows_settings(length=0.6, stride=0.6)), 1)
+    replay = Replay(pendulum(), windows_of(pendulum(), [log], windows_settings(length=0.6)), 1)
     rng, (windows, samples) = np.random.default_rng(1), replay.scored.shape
     inside = 0
     for _ in range(300):

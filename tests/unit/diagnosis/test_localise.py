@@ -29,7 +29,7 @@ BLIND = """<mujoco model="blind"><option gravity="0 0 0"/>
 
 def regions(model: Model, logs: list[Log]) -> list[Region]:
     settings = localise_settings()
-    cutting = predicted_settings(length=settings.length, stride=settings.length, max_windows=settings.max_windows)
+    cutting = predicted_settings(length=settings.length, seconds=settings.seconds)
     windows = windows_of(model, logs, cutting)
     return localise(*fit_states(model, model.space.nominal, windows, solver_settings(), 1), settings)
 

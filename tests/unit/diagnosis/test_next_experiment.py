@@ -17,7 +17,7 @@ from dr_lab.diagnosis.windows import cut
 from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
 
 LIMIT = 6.0  # N
-WINDOWS = windows_settings(max_windows=12)
+WINDOWS = windows_settings(seconds=3.6)
 MACHINE = Machine(
     start=np.zeros(1),
     limits={"drive": (-LIMIT, LIMIT)},

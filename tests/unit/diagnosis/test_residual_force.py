@@ -32,7 +32,7 @@ TWO_LINKS = """<mujoco model="two">
     </body></body></worldbody>
   <actuator><motor name="drive" joint="hinge"/></actuator>
 </mujoco>"""
-SHORT = (predicted_settings(length=0.06, stride=0.06, max_windows=1000), windows_settings(length=0.15, stride=0.15))
+SHORT = (predicted_settings(length=0.06, seconds=1000.0), windows_settings(length=0.15))
 
 
 def forces(model: Model, log: Log, settings: WindowSettings) -> dict[str, ResidualForce]:

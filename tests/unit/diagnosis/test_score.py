@@ -79,7 +79,7 @@ def sparse(seed: int) -> Log:
 
 def test_the_noise_floor_is_one_however_few_samples_a_window_has() -> None:
     model = pendulum()
-    windows = windows_of(model, [sparse(k) for k in range(6)], windows_settings(max_windows=60, smoother=0.1))
+    windows = windows_of(model, [sparse(k) for k in range(6)], windows_settings(seconds=1000.0, smoother=0.1))
     score = score_of(*fit_states(model, model.space.nominal, windows, solver_settings(), 1))
     assert score.window_count == pytest.approx(8.0, abs=0.3)  # two states a window
     assert score.chi2 == pytest.approx(1.0, abs=3 * np.sqrt(2 / score.window_count.sum()))

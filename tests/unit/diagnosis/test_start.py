@@ -45,7 +45,7 @@ def test_what_a_polynomial_misses_widens_the_prior() -> None:
 
 @pytest.mark.parametrize("smoother", [0.03, 0.3])
 def test_no_later_sample_is_known_at_a_predicted_start(smoother: float) -> None:
-    settings = predicted_settings(smoother=smoother, max_windows=3)
+    settings = predicted_settings(smoother=smoother, seconds=0.9)
     before = log(hinge_position=np.sin(5 * TIME))
     starts = windows(before, settings)
     for k, begin in enumerate(starts.begin):
@@ -63,7 +63,7 @@ def _same(one: StartPrior, other: StartPrior, window: int) -> bool:
 
 def test_a_sample_at_the_end_of_the_run_in_is_not_known() -> None:
     grid = clock(2000)
-    settings = predicted_settings(smoother=0.3, max_windows=4)
+    settings = predicted_settings(smoother=0.3, seconds=1.2)
 
     def prior(value: Array) -> StartPrior:
         one = Log("a", {"hinge.position": Signal("hinge.position", "rad", grid, value)}, {})

@@ -30,7 +30,7 @@ def spans(windows: Windows, total: float) -> list[tuple[float, float]]:
 def test_no_window_touches_a_gap() -> None:
     time = times()
     kept = time[(time < 1.0) | (time > 1.3)]
-    settings = windows_settings(stride=0.05, length=0.05, max_windows=1000)
+    settings = windows_settings(length=0.05, seconds=1000.0)
     windows = windows_of(pendulum(), [log("a", kept)], settings)
     total = settings.length + 2 * settings.margin
     assert all(end < 1.0 or begin > 1.3 for begin, end in spans(windows, total))
@@ -43,7 +43,7 @@ def test_no_window_touches_a_gap_of_a_command_or_comes_behind_its_end() -> None:
     time = times()
     sent = time[(time < 1.0) | ((time > 1.3) & (time < 4.0))]
     measured_log = log("a", time, Signal("drive", "N·m", sent, np.sin(sent)))
-    settings = windows_settings(stride=0.05, length=0.05, max_windows=1000)
+    settings = windows_settings(length=0.05, seconds=1000.0)
     found = replace(measured([measured_log]), gaps={"hinge.position": 0.1, "drive": 0.1})
     windows = cut([measured_log], found, pendulum().nominal(), settings)
     total = settings.length + 2 * settings.margin
@@ -53,14 +53,14 @@ def test_no_window_touches_a_gap_of_a_command_or_comes_behind_its_end() -> None:
 
 def test_a_slow_rate_is_no_gap_but_a_dropout_in_it_is() -> None:
     slow = np.delete(clock(50, 0.09), [20, 21])
-    windows = windows_of(pendulum(), [log("a", slow)], windows_settings(max_windows=1000))
+    windows = windows_of(pendulum(), [log("a", slow)], windows_settings(seconds=1000.0))
     assert len(windows) > 5
     assert not ((windows.begin < slow[20]) & (windows.begin + 0.34 > slow[19])).any()
 
 
 def test_at_most_so_many_windows_evenly_spread() -> None:
-    every = windows_of(pendulum(), [log("a", times())], windows_settings(max_windows=1000))
-    few = windows_of(pendulum(), [log("a", times())], windows_settings(max_windows=4))
+    every = windows_of(pendulum(), [log("a", times())], windows_settings(seconds=1000.0))
+    few = windows_of(pendulum(), [log("a", times())], windows_settings(seconds=1.2))
     assert len(every) == 16
     np.testing.assert_allclose(few.begin, every.begin[[0, 5, 10, 15]])
 
@@ -78,7 +78,7 @@ def test_samples_lie_between_the_margins_and_controls_cover_them() -> None:
 
 def test_scored_parts_follow_one_another_without_overlap() -> None:
     time = times()
-    windows = windows_of(pendulum(), [log("a", time)], windows_settings(max_windows=1000))
+    windows = windows_of(pendulum(), [log("a", time)], windows_settings(seconds=1000.0))
     (samples,) = windows.samples
     stamps = (samples.time + windows.begin[:, None])[samples.scored]
     inside = (time >= stamps.min() - 1e-9) & (time <= stamps.max() + 1e-9)
@@ -153,13 +153,18 @@ def test_logs_that_are_all_broken_by_gaps_say_so() -> None:
 def test_windows_between_the_samples_are_an_error() -> None:
     rare = measured([log("a", clock(20, 0.5))])
     with pytest.raises(DataError, match="Lengthen"):
-        cut(rare.fit, replace(rare, gaps={"hinge.position": 1.0}), pendulum().nominal(), windows_settings(stride=0.5))
+        cut(
+            rare.fit,
+            replace(rare, gaps={"hinge.position": 1.0}),
+            pendulum().nominal(),
+            windows_settings(length=0.05, seconds=0.05),
+        )
 
 
 def test_samples_of_uneven_logs_are_those_between_the_windows_edges() -> None:
     rng = np.random.default_rng(5)
     stamps = [np.cumsum(rng.uniform(1e-3, 9e-3, 500)) + 3.0 * k for k in range(2)]
-    settings = windows_settings(length=0.2, stride=0.2, run_in=0.1)
+    settings = windows_settings(length=0.2, run_in=0.1)
     windows = windows_of(pendulum(), [log(f"log_{k}", t) for k, t in enumerate(stamps)], settings)
     (samples,) = windows.samples
     assert set(windows.log) == {0, 1}
@@ -170,3 +175,21 @@ def test_samples_of_uneven_logs_are_those_between_the_windows_edges() -> None:
         for chosen, mask in ((known, samples.fitted), (scored, samples.scored)):
             np.testing.assert_allclose(samples.time[k, mask[k]], time[chosen] - begin, atol=1e-12)
             np.testing.assert_array_equal(samples.value[k, mask[k], 0], np.sin(time[chosen]))
+
+
+def test_short_logs_leave_their_share_to_longer_ones() -> None:
+    logs = [log("short", times(0.8)), log("long", times(6.0)), log("longer", times(9.0))]
+    windows = windows_of(pendulum(), logs, windows_settings(seconds=6.6))
+    assert np.bincount(windows.log).tolist() == [2, 10, 10]
+
+
+def test_every_log_gives_a_window_however_few_seconds_are_asked_for() -> None:
+    logs = [log(f"log_{k}", times(2.0)) for k in range(4)]
+    assert np.bincount(windows_of(pendulum(), logs, windows_settings(seconds=0.3)).log).tolist() == [1, 1, 1, 1]
+
+
+@pytest.mark.parametrize(
+    ("longest", "lengths"), [(2.7, [0.3, 0.9, 2.7]), (2.0, [0.3, 0.9]), (0.3, [0.3]), (0.1, [0.3])]
+)
+def test_lengths_grow_up_to_the_longest(longest: float, lengths: list[float]) -> None:
+    assert windows_settings(longest=longest).lengths == pytest.approx(lengths)

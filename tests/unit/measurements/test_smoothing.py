@@ -76,3 +76,15 @@ def test_of_many_times_the_one_with_too_few_samples_is_told() -> None:
     time = np.arange(10.0)
     with pytest.raises(DataError, match=r"3 samples up to 2.5 s"):
         local_polynomial(Signal("q", "rad", time, time), [5.0, 6.0], 2.0, until=[9.0, 2.5])
+
+
+def test_few_samples_are_not_gone_through() -> None:
+    """At a low rate the nearest six smooth a cubic's noise, where four would be reproduced."""
+    time = np.linspace(0, 1, 11)
+    noise = np.random.default_rng(3).normal(size=11)
+    fit = local_polynomial(Signal("q", "rad", time, noise), 0.5, 0.01)
+    nearest = np.polynomial.Polynomial.fit(time[2:8], noise[2:8], 3)
+    assert float(fit.value) == pytest.approx(nearest(0.5))
+    assert float(local_polynomial(Signal("q", "rad", time[:5], noise[:5]), 0.2, 0.01).value) == pytest.approx(
+        np.polynomial.Polynomial.fit(time[:5], noise[:5], 3)(0.2)
+    )

@@ -39,8 +39,8 @@ def data() -> MeasurementSet:
 
 def settings(localise: LocaliseSettings | None = None) -> dict[str, Any]:
     return {
-        "windows": windows_settings(max_windows=4),
-        "predicted": predicted_settings(max_windows=4),
+        "windows": windows_settings(seconds=2.4),
+        "predicted": predicted_settings(seconds=2.4),
         "solver": solver_settings(),
         "evidence": evidence_settings(),
         "localise": localise or localise_settings(),

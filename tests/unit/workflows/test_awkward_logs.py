@@ -57,8 +57,8 @@ def settings(*look: str) -> dict[str, Any]:
 
 def study_settings() -> dict[str, Any]:
     return {
-        "windows": windows_settings(max_windows=4),
-        "predicted": predicted_settings(max_windows=4),
+        "windows": windows_settings(seconds=2.4),
+        "predicted": predicted_settings(seconds=2.4),
         "solver": solver_settings(),
         "evidence": evidence_settings(),
         "localise": localise_settings(),

@@ -37,8 +37,8 @@ def study(friction: float) -> tuple[Model, Study]:
     return model, prepare(
         model,
         measured([_thinned(log) for log in logs], noise=NOISE),
-        windows_settings(max_windows=4),
-        predicted_settings(max_windows=4),
+        windows_settings(seconds=2.4),
+        predicted_settings(seconds=2.4),
         solver_settings(),
         evidence_settings(),
         localise_settings(),

@@ -1,0 +1,72 @@
+"""The ladder that a verb climbs, in windows that are as long as it takes.
+
+The states at which windows begin are fitted, and take up what a slow effect does within a short window; long windows
+hold fewer independent residuals, and more valleys in which a fit can end. So the shortest are asked first, and longer
+ones only where these leave a gap unexplained. What is found there is confirmed, as all else, on windows that choose
+nothing (`dr_lab.diagnosis.folds`).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from dr_lab.diagnosis.ladder import Ladder, Watch, climb
+from dr_lab.effects.effect import Effect
+from dr_lab.errors import DataError
+from dr_lab.workflows.calibrated import calibrate
+from dr_lab.workflows.study import Study
+
+Phase = Callable[[str], None]
+
+
+def climbed(
+    study: Study, effects: Mapping[str, Effect], *, most: int, watch: Watch, phase: Phase
+) -> tuple[Study, Ladder]:
+    """The ladder in the shortest windows that leave no gap unexplained; where all do, in the shortest.
+
+    Each further length is one more chance of a false answer: of k lengths, those behind the first ask for the
+    confidence 1 − (1 − confidence) / k (Bonferroni).
+
+    Args:
+        study: model and logs, with the shortest windows.
+        effects: the catalogue.
+        most: most effects that are added; 0 ranks them alone.
+        watch: see `climb`.
+        phase: is told what begins.
+
+    Returns:
+        The study with the windows that were taken, and its ladder.
+    """
+    lengths = study.windows.lengths
+    first = (study, _ladder(study, effects, most, watch, phase))
+    if _explained(*first, most):
+        return first
+    for length in lengths[1:]:
+        phase(f"A gap remains that nothing explains: windows of {length:.3g} s")
+        longer = _with_windows(study, length, len(lengths))
+        if longer is None:
+            break
+        ladder = _ladder(longer, effects, most, watch, phase)
+        if _explained(longer, ladder, most):
+            return longer, ladder
+    return first
+
+
+def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch, phase: Phase) -> Ladder:
+    phase("Calibrating the model")
+    base = calibrate(study)
+    return climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
+
+
+def _explained(study: Study, ladder: Ladder, most: int) -> bool:
+    judged = ladder if most else ladder.with_first_step()
+    return judged.verdict(study.bench.evidence) != "unexplained"
+
+
+def _with_windows(study: Study, length: float, tries: int) -> Study | None:
+    """The study with longer windows; None where the logs have no room for them."""
+    evidence = study.bench.evidence
+    strict = replace(evidence, confidence=1 - (1 - evidence.confidence) / tries)
+    try:
+        return replace(study.asked, evidence=strict).study(study.windows.of_length(length))
+    except DataError:
+        return None
