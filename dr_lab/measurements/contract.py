@@ -36,6 +36,7 @@ class DataContract:
         frozen_stop: usual changes of a sample in the braking distance that a motion leaves out …
         frozen_jump: … or in the jump that follows.
         copied: samples in a row that two logs share only if one is a copy.
+        copied_for: s that they last then; two falls from the same rest look alike to a coarse encoder for a while.
         resting: s, nothing moves for so long while commands go on, and the machine is said to be off.
         resting_share: of its usual movement that a joint at rest makes at most.
         resting_drive: of their usual range and scatter that commands have in that time at least.
@@ -69,6 +70,7 @@ class DataContract:
     frozen_stop: float
     frozen_jump: float
     copied: int
+    copied_for: float
     resting: float
     resting_share: float
     resting_drive: float

@@ -39,7 +39,7 @@ class Copy:
 
 
 def find_copies(logs: Sequence[Log], contract: DataContract) -> tuple[Copy, ...]:
-    """Pairs of logs of which every moving output shares at least `contract.copied` samples in a row at one shift.
+    """Pairs of logs of which every moving output shares enough samples in a row at one shift (`contract`).
 
     Samples are compared in single precision, which survives a change of format; real machines never repeat 32 samples.
 
@@ -85,10 +85,12 @@ def _shared(
         run = _longest(here, there)
         if run is None or run[2] < contract.copied:
             return None
-        if best is None or run[2] > best.samples:
-            start, match, count = run
-            time, before = logs[second].outputs[name].time, logs[first].outputs[name].time
-            begin, end = float(time[match]), float(time[match + count - 1])
+        start, match, count = run
+        time, before = logs[second].outputs[name].time, logs[first].outputs[name].time
+        begin, end = float(time[match]), float(time[match + count - 1])
+        if end - begin < contract.copied_for:
+            return None
+        if best is None or count > best.samples:
             best = Copy(first, second, name, begin, end, begin - float(before[start]), count)
     return best
 

@@ -117,3 +117,14 @@ def test_a_copy_within_the_fitted_logs_is_told(contract: DataContract) -> None:
     (note,) = faults(second)
     assert "log_0" in note.message
     assert note.count == 2500
+
+
+@pytest.mark.parametrize(("alike", "told"), [(0.6, False), (2.0, True)])
+def test_two_falls_from_the_same_rest_are_no_copies(contract: DataContract, alike: float, told: bool) -> None:
+    one, other = swinging(0), swinging(1)
+    outputs = {
+        name: replace(signal, value=np.where(signal.time < alike, one.outputs[name].value, signal.value))
+        for name, signal in other.outputs.items()
+    }
+    fit, _ = mark_faults([one, replace(other, outputs=outputs)], [], contract)
+    assert bool(faults(fit[1])) == told

@@ -1,0 +1,49 @@
+"""Over cases of the benchmark: no rung is credited with what the model below it could do."""
+
+import functools
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from hydra.utils import instantiate
+
+from dr_lab.cli.compose import compose
+from dr_lab.diagnosis.bench import explain
+from dr_lab.workflows.benchmark_cases.case import Case, expand
+from dr_lab.workflows.benchmark_cases.observed import observe
+from dr_lab.workflows.climbing import climbed
+
+pytestmark = pytest.mark.slow
+NAMES = (
+    "pendulum-quadratic_drag_and_constant_offset-encoders-0",
+    "pendulum-spring_and_saturation-encoders-0",
+    "pendulum-coulomb_friction-coarse-1",
+    "furuta-quadratic_drag_arm-encoders-0",
+    "cartpole-stribeck_friction_cart-encoders-0",
+    "double_pendulum-armature_elbow-encoders-0",
+)
+
+
+def _built(verb: str, overrides: Sequence[str]) -> Mapping[str, Any]:
+    cfg = compose(verb, list(overrides))
+    return {str(k): instantiate(v, _convert_="all") if hasattr(v, "keys") else v for k, v in cfg.items()}
+
+
+@functools.cache
+def _cases() -> dict[str, Case]:
+    built = _built("benchmark", ["benchmark=quick"])
+    return {case.name: case for case in expand(built["cases"], built["machines"])}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_without_its_last_effect_no_model_beats_the_rung_below(name: str) -> None:
+    seen = observe(_cases()[name], _built)
+    study, ladder = climbed(seen.study, seen.effects, most=3, watch=lambda _: lambda _: None, phase=lambda _: None)
+    bench = study.bench
+    assert len(ladder.models) > 1
+    for model, below in zip(ladder.models[1:], ladder.models[:-1], strict=True):
+        assert model.fit.converged
+        start = np.array([model.values()[parameter] for parameter in below.model.space.names])
+        again = explain(bench, below.model, start, model.fit.delta)
+        assert below.fit.cost <= again.fit.cost * (1 + 10 * bench.solver.tolerance)
