@@ -7,6 +7,7 @@ import mujoco
 
 from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.evidence import Gain, at_floor, cleared, paired_gain
+from dr_lab.diagnosis.law_check import LawCheck
 from dr_lab.diagnosis.pruning import Pruned, PutBack, finished, lean
 from dr_lab.diagnosis.rank import Candidate, rank
 from dr_lab.diagnosis.restack import reconsider
@@ -45,6 +46,7 @@ class Ladder:
         refused: why effects of the catalogue were not tried at a site, by ``effect@site``.
         dropped: labels of effects that were added and without which the logs are explained as well in the end.
         put_back: effects that were added and in whose place one of their special cases stands.
+        laws: what free laws explain beside the added effects; empty where none was checked.
     """
 
     rungs: tuple[Rung, ...]
@@ -53,6 +55,7 @@ class Ladder:
     refused: Mapping[str, str] = field(default_factory=dict)
     dropped: tuple[str, ...] = ()
     put_back: tuple[PutBack, ...] = ()
+    laws: tuple[LawCheck, ...] = ()
 
     @property
     def absorbed(self) -> tuple[str, ...]:
@@ -88,13 +91,15 @@ class Ladder:
         """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.
 
         Effects that leave much of the gap, and more than noise, are what the catalogue has nearest to the cause rather
-        than the cause: ``unexplained``. Where all that was added was dropped again, no effect is named.
+        than the cause: ``unexplained``; so are effects of which one has another law than the machine. Where all that was added was dropped again, no effect is named.
         """
         noise = at_floor(self.models[-1].held_out, settings)
         if not self.steps:
             first = self.rungs[0].verdict
             return ("none" if noise else "unexplained") if first.effects and self.dropped else first.kind
         if not noise and self.closed(settings) < settings.least_named:
+            return "unexplained"
+        if any(law.refuted for law in self.laws):
             return "unexplained"
         return "equivalent" if any(step.rivals for step in self.steps) else "named"
 
