@@ -7,7 +7,7 @@ import mujoco
 
 from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.evidence import Gain, at_floor, cleared, paired_gain
-from dr_lab.diagnosis.law_check import LawCheck
+from dr_lab.diagnosis.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.pruning import Pruned, PutBack, finished, lean
 from dr_lab.diagnosis.rank import Candidate, rank
 from dr_lab.diagnosis.restack import reconsider
@@ -102,6 +102,10 @@ class Ladder:
         if any(law.refuted for law in self.laws):
             return "unexplained"
         return "equivalent" if any(step.rivals for step in self.steps) else "named"
+
+    def with_laws(self, bench: Bench, scales: Scales, compiled: mujoco.MjModel) -> "Ladder":
+        """The ladder with the laws of its effects checked; scales and nominal model as for `climb`."""
+        return replace(self, laws=check_laws(bench, self.steps, scales, compiled))
 
     def with_first_step(self) -> "Ladder":
         """The ladder with the effect that its first rung names, where it names one."""

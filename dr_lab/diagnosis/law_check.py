@@ -16,6 +16,11 @@ from dr_lab.diagnosis.step import Step
 from dr_lab.effects.effect import PlacedEffect, Scales
 
 _AT_A_BOUND = 1e-3  # widths of the bounds
+_FREE = {
+    "command": "a free curve of the command",
+    "position": "a free curve of the position",
+    "inertia": "another mass, centre or inertia of the body, or of those that it carries,",
+}
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,14 @@ class LawCheck:
     free: int
     gain: Gain
     refuted: bool
+
+    @property
+    def sentence(self) -> str:
+        """What a refuted law means, in words."""
+        return (
+            f"{self.effect} is the nearest of the catalogue, but its law is not the machine's: {_FREE[self.argument]} "
+            f"explains {100 * self.gain.gap:.3g} % of what it leaves (evidence Δχ² {self.gain.total:.4g})."
+        )
 
 
 def check_laws(

@@ -76,4 +76,6 @@ def close(
         told.phase("Calibrating the model")
         base, watch = calibrate(study), told.ranking
         ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
+        told.phase("Checking the laws of what was added")
+        ladder = ladder.with_laws(study.bench, study.scales, study.compiled)
         return report_ladder("close", study, ladder, Run(run_dir, recorder, told), next_experiment)

@@ -52,4 +52,6 @@ def diagnose(
         told.phase("Calibrating the model")
         base, watch = calibrate(study), told.ranking
         ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=0, watch=watch)
-        return report_ladder("diagnose", study, ladder.with_first_step(), Run(run_dir, recorder, told), next_experiment)
+        told.phase("Checking the law of what is named")
+        ladder = ladder.with_first_step().with_laws(study.bench, study.scales, study.compiled)
+        return report_ladder("diagnose", study, ladder, Run(run_dir, recorder, told), next_experiment)

@@ -58,7 +58,8 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
         "verdict": _verdict(ladder, study.bench.evidence),
         "gap_closed": ladder.closed(study.bench.evidence),
         "explained": _explained(ladder.gained(study.bench.evidence)),
-        "reason": _reason(study, first),
+        "reason": " ".join([_reason(study, first), *(law.sentence for law in ladder.laws if law.refuted)]),
+        "laws": entries.laws(ladder.laws),
         "as_given": as_given(study)[1],
         "ladder": [
             {**d.rung, "rivals": [c.effect.label for c in rivals]}

@@ -33,8 +33,9 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
     ladder = climb(
         study.bench, base, observed.effects, study.scales, study.compiled, most=most, watch=lambda _: lambda _: None
     )
-    cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
     ladder = ladder if most else ladder.with_first_step()
+    ladder = ladder.with_laws(study.bench, study.scales, study.compiled)
+    cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
     first, last = ladder.rungs[0], ladder.models[-1]
     verdict = ladder.verdict(study.bench.evidence)
     found = _found(ladder) if verdict != "unexplained" else []
