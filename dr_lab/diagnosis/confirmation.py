@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import isnan
 
 from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.evidence import Gain, paired_gain
@@ -32,13 +33,18 @@ class Confirmation:
     gain: Gain
 
     @property
+    def contradicts(self) -> bool:
+        """Whether the last model explains these windows no better, on more of them than a chance."""
+        return self.gain.total <= 0 and not isnan(self.gain.total_low)
+
+    @property
     def status(self) -> str:
         """Whether the gain that chose the effects is found again.
 
         ``confirmed`` (beyond doubt), ``undecided`` (there, but not beyond doubt on so few windows) or
         ``contradicted`` (the last model explains these windows no better).
         """
-        if self.gain.total <= 0:
+        if self.contradicts:
             return "contradicted"
         return "confirmed" if self.gain.total_low > 0 else "undecided"
 

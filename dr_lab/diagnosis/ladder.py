@@ -6,7 +6,9 @@ from dataclasses import dataclass, field, replace
 import mujoco
 
 from dr_lab.diagnosis.bench import Bench, Explained
+from dr_lab.diagnosis.confirmation import Confirmation
 from dr_lab.diagnosis.evidence import Gain, at_floor, cleared, paired_gain
+from dr_lab.diagnosis.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.pruning import Pruned, PutBack, finished, lean
 from dr_lab.diagnosis.rank import Candidate, rank
 from dr_lab.diagnosis.restack import reconsider
@@ -45,6 +47,8 @@ class Ladder:
         refused: why effects of the catalogue were not tried at a site, by ``effect@site``.
         dropped: labels of effects that were added and without which the logs are explained as well in the end.
         put_back: effects that were added and in whose place one of their special cases stands.
+        laws: what free laws explain beside the added effects; empty where none was checked.
+        confirmation: what windows say that chose nothing; None where there are none.
     """
 
     rungs: tuple[Rung, ...]
@@ -53,6 +57,8 @@ class Ladder:
     refused: Mapping[str, str] = field(default_factory=dict)
     dropped: tuple[str, ...] = ()
     put_back: tuple[PutBack, ...] = ()
+    laws: tuple[LawCheck, ...] = ()
+    confirmation: Confirmation | None = None
 
     @property
     def absorbed(self) -> tuple[str, ...]:
@@ -87,8 +93,9 @@ class Ladder:
     def verdict(self, settings: EvidenceSettings) -> str:
         """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.
 
-        Effects that leave much of the gap, and more than noise, are what the catalogue has nearest to the cause rather
-        than the cause: ``unexplained``. Where all that was added was dropped again, no effect is named.
+        ``unexplained`` are effects that leave much of the gap, and more than noise: they are what the catalogue has
+        nearest to the cause, rather than the cause. So are effects of which one has another law than the machine, and
+        those that windows which chose nothing contradict. Where all that was added was dropped again, none is named.
         """
         noise = at_floor(self.models[-1].held_out, settings)
         if not self.steps:
@@ -96,7 +103,13 @@ class Ladder:
             return ("none" if noise else "unexplained") if first.effects and self.dropped else first.kind
         if not noise and self.closed(settings) < settings.least_named:
             return "unexplained"
+        if any(law.refuted for law in self.laws) or (self.confirmation and self.confirmation.contradicts):
+            return "unexplained"
         return "equivalent" if any(step.rivals for step in self.steps) else "named"
+
+    def with_laws(self, bench: Bench, scales: Scales, compiled: mujoco.MjModel) -> "Ladder":
+        """The ladder with the laws of its effects checked; scales and nominal model as for `climb`."""
+        return replace(self, laws=check_laws(bench, self.steps, scales, compiled))
 
     def with_first_step(self) -> "Ladder":
         """The ladder with the effect that its first rung names, where it names one."""

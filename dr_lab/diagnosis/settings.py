@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dr_lab.diagnosis.law_settings import LawSettings
 from dr_lab.errors import ConfigError, require_numbers
 
 _ROUNDING = 1e-9
@@ -163,6 +164,7 @@ class EvidenceSettings:
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
         told: of the parameters that take an absorbed effect's place those are told that move this share of the largest
             move, in widths of their bounds, or more.
+        law: how the law of a named effect is checked.
 
     Raises:
         ConfigError: a number is too small, or the confidence is no share.
@@ -191,6 +193,7 @@ class EvidenceSettings:
     floor: float
     absorbed: float
     told: float
+    law: LawSettings
 
     def __post_init__(self) -> None:
         least: dict[str, float] = dict.fromkeys(

@@ -46,6 +46,7 @@ class CentreOfMassOffset(Effect):
     law: ClassVar[str] = "c -> c + (x, y, z)"
     fingerprint: ClassVar[str] = "force residual that turns with the link like its weight; swings about another centre"
     confused_with: ClassVar[tuple[str, ...]] = ("payload", "base_tilt", "inertia_error", "spring")
+    argument: ClassVar[str] = "inertia"
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the moving bodies with mass whose centre matters."""

@@ -40,6 +40,7 @@ class Cogging(JointEffect):
     law: ClassVar[str] = "tau = A sin(n q) + B cos(n q)"
     fingerprint: ClassVar[str] = "force residual that repeats n times in a turn, at any speed; uneven slow motion"
     confused_with: ClassVar[tuple[str, ...]] = ("spring", "coulomb_friction")
+    argument: ClassVar[str] = "position"
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the hinge joints."""

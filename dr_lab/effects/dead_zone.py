@@ -40,6 +40,7 @@ class DeadZone(ActuatorEffect):
     law: ClassVar[str] = "u -> sign(u) max(|u| - d, 0)"
     fingerprint: ClassVar[str] = "force residual jumps with the sign of the command, and grows no further with it"
     confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "stribeck_friction", "torque_scale", "backlash")
+    argument: ClassVar[str] = "command"
     lacks: ClassVar[str] = "the dead zone, through which commands go before they reach the actuator"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

@@ -76,6 +76,8 @@ class Effect(ABC):
         holds: names of effects that it acts as, at the same site, for some values of its parameters, and how.
         shapes: short names of parameters that act only where another parameter of it is away from absent.
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
+        argument: what the law is a function of, where a free law of that can be fitted in its place: ``command`` of the
+            actuator, ``position`` of the joint, ``inertia`` of the body and of those beyond it; empty where it cannot.
         patience: times as many iterations as others get that a start away from absent needs to show its worth.
     """
 
@@ -87,6 +89,7 @@ class Effect(ABC):
     holds: ClassVar[Mapping[str, SpecialCase]] = {}
     shapes: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[str] = ""
+    argument: ClassVar[str] = ""
     patience: ClassVar[int] = 1
 
     @abstractmethod

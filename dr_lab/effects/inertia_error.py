@@ -44,6 +44,7 @@ class InertiaError(Effect):
     law: ClassVar[str] = "I -> f I about the centre of mass"
     fingerprint: ClassVar[str] = "force residual proportional to angular acceleration; swings too fast or too slow"
     confused_with: ClassVar[tuple[str, ...]] = ("armature", "payload", "centre_of_mass_offset")
+    argument: ClassVar[str] = "inertia"
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the moving bodies whose inertia a joint feels."""

@@ -48,6 +48,7 @@ class Payload(Effect):
     law: ClassVar[str] = "point mass m at a distance from the joint"
     fingerprint: ClassVar[str] = "force residual with both weight and acceleration; frequencies shift"
     confused_with: ClassVar[tuple[str, ...]] = ("armature", "torque_scale")
+    argument: ClassVar[str] = "inertia"
     shapes: ClassVar[tuple[str, ...]] = ("distance",)
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:

@@ -49,6 +49,7 @@ class Spring(JointEffect):
     law: ClassVar[str] = "tau = -k (q - q_r)"
     fingerprint: ClassVar[str] = "force residual proportional to position; wrong frequency and centre of swings"
     confused_with: ClassVar[tuple[str, ...]] = ("constant_offset", "base_tilt", "payload")
+    argument: ClassVar[str] = "position"
     shapes: ClassVar[tuple[str, ...]] = ("reference",)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

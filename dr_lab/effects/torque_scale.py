@@ -40,6 +40,7 @@ class TorqueScale(ActuatorEffect):
     law: ClassVar[str] = "F = s F_model"
     fingerprint: ClassVar[str] = "residual proportional to the driven part of the motion at every speed and frequency"
     confused_with: ClassVar[tuple[str, ...]] = ("armature", "payload", "viscous_friction")
+    argument: ClassVar[str] = "command"
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the actuators whose force can be scaled."""

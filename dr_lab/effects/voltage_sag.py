@@ -40,6 +40,7 @@ class VoltageSag(ActuatorEffect):
     law: ClassVar[str] = "u -> u (1 - c |u|)"
     fingerprint: ClassVar[str] = "force residual proportional to the square of the command, against it"
     confused_with: ClassVar[tuple[str, ...]] = ("saturation", "torque_scale", "quadratic_drag")
+    argument: ClassVar[str] = "command"
     lacks: ClassVar[str] = "the supply's sag, which weakens commands before they reach the actuator"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

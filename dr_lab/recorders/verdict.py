@@ -52,10 +52,13 @@ def _named(effects: list[str]) -> str:
 
 
 def _unexplained(report: Mapping[str, Any]) -> str:
-    """That nothing explains the gap, and how much of it closes all the same."""
+    """That nothing explains the gap, and how much of it closes all the same, or by which law that is not meant."""
     added = report["ladder"][-1]["effects"]
     if not added:
         return "**Unexplained:** a gap remains that no effect of the catalogue explains."
+    told = [law["told"] for law in report.get("laws", []) if law["refuted"]]
+    if told:
+        return f"**Unexplained:** {' '.join(told)}"
     closes = "closes" if len(added) == 1 else "together close"
     share = percent(report.get("gap_closed"))
     return f"**Unexplained:** {_listed(added)} {closes} {share} of a typical window's gap, too little to be the cause."

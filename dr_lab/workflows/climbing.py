@@ -9,6 +9,7 @@ nothing (`dr_lab.diagnosis.folds`).
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from dr_lab.diagnosis.confirmation import confirm
 from dr_lab.diagnosis.ladder import Ladder, Watch, climb
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import DataError
@@ -29,16 +30,25 @@ def climbed(
     Args:
         study: model and logs, with the shortest windows.
         effects: the catalogue.
-        most: most effects that are added; 0 ranks them alone.
+        most: most effects that are added; 0 ranks them, and adds what is named to look at it.
         watch: see `climb`.
         phase: is told what begins.
 
     Returns:
         The study with the windows that were taken, and its ladder.
     """
+    found, ladder = _first_explained(study, effects, most, watch, phase)
+    phase("Checking what was found")
+    ladder = ladder.with_laws(found.bench, found.scales, found.compiled)
+    return found, replace(ladder, confirmation=confirm(found.bench, ladder.base, ladder.models[-1], found.fits))
+
+
+def _first_explained(
+    study: Study, effects: Mapping[str, Effect], most: int, watch: Watch, phase: Phase
+) -> tuple[Study, Ladder]:
     lengths = study.windows.lengths
     first = (study, _ladder(study, effects, most, watch, phase))
-    if _explained(*first, most):
+    if _explained(*first):
         return first
     for length in lengths[1:]:
         phase(f"A gap remains that nothing explains: windows of {length:.3g} s")
@@ -46,7 +56,7 @@ def climbed(
         if longer is None:
             break
         ladder = _ladder(longer, effects, most, watch, phase)
-        if _explained(longer, ladder, most):
+        if _explained(longer, ladder):
             return longer, ladder
     return first
 
@@ -54,12 +64,12 @@ def climbed(
 def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch, phase: Phase) -> Ladder:
     phase("Calibrating the model")
     base = calibrate(study)
-    return climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
+    ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
+    return ladder if most else ladder.with_first_step()
 
 
-def _explained(study: Study, ladder: Ladder, most: int) -> bool:
-    judged = ladder if most else ladder.with_first_step()
-    return judged.verdict(study.bench.evidence) != "unexplained"
+def _explained(study: Study, ladder: Ladder) -> bool:
+    return ladder.verdict(study.bench.evidence) != "unexplained"
 
 
 def _with_windows(study: Study, length: float, tries: int) -> Study | None:

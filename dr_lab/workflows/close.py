@@ -54,7 +54,7 @@ def close(
         faults: when a log is said to be faulty.
         next_experiment: which experiments are tried where logs cannot separate two effects.
         recorder: how the recording looks.
-        most: most effects that are added; 0 only ranks them.
+        most: most effects that are added; 0 ranks them, as `diagnose` does.
         threads: worker threads; None takes every core.
         run_dir: the run folder.
 

@@ -49,4 +49,4 @@ def diagnose(
             model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
         )
         study, ladder = climbed(study, effects, most=0, watch=told.ranking, phase=told.phase)
-        return report_ladder("diagnose", study, ladder.with_first_step(), Run(run_dir, recorder, told), next_experiment)
+        return report_ladder("diagnose", study, ladder, Run(run_dir, recorder, told), next_experiment)

@@ -12,6 +12,7 @@ from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
 from dr_lab.diagnosis.evidence import at_floor, noise_floor
 from dr_lab.diagnosis.fit import Fit
+from dr_lab.diagnosis.law_check import LawCheck
 from dr_lab.diagnosis.localise import Region
 from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.score import Score
@@ -172,6 +173,23 @@ def trade(label: str, first: Explained, rival: str, second: Explained, bench: Be
         f"{t.name} {t.second:.4g} instead of {t.first:.4g} {t.unit}" for t in trades(first, second, bench.evidence)
     ]
     return f"{rival} in place of {label}: {', '.join(moved) if moved else 'all other parameters keep their values'}."
+
+
+def laws(found: Sequence[LawCheck]) -> list[dict[str, Any]]:
+    """What a free law of the same argument explains of what each named effect leaves."""
+    return [
+        {
+            "effect": law.effect,
+            "argument": law.argument,
+            "free_parameters": law.free,
+            "explains": law.gain.gap,
+            "evidence": law.gain.total,
+            "evidence_low": law.gain.total_low,
+            "refuted": law.refuted,
+            "told": law.sentence if law.refuted else "",
+        }
+        for law in found
+    ]
 
 
 def horizons(error: HorizonError) -> list[dict[str, Any]]:

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-from dr_lab.diagnosis.confirmation import Confirmation, confirm
 from dr_lab.diagnosis.evidence import Gain
 from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
@@ -51,16 +50,17 @@ def report_ladder(
 
 
 def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Described]) -> dict[str, Any]:
-    last, first, found = ladder.models[-1], ladder.rungs[0], _confirmation(study, ladder)
+    last, first = ladder.models[-1], ladder.rungs[0]
     header = entries.header(verb, study)
     return {
         **header,
         "notes": [*notes.fit_notes(ladder.models), *header["notes"], *_ladder_notes(study, ladder)],
-        "verdict": _verdict(ladder, study.bench.evidence, found),
-        "confirmation": entries.confirmation(found),
+        "verdict": _verdict(ladder, study.bench.evidence),
+        "confirmation": entries.confirmation(ladder.confirmation),
         "gap_closed": ladder.closed(study.bench.evidence),
         "explained": _explained(ladder.gained(study.bench.evidence)),
-        "reason": _reason(study, first),
+        "reason": " ".join([_reason(study, first), *(law.sentence for law in ladder.laws if law.refuted)]),
+        "laws": entries.laws(ladder.laws),
         "as_given": as_given(study)[1],
         "ladder": [
             {**d.rung, "rivals": [c.effect.label for c in rivals]}
@@ -83,20 +83,11 @@ def _ladder_notes(study: Study, ladder: Ladder) -> list[dict[str, Any]]:
     return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *changed]
 
 
-def _confirmation(study: Study, ladder: Ladder) -> Confirmation | None:
-    return confirm(study.bench, ladder.base, ladder.models[-1], study.fits)
-
-
-def _verdict(ladder: Ladder, settings: EvidenceSettings, found: Confirmation | None) -> str:
-    """The ladder's verdict where all was added with support, else that of the rung that gave none.
-
-    What windows that chose nothing contradict is not named.
-    """
+def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:
+    """The ladder's verdict where all was added with support, else that of the rung that gave none."""
     for rung, step in zip(ladder.rungs, ladder.steps, strict=False):
         if not step.proven:  # an effect that a user added without support
             return rung.verdict.kind
-    if found is not None and found.status == "contradicted":
-        return "unexplained"
     return ladder.verdict(settings)
 
 

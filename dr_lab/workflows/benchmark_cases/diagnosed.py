@@ -34,7 +34,6 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
     )
     observed = replace(observed, study=study)
     cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
-    ladder = ladder if most else ladder.with_first_step()
     first, last = ladder.rungs[0], ladder.models[-1]
     verdict = ladder.verdict(study.bench.evidence)
     found = _found(ladder) if verdict != "unexplained" else []

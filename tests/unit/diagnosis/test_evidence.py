@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from dr_lab.diagnosis.evidence import block_count, noise_floor, paired_gain, supported, worth_a_trial
+from dr_lab.diagnosis.law_settings import LawSettings
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.errors import ConfigError
@@ -33,6 +34,7 @@ SETTINGS = EvidenceSettings(
     floor=1.1,
     absorbed=1e-3,
     told=0.2,
+    law=LawSettings(knots=4, factor=2.0, least_closed=0.7),
 )
 
 

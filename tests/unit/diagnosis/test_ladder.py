@@ -21,7 +21,7 @@ from dr_lab.trajectory import Log
 
 DEFAULT: dict[str, float] = {}
 SITES = {"asymmetric_friction": "hinge", "base_tilt": "world", "coulomb_friction": "hinge"}
-SURE = {"confidence": 0.999, "least_named": 1.0}  # beside friction a constant torque is then in doubt
+SURE = {"confidence": 0.99999, "least_named": 1.0}  # beside friction a constant torque is then in doubt
 
 
 def rubbing(torque: float, offset: float) -> list[Log]:

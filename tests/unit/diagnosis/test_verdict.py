@@ -64,7 +64,7 @@ def test_what_explains_but_little_of_a_gap_is_not_named() -> None:
 
 
 @pytest.mark.parametrize(
-    ("left", "rivals", "kind"), [(1.0, 0, "named"), (1.0, 1, "equivalent"), (9.0, 1, "unexplained")]
+    ("left", "rivals", "kind"), [(1.0, 0, "named"), (1.0, 1, "equivalent"), (12.0, 1, "unexplained")]
 )
 def test_what_is_named_closes_most_of_the_gap(left: float, rivals: int, kind: str) -> None:
     base, last = model(20.0), model(left)
@@ -76,7 +76,7 @@ def test_what_is_named_closes_most_of_the_gap(left: float, rivals: int, kind: st
 
 
 def test_what_leaves_only_noise_is_named_however_small_the_gap_was() -> None:
-    base, last = model(1.06), model(1.03)
+    base, last = model(1.06), model(1.045)
     ladder = Ladder((), base, (Step(last, ()),))
     assert ladder.closed(SETTINGS) < SETTINGS.least_named
     assert ladder.verdict(SETTINGS) == "named"
@@ -84,7 +84,7 @@ def test_what_leaves_only_noise_is_named_however_small_the_gap_was() -> None:
 
 def test_the_first_step_is_what_the_first_rung_names() -> None:
     base = model(20.0)
-    ranking = (candidate(base, "coulomb_friction", 9.0, CLEAR),)
+    ranking = (candidate(base, "coulomb_friction", 12.0, CLEAR),)
     ladder = Ladder((Rung(base, ranking, decide(base, ranking, SETTINGS)),), base, ())
     assert ladder.verdict(SETTINGS) == "named"  # of the first ranking, which is judged alone
     assert ladder.with_first_step().models == (base, ranking[0].explained)
