@@ -8,9 +8,9 @@ from diagnosis_machines import evidence_settings
 from effect_machines import block, placed
 
 from dr_lab.diagnosis.bench import Explained
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.evidence import paired_gain
 from dr_lab.diagnosis.identifiability import Identifiability
-from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.verdict import Verdict, decide
 

@@ -75,6 +75,21 @@ class Bench:
         return "held-out logs" if self.apart else "fit logs"
 
     @property
+    def samples(self) -> int:
+        """Number of samples that are fitted."""
+        return sum(int(s.fitted.sum()) * s.channel.size for s in self.fit.samples)
+
+    @property
+    def enough(self) -> float:
+        """Evidence on the fit windows that is believed."""
+        return self.evidence.enough_hope * self.evidence.threshold
+
+    @property
+    def hope(self) -> float:
+        """Evidence on the fit windows that a linear step must promise."""
+        return self.evidence.least_hope * self.evidence.threshold
+
+    @property
     def screened(self) -> Rows:
         """Fit windows on which candidates are looked at and tried, evenly spread over the logs."""
         count = len(self.fit)
@@ -82,14 +97,40 @@ class Bench:
         most = min(count, max(asked, self.evidence.screen_windows))
         return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
 
+    def promise(self, gain: float, base: Fit, extra: int = 0) -> float:
+        """Evidence on all fit windows that a lower cost foretells, −n ln(1 − share): Δχ² of residuals of unknown size.
+
+        Args:
+            gain: by how much the cost of a fit of some or all of these windows could fall.
+            base: that fit.
+            extra: number of parameters that may owe something to chance on its windows, which counts as none.
+        """
+        each = base.cost / (self.samples * len(base.delta) / len(self.fit))
+        share = (gain - self.evidence.penalty * extra * each) / base.cost
+        return -self.samples * float(np.log1p(-np.clip(share, 0.0, 1.0 - 1e-9)))
+
+    def cost_at(self, fit: Fit, evidence: float) -> float:
+        """Cost that is worse by so much evidence than that of a fit of all windows; ∞ if the fit leaves some out."""
+        return np.inf if fit.infeasible.any() else fit.cost * float(np.exp(evidence / self.samples))
+
     def screening(self) -> "Bench":
         """The bench with fewer windows to fit; itself where there are no more."""
         return self if len(self.screened) == len(self.fit) else replace(self, fit=self.fit.pick(self.screened))
 
 
-def explain(bench: Bench, model: Model, start: Array, delta: Array | None = None) -> Explained:
-    """Fit a model from a context, and states if given, and score it."""
-    return scored(bench, model, Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta))
+def explain(bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf) -> Explained:
+    """Fit a model from a context, and states if given, and score it; of a `goal` see `Fitter.run`."""
+    return scored(bench, model, fitted(bench, model, start, delta, goal))
+
+
+def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf) -> Fit:
+    """Fit a model as `explain` does."""
+    return Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta, goal=goal)
+
+
+def beyond_doubt(bench: Bench, fit: Fit) -> float:
+    """Cost above which another model is worse than a fitted one without a doubt; see `Fitter.run`."""
+    return bench.cost_at(fit, bench.enough)
 
 
 def fitted_alone(replay: Replay, fit: Fit) -> Explained:

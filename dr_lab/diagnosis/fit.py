@@ -15,11 +15,9 @@ from dr_lab.diagnosis.normal_equations import NormalEquations
 from dr_lab.diagnosis.point import Point, better_start, window_costs
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
-from dr_lab.diagnosis.slopes import Slopes, differences
+from dr_lab.diagnosis.slopes import Slopes, around, differences
 from dr_lab.diagnosis.states import polished
 from dr_lab.trajectory import Array
-
-_NONE = np.zeros((0, 0, 0))
 
 
 @dataclass(frozen=True)
@@ -81,18 +79,27 @@ class Fitter:
     Args:
         replay: windows and model.
         settings: step sizes and stopping rule.
+        rough: whether the fits only decide which candidates are fitted again: then their tolerance is
+            `settings.rough_tolerance`, and a descent that crawls on in steps that gain less than this share ends.
     """
 
-    def __init__(self, replay: Replay, settings: SolverSettings) -> None:
+    def __init__(self, replay: Replay, settings: SolverSettings, *, rough: bool = False) -> None:
         self.replay = replay
-        self.settings = settings
+        self.settings = replace(settings, tolerance=settings.rough_tolerance) if rough else settings
+        self._rough = rough
         self.space = replay.model.space
         self._columns = np.arange(len(self.space.parameters))
         self._precision = replay.windows.prior.std**-2.0
+        self._noise = float(replay.fitted.sum())  # the cost that noise alone leaves
         self._prior_precision = np.full(len(self._columns), settings.prior_spans**-2.0)
 
     def run(
-        self, z: Array, delta: Array | None = None, known: Slopes | None = None, iterations: int | None = None
+        self,
+        z: Array,
+        delta: Array | None = None,
+        known: Slopes | None = None,
+        iterations: int | None = None,
+        goal: float = np.inf,
     ) -> Fit:
         """Fit from a start until the certificate of convergence holds.
 
@@ -108,90 +115,127 @@ class Fitter:
             known: slopes at the start for the states and the first parameters, which need no simulation then.
             iterations: most steps of a rough fit, which is not gone on with; None goes on to the certificate, 0 only
                 linearises.
+            goal: a cost; a fit ends, without the certificate, where a linear step foretells that it would stay above.
         """
         if delta is None:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
         if iterations is not None:
-            return self._descend(self._point(z, delta), known, iterations)
-        fit, left = self._descend(self._point(z, delta), known, self.settings.iterations), self.settings.restarts
-        while start := self._anew(fit):
+            return self._descend(self._point(z, delta), known, iterations, goal)
+        return self._certified(self._point(z, delta), known, goal)
+
+    def rerun(self, start: Point, goal: float = np.inf) -> Fit:
+        """Fit from a context where the states were fitted at another one, as `begin` gives it; `goal` as in `run`."""
+        state = self._differences(start, states=True, columns=self._columns[:0])
+        return self._certified(*self._polished(start, Slopes(state, state[..., :0])), goal)
+
+    def _certified(self, start: Point, known: Slopes | None, goal: float) -> Fit:
+        fit, left = self._descend(start, known, self.settings.iterations, goal), self.settings.restarts
+        while anew := self._anew(fit, goal):
             if not left:
                 return replace(fit, converged=False)
-            again, left = self._descend(start, None, self.settings.iterations), left - 1
+            again, left = self._descend(anew, None, self.settings.iterations, goal), left - 1
             taken = fit.iterations + again.iterations
-            if not (again.infeasible.sum() < fit.infeasible.sum() or self._gains(fit, again)):
+            gains = again.below(fit) > self.settings.tolerance * fit.cost
+            if not (again.infeasible.sum() < fit.infeasible.sum() or gains):
                 return replace(fit, iterations=taken)
             fit = replace(again, first=fit.first, iterations=taken)
         return fit
 
-    def _anew(self, fit: Fit) -> Point | None:
+    def _anew(self, fit: Fit, goal: float) -> Point | None:
         """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done."""
-        if fit.converged and not fit.infeasible.any():
+        predicted = fit.equations.decrease(self._movable(fit, fit.equations))
+        if self._misses(fit, predicted, goal) or (fit.converged and not fit.infeasible.any()):
             return None
         start = self.begin(fit.z, fit.delta)
         returned = bool((fit.infeasible & ~start.infeasible).any())
         return start if returned or (not fit.converged and not fit.infeasible.all()) else None
 
-    def _gains(self, fit: Fit, again: Fit) -> bool:
-        return again.below(fit) > self.settings.tolerance * fit.cost
+    def _misses(self, point: Point, predicted: float, goal: float) -> bool:
+        """Whether a linear step, which foretells a share of what can be gained, leaves a cost above the goal."""
+        return point.cost - predicted / self.settings.foreseen > goal and not point.infeasible.any()
 
-    def _descend(self, best: Point, known: Slopes | None, most: int) -> Fit:
-        """Levenberg–Marquardt in the windows that the start can simulate."""
+    def _descend(self, best: Point, known: Slopes | None, most: int, goal: float = np.inf) -> Fit:
+        """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
         settings = self.settings
         slopes, fresh = self._first_slopes(best, known), known is None
         best, weight, linear = self._linear(best, slopes)
-        first, damping, taken, converged, hindered = linear, settings.damping, 0, False, False
+        first, damping, taken, converged = linear, settings.damping, 0, False
         while True:
             predicted = linear.decrease(self._movable(best, linear))
-            done = predicted <= settings.tolerance * best.cost and not best.infeasible.all()
+            least = settings.tolerance * max(best.cost, self._noise)
+            done = predicted <= least and not best.infeasible.all()
             converged = done and (fresh or taken == 0)  # where nothing moved, given slopes are those of the start
-            if converged or taken >= most or damping > settings.damping_max:
+            short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
+            if converged or taken >= most or (short and not done) or self._misses(best, predicted, goal):
                 break
             if done:
                 slopes, fresh = self._slopes(best, state=slopes.state), True
                 best, weight, linear = self._linear(best, slopes)
                 continue
             taken += 1
-            trial = self._trial(best, linear, damping, weight)
-            gain, was_hindered = best.cost - trial.cost, hindered
-            hindered = 0 <= gain < settings.hindered * predicted
-            if hindered and not was_hindered:
-                best, slopes, fresh = *self._polished(trial, slopes), False
-            elif gain >= 0:
+            trial, nearby = self._trial(best, linear, damping, weight), slopes
+            if best.cost - trial.cost < settings.hindered * predicted:
+                trial, nearby = self._mended(best, trial, slopes, weight)
+            gain = best.cost - trial.cost
+            if gain >= 0:
                 near = gain <= settings.refresh * best.cost
                 best, damping, fresh = trial, damping / settings.damping_down, gain < settings.foretold * predicted
-                if fresh:
-                    slopes = self._slopes(best, state=slopes.state if near else None)
+                slopes = self._slopes(best, state=nearby.state if near else None) if fresh else nearby
             elif not fresh:
                 slopes, fresh = self._slopes(best), True
             else:
                 damping *= settings.damping_up
                 continue
             best, weight, linear = self._linear(best, slopes)
+            if self._rough and 0 <= gain <= least:
+                break
         costs = np.where(best.infeasible, 0.0, window_costs(best, weight, self._precision))
         ended = (linear, first, costs, slopes, taken, converged)
         return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
 
+    def outlooks(self, z: Array, delta: Array, known: Slopes, first: Point | None = None) -> list[Fit]:
+        """Linear models at several contexts with states that were fitted nearby, simulated as one batch.
+
+        Args:
+            z: contexts, shape (c, n).
+            delta: state corrections, shape (w, nstate).
+            known: slopes for the states and the first parameters, which need no simulation then.
+            first: with the residuals at the first context, where it is the one of another model.
+        """
+        found = around(self.replay, self.settings, z, delta, self._columns[known.parameter.shape[2] :], first)
+        fits = list[Fit]()
+        for context, residuals, infeasible, rest in zip(z, *found, strict=True):
+            slopes = Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
+            fits.append(self._descend(Point(context, delta, residuals, np.inf, infeasible), slopes, 0))
+        return fits
+
     def begin(self, z: Array, delta: Array) -> Point:
-        """A start: in each window the given state correction, or none where that fits better.
+        """A start, with its cost: in each window the given state correction, or none where that fits better.
 
         Args:
             z: context, shape (n,).
             delta: state corrections that were fitted at another context, shape (w, nstate).
         """
         mean = self._point(z, np.zeros_like(delta))
-        weight = self.replay.weights(mean.residuals, mean.infeasible, self.settings.huber)
-        return better_start(mean, self._point(z, delta), weight, self._precision)
-
-    def polish(self, z: Array, delta: Array) -> Point:
-        """A start with states that were fitted at another context, fitted anew at this one; arguments as `begin`."""
-        start = self.begin(z, delta)
-        return self._polished(start, Slopes(self._differences(start, states=True, columns=self._columns[:0]), _NONE))[0]
+        start = better_start(mean, self._point(z, delta), self._weights(mean), self._precision)
+        return replace(start, cost=self._cost(start, self._weights(start)))
 
     def _polished(self, point: Point, slopes: Slopes) -> tuple[Point, Slopes]:
-        found = polished(self.replay, self.settings, point, slopes.state)
+        found = polished(self.replay, self.settings, point, slopes.state, ~point.infeasible)
         point = replace(point, delta=found.delta, residuals=found.residuals, infeasible=found.infeasible)
         return point, Slopes(found.slopes, slopes.parameter)
+
+    def _mended(self, best: Point, trial: Point, slopes: Slopes, weight: Array) -> tuple[Point, Slopes]:
+        """A trial with the states of those windows fitted anew, each on its own, that became worse.
+
+        Where few windows meet a kink (a joint that sticks, a contact), all others would have to go in short steps.
+        """
+        if not np.isfinite(trial.cost):
+            return trial, slopes
+        worse = window_costs(trial, weight, self._precision) > window_costs(best, weight, self._precision)
+        found = polished(self.replay, self.settings, trial, slopes.state, worse & ~trial.infeasible)
+        point = replace(trial, delta=found.delta, residuals=found.residuals)
+        return replace(point, cost=self._cost(point, weight)), Slopes(found.slopes, slopes.parameter)
 
     def _first_slopes(self, point: Point, known: Slopes | None) -> Slopes:
         if known is None:
@@ -214,7 +258,7 @@ class Fitter:
 
     def _linear(self, point: Point, slopes: Slopes) -> tuple[Point, Array, NormalEquations]:
         """The point with its cost under fresh robust weights, the weights, and the normal equations there."""
-        weight = self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
+        weight = self._weights(point)
         unit = self.space.to_unit(point.z) - self.space.to_unit(self.space.nominal)
         equations = NormalEquations.build(
             residual=point.residuals,
@@ -227,6 +271,9 @@ class Fitter:
             prior_gradient=self._prior_precision * unit,
         )
         return replace(point, cost=self._cost(point, weight)), weight, equations
+
+    def _weights(self, point: Point) -> Array:
+        return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
 
     def _point(self, z: Array, delta: Array) -> Point:
         residuals, infeasible = self.replay.residuals(z[None], delta[None])

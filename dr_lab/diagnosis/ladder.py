@@ -6,11 +6,12 @@ from dataclasses import dataclass, field, replace
 import mujoco
 
 from dr_lab.diagnosis.bench import Bench, Explained
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.confirmation import Confirmation
 from dr_lab.diagnosis.evidence import Gain, at_floor, cleared, paired_gain
 from dr_lab.diagnosis.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.pruning import Pruned, PutBack, finished, lean
-from dr_lab.diagnosis.rank import Candidate, rank
+from dr_lab.diagnosis.rank import rank
 from dr_lab.diagnosis.restack import reconsider
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.step import Step

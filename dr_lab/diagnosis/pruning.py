@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dr_lab.diagnosis.bench import Bench, Explained, explain
+from dr_lab.diagnosis.bench import Bench, Explained, beyond_doubt, explain, fitted, scored
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.compatible import chance, known_of
 from dr_lab.diagnosis.evidence import paired_gain, supported
-from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.restack import stacked
 from dr_lab.diagnosis.step import Step
 from dr_lab.effects.catalogue import SpecialCases
@@ -85,11 +85,14 @@ def prune(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple
         The steps that stay, refitted and proven, and the labels of the effects that were dropped.
     """
     for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
-        effect = steps[place].effect
-        fewer, base = _without(bench, base, steps, place)
+        effect, whole = steps[place].effect, steps[-1].explained
+        goal = beyond_doubt(bench, whole.fit)
+        fewer, base = _without(bench, base, steps, place, goal)
         without = fewer[-1].explained if fewer else base
-        gain = paired_gain(without.held_out, steps[-1].explained.held_out, bench.evidence)
+        gain = paired_gain(without.held_out, whole.held_out, bench.evidence)
         if not supported(gain, len(effect.parameters), bench.evidence):
+            if _ended_early(without, goal):
+                fewer, base = _without(bench, base, steps, place)
             kept, dropped = prune(bench, base, fewer)
             return kept, (effect.label, *dropped)
     return tuple(replace(step, proven=True) for step in steps), ()
@@ -121,7 +124,8 @@ def simplify(
     """Put one effect back to a special case of it, the earliest that is needlessly rich.
 
     The richer one stands where the windows that score support it over the poorer one, and its further parameters are
-    away from nothing beyond doubt by the scatter between logs.
+    away from nothing beyond doubt by the scatter between logs. It also stands where the poorer one in its place would
+    not be beyond doubt itself: then it is in doubt which of the two is there, not whether.
 
     Returns:
         The steps with the poorer effect in its place, refitted, and what was put back; None where all stand.
@@ -131,15 +135,27 @@ def simplify(
         for poorer in cases.of(step.effect, whole.model):
             swap = _Swap(step.effect, poorer)
             back = swap.put_back(bench, whole)
-            simpler = swap.made(bench, base, whole)
+            goal = np.inf if back.compatible else beyond_doubt(bench, whole.fit)
+            simpler = swap.made(bench, base, whole, goal)
             gain = paired_gain(simpler.held_out, whole.held_out, bench.evidence)
             extra = len(step.effect.parameters) - len(poorer.parameters)
             if back.compatible or not supported(gain, extra, bench.evidence):
+                if _ended_early(simpler, goal):
+                    simpler = swap.made(bench, base, whole)
+                if not _stands(bench, base, steps, place, simpler, len(poorer.parameters)):
+                    continue
                 between = (replace(s, explained=swap.made(bench, base, s.explained)) for s in steps[place:-1])
                 above = [*between, replace(steps[-1], explained=simpler)]
                 above[0] = replace(above[0], rivals=swap.rivals(step))
                 return (*steps[:place], *above), back
     return None
+
+
+def _stands(bench: Bench, base: Explained, steps: tuple[Step, ...], place: int, swapped: Explained, count: int) -> bool:
+    """Whether the model with something else at a place, of so many parameters, is supported over none there."""
+    fewer, base = _without(bench, base, steps, place)
+    without = fewer[-1].explained if fewer else base
+    return supported(paired_gain(without.held_out, swapped.held_out, bench.evidence), count, bench.evidence)
 
 
 def _put_back(
@@ -173,12 +189,13 @@ class _Swap:
         further = dict(zip(names.values(), values, strict=True))
         return PutBack(self.richer.label, self.poorer.label, further, compatible)
 
-    def made(self, bench: Bench, base: Explained, explained: Explained) -> Explained:
-        """A model with the poorer effect, fitted from where it ended with the richer one."""
+    def made(self, bench: Bench, base: Explained, explained: Explained, goal: float = np.inf) -> Explained:
+        """A model with the poorer effect, fitted from where it ended with the richer one; see `explain`."""
         added = explained.model.effects[len(base.model.effects) :]
         swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
         model = functools.reduce(Model.with_effect, swapped, base.model)
-        found = (explain(bench, model, z, explained.fit.delta) for z in self._starts(model.space, explained.values()))
+        starts, delta = self._starts(model.space, explained.values()), explained.fit.delta
+        found = (explain(bench, model, z, delta, goal) for z in starts)
         return min(found, key=lambda each: each.fit.order)
 
     def _starts(self, space: ContextSpace, values: Mapping[str, float]) -> Sequence[Array]:
@@ -197,20 +214,29 @@ class _Swap:
         return tuple(c for c in step.rivals if c not in needless)
 
 
-def _without(bench: Bench, base: Explained, steps: tuple[Step, ...], place: int) -> tuple[tuple[Step, ...], Explained]:
-    """The steps without one of them, and their base, the last model fitted as well as it can."""
-    fewer = stacked(bench, base, steps[:place], steps[place + 1 :])
-    return _as_good_as_it_can(bench, base, fewer, steps[-1].explained)
+def _ended_early(explained: Explained, goal: float) -> bool:
+    """Whether a fit was given up because it would not reach its goal."""
+    return bool(np.isfinite(goal)) and explained.fit.cost > goal
+
+
+def _without(
+    bench: Bench, base: Explained, steps: tuple[Step, ...], place: int, goal: float = np.inf
+) -> tuple[tuple[Step, ...], Explained]:
+    """The steps without one of them, and their base, the last model fitted as well as it can; see `explain`."""
+    fewer = stacked(bench, base, steps[:place], steps[place + 1 :], goal)
+    return _as_good_as_it_can(bench, base, fewer, steps[-1].explained, goal)
 
 
 def _as_good_as_it_can(
-    bench: Bench, base: Explained, fewer: tuple[Step, ...], whole: Explained
+    bench: Bench, base: Explained, fewer: tuple[Step, ...], whole: Explained, goal: float
 ) -> tuple[tuple[Step, ...], Explained]:
     """Steps that lack one effect of a whole ladder, the last model fitted anew from where the whole ladder's ended."""
     last = fewer[-1].explained if fewer else base
     values = whole.values()
     start = np.array([values[name] for name in last.model.space.names])
-    again = explain(bench, last.model, start, whole.fit.delta)
-    if again.fit.order >= last.fit.order:
+    wanted = goal if last.fit.infeasible.any() else min(goal, last.fit.cost)
+    again = fitted(bench, last.model, start, whole.fit.delta, wanted)
+    if again.order >= last.fit.order:
         return fewer, base
-    return ((*fewer[:-1], replace(fewer[-1], explained=again)), base) if fewer else (fewer, again)
+    better = scored(bench, last.model, again)
+    return ((*fewer[:-1], replace(fewer[-1], explained=better)), base) if fewer else (fewer, better)

@@ -6,53 +6,28 @@ only those that stand are fitted to all windows. So the cost hardly grows with t
 
 import functools
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from threading import Event
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from dr_lab.diagnosis.as_special_case import further, special_case
 from dr_lab.diagnosis.bench import Bench, Explained, fitted_alone, scored
-from dr_lab.diagnosis.evidence import Gain, paired_gain, supported
+from dr_lab.diagnosis.candidate import Candidate, resolved
+from dr_lab.diagnosis.evidence import paired_gain, supported
 from dr_lab.diagnosis.fit import Fit, Fitter
 from dr_lab.diagnosis.identifiability import Identifiability
 from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.screen import Look, look
-from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.diagnosis.screen import Look, linear_gain, look
+from dr_lab.diagnosis.shortlist import shortlist
+from dr_lab.diagnosis.side_by_side import side_by_side
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 _In = TypeVar("_In")
 _Out = TypeVar("_Out")
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """One effect at one site, compared with the same model without it.
-
-    Attributes:
-        effect: the placed effect.
-        explained: the model with the effect; of one that is not final, fitted to and scored on a part of the windows.
-        gain: paired gain over the model without it, on the windows that score it.
-        identifiability: what the data can say of it.
-        predicted: share of the cost on the fit windows that a linear step could remove.
-        fitted: whether the effect was fitted; else it stayed absent, as its prediction was too small.
-        final: whether it was fitted to all windows; else another candidate had beaten it on a part of them, or
-            explained as much with fewer parameters.
-        resolved: whether it is more than a shift in time by less than `Bench.timing_resolution`; an integrator's own
-            error is such a shift, and so is what a command that is logged too rarely leaves.
-    """
-
-    effect: PlacedEffect
-    explained: Explained
-    gain: Gain
-    identifiability: Identifiability
-    predicted: float
-    fitted: bool = True
-    final: bool = True
-    resolved: bool = True
 
 
 class Ranking(NamedTuple):
@@ -102,7 +77,6 @@ class _Contest:
         self.thin = bench.screening()
         self.start = base.fit if self.thin is bench else self._thinned()
         self.ground = base if self.thin is bench else fitted_alone(self._replay(self.thin), self.start)
-        self.samples = sum(int(s.fitted.sum()) * s.channel.size for s in bench.fit.samples)
 
     def ranking(self) -> Ranking:
         """All candidates, and the base that they are compared with."""
@@ -111,30 +85,47 @@ class _Contest:
     def tried(self) -> dict[int, Candidate]:
         """All candidates by place, those that promise enough fitted to the screening windows and scored."""
         settings = self.bench.evidence
-        looks = self._side_by_side(range(len(self.placed)), lambda k: self._look(self.thin, self.start, k))
-        promise = np.array([self._promise(each.gain, self.start) for each in looks])
-        self._ask_all_windows(promise)
+        looks = self._side_by_side(range(len(self.placed)), self._look)
+        promise = np.array([self.bench.promise(each.gain, self.start) for each in looks])
+        self._ask_all_windows(promise, looks)
         order = [int(k) for k in np.argsort(-promise, kind="stable")]
-        hopeful = [k for k in order if promise[k] >= settings.least_hope * settings.threshold]
+        hopeful = [k for k in order if promise[k] >= self.bench.hope]
         found: dict[int, Candidate] = {}
         reachable = max((looks[k].gain for k in hopeful), default=0.0)
         for _ in range(2):
             near = [k for k in hopeful if looks[k].gain >= settings.least_promise * reachable]
-            wave = _shortlist([k for k in near if k not in found], self.placed, settings.most_fits - len(found))
-            wave.sort(key=lambda k: -len(self.placed[k].parameters))  # those that take longest begin
-            found |= dict(zip(wave, self._side_by_side(wave, lambda k: self._try(k, looks[k])), strict=True))
+            wave = shortlist([k for k in near if k not in found], self.placed, settings.most_fits - len(found))
+            self._fit_wave(wave, looks, found)
             reachable = max((c.explained.fit.below(self.start) for c in found.values()), default=0.0)
         for k in set(order) - found.keys():
-            found[k] = self._unfitted(k, looks[k])
+            first, predicted = looks[k], looks[k].gain / self.start.cost
+            found[k] = self._unfitted(self.placed[k], first.absent, first.identifiability, predicted)
             self.done(self.placed[k].label)
         return found
+
+    def _fit_wave(self, wave: list[int], looks: Sequence[Look], found: dict[int, Candidate]) -> None:
+        """Fit some candidates, an effect behind its special case: it may have nothing to add to that."""
+        wave.sort(key=lambda k: -len(self.placed[k].parameters))  # those that take longest begin
+        cases = self._special_cases(wave, sorted({*wave, *found}))
+        self._do([k for k in wave if k not in cases], lambda k: self._try(k, looks[k]), found)
+        self._do([*cases], lambda k: self._beside(k, looks[k], found[cases[k]]), found)
 
     def final(self, tried: dict[int, Candidate]) -> tuple[Candidate, ...]:
         """The candidates, those that stand fitted to all windows; the most evidence first."""
         if self.thin is not self.bench:
             standing = self._standing(tried)
-            tried |= dict(zip(standing, self._side_by_side(standing, lambda k: self._refit(tried[k])), strict=True))
+            cases = self._special_cases(standing, standing)
+            self._do([k for k in standing if k not in cases], lambda k: self._refit(tried[k]), tried)
+            self._do([*cases], lambda k: self._refit_beside(tried[k], tried[cases[k]]), tried)
         return _ordered(tried.values())
+
+    def _do(self, items: Sequence[int], work: Callable[[int], Candidate], found: dict[int, Candidate]) -> None:
+        found |= dict(zip(items, self._side_by_side(items, work), strict=True))
+
+    def _special_cases(self, richer: Sequence[int], among: Sequence[int]) -> dict[int, int]:
+        """Places of special cases by places of effects that hold one of some others."""
+        cases = {k: special_case(self.placed[k], [self.placed[j] for j in among]) for k in richer}
+        return {k: among[place] for k, place in cases.items() if place is not None}
 
     def credited(self, found: tuple[Candidate, ...]) -> Ranking:
         """The ranking beside the best that the model without the effects can do from where their fits ended."""
@@ -154,45 +145,53 @@ class _Contest:
         """The model without an effect, fitted from where the fit with it ended."""
         fit = candidate.explained.fit
         fitter = Fitter(self._replay(self.bench), self.bench.solver)
-        z = fit.z[: len(self.base.fit.z)]
-        return fitter.run(z, fitter.polish(z, fit.delta).delta)
+        return fitter.rerun(fitter.begin(fit.z[: len(self.base.fit.z)], fit.delta), self.base.fit.cost)
 
     def _thinned(self) -> Fit:
         """The base fitted to the screening windows alone, so that an effect gets no credit for what they alone ask."""
         part = self.base.fit.pick(self.bench.screened)
         return Fitter(self._replay(self.thin), self.bench.solver).run(part.z, part.delta, part.slopes)
 
-    def _promise(self, gain: float, base: Fit) -> float:
-        """Evidence on all windows that a lower cost foretells, −n ln(1 − share): Δχ² of residuals of unknown size."""
-        return -self.samples * float(np.log1p(-np.clip(gain / base.cost, 0.0, 1.0 - 1e-9)))
-
-    def _ask_all_windows(self, promise: Array) -> None:
-        """Look at all windows where few promise something, but not much."""
-        settings = self.bench.evidence
-        least, enough = settings.least_hope * settings.threshold, settings.enough_hope * settings.threshold
-        if self.thin is self.bench or promise.max(initial=0.0) > enough:
+    def _ask_all_windows(self, promise: Array, looks: Sequence[Look]) -> None:
+        """Look at all windows where few promise something, but not much; there chance counts as none."""
+        if self.thin is self.bench or promise.max(initial=0.0) > self.bench.enough:
             return
-        unsure = [int(k) for k in np.flatnonzero(promise >= least)]
-        for k, each in zip(unsure, self._side_by_side(unsure, self._look_at_all), strict=True):
-            promise[k] = self._promise(each.gain, self.base.fit)
+        unsure = [int(k) for k in np.flatnonzero(promise >= self.bench.hope)]
+        promise[unsure] = self._side_by_side(unsure, lambda k: self._promise_of_all(k, looks[k]))
 
-    def _look_at_all(self, k: int) -> Look:
-        return self._look(self.bench, self.base.fit, k)
+    def _promise_of_all(self, k: int, first: Look) -> float:
+        """What a candidate promises on all windows where it promised most on few."""
+        fitter, base = self._fitter(self.bench, self.placed[k]), self.base.fit
+        count = len(self.placed[k].parameters)
+        z = np.append(base.z, first.best[-count:])
+        (there,) = fitter.outlooks(z[None], base.delta, base.slopes)
+        return self.bench.promise(linear_gain(fitter, there, base), base, count)
 
-    def _look(self, bench: Bench, base: Fit, k: int) -> Look:
-        return look(self._fitter(bench, self.placed[k]), self.placed[k], base)
+    def _look(self, k: int) -> Look:
+        return look(self._fitter(self.thin, self.placed[k]), self.placed[k], self.start)
 
     def _fitter(self, bench: Bench, effect: PlacedEffect) -> Fitter:
-        return Fitter(self._replay(bench, effect), bench.solver)
+        rough = bench is self.thin and bench is not self.bench  # those that stand will be fitted again
+        return Fitter(self._replay(bench, effect), bench.solver, rough=rough)
 
     def _replay(self, bench: Bench, *effects: PlacedEffect) -> Replay:
         return Replay(functools.reduce(Model.with_effect, effects, self.base.model), bench.fit, 1, self.stop)
 
-    @property
-    def _rough(self) -> SolverSettings:
-        """How candidates are fitted that will be fitted again, if they stand."""
-        solver = self.bench.solver
-        return solver if self.thin is self.bench else replace(solver, tolerance=solver.rough_tolerance)
+    def _beside(self, k: int, first: Look, poorer: Candidate) -> Candidate:
+        """Fit a candidate from its special case, if that explains much and a linear step from there promises more."""
+        effect, case, settings = self.placed[k], poorer.effect, self.bench.evidence
+        if self.thin is self.bench or not supported(poorer.gain, len(case.parameters), settings):
+            return self._try(k, first)
+        fitter, (there, more) = self._fitter(self.thin, effect), self._further(self.thin, effect, poorer)
+        found = fitter.run(there.z, there.delta, there.slopes) if more else there
+        self.done(effect.label)
+        return self._rough_candidate(fitter, effect, found, first)
+
+    def _further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool]:
+        """An effect at the fit of its special case, and whether a linear step from there promises enough."""
+        fit, extra = poorer.explained.fit, len(effect.parameters) - len(poorer.effect.parameters)
+        there = further(self._fitter(bench, effect), effect, poorer.effect, fit, poorer.explained.values())
+        return there.fit, self.bench.promise(there.gain, fit, extra) >= self.bench.hope
 
     def _try(self, k: int, first: Look) -> Candidate:
         """Fit one candidate from the base's solution and from its further starts.
@@ -200,7 +199,7 @@ class _Contest:
         A short run shows whether a start away from absent is worth going on from.
         """
         effect, base = self.placed[k], self.start
-        fitter = Fitter(self._replay(self.thin, effect), self._rough)
+        fitter = self._fitter(self.thin, effect)
         fits = [fitter.run(first.absent.z, base.delta, base.slopes)]
         steps = self.bench.solver.start_iterations * effect.effect.patience
         for z in first.starts:
@@ -212,37 +211,62 @@ class _Contest:
         self.done(effect.label)
         if self.thin is self.bench:
             return self._candidate(effect, fit, first.identifiability, first.gain / base.cost)
+        return self._rough_candidate(fitter, effect, fit, first)
+
+    def _rough_candidate(self, fitter: Fitter, effect: PlacedEffect, fit: Fit, first: Look) -> Candidate:
         explained = fitted_alone(fitter.replay, fit)
         gain = paired_gain(self.ground.held_out, explained.held_out, self.bench.evidence)
-        return Candidate(effect, explained, gain, first.identifiability, first.gain / base.cost, final=False)
+        return Candidate(effect, explained, gain, first.identifiability, first.gain / self.start.cost, final=False)
 
     def _refit(self, candidate: Candidate) -> Candidate:
-        """A candidate fitted to all windows, from where its fit of some of them ended."""
-        fit = candidate.explained.fit
-        fitter = self._fitter(self.bench, candidate.effect)
-        delta = self.base.fit.delta.copy()
-        delta[self.bench.screened] = fit.delta
-        again = fitter.run(fit.z, fitter.polish(fit.z, delta).delta)
+        """A candidate fitted to all windows; one that does not gain there what is asked for stays absent.
+
+        An effect that acts at once and promises little begins at absent, where the base's slopes are known.
+        """
+        effect, base, fit = candidate.effect, self.base.fit, candidate.explained.fit
+        fitter, goal = self._fitter(self.bench, effect), self.bench.cost_at(base, -self.bench.hope)
+        nominal = np.append(base.z, [p.nominal for p in effect.parameters])
+        (absent,) = fitter.outlooks(nominal[None], base.delta, base.slopes, base)
+        if not effect.starts and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
+            again = fitter.run(nominal, base.delta, absent.slopes, goal=goal)
+        else:
+            delta = base.delta.copy()
+            delta[self.bench.screened] = fit.delta
+            again = fitter.rerun(fitter.begin(fit.z, delta), goal)
+        if again.cost > goal:
+            absent = replace(absent, slopes=base.slopes)  # to save memory
+            return self._unfitted(effect, absent, candidate.identifiability, candidate.predicted)
+        return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
+
+    def _refit_beside(self, candidate: Candidate, poorer: Candidate) -> Candidate:
+        """The same for an effect whose special case stands: fitted from there, if that promises and gains enough."""
+        if not poorer.final:
+            return self._refit(candidate)
+        there, more = self._further(self.bench, candidate.effect, poorer)
+        if not more:
+            return candidate
+        fitter, goal = (
+            self._fitter(self.bench, candidate.effect),
+            self.bench.cost_at(poorer.explained.fit, -self.bench.hope),
+        )
+        again = fitter.run(there.z, there.delta, there.slopes, goal=goal)
+        if again.cost > goal:
+            return candidate
         return self._candidate(candidate.effect, again, candidate.identifiability, candidate.predicted)
 
     def _candidate(self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float) -> Candidate:
         model = self.base.model.with_effect(effect)
         explained = scored(self.bench, model, fit, 1, self.base.states, self.stop)
         gain = paired_gain(self.base.held_out, explained.held_out, self.bench.evidence)
-        return Candidate(effect, explained, gain, known, predicted, resolved=self._resolved(effect, explained))
+        seen = resolved(effect, explained.values(), self.bench.timing_resolution)
+        return Candidate(effect, explained, gain, known, predicted, resolved=seen)
 
-    def _resolved(self, effect: PlacedEffect, explained: Explained) -> bool:
-        if any(p.unit != "s" for p in effect.parameters):
-            return True
-        values, least = explained.values(), self.bench.timing_resolution
-        return any(abs(values[p.name] - p.nominal) >= least for p in effect.parameters)
-
-    def _unfitted(self, k: int, first: Look) -> Candidate:
+    def _unfitted(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
         """A candidate that stays absent, where it is the base."""
-        base, effect = self.base, self.placed[k]
-        explained = Explained(base.model.with_effect(effect), first.absent, base.states, base.held_out, base.apart)
+        base = self.base
+        explained = Explained(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
         gain = paired_gain(base.held_out, base.held_out, self.bench.evidence)
-        return Candidate(effect, explained, gain, first.identifiability, first.gain / self.start.cost, False, False)
+        return Candidate(effect, explained, gain, known, predicted, False, False)
 
     def _standing(self, tried: dict[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat."""
@@ -263,32 +287,12 @@ class _Contest:
         more = len(candidate.effect.parameters) - len(other.effect.parameters)
         if more <= 0:
             return False
-        settings, ours, theirs = self.bench.evidence, candidate.explained.fit, other.explained.fit
-        chance = settings.penalty * more * theirs.cost / (self.samples * len(theirs.delta) / len(self.base.fit.delta))
-        return self._promise(ours.below(theirs) - chance, theirs) < settings.least_hope * settings.threshold
+        ours, theirs = candidate.explained.fit, other.explained.fit
+        return self.bench.promise(ours.below(theirs), theirs, more) < self.bench.hope
 
     def _side_by_side(self, items: Sequence[_In], work: Callable[[_In], _Out]) -> list[_Out]:
-        with ThreadPoolExecutor(self.bench.threads) as pool:
-            jobs = [pool.submit(work, item) for item in items]
-            try:
-                for job in as_completed(jobs):
-                    job.result()
-            except BaseException:
-                self.stop.set()
-                pool.shutdown(cancel_futures=True)
-                raise
-        return [job.result() for job in jobs]
+        return side_by_side(items, work, self.bench.threads, self.stop)
 
 
 def _ordered(candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
     return tuple(sorted(candidates, key=lambda c: (-c.gain.total, len(c.effect.parameters))))
-
-
-def _shortlist(order: Sequence[int], placed: Sequence[PlacedEffect], most: int) -> list[int]:
-    """Of candidates in the order of their promise at most so many: those first, and as many with one parameter.
-
-    Whatever holds another effect promises at least as much; it must not take the simpler one's place.
-    """
-    half = order[: (most + 1) // 2]
-    simple = [k for k in order if len(placed[k].parameters) == 1 and k not in half]
-    return list(dict.fromkeys([*half, *simple[: most // 2], *order]))[:most]

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from dr_lab.diagnosis.bench import Bench, Explained, explain
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.evidence import paired_gain, supported
-from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.step import Step
 
 
@@ -29,12 +31,14 @@ def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[
     return steps
 
 
-def stacked(bench: Bench, base: Explained, below: Sequence[Step], above: Sequence[Step]) -> tuple[Step, ...]:
-    """Steps on top of others than they stood on, refitted where that matters."""
+def stacked(
+    bench: Bench, base: Explained, below: Sequence[Step], above: Sequence[Step], goal: float = np.inf
+) -> tuple[Step, ...]:
+    """Steps on top of others than they stood on, refitted where that matters; the last has a `goal`, see `explain`."""
     found = list(below)
     for step in above:
-        ground = found[-1].explained if found else base
-        found.append(replace(step, explained=_on(bench, ground, step.explained)))
+        ground, wanted = found[-1].explained if found else base, goal if step is above[-1] else np.inf
+        found.append(replace(step, explained=_on(bench, ground, step.explained, wanted)))
     return tuple(found)
 
 
@@ -50,11 +54,11 @@ def _swap(bench: Bench, base: Explained, steps: Sequence[Step], place: int, riva
     return stacked(bench, base, steps[:place], (swapped, *steps[place + 1 :]))
 
 
-def _on(bench: Bench, below: Explained, explained: Explained) -> Explained:
+def _on(bench: Bench, below: Explained, explained: Explained, goal: float) -> Explained:
     """The last effect of a fitted model on top of another model; refitted where that is not what it stood on."""
     *others, last = explained.model.effects
     if [e.label for e in others] == [e.label for e in below.model.effects]:
         return explained
     model, values = below.model.with_effect(last), explained.values() | below.values()
     start = model.space.vector({name: value for name, value in values.items() if name in model.space.names})
-    return explain(bench, model, start, below.fit.delta)
+    return explain(bench, model, start, below.fit.delta, goal)

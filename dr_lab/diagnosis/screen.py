@@ -6,6 +6,7 @@ import numpy as np
 
 from dr_lab.diagnosis.fit import Fit, Fitter, movable
 from dr_lab.diagnosis.identifiability import Identifiability, identifiability
+from dr_lab.diagnosis.point import Mask
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
 
@@ -17,12 +18,14 @@ class Look:
     Attributes:
         absent: the linearised fit where the effect is absent; its slopes are the base's alone, to save memory.
         starts: contexts of the further starts, shape (n,) each.
+        best: context of the best of these linear steps, shape (n,).
         identifiability: what the data can say of it.
-        gain: by how much the fit's cost could fall below that without the effect, by the best of these linear steps.
+        gain: by how much the fit's cost could fall below that without the effect, by that step.
     """
 
     absent: Fit
     starts: tuple[Array, ...]
+    best: Array
     identifiability: Identifiability
     gain: float
 
@@ -30,8 +33,9 @@ class Look:
 def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> Look:
     """Linearise a candidate beside a converged fit of the model without it.
 
-    At absent the model is the base, so the base's slopes are the candidate's; elsewhere they are near. A start costs
-    one simulation of the windows and one more for each parameter of the effect.
+    At absent the model is the base, so the base's residuals and slopes are the candidate's; elsewhere the slopes are
+    near. Absent costs a simulation of the windows for each parameter of the effect, a further start one more, all of
+    them in one batch.
     """
     space = fitter.replay.model.space
     nominal = np.append(base.z, [p.nominal for p in effect.parameters])
@@ -40,15 +44,19 @@ def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> Look:
         rows.append(nominal.copy())
         for name, value in start.items():
             rows[-1][space.index(name)] = value
-    fits = [fitter.run(z, base.delta, base.slopes, iterations=0) for z in rows]
+    fits = fitter.outlooks(np.stack(rows), base.delta, base.slopes, base)
     known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
-    gain = max(_reachable(fitter, fit, base) for fit in fits)
-    absent = replace(fits[0], slopes=base.slopes)
-    return Look(absent, tuple(rows[1:]), max(known, key=lambda i: i.alone), gain)
+    gains = [linear_gain(fitter, fit, base) for fit in fits]
+    absent, best = replace(fits[0], slopes=base.slopes), int(np.argmax(gains))
+    return Look(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best])
 
 
-def _reachable(fitter: Fitter, fit: Fit, base: Fit) -> float:
-    """How far below the base's cost a full linear step leads; parameters that it would push through bounds stay."""
-    unit = fitter.space.to_unit(fit.z)
+def linear_gain(fitter: Fitter, fit: Fit, base: Fit) -> float:
+    """How far below a base's cost a full linear step leads; parameters that it would push through bounds stay."""
+    return fit.below(base) + fit.first.decrease(free(fitter, fit))
+
+
+def free(fitter: Fitter, fit: Fit) -> Mask:
+    """Parameters that a linear step from the start of a fit would not push through their bounds, shape (n,)."""
     gradient = fit.first.window_information()[1].sum(0) + fit.first.prior_gradient
-    return fit.below(base) + fit.first.decrease(movable(unit, gradient))
+    return movable(fitter.space.to_unit(fit.z), gradient)

@@ -83,6 +83,8 @@ class SolverSettings:
         rough_tolerance: the same as `tolerance` for fits that only decide which candidates are fitted again.
         refresh: share of the cost that a step must gain for the slopes by the start states to be taken anew.
         foretold: share of the decrease that a linear step foretells above which the slopes are good for the next step.
+        foreseen: share of what a fit gains that a linear step foretells, at least; a fit ends that cannot reach by that
+            the cost that is asked for.
         hindered: share of the decrease that a linear step foretells below which states are fitted window by window.
         damping: first value of λ.
         damping_up: factor on λ after a rejected step.
@@ -108,6 +110,7 @@ class SolverSettings:
     rough_tolerance: float
     refresh: float
     foretold: float
+    foreseen: float
     hindered: float
     damping: float
     damping_up: float
@@ -122,7 +125,7 @@ class SolverSettings:
     batch: int
 
     def __post_init__(self) -> None:
-        positive = ("damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
+        positive = ("foreseen", "damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
         least: dict[str, float] = dict.fromkeys(
             ("iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0
         )

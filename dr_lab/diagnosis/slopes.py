@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.diagnosis.point import Point
+from dr_lab.diagnosis.point import Mask, Point
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.trajectory import Array
@@ -58,12 +58,50 @@ def differences(
         deltas[i, :, i] += step
     for j, (column, step) in enumerate(zip(columns, unit_steps, strict=True)):
         units[len(state_steps) + j, column] += step
-    most = max(1, settings.batch // len(point.residuals))
-    parts = [
-        replay.residuals(space.from_unit(units[first : first + most]), deltas[first : first + most])
-        for first in range(0, count, most)
-    ]
-    moved, infeasible = (np.concatenate(rows) for rows in zip(*parts, strict=True))
+    moved, infeasible = _in_parts(replay, settings, space.from_unit(units), deltas)
     slopes = (moved - point.residuals) / np.concatenate([state_steps, unit_steps])[:, None, None]
     slopes[infeasible] = 0.0
     return slopes.transpose(1, 2, 0)
+
+
+def around(
+    replay: Replay, settings: SolverSettings, z: Array, delta: Array, columns: NDArray[np.intp], first: Point | None
+) -> tuple[Array, Mask, Array]:
+    """Residuals at several contexts with the same states, and forward differences there, all as one batch.
+
+    Args:
+        replay: windows and model.
+        settings: sizes of the steps.
+        z: contexts, shape (c, n).
+        delta: states, shape (w, nstate).
+        columns: parameters to differentiate by, p of them; see `differences`.
+        first: with the residuals at the first context, if they are known.
+
+    Returns:
+        Residuals, shape (c, w, m), windows that diverge, shape (c, w), and columns, shape (c, w, m, p).
+    """
+    space, count = replay.model.space, len(columns)
+    unit = space.to_unit(z)
+    steps = np.where(unit[:, columns] > 0.5, -1.0, 1.0) * settings.parameter_step
+    units = np.repeat(unit[:, None], 1 + count, axis=1)
+    units[:, 1 + np.arange(count), columns] += steps
+    contexts = space.from_unit(units)
+    contexts[:, 0] = z
+    rows = contexts.reshape(-1, z.shape[1])[0 if first is None else 1 :]
+    residuals, infeasible = _in_parts(replay, settings, rows, np.broadcast_to(delta, (len(rows), *delta.shape)))
+    if first is not None:
+        residuals = np.concatenate([first.residuals[None], residuals])
+        infeasible = np.concatenate([first.infeasible[None], infeasible])
+    residuals = residuals.reshape(len(z), 1 + count, *residuals.shape[1:])
+    infeasible = infeasible.reshape(len(z), 1 + count, -1)
+    slopes = (residuals[:, 1:] - residuals[:, :1]) / steps[:, :, None, None]
+    slopes[infeasible[:, 1:]] = 0.0
+    return residuals[:, 0], infeasible[:, 0], slopes.transpose(0, 2, 3, 1)
+
+
+def _in_parts(replay: Replay, settings: SolverSettings, z: Array, delta: Array) -> tuple[Array, Mask]:
+    """`Replay.residuals`, at most so many simulations at a time as the settings say."""
+    most = max(1, settings.batch // delta.shape[1])
+    parts = [replay.residuals(z[k : k + most], delta[k : k + most]) for k in range(0, len(z), most)]
+    residuals, infeasible = (np.concatenate(rows) for rows in zip(*parts, strict=True))
+    return residuals, infeasible

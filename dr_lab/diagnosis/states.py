@@ -65,7 +65,9 @@ def fit_states(
     return replay, replace(found, residuals=residuals[0], infeasible=infeasible[0])
 
 
-def polished(replay: Replay, solver: SolverSettings, point: Point, slopes: Array) -> StateFit:
+def polished(
+    replay: Replay, solver: SolverSettings, point: Point, slopes: Array, active: NDArray[np.bool_]
+) -> StateFit:
     """The states of a point fitted anew at its context, each window with a damping of its own.
 
     Where a joint step is hindered by a few windows whose states meet a kink (a joint that sticks, a contact), all
@@ -76,8 +78,9 @@ def polished(replay: Replay, solver: SolverSettings, point: Point, slopes: Array
         solver: settings.
         point: context and states to start from.
         slopes: ∂r/∂δ nearby, shape (w, m, s).
+        active: windows in which that is done, shape (w,).
     """
-    return _Search(replay, solver, point.z).descend(point, slopes, ~point.infeasible)
+    return _Search(replay, solver, point.z).descend(point, slopes, active)
 
 
 class _Search:
@@ -120,7 +123,7 @@ class _Search:
     def descend(self, point: Point, known: Array | None, active: NDArray[np.bool_]) -> StateFit:
         """Levenberg–Marquardt in the active windows, from slopes that may be those of a point nearby."""
         settings, count = self.settings, len(self.replay.windows)
-        part = _Part(self.replay, np.arange(count), settings)
+        part = _Part(self.replay, np.arange(count), settings).narrowed(active)
         slopes = part.renew(point, np.zeros((*point.residuals.shape, self.replay.nstate))) if known is None else known
         stale, damping = np.full(count, known is not None), np.full(count, settings.damping)
         for _ in range(settings.iterations):
@@ -174,7 +177,7 @@ class _Part:
     def narrowed(self, active: NDArray[np.bool_]) -> "_Part":
         """The active windows alone, once they are so few that new simulations of them pay."""
         kept = active[self.rows]
-        if kept.sum() > _WORTH * len(kept):
+        if kept.sum() > _WORTH * len(kept) or not kept.any():
             return self
         return _Part(self.replay.part(np.flatnonzero(kept)), self.rows[kept], self.settings)
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import cast
 
 from dr_lab.diagnosis.bench import Explained
-from dr_lab.diagnosis.rank import Candidate
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.effects.effect import PlacedEffect
 
 

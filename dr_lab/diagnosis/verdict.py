@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import isnan
 
 from dr_lab.diagnosis.bench import Explained
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.evidence import (
     Gain,
     at_floor,
@@ -15,7 +16,6 @@ from dr_lab.diagnosis.evidence import (
     supported,
     worth_a_trial,
 )
-from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
 

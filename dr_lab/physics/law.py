@@ -85,6 +85,11 @@ class Law(ABC):
         del rows
 
     @property
+    def remembers(self) -> bool:
+        """Whether the law has something to forget, so that what was measured before matters to it."""
+        return type(self).rest is not Law.rest
+
+    @property
     def memory(self) -> Array:
         """What the law remembers, shape (n, k) or (1, k); a law without memory has k = 0."""
         return np.empty((1, 0))

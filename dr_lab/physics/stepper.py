@@ -27,11 +27,15 @@ class Stepper:
     def __init__(self, batch: Batch, compiled: mujoco.MjModel, laws: Sequence[Law]) -> None:
         self._batch = batch
         self._laws = laws
-        self._friction, self._armature, self._inertia = (batch.expand(name).copy() for name in CHANGED)
+        friction, armature, self._inertia = live = tuple(batch.expand(name) for name in CHANGED)
+        self._own = tuple(values.copy() for values in live)  # without any law
         self._step = compiled.opt.timestep
+        self._qpos, self._qvel, self._time = (batch.bind(name) for name in ("qpos", "qvel", "time"))
+        # What laws write goes to MuJoCo without a copy.
+        self._influence = Influence(batch.bind("ctrl"), batch.bind("qfrc_applied"), friction, armature)
         scalar = np.isin(compiled.jnt_type, _SCALAR)
-        self._positions, self._dofs = compiled.jnt_qposadr[scalar], compiled.jnt_dofadr[scalar]
-        self._before = np.full((batch.nsim, compiled.nv), np.nan)
+        self._positions, self._dofs = _evenly(compiled.jnt_qposadr[scalar]), _evenly(compiled.jnt_dofadr[scalar])
+        self._before = np.zeros((batch.nsim, compiled.nv))
         self._new = np.ones(batch.nsim, bool)
         # A field shows what a call computed only if it was bound before.
         self._computed = (batch.bind("qfrc_actuator"), batch.bind("qfrc_bias"))
@@ -39,7 +43,7 @@ class Stepper:
 
     def rest(self, rows: NDArray[np.intp]) -> None:
         """Forget what came before in these simulations."""
-        self._before[rows], self._new[rows] = np.nan, True
+        self._before[rows], self._new[rows] = 0.0, True
         for law in self._laws:
             law.rest(rows)
 
@@ -67,27 +71,30 @@ class Stepper:
         Returns:
             Controls as MuJoCo got them.
         """
-        batch = self._batch
-        if self._new.any():  # no step before tells their forces
-            batch.bind("ctrl")[self._new] = control[self._new]
-            batch.forward(self._new)
-            for force, computed in zip(self._forces, self._computed, strict=True):
-                if force is not computed:
-                    force[self._new] = computed[self._new]
-            self._new[:] = False
-        influence = self._influence(control)
+        batch, influence, (friction, armature, inertia) = self._batch, self._influence, self._own
+        if self._new.any():
+            self._meet(control)
+        influence.control[:], influence.force[:] = control, 0.0
+        influence.friction[:], influence.armature[:] = friction, armature
         moment = self._moment(begin)
         for law in self._laws:
             law.act(moment, influence)
-        batch.bind("ctrl")[:] = influence.control
-        batch.bind("qfrc_applied")[:] = influence.force
-        added = influence.armature - self._armature
-        changed = np.maximum(influence.friction, 0.0), influence.armature, self._inertia + added
-        for name, values in zip(CHANGED, changed, strict=True):
-            batch.expand(name)[:] = values
+        np.maximum(influence.friction, 0.0, out=influence.friction)
+        np.subtract(influence.armature, armature, out=self._inertia)
+        self._inertia += inertia
         batch.step()
         self._forces = self._computed
         return influence.control
+
+    def _meet(self, control: Array) -> None:
+        """Compute the forces of simulations that no step before tells, and let their velocities have changed by 0."""
+        self._influence.control[self._new] = control[self._new]
+        self._batch.forward(self._new)
+        for force, computed in zip(self._forces, self._computed, strict=True):
+            if force is not computed:
+                force[self._new] = computed[self._new]
+        self._before[self._new] = self._qvel[self._new]
+        self._new[:] = False
 
     def rollout(self, controls: Array, record: Sequence[str], history: History | None) -> dict[str, Array]:
         """Steps from the state that the simulations are in, under a series of controls.
@@ -106,22 +113,25 @@ class Stepper:
             begin = self._each(history.begin)
             self._recall(history, begin)
         fields = {name: self._batch.bind(name) for name in record}
-        kept: dict[str, list[Array]] = {name: [] for name in record}
+        kept = {name: np.empty((len(field), controls.shape[1], *field.shape[1:])) for name, field in fields.items()}
         for k in range(controls.shape[1]):
             controls[:, k] = self.step(controls[:, k], begin)
-            for name, values in kept.items():
-                values.append(fields[name].copy())
-        return {name: np.stack(values, axis=1) for name, values in kept.items()}
+            for name, field in fields.items():
+                kept[name][:, k] = field
+        return kept
 
     def _recall(self, history: History, begin: Array) -> None:
-        """Let the laws see what was measured before; what they do has no effect then."""
-        count = history.qpos.shape[1]
-        still = np.zeros_like(self._friction)
+        """Let laws that remember see what was measured before, behind the others; what they do has no effect then."""
+        if not any(law.remembers for law in self._laws):
+            return
+        count, (friction, armature, _) = history.qpos.shape[1], self._own
+        still = np.zeros_like(friction)
         for k in range(count):
             time = begin + (k - count + 0.5) * self._step
             qpos, qvel = self._each(history.qpos[:, k]), self._each(history.qvel[:, k])
             gained = qvel - self._each(history.qvel[:, max(k - 1, 0)])
-            influence = self._influence(self._each(history.controls[:, k]))
+            control = self._each(history.controls[:, k])
+            influence = Influence(control, np.zeros_like(friction), friction.copy(), armature.copy())
             moment = Moment(self._step, time, qpos, qvel, gained, still, still)
             for law in self._laws:
                 law.recall(moment, influence)
@@ -130,22 +140,23 @@ class Stepper:
         """Rows of w windows for all simulations."""
         return np.tile(rows, (self._batch.nsim // len(rows), *[1] * (rows.ndim - 1)))
 
-    def _influence(self, control: Array) -> Influence:
-        """What acts without any law."""
-        return Influence(control.copy(), np.zeros_like(self._friction), self._friction.copy(), self._armature.copy())
-
     def _moment(self, begin: Array | float) -> Moment:
-        batch, half = self._batch, self._step / 2
-        qpos, qvel = batch.bind("qpos").copy(), batch.bind("qvel").copy()
-        change = np.nan_to_num(qvel - self._before)
-        self._before = qvel.copy()
+        half, qpos, qvel = self._step / 2, self._qpos.copy(), self._qvel.copy()
+        change = qvel - self._before
+        self._before[:] = qvel
         qpos[:, self._positions] += half * (qvel + change / 4)[:, self._dofs]
         return Moment(
             step=self._step,
-            time=np.ravel(batch.bind("time")) + begin + half,
+            time=self._time + (begin + half),
             qpos=qpos,
             qvel=qvel + change / 2,
             gained=change,
             actuation=self._forces[0],
             bias=self._forces[1],
         )
+
+
+def _evenly(places: NDArray[np.intp]) -> NDArray[np.intp] | slice:
+    """Places as a slice where they follow one another, which numpy reads without a copy."""
+    follow = len(places) > 0 and bool((np.diff(places) == 1).all())
+    return slice(int(places[0]), int(places[-1]) + 1) if follow else places

@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.diagnosis import trust
 from dr_lab.diagnosis.bench import Bench, Explained
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.confirmation import Confirmation
 from dr_lab.diagnosis.covariance import estimate, per_log
 from dr_lab.diagnosis.discrepancy import HorizonError
@@ -14,7 +15,6 @@ from dr_lab.diagnosis.evidence import at_floor, noise_floor
 from dr_lab.diagnosis.fit import Fit
 from dr_lab.diagnosis.law_check import LawCheck
 from dr_lab.diagnosis.localise import Region
-from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.trade import trades

@@ -22,7 +22,7 @@ def failure(study: Study, model: Model, z: Array) -> dict[str, Any]:
     replay, fit = study.fits(model, z, study.predicted)
     error = horizon_error(replay, fit, prediction.run_in, prediction.margin, settings.horizons)
     correlations = input_correlations(replay, fit, replay.commands, settings.lags)
-    regions = localise(*study.fits(model, z, study.short), settings)
+    regions = localise(*study.fits(model, z, study.short, rough=True), settings)
     return {
         "where": entries.where(regions),
         "horizons": entries.horizons(error),

@@ -32,19 +32,23 @@ class StateFits:
         self._fits: dict[_Key, StateFit] = {}
         self._forces: dict[_Key, dict[str, ResidualForce]] = {}
 
-    def __call__(self, model: Model, z: Array, windows: Windows) -> tuple[Replay, StateFit]:
+    def __call__(self, model: Model, z: Array, windows: Windows, *, rough: bool = False) -> tuple[Replay, StateFit]:
         """The fit of the windows' states under a model at context z (n,), and a replay of the windows.
 
-        The replay is a new one each time, for one that has simulated keeps the memory of its simulations.
+        The replay is a new one each time, for one that has simulated keeps the memory of its simulations. Whether a
+        fit may be rough is not remembered: the same windows are always asked for in the same way.
         """
         key = self._key(model, z, windows)
         if key not in self._fits:
             self._held += [model, windows]
-            self._fits[key] = fit_states(model, z, windows, self._solver, self._threads)[1]
+            self._fits[key] = self._fit(model, z, windows, rough=rough)[1]
         return Replay(model, windows, self._threads), self._fits[key]
 
     def forces(self, model: Model, z: Array, windows: Windows, rows: Places) -> dict[str, ResidualForce]:
-        """The force that the model misses at each joint in the windows at these places, always the same of them."""
+        """The force that the model misses at each joint in the windows at these places, always the same of them.
+
+        States are fitted roughly: what they still lack is part of the least squares that give the force.
+        """
         key = self._key(model, z, windows)
         if key not in self._forces:
             self._held += [model, windows]
@@ -55,9 +59,18 @@ class StateFits:
         """The fit of some windows: part of that of all, where there is one."""
         some, known = windows.pick(rows), self._fits.get(self._key(model, z, windows))
         if known is None:
-            return fit_states(model, z, some, self._solver, self._threads)
+            return self._fit(model, z, some, rough=True)
         parts = {name: getattr(known, name)[rows] for name in ("delta", "residuals", "infeasible", "slopes")}
         return Replay(model, some, self._threads), replace(known, **parts)
+
+    def _fit(self, model: Model, z: Array, windows: Windows, *, rough: bool) -> tuple[Replay, StateFit]:
+        """A rough fit keeps the slopes at its start as long as its steps gain, and ends at the rough tolerance."""
+        solver = self._solver
+        if rough:
+            solver = replace(
+                solver, state_tolerance=solver.rough_tolerance, refresh=1.0, iterations=solver.start_iterations
+            )
+        return fit_states(model, z, windows, solver, self._threads)
 
     def _key(self, model: Model, z: Array, windows: Windows) -> _Key:
         return id(model), id(windows), z.tobytes()

@@ -17,7 +17,8 @@ from scipy.integrate import OdeSolution, solve_ivp
 
 from dr_lab.cli.compose import compose
 from dr_lab.diagnosis.bench import Explained, explain
-from dr_lab.diagnosis.rank import Candidate, rank
+from dr_lab.diagnosis.candidate import Candidate
+from dr_lab.diagnosis.rank import rank
 from dr_lab.diagnosis.verdict import Verdict, decide
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.ladder import Ladder
-from dr_lab.diagnosis.rank import Candidate
 from dr_lab.workflows.benchmark_cases.case import Case
 from dr_lab.workflows.benchmark_cases.equivalence import TruthClasses
 from dr_lab.workflows.benchmark_cases.observed import Compose, observe

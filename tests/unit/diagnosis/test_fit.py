@@ -19,6 +19,7 @@ from diagnosis_machines import (
 from dr_lab.diagnosis.covariance import estimate
 from dr_lab.diagnosis.fit import Fit, Fitter
 from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.slopes import Slopes
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Log
 
@@ -216,3 +217,28 @@ def test_a_fit_without_iterations_is_not_converged() -> None:
     fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1), solver_settings())
     assert fitter.run(model.space.nominal).converged
     assert not fitter.run(model.space.nominal, iterations=0).converged
+
+
+def test_linear_models_of_one_batch_are_those_of_single_runs() -> None:
+    model = pendulum()
+    fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1), solver_settings())
+    base = fitter.run(model.space.nominal)
+    contexts = np.stack([base.z, model.space.clip(1.1 * base.z)])
+    known = Slopes(base.slopes.state, base.slopes.parameter[..., :0])
+    for z, found in zip(contexts, fitter.outlooks(contexts, base.delta, known, base), strict=True):
+        alone = fitter.run(z, base.delta, known, iterations=0)
+        assert found.cost == pytest.approx(alone.cost)
+        np.testing.assert_allclose(
+            found.slopes.parameter, alone.slopes.parameter, atol=1e-3 * np.abs(alone.slopes.parameter).max()
+        )
+
+
+def test_a_fit_that_cannot_reach_its_goal_ends() -> None:
+    model = pendulum()
+    fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1), solver_settings())
+    whole = fitter.run(model.space.nominal)
+    early, late = (fitter.run(model.space.nominal, goal=share * whole.cost) for share in (0.5, 2.0))
+    assert not early.converged
+    assert early.cost > 0.5 * whole.cost
+    assert late.converged
+    assert late.cost == pytest.approx(whole.cost)

@@ -8,9 +8,9 @@ from diagnosis_machines import evidence_settings, pendulum, solver_settings, swi
 from effect_machines import catalogue_effect
 
 from dr_lab.diagnosis.bench import Bench, Explained, explain
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.ladder import Ladder, climb
 from dr_lab.diagnosis.pruning import Pruned, finished, lean, prune
-from dr_lab.diagnosis.rank import Candidate
 from dr_lab.diagnosis.restack import reconsider
 from dr_lab.diagnosis.scales import machine_scales
 from dr_lab.diagnosis.step import Step

@@ -12,11 +12,12 @@ from effect_machines import block, placed
 
 from dr_lab.diagnosis import ladder, pruning, restack
 from dr_lab.diagnosis.bench import Bench, Explained
+from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.evidence import paired_gain, supported, worth_a_trial
 from dr_lab.diagnosis.identifiability import Identifiability
 from dr_lab.diagnosis.ladder import Ladder, Rung
 from dr_lab.diagnosis.pruning import PutBack
-from dr_lab.diagnosis.rank import Candidate, Ranking
+from dr_lab.diagnosis.rank import Ranking
 from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.step import Step
 from dr_lab.diagnosis.verdict import decide
@@ -73,7 +74,7 @@ class Machine:
         found = [candidate(base, self.explain((*effects_of(base), effect))) for effect in placed]
         return Ranking(base, tuple(sorted(found, key=lambda c: -c.gain.total)))
 
-    def on(self, _: Bench, below: Explained, above: Explained) -> Explained:
+    def on(self, _: Bench, below: Explained, above: Explained, __: float) -> Explained:
         return self.explain((*effects_of(below), effects_of(above)[-1]))
 
     def special_cases(self, richer: PlacedEffect, model: Any) -> list[PlacedEffect]:  # noqa: ANN401 (a model's double)
@@ -108,10 +109,13 @@ def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("candidates", "rank"):
         monkeypatch.setattr(ladder, name, getattr(machine, name))
     monkeypatch.setattr(restack, "_on", machine.on)
-    monkeypatch.setattr(pruning, "_as_good_as_it_can", lambda _, base, fewer, __: (fewer, base))
+    monkeypatch.setattr(pruning, "_as_good_as_it_can", lambda _, base, fewer, *__: (fewer, base))
+    monkeypatch.setattr(pruning, "beyond_doubt", lambda *_: np.inf)
     monkeypatch.setattr(pruning, "known_of", machine.known_of)
     monkeypatch.setattr(SpecialCases, "of", lambda _, richer, model: machine.special_cases(richer, model))
-    monkeypatch.setattr("dr_lab.diagnosis.pruning._Swap.made", lambda swap, _, __, found: machine.made(swap, found))
+    monkeypatch.setattr(
+        "dr_lab.diagnosis.pruning._Swap.made", lambda swap, _, __, found, *___: machine.made(swap, found)
+    )
 
 
 def labels(effects: Sequence[PlacedEffect]) -> list[str]:
