@@ -91,7 +91,8 @@ class Ladder:
         """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.
 
         Effects that leave much of the gap, and more than noise, are what the catalogue has nearest to the cause rather
-        than the cause: ``unexplained``; so are effects of which one has another law than the machine. Where all that was added was dropped again, no effect is named.
+        than the cause: ``unexplained``; so are effects of which one has another law than the machine. Where all that
+        was added was dropped again, no effect is named.
         """
         noise = at_floor(self.models[-1].held_out, settings)
         if not self.steps:
