@@ -22,9 +22,9 @@ def freed_score(bench: Bench, explained: Explained, effect: PlacedEffect, free: 
     """Score of a fitted model with a free law beside one of its effects, to first order.
 
     The step Δθ of all parameters and of the free law's is a full one on the fit windows, the states being eliminated.
-    On the windows that score the residuals become r + J_θ Δθ + J_x Δx, Δx being the best of each window. The free laws
-    act linearly on forces, and what is left for them is small beside the motion. A real step of Levenberg–Marquardt
-    ends instead at bodies that there cannot be, and must be repeated.
+    On the windows that score the residuals become r + J_θ Δθ + J_x Δx, Δx being the best of each window. A fit is not
+    needed: free laws act linearly on forces, and what is left for them is small beside the motion. Nor is it better:
+    steps of bodies end at ones that there cannot be, and three of Levenberg–Marquardt reach a third of what is there.
 
     Args:
         bench: data and settings.

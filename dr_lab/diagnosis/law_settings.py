@@ -10,7 +10,7 @@ class LawSettings:
     """How the law of a named effect is checked against free laws of the same argument.
 
     Attributes:
-        knots: of a free curve: of a command on either side of zero, of a position half of all.
+        knots: of a free curve of a command on either side of zero; a curve of a position has twice as many in all.
         factor: largest free force of a position, in units of the joint's torque in the logs.
         least_closed: share of the gap which the named effect leaves that a free law must close to refute it.
 

@@ -32,6 +32,7 @@ SMALL_ONES = {
     "two_joints_motor": MOTOR,
     "two_joints_dcmotor": SMALL % '<dcmotor name="drive" joint="rail" motorconst="0.5 0.5" resistance="1"/>',
     "two_joints_in_air": MOTOR.replace("<option ", '<option density="1.2" '),
+    "two_joints_servo": SMALL % '<position name="drive" joint="rail" kp="50" kv="3"/>',
 }
 UNSEEN = {("ball", "payload", "ball")}  # all masses fall alike
 MODELS = (*SMALL_ONES, *sorted(path.stem for path in (CONF / "model").glob("*.xml")))

@@ -1,6 +1,6 @@
 """What effects at an actuator could give along a course."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,9 @@ from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear
 from dr_lab.trajectory import Array
 
 
-def actuator_rivals(course: Course, grids: Grids, per_command: Array, driven: Array) -> Iterator[Rival]:
+def actuator_rivals(
+    course: Course, grids: Grids, per_command: Array, driven: Array, pulled: Mapping[str, Array]
+) -> Iterator[Rival]:
     """Effects of every actuator.
 
     Args:
@@ -20,7 +22,11 @@ def actuator_rivals(course: Course, grids: Grids, per_command: Array, driven: Ar
         grids: shapes that are tried.
         per_command: force at each joint a unit of each command, shape (n, actuators).
         driven: force of each actuator at its joints, all of it, N·m or N, shape (K, n, actuators).
+        pulled: of position controllers, what their proportional gain makes of it, shape (K, n), by name.
     """
+    low, high = grids.gains
+    for name, force in pulled.items():
+        yield Rival(f"gain_error@{name}", 1, (Choice([lacked(-force)], [low - 1], [high - 1]),))
     for row, name in enumerate(course.machine.actuators):
         sent, gain = course.sent[row], per_command[:, row]
         mean = mean_held(sent, course.edge)

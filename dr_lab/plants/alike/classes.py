@@ -73,7 +73,7 @@ class Classes:
         forces = Forces.of(course, command, base)
         return (
             *joint_rivals(course, self.grids, np.abs(forces.drive - forces.outside)),
-            *actuator_rivals(course, self.grids, forces.per_command, forces.driven),
+            *actuator_rivals(course, self.grids, forces.per_command, forces.driven, forces.pulled),
             *body_rivals(course, self.grids, command, base),
         )
 

@@ -1,5 +1,6 @@
 """What drives and what pulls at the joints along a course."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,12 +21,14 @@ class Forces:
         outside: of gravity and of the motion itself, and of a position controller without command, shape (K, n).
         per_command: a unit of each command, shape (n, actuators).
         driven: of each actuator, all of it, shape (K, n, actuators).
+        pulled: of each position controller, what its proportional gain makes, shape (K, n), by its name.
     """
 
     drive: Array
     outside: Array
     per_command: Array
     driven: Array
+    pulled: Mapping[str, Array]
 
     @classmethod
     def of(cls, course: Course, command: Array, base: Array) -> "Forces":
@@ -44,4 +47,9 @@ class Forces:
             outside=machine.model.dof_damping * course.velocity - lacking(still, machine, none),
             per_command=np.stack(unit, axis=1),
             driven=np.stack(scaled, axis=2),
+            pulled={
+                name: (base - lacking(course, machine.with_stiffness_scaled(name, 1 + _SHARE), command)) / _SHARE
+                for name in machine.actuators
+                if machine.model.actuator(name).biasprm[1] < 0
+            },
         )

@@ -23,6 +23,7 @@ class Grids:
         stalls: stall forces, shares of the largest force of the actuator.
         speeds: no-load speeds, shares of the joint's largest speed.
         scales: lowest and highest share of its force that a drive delivers, as in the catalogue.
+        gains: the same of a position controller's proportional gain.
         periods: of cogging in a turn, as in the catalogue.
     """
 
@@ -40,4 +41,5 @@ class Grids:
     stalls: Sequence[float]
     speeds: Sequence[float]
     scales: tuple[float, float]
+    gains: tuple[float, float]
     periods: int

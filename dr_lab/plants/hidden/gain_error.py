@@ -1,4 +1,4 @@
-"""A position controller whose gain is not the documented one, which the catalogue does not know."""
+"""A position controller whose gain is not the documented one."""
 
 from dataclasses import dataclass
 from typing import ClassVar

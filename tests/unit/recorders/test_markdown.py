@@ -63,6 +63,12 @@ def test_effects_that_close_too_little_are_not_the_cause(close_report: dict[str,
     assert "**Unexplained:** a gap remains that no effect of the catalogue explains." in report_markdown(close_report)
 
 
+def test_an_effect_with_another_law_is_the_nearest_and_not_the_cause(close_report: dict[str, Any]) -> None:
+    told = "dead_zone@motor is the nearest of the catalogue, but its law is not the machine's."
+    close_report |= {"verdict": "unexplained", "laws": [{"refuted": True, "told": told}]}
+    assert f"**Unexplained:** {told}" in report_markdown(close_report)
+
+
 @pytest.mark.parametrize("verdict", ["unexplained", "none", "not_excited"])
 def test_nothing_is_called_named_where_the_verdict_names_nothing(close_report: dict[str, Any], verdict: str) -> None:
     close_report["verdict"] = verdict

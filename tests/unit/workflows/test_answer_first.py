@@ -102,7 +102,8 @@ def test_states_are_fitted_once_and_those_of_some_windows_are_among_those_of_all
     assert count == 1
     fits(model, TRUTH + 0.01, study.short)
     assert count == 2
-    np.testing.assert_allclose(among.force, alone.forces(model, TRUTH, study.short, few)["hinge"].force, rtol=1e-6)
+    again = alone.forces(model, TRUTH, study.short, few)["hinge"].force
+    np.testing.assert_allclose(among.force, again, atol=1e-4 * float(np.abs(again).max()))
     assert len(replay.windows) == len(study.short)
     assert len(among.force) == len(study.short.pick(few)) == len(few)
 
