@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import isnan
 
 from dr_lab.diagnosis.bench import Bench, Explained
-from dr_lab.diagnosis.evidence import Gain, paired_gain
+from dr_lab.diagnosis.evidence import Gain, paired_gain, supported
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.score import Score, score_of
 from dr_lab.diagnosis.states import StateFit
@@ -17,7 +17,7 @@ Fits = Callable[[Model, Array, Windows], tuple[Replay, StateFit]]
 
 
 @dataclass(frozen=True)
-class Confirmation:
+class Comparison:
     """Two models on windows that chose neither.
 
     Attributes:
@@ -32,37 +32,55 @@ class Confirmation:
     after: Score
     gain: Gain
 
+
+@dataclass(frozen=True)
+class Confirmation:
+    """A ladder's ends on windows that chose neither.
+
+    Attributes:
+        apart: on windows that were left out of all choices; None where there are none.
+        predicted_worse: whether the calibrated model predicts windows, from starts that only earlier samples tell,
+            better than the last one beyond doubt. What was added then bends the fitted starts, not the motion.
+    """
+
+    apart: Comparison | None
+    predicted_worse: bool
+
     @property
     def contradicts(self) -> bool:
-        """Whether the last model explains these windows no better, on more of them than a chance."""
-        return self.gain.total <= 0 and not isnan(self.gain.total_low)
+        """Whether what was added is not found again: it predicts worse, or nothing is gained on windows left out."""
+        if self.apart is None or isnan(self.apart.gain.total_low):  # too few of them to know
+            return self.predicted_worse
+        return self.predicted_worse or self.apart.gain.total <= 0
 
     @property
     def status(self) -> str:
-        """Whether the gain that chose the effects is found again.
-
-        ``confirmed`` (beyond doubt), ``undecided`` (there, but not beyond doubt on so few windows) or
-        ``contradicted`` (the last model explains these windows no better).
-        """
+        """``confirmed`` (found again beyond doubt), ``undecided`` (found, but not beyond doubt) or ``contradicted``."""
         if self.contradicts:
             return "contradicted"
-        return "confirmed" if self.gain.total_low > 0 else "undecided"
+        return "confirmed" if self.apart is not None and self.apart.gain.total_low > 0 else "undecided"
 
 
-def confirm(bench: Bench, base: Explained, last: Explained, fits: Fits) -> Confirmation | None:
-    """Compare a ladder's ends on the windows that chose nothing.
+def confirm(bench: Bench, predicted: Windows, base: Explained, last: Explained, fits: Fits) -> Confirmation | None:
+    """Compare a ladder's ends on windows that chose nothing.
 
     Args:
-        bench: holds these windows.
+        bench: holds the windows that were left out of all choices.
+        predicted: windows whose start is known from earlier samples alone.
         base: the calibrated model.
         last: the model that was chosen.
         fits: fits the windows' states under a model at a context.
 
     Returns:
-        The comparison; None where nothing was added, or no windows were left for it.
+        The comparison; None where nothing was added.
     """
-    windows = bench.confirms
-    if windows is None or last is base:
+    if last is base:
         return None
-    before, after = (score_of(*fits(each.model, each.fit.z, windows)) for each in (base, last))
-    return Confirmation(len(windows), before, after, paired_gain(before, after, bench.evidence))
+    apart = None if bench.confirms is None else _compared(bench, bench.confirms, base, last, fits)
+    ahead = _compared(bench, predicted, last, base, fits).gain
+    return Confirmation(apart, supported(ahead, 0, bench.evidence))
+
+
+def _compared(bench: Bench, windows: Windows, first: Explained, second: Explained, fits: Fits) -> Comparison:
+    before, after = (score_of(*fits(each.model, each.fit.z, windows)) for each in (first, second))
+    return Comparison(len(windows), before, after, paired_gain(before, after, bench.evidence))

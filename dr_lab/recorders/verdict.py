@@ -90,6 +90,10 @@ def _confirmed(report: Mapping[str, Any]) -> str:
     found = report.get("confirmation")
     if not found:
         return ""
+    if found["predicted_worse"]:
+        return "**The calibrated model predicts the logs better: what was added bends the fitted starts alone.**"
+    if not found["windows"]:
+        return ""
     fall = f"χ² {number(found['chi2_before'])} → {number(found['chi2_after'])}"
     where = f"On {found['windows']} windows that chose nothing"
     told = {

@@ -39,8 +39,7 @@ def climbed(
     """
     found, ladder = _first_explained(study, effects, most, watch, phase)
     phase("Checking what was found")
-    ladder = ladder.with_laws(found.bench, found.scales, found.compiled)
-    return found, replace(ladder, confirmation=confirm(found.bench, ladder.base, ladder.models[-1], found.fits))
+    return found, ladder.with_laws(found.bench, found.scales, found.compiled)
 
 
 def _first_explained(
@@ -65,7 +64,9 @@ def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch
     phase("Calibrating the model")
     base = calibrate(study)
     ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
-    return ladder if most else ladder.with_first_step()
+    ladder = ladder if most else ladder.with_first_step()
+    found = confirm(study.bench, study.predicted, ladder.base, ladder.models[-1], study.fits)
+    return replace(ladder, confirmation=found)
 
 
 def _explained(study: Study, ladder: Ladder) -> bool:

@@ -147,19 +147,16 @@ def _replaced_by(candidate: Candidate, told: float) -> dict[str, float]:
 
 
 def confirmation(found: Confirmation | None) -> dict[str, Any] | None:
-    """What the windows that chose nothing say; null where none were left, or nothing was added."""
+    """What the windows that chose nothing say; null where nothing was added."""
     if found is None:
         return None
-    return {
-        "status": found.status,
-        "windows": found.windows,
-        "chi2_before": found.before.chi2,
-        "chi2_after": found.after.chi2,
-        "gain": found.gain.share,
-        "gain_ci": [found.gain.low, found.gain.high],
-        "evidence": found.gain.total,
-        "evidence_low": found.gain.total_low,
-    }
+    entry: dict[str, Any] = {"status": found.status, "predicted_worse": found.predicted_worse, "windows": 0}
+    if found.apart is not None:
+        apart, gain = found.apart, found.apart.gain
+        entry |= {"windows": apart.windows, "chi2_before": apart.before.chi2, "chi2_after": apart.after.chi2}
+        entry |= {"gain": gain.share, "gain_ci": [gain.low, gain.high]}
+        entry |= {"evidence": gain.total, "evidence_low": gain.total_low}
+    return entry
 
 
 def worst_direction(explained: Explained) -> dict[str, float]:

@@ -1,0 +1,73 @@
+"""What windows that chose nothing say: found again, undecided, or contradicted."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from diagnosis_machines import (
+    PENDULUM,
+    evidence_settings,
+    model_of,
+    predicted_settings,
+    solver_settings,
+    swinging,
+    windows_of,
+    windows_settings,
+)
+
+from dr_lab.diagnosis.bench import Bench, Explained, explain
+from dr_lab.diagnosis.confirmation import Comparison, Confirmation, confirm
+from dr_lab.diagnosis.states import fit_states
+from dr_lab.diagnosis.windows import Windows
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+FREE = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 1.0}}
+
+
+def comparison(total: float, low: float) -> Comparison:
+    return Comparison(5, cast(Any, None), cast(Any, None), cast(Any, SimpleNamespace(total=total, total_low=low)))
+
+
+@pytest.mark.parametrize(
+    ("apart", "worse", "status"),
+    [
+        (comparison(50.0, 20.0), False, "confirmed"),
+        (comparison(50.0, -20.0), False, "undecided"),
+        (comparison(-5.0, -20.0), False, "contradicted"),
+        (comparison(-5.0, np.nan), False, "undecided"),
+        (comparison(50.0, 20.0), True, "contradicted"),
+        (None, False, "undecided"),
+        (None, True, "contradicted"),
+    ],
+)
+def test_status(apart: Comparison | None, worse: bool, status: str) -> None:
+    assert Confirmation(apart, worse).status == status
+
+
+def at(model: Model, bench: Bench, damping: float) -> Explained:
+    """The model with a damping that is not fitted."""
+    fixed = {"hinge.damping": {**FREE["hinge.damping"], "low": damping - 1e-9, "high": damping + 1e-9}}
+    rubbed = PENDULUM.replace('damping="0.05"', f'damping="{damping}"')
+    return explain(bench, model_of(rubbed, fixed), np.array([damping]))
+
+
+def test_what_predicts_worse_beyond_doubt_contradicts_and_what_predicts_better_does_not() -> None:
+    model = model_of(PENDULUM, FREE)
+    logs = [swinging(f"log_{k}", model.nominal(), k) for k in range(4)]
+    fit, chooses, apart = (windows_of(model, part, windows_settings()) for part in (logs[:2], logs[2:3], logs[3:]))
+    bench = Bench(fit, chooses, solver_settings(), evidence_settings(), 1, confirms=apart)
+    predicted = windows_of(model, logs[2:], predicted_settings())
+
+    def fits(model: Model, z: Array, windows: Windows) -> Any:  # noqa: ANN401 (a replay and a fit of states)
+        return fit_states(model, z, windows, solver_settings(), 1)
+
+    right = float(model.space.nominal[0])
+    good, bad = at(model, bench, right), at(model, bench, right + 0.4)
+    better, worse = (confirm(bench, predicted, *pair, fits) for pair in ((bad, good), (good, bad)))
+    assert better is not None
+    assert worse is not None
+    assert (better.status, better.predicted_worse) == ("confirmed", False)
+    assert (worse.status, worse.predicted_worse) == ("contradicted", True)
+    assert confirm(bench, predicted, good, good, fits) is None
