@@ -94,12 +94,12 @@ def _confirmed(report: Mapping[str, Any]) -> str:
         return "**The calibrated model predicts the logs better: what was added bends the fitted starts alone.**"
     if not found["windows"]:
         return ""
-    fall = f"χ² {number(found['chi2_before'])} → {number(found['chi2_after'])}"
-    where = f"On {found['windows']} windows that chose nothing"
+    where = f"{found['windows']} windows that chose nothing"
+    closed = f"{percent(found['gap_closed'])} of a typical window's gap closes there"
     told = {
-        "confirmed": f"{where} the same is found: {fall}.",
-        "undecided": f"{where} the error falls too, {fall}, but they are too few to be sure.",
-        "contradicted": f"**{where} the error does not fall: {fall}. Do not trust what was added.**",
+        "confirmed": f"On {where} the same is found: {closed}.",
+        "undecided": f"On {where} the same shows, but they are too few to be sure: {closed}.",
+        "contradicted": f"**{where} contradict that: {closed}. Do not trust what was added.**",
     }
     return told[found["status"]]
 

@@ -154,7 +154,7 @@ def confirmation(found: Confirmation | None) -> dict[str, Any] | None:
     if found.apart is not None:
         apart, gain = found.apart, found.apart.gain
         entry |= {"windows": apart.windows, "chi2_before": apart.before.chi2, "chi2_after": apart.after.chi2}
-        entry |= {"gain": gain.share, "gain_ci": [gain.low, gain.high]}
+        entry |= {"gap_closed": gain.gap, "gain": gain.share, "gain_ci": [gain.low, gain.high]}
         entry |= {"evidence": gain.total, "evidence_low": gain.total_low}
     return entry
 
