@@ -15,6 +15,7 @@ _TERMS = 4  # polynomials that fitted starts take out of a window: position and 
 _DRAWS = 400  # references that a 99.9 % quantile is read from
 _CHANCE = 1e-5  # that stationary noise is taken for something else
 _FEWEST = 16  # samples in a window whose spectrum says anything
+_WINDOWS = 8  # of which the scatter says anything
 
 
 def autocorrelation(residual: Array, used: Mask) -> Array:
@@ -60,7 +61,7 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
     """
     whole = used.all(0)
     kept = residual[:, whole]
-    if len(kept) < 2 or kept.shape[1] < _FEWEST or not (kept**2).sum(1).all():
+    if len(kept) < _WINDOWS or kept.shape[1] < _FEWEST or not (kept**2).sum(1).all():
         return False
     return _homogeneous(kept) and _mean_frequency(kept, white=1.0) > _roughest(*kept.shape, integrals)
 

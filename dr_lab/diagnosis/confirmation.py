@@ -39,11 +39,13 @@ class Confirmation:
 
     Attributes:
         apart: on windows that were left out of all choices; None where there are none.
+        predicted: on windows whose start is known from earlier samples alone.
         predicted_worse: whether the calibrated model predicts windows, from starts that only earlier samples tell,
             better than the last one beyond doubt. What was added then bends the fitted starts, not the motion.
     """
 
     apart: Comparison | None
+    predicted: Comparison
     predicted_worse: bool
 
     @property
@@ -77,8 +79,9 @@ def confirm(bench: Bench, predicted: Windows, base: Explained, last: Explained, 
     if last is base:
         return None
     apart = None if bench.confirms is None else _compared(bench, bench.confirms, base, last, fits)
-    ahead = _compared(bench, predicted, last, base, fits).gain
-    return Confirmation(apart, supported(ahead, 0, bench.evidence))
+    known = _compared(bench, predicted, base, last, fits)
+    back = paired_gain(known.after, known.before, bench.evidence)
+    return Confirmation(apart, known, supported(back, 0, bench.evidence))
 
 
 def _compared(bench: Bench, windows: Windows, first: Explained, second: Explained, fits: Fits) -> Comparison:

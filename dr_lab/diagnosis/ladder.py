@@ -87,9 +87,15 @@ class Ladder:
         return paired_gain(self.base.held_out, self.models[-1].held_out, settings)
 
     def closed(self, settings: EvidenceSettings) -> float:
-        """Share of the calibrated model's gap that all effects close; 1 where they bring a channel to its floor."""
+        """Share of the calibrated model's gap that all effects close; 1 where they bring a channel to its floor.
+
+        Fitted starts take up what a model lacks within a short window, a force that beats or a mass that sloshes. So it
+        is the lesser of what closes with these and with starts that only earlier samples tell, where that is known.
+        """
         gain = self.gained(settings)
-        return 1.0 if cleared(self.base.held_out, self.models[-1].held_out, gain, settings) else gain.gap
+        if cleared(self.base.held_out, self.models[-1].held_out, gain, settings):
+            return 1.0
+        return gain.gap if self.confirmation is None else min(gain.gap, self.confirmation.predicted.gain.gap)
 
     def verdict(self, settings: EvidenceSettings) -> str:
         """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.

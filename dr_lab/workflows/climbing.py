@@ -24,6 +24,8 @@ def climbed(
 ) -> tuple[Study, Ladder]:
     """The ladder in the shortest windows that leave no gap unexplained; where all do, in the shortest.
 
+    Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
+
     Each further length is one more chance of a false answer: of k lengths, those behind the first ask for the
     confidence 1 − (1 − confidence) / k (Bonferroni).
 
@@ -55,7 +57,7 @@ def _first_explained(
         if longer is None:
             break
         ladder = _ladder(longer, effects, most, watch, phase)
-        if _explained(longer, ladder):
+        if ladder.steps and _explained(longer, ladder):
             return longer, ladder
     return first
 

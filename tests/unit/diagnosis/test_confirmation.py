@@ -43,7 +43,7 @@ def comparison(total: float, low: float) -> Comparison:
     ],
 )
 def test_status(apart: Comparison | None, worse: bool, status: str) -> None:
-    assert Confirmation(apart, worse).status == status
+    assert Confirmation(apart, comparison(1.0, 0.0), worse).status == status
 
 
 def at(model: Model, bench: Bench, damping: float) -> Explained:
