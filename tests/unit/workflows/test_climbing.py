@@ -1,4 +1,4 @@
-"""Longer windows are tried where shorter ones leave a gap that nothing explains, and believed where they name something."""
+"""Longer windows are tried where shorter ones leave a gap unexplained, and believed where they name something."""
 
 from dataclasses import dataclass, replace
 from typing import Any, cast
