@@ -1,7 +1,7 @@
 """Does one model explain held-out windows better than another? Paired gains with a block bootstrap."""
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,7 +33,7 @@ class Gain:
             that are noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²)
             above, n being the number of independent ones among them. It is Δχ² near the noise floor, no single wild
             window decides far above it, and there it does not depend on how large the noise is.
-        total_low: what it exceeds at the confidence asked for, as the gains in all windows scatter, the fitted ones
+        total_low: what it exceeds at the confidence asked for, as gains scatter in all windows, the fitted ones
             included; −∞ where the better model diverges in a window that the worse simulates, NaN where there are too
             few blocks of data to know.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
@@ -103,20 +103,32 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
 def _lowest(
     evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_], settings: EvidenceSettings
 ) -> tuple[float, float]:
-    """What the evidence exceeds, and what it exceeds at the confidence of a trial, of as many windows as score."""
-    every, log = evidence, worse.log[both]
+    """What the evidence exceeds, and what it exceeds at the confidence of a trial.
+
+    It is the sum over the windows that score, as unbiased as these; its scatter is that of all blocks about the mean of
+    their kind, so that fits, which flatter the windows that were fitted, do not flatter the evidence.
+    """
+    held_out = blocks(worse.log[both], settings.block, settings.least_blocks)
+    away = _away(evidence, held_out)
     if worse.fitted is not None and better.fitted is not None:
         known = (worse.fitted.window_count > 0) & (better.fitted.window_count > 0)
         pairs = _paired(worse.fitted, better.fitted).values()
-        more = np.sum([_one_channel(*pair, known)[0] for pair in pairs], axis=0)
-        every, log = np.append(evidence, more), np.append(log, log.max() + 1 + worse.fitted.log[known])
-    resampled, n = _resampled(every[None], log, settings)[0], block_count(log, settings)
-    scale = len(evidence) / len(every)
+        size = round(len(evidence) / len(held_out))
+        fitted = np.sum([_one_channel(*pair, known)[0] for pair in pairs], axis=0)
+        away = np.append(away, _away(fitted, blocks(worse.fitted.log[known], size, 1)))
+    total = float(evidence.sum())
+    resampled = total + _drawn(len(held_out), len(away), settings.gain_resamples, settings.seed) @ away
     low, trial = (
-        _interval(float(every.sum()), resampled, n, 1 - confidence, settings)[0] * scale
+        _interval(total, resampled, len(away), 1 - confidence, settings)[0]
         for confidence in (settings.confidence, settings.trial_confidence)
     )
     return low, trial
+
+
+def _away(evidence: Array, parts: Sequence[Indices]) -> Array:
+    """By how much the sum of each block strays from what the mean window gives."""
+    mean = evidence.mean() if len(evidence) else 0.0
+    return np.array([evidence[rows].sum() - mean * len(rows) for rows in parts])
 
 
 def block_count(log: Indices, settings: EvidenceSettings) -> int:
@@ -227,13 +239,13 @@ def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> b
 def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:
     """Sums over resampled blocks of windows, shape (rows, w) → (rows, resamples)."""
     parts = np.array([sums[:, b].sum(1) for b in blocks(log, settings.block, settings.least_blocks)])
-    return (_drawn(len(parts), settings.gain_resamples, settings.seed) @ parts).T
+    return (_drawn(len(parts), len(parts), settings.gain_resamples, settings.seed) @ parts).T
 
 
-@functools.lru_cache(maxsize=2)
-def _drawn(count: int, resamples: int, seed: int) -> Array:
-    """How often each resample holds each of `count` blocks, shape (resamples, count)."""
-    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), resamples)
+@functools.lru_cache(maxsize=4)
+def _drawn(draws: int, count: int, resamples: int, seed: int) -> Array:
+    """How often each resample of so many draws holds each of `count` blocks, shape (resamples, count)."""
+    drawn = np.random.default_rng(seed).multinomial(draws, np.full(count, 1 / count), resamples)
     return drawn.astype(np.float64)
 
 

@@ -122,6 +122,11 @@ class Ladder:
         """The ladder with the effect that its first rung names, where it names one."""
         return replace(self, steps=(step_from(self.rungs[0]),) if self.rungs[0].verdict.effects else ())
 
+    def pruned(self, bench: Bench, cases: SpecialCases) -> "Ladder":
+        """The ladder with no more effects, and none richer, than the logs ask for; see `pruning.finished`."""
+        found = finished(bench, self.base, self.steps, cases)
+        return replace(self, steps=found.steps, dropped=found.dropped, put_back=found.put_back)
+
 
 def climb(
     bench: Bench,

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from dr_lab.diagnosis.confirmation import confirm
 from dr_lab.diagnosis.ladder import Ladder, Watch, climb
+from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import DataError
 from dr_lab.workflows.calibrated import calibrate
@@ -66,7 +67,9 @@ def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch
     phase("Calibrating the model")
     base = calibrate(study)
     ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
-    ladder = ladder if most else ladder.with_first_step()
+    if not most:
+        cases = SpecialCases(effects, study.scales, study.compiled)
+        ladder = ladder.with_first_step().pruned(study.bench, cases)
     found = confirm(study.bench, study.predicted, ladder.base, ladder.models[-1], study.fits)
     return replace(ladder, confirmation=found)
 
