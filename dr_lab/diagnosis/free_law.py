@@ -1,23 +1,20 @@
 """What free laws have in common: they act as effects of a model, but belong to no catalogue."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 
-from dr_lab.physics.law import Law
 from dr_lab.physics.model import ModelEffect
 from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.signal import Reading
+from dr_lab.physics.silent_effect import SilentEffect
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class FreeLaw:
+class FreeLaw(SilentEffect):
     """A law of one argument with so many parameters that it is next to any function of it.
 
-    It acts beside the effect whose law it checks; fulfils `physics.model.ModelEffect`.
+    It acts beside the effect whose law it checks, in replays alone; fulfils `physics.model.ModelEffect`.
 
     Attributes:
         label: unique within a model.
@@ -32,39 +29,6 @@ class FreeLaw:
     def beside(self, effect: ModelEffect) -> tuple[ModelEffect, ...]:
         """What stands in a model in the place of the effect."""
         return (effect, self)
-
-    def prepare(self, spec: mujoco.MjSpec) -> None:
-        """Nothing."""
-        del spec
-
-    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
-        """Nothing."""
-        del spec, values
-
-    def reading(self, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
-        """Sensors report what they did."""
-        del values, channel, begin
-        return read
-
-    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
-        """Commands stay."""
-        del values, actuator, option
-        return series
-
-    def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """None: a free law is for replays, whose commands are known ahead."""
-        del values, compiled
-        return ()
-
-    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
-        """None."""
-        del values, models
-        return ()
-
-    def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
-        """Nothing: a free law is never exported."""
-        del values, option
-        return ""
 
 
 def curve(x: Array, knots: Array, values: Array) -> Array:

@@ -10,12 +10,12 @@ from dr_lab.errors import ModelError
 from dr_lab.physics.law import Law
 from dr_lab.physics.model import Model, ModelEffect
 from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.signal import Reading
+from dr_lab.physics.silent_effect import SilentEffect
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class Drivers:
+class Drivers(SilentEffect):
     """The drivers of a model's effects as a first effect, so that all else finds commands as they leave them.
 
     Fulfils `physics.model.ModelEffect`.
@@ -30,22 +30,6 @@ class Drivers:
     label: str = "drivers"
     parameters: tuple[Parameter, ...] = ()
 
-    def prepare(self, spec: mujoco.MjSpec) -> None:
-        """Nothing, as `edit`."""
-
-    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
-        """Nothing: they act between the steps."""
-
-    def reading(self, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
-        """What is read."""
-        del values, channel, begin
-        return read
-
-    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
-        """The commands; they change step by step."""
-        del values, actuator, option
-        return series
-
     def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
         """The drivers, in order of the effects."""
         return tuple(law for effect in self.effects for law in effect.drivers(values, compiled))
@@ -53,11 +37,6 @@ class Drivers:
     def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """The drivers, as laws between steps."""
         return self.drivers(values, models[0])
-
-    def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
-        """Nothing that the effects do not say."""
-        del values, option
-        return ""
 
 
 def stepwise(model: Model) -> Model:
