@@ -185,7 +185,7 @@ class _Judge:
     def __init__(self, study: Study, base: Explained, further: Windows) -> None:
         self.bench, self.base, self.further = study.bench, base, further
         self.states, self.score = self._scored(base, None)
-        self.share = len(base.held_out.window_count) / len(further)
+        self.share = (len(base.held_out.window_count) + len(study.bench.fit)) / len(further)
 
     def compared(self, candidate: Candidate) -> Compared:
         """One candidate; what the contest left unfitted is fitted from its first start."""

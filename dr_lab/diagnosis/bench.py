@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.fit import Fit, Fitter
+from dr_lab.diagnosis.left_out import left_out
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.score import Score, score_of
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
@@ -151,7 +152,8 @@ def scored(
     replay, states = fit_states(model, fit.z, bench.held_out, bench.solver, threads or bench.threads, near, stop)
     score = score_of(replay, states)
     if bench.apart:
-        score = replace(score, fitted=score_of(Replay(model, bench.fit, 1), _states(fit)))
+        others = replace(_states(fit), residuals=left_out(fit, model.space, bench.fit.log, bench.evidence))
+        score = replace(score, foretold=score_of(Replay(model, bench.fit, 1), others))
     return Explained(model, fit, states, score, bench.apart)
 
 

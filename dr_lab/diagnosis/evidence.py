@@ -1,7 +1,7 @@
 """Does one model explain held-out windows better than another? Paired gains with a block bootstrap."""
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,13 +29,13 @@ class Gain:
             being exp(mean ln(1 + χ²_w)) − 1 over the windows; 1 where the worse one is at the floor.
         channels: that share by channel.
         place: the channel in which the evidence is most.
-        total: Σ (D worse − D better) over windows and channels, the difference of the deviances −2 ln L of residuals
-            that are noise or, where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²)
-            above, n being the number of independent ones among them. It is Δχ² near the noise floor, no single wild
-            window decides far above it, and there it does not depend on how large the noise is.
-        total_low: what it exceeds at the confidence asked for, as gains scatter in all windows, the fitted ones
-            included; −∞ where the better model diverges in a window that the worse simulates, NaN where there are too
-            few blocks of data to know.
+        total: Σ (D worse − D better) over channels and windows, those that score and those that were fitted, these as
+            fits to the others foretell them; the difference of the deviances −2 ln L of residuals that are noise or,
+            where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²) above, n being the
+            number of independent ones among them. It is Δχ² near the noise floor, no single wild window decides far
+            above it, and there it does not depend on how large the noise is.
+        total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
+            worse simulates, NaN where there are too few blocks of data to know.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
         wins: share of windows in which the χ² is lower.
         clear: whether every window gains and the worse model is above the noise floor.
@@ -60,8 +60,9 @@ _NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, 0.0, clea
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
     """Gain of `better` over `worse`, window by window.
 
-    What is gained is read from the windows that score, how certain it is from those that were fitted as well: gains
-    scatter there alike, and a few held-out windows alone show that badly.
+    Shares are read from the windows that score. The evidence is summed over these and over the windows that were
+    fitted, each block of which a fit to the others foretells (cross-validation): a few held-out windows alone tell
+    little.
 
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
     inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an interval reaches to
@@ -83,7 +84,8 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     tail = 1 - settings.confidence
     low, high = _interval(share, 1 - resampled[1] / resampled[0], n, tail / 2, settings)
     diverges = ((worse.window_count > 0) & (better.window_count == 0)).any()
-    total_low, trial_low = (-np.inf, -np.inf) if diverges else _lowest(evidence, worse, better, both, settings)
+    evidence, log = _everywhere(evidence, worse, better, both)
+    total_low, trial_low = (-np.inf, -np.inf) if diverges else _lowest(evidence, log, settings)
     closed = {name: found[1] for name, found in each.items()}
     return Gain(
         share=share,
@@ -100,35 +102,26 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     )
 
 
-def _lowest(
-    evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_], settings: EvidenceSettings
-) -> tuple[float, float]:
-    """What the evidence exceeds, and what it exceeds at the confidence of a trial.
+def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> tuple[Array, Indices]:
+    """Evidence of each window and the index of its log: of those that score, then of those that were fitted."""
+    log = worse.log[both]
+    if worse.foretold is None or better.foretold is None:
+        return evidence, log
+    known = (worse.foretold.window_count > 0) & (better.foretold.window_count > 0)
+    pairs = _paired(worse.foretold, better.foretold).values()
+    fitted = np.sum([_one_channel(*pair, known)[0] for pair in pairs], axis=0)
+    return np.append(evidence, fitted), np.append(log, worse.foretold.log[known] + log.max(initial=0) + 1)
 
-    It is the sum over the windows that score, as unbiased as these; its scatter is that of all blocks about the mean of
-    their kind, so that fits, which flatter the windows that were fitted, do not flatter the evidence.
-    """
-    held_out = blocks(worse.log[both], settings.block, settings.least_blocks)
-    away = _away(evidence, held_out)
-    if worse.fitted is not None and better.fitted is not None:
-        known = (worse.fitted.window_count > 0) & (better.fitted.window_count > 0)
-        pairs = _paired(worse.fitted, better.fitted).values()
-        size = round(len(evidence) / len(held_out))
-        fitted = np.sum([_one_channel(*pair, known)[0] for pair in pairs], axis=0)
-        away = np.append(away, _away(fitted, blocks(worse.fitted.log[known], size, 1)))
+
+def _lowest(evidence: Array, log: Indices, settings: EvidenceSettings) -> tuple[float, float]:
+    """What the evidence exceeds, and what it exceeds at the confidence of a trial."""
+    resampled, n = _resampled(evidence[None], log, settings)[0], block_count(log, settings)
     total = float(evidence.sum())
-    resampled = total + _drawn(len(held_out), len(away), settings.gain_resamples, settings.seed) @ away
     low, trial = (
-        _interval(total, resampled, len(away), 1 - confidence, settings)[0]
+        _interval(total, resampled, n, 1 - confidence, settings)[0]
         for confidence in (settings.confidence, settings.trial_confidence)
     )
     return low, trial
-
-
-def _away(evidence: Array, parts: Sequence[Indices]) -> Array:
-    """By how much the sum of each block strays from what the mean window gives."""
-    mean = evidence.mean() if len(evidence) else 0.0
-    return np.array([evidence[rows].sum() - mean * len(rows) for rows in parts])
 
 
 def block_count(log: Indices, settings: EvidenceSettings) -> int:

@@ -114,6 +114,10 @@ class Ladder:
             return "unexplained"
         return "equivalent" if any(step.rivals for step in self.steps) else "named"
 
+    def without_last(self) -> "Ladder":
+        """The ladder without its last effect, which is dropped."""
+        return replace(self, steps=self.steps[:-1], dropped=(*self.dropped, self.steps[-1].effect.label))
+
     def with_laws(self, bench: Bench, scales: Scales, compiled: mujoco.MjModel) -> "Ladder":
         """The ladder with the laws of its effects checked; scales and nominal model as for `climb`."""
         return replace(self, laws=check_laws(bench, self.steps, scales, compiled))

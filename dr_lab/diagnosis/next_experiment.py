@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.experiment import readings
-from dr_lab.diagnosis.fit import Fitter
+from dr_lab.diagnosis.fit import Fit, Fitter
 from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows import cut
@@ -33,6 +33,7 @@ class ExperimentSettings:
         excitations: shapes of the commands, by name.
         shares: sizes of the commands, shares of what the actuator allows.
         draws: times that each shape is drawn anew.
+        refitted: how many at most are refitted, those that a linear step finds best.
         duration: s.
         command_rate: commands a second, Hz.
         sample_rate: samples a second of every channel, Hz.
@@ -45,6 +46,7 @@ class ExperimentSettings:
     excitations: Mapping[str, Excitation]
     shares: Sequence[float]
     draws: int
+    refitted: int
     duration: float
     command_rate: float
     sample_rate: float
@@ -52,7 +54,10 @@ class ExperimentSettings:
 
     def __post_init__(self) -> None:
         require_numbers(
-            self, "next_experiment", positive=("duration", "command_rate", "sample_rate"), least={"draws": 1.0}
+            self,
+            "next_experiment",
+            positive=("duration", "command_rate", "sample_rate"),
+            least={"draws": 1.0, "refitted": 1.0},
         )
         if not self.excitations or not self.shares or not all(0 < share <= 1 for share in self.shares):
             raise ConfigError("next_experiment needs an excitation and shares between 0 and 1.")
@@ -100,15 +105,29 @@ def propose(chosen: Explained, rival: Explained, machine: Machine, settings: Exp
     """Play every experiment on both fitted models and keep the one that separates them most; None if none can run.
 
     One model plays the truth, without noise; the other is refitted to what it shows, the starts of all windows
-    included, and what it still misses counts: min over both roles of √Σ (residual/σ)².
+    included, and what it still misses counts: min over both roles of √Σ (residual/σ)². One linear step foretells for
+    each experiment what a refit would miss; those that promise most are refitted, until one misses more than the next
+    one promises.
     """
     names = chosen.model.effects[-1].label, rival.model.effects[-1].label
+    played = [
+        _Played(excitation, commands, [_refit(*roles, commands, machine, settings) for roles in _roles(chosen, rival)])
+        for excitation, commands in _experiments(machine, settings)
+    ]
+    played.sort(key=lambda each: -each.foretold)
     best: Proposal | None = None
-    for excitation, commands in _experiments(machine, settings):
-        sigma = min(_missed(*roles, commands, machine, settings) for roles in ((chosen, rival), (rival, chosen)))
+    for each in played[: settings.refitted]:
+        if best is not None and best.sigma >= each.foretold:
+            break
+        sigma = each.missed()
         if np.isfinite(sigma) and (best is None or sigma > best.sigma):
-            best = Proposal(names, sigma, excitation, commands)
+            best = Proposal(names, sigma, each.excitation, each.commands)
     return best
+
+
+def _roles(chosen: Explained, rival: Explained) -> tuple[tuple[Explained, Explained], tuple[Explained, Explained]]:
+    """Who plays the truth, and who is refitted."""
+    return (chosen, rival), (rival, chosen)
 
 
 def _experiments(machine: Machine, settings: ExperimentSettings) -> Iterator[tuple[str, dict[str, Signal]]]:
@@ -126,18 +145,62 @@ def _experiments(machine: Machine, settings: ExperimentSettings) -> Iterator[tup
                 yield name, commands
 
 
-def _missed(
+@dataclass(frozen=True)
+class _Refit:
+    """A model about to be refitted to what another one showed.
+
+    Attributes:
+        fitter: over the windows of the experiment.
+        look: linear model at its context, its states as measured.
+    """
+
+    fitter: Fitter
+    look: Fit
+
+    @property
+    def foretold(self) -> float:
+        """What it would miss after one linear step, in σ; −∞ where it cannot run."""
+        if self.look.infeasible.any():
+            return -np.inf
+        free = np.ones(len(self.look.z), bool)
+        return float(np.sqrt(max(self.look.cost - self.look.equations.decrease(free), 0.0)))
+
+    def missed(self) -> float:
+        """What it misses after the refit, in σ; −∞ where it cannot run."""
+        fit = self.fitter.run(self.look.z, self.look.delta, self.look.slopes)
+        return -np.inf if fit.infeasible.any() else float(np.sqrt(max(fit.cost, 0.0)))
+
+
+@dataclass(frozen=True)
+class _Played:
+    """One experiment, played on both models; no refit where it cannot be played on one of them."""
+
+    excitation: str
+    commands: Mapping[str, Signal]
+    refits: Sequence[_Refit | None]
+
+    @property
+    def foretold(self) -> float:
+        """What the wrong model would miss after one linear step, whichever is the wrong one."""
+        return min(-np.inf if refit is None else refit.foretold for refit in self.refits)
+
+    def missed(self) -> float:
+        """The same after refits."""
+        return min(-np.inf if refit is None else refit.missed() for refit in self.refits)
+
+
+def _refit(
     truth: Explained, other: Explained, commands: Mapping[str, Signal], machine: Machine, settings: ExperimentSettings
-) -> float:
-    """What the other model misses of an experiment on the truth after a refit, in σ; −∞ where it cannot run."""
+) -> _Refit | None:
+    """The other model looked at where the truth played an experiment; None where that cannot run."""
     time = np.arange(0.0, settings.duration, 1 / settings.sample_rate)
     try:
         shown = readings(truth.model, truth.fit.z, machine.start, commands, list(machine.noise), time)
     except ModelError:
-        return -np.inf
+        return None
     outputs = {n: Signal(n, machine.noise[n].unit, time, v[:, 0] if v.shape[1] == 1 else v) for n, v in shown.items()}
     log, gaps = Log("next_experiment", outputs, commands), dict.fromkeys(outputs, np.inf)
     measured = MeasurementSet("next_experiment", (log,), (), machine.noise, gaps)
     windows = cut([log], measured, other.model.nominal(), machine.windows)
-    fit = Fitter(Replay(other.model, windows, machine.threads), machine.solver).run(other.fit.z)
-    return -np.inf if fit.infeasible.any() else float(np.sqrt(max(fit.cost, 0.0)))
+    fitter = Fitter(Replay(other.model, windows, machine.threads), machine.solver, rough=True)
+    return _Refit(fitter, fitter.run(other.fit.z, iterations=0))

@@ -56,8 +56,8 @@ class Score:
         log: index of each window's log, shape (w,).
         infeasible: number of windows left out because their simulation diverges.
         channels: the same by channel.
-        fitted: the same model's score on the windows that it was fitted to, where these are others; it is flattered
-            there, but shows as well how its gain scatters.
+        foretold: the same model's score on the windows that it was fitted to, where these are others, each block as a
+            fit to the other blocks foretells it (`left_out`), which flatters it no more than windows held out.
     """
 
     chi2: float
@@ -69,7 +69,7 @@ class Score:
     log: NDArray[np.intp]
     infeasible: int
     channels: Mapping[str, ChannelScore] = field(default_factory=dict)
-    fitted: "Score | None" = None
+    foretold: "Score | None" = None
 
     @property
     def colour(self) -> float:

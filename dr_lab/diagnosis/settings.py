@@ -94,6 +94,7 @@ class SolverSettings:
         state_step: finite-difference step of an initial state, in prior standard deviations.
         huber: residuals beyond this many robust standard deviations count linearly.
         prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
+        polish_iterations: steps of windows that are fitted on their own between joint steps.
         start_iterations: steps spent on each further start before the best one goes on.
         restarts: most times that a fit begins anew from its end, because it has not converged or because windows that
             diverged at its start do so no more.
@@ -120,6 +121,7 @@ class SolverSettings:
     state_step: float
     huber: float
     prior_spans: float
+    polish_iterations: int
     start_iterations: int
     restarts: int
     batch: int
@@ -127,7 +129,7 @@ class SolverSettings:
     def __post_init__(self) -> None:
         positive = ("foreseen", "damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
         least: dict[str, float] = dict.fromkeys(
-            ("iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0
+            ("iterations", "polish_iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0
         )
         least |= dict.fromkeys(
             ("tolerance", "state_tolerance", "rough_tolerance", "refresh", "foretold", "hindered", "restarts"), 0.0

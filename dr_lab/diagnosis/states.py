@@ -71,7 +71,8 @@ def polished(
     """The states of a point fitted anew at its context, each window with a damping of its own.
 
     Where a joint step is hindered by a few windows whose states meet a kink (a joint that sticks, a contact), all
-    others must go in short steps with them; this lets each go its own way.
+    others must go in short steps with them; this lets each go its own way, for `settings.polish_iterations` steps: the
+    joint steps that follow go on from there.
 
     Args:
         replay: windows and model.
@@ -80,7 +81,7 @@ def polished(
         slopes: ∂r/∂δ nearby, shape (w, m, s).
         active: windows in which that is done, shape (w,).
     """
-    return _Search(replay, solver, point.z).descend(point, slopes, active)
+    return _Search(replay, solver, point.z).descend(point, slopes, active, solver.polish_iterations)
 
 
 class _Search:
@@ -120,13 +121,15 @@ class _Search:
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
 
-    def descend(self, point: Point, known: Array | None, active: NDArray[np.bool_]) -> StateFit:
-        """Levenberg–Marquardt in the active windows, from slopes that may be those of a point nearby."""
+    def descend(
+        self, point: Point, known: Array | None, active: NDArray[np.bool_], most: int | None = None
+    ) -> StateFit:
+        """Levenberg–Marquardt in the active windows, at most so many steps, from slopes that may be those nearby."""
         settings, count = self.settings, len(self.replay.windows)
         part = _Part(self.replay, np.arange(count), settings).narrowed(active)
         slopes = part.renew(point, np.zeros((*point.residuals.shape, self.replay.nstate))) if known is None else known
         stale, damping = np.full(count, known is not None), np.full(count, settings.damping)
-        for _ in range(settings.iterations):
+        for _ in range(settings.iterations if most is None else most):
             weight = self._weights(point)
             cost = self._costs(point, weight)
             trial = part.moved(point, self._steps(point, slopes, weight, damping, active))

@@ -10,7 +10,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from dr_lab.diagnosis.confirmation import confirm
+from dr_lab.diagnosis.evidence import at_floor, paired_gain
 from dr_lab.diagnosis.ladder import Ladder, Watch, climb
+from dr_lab.diagnosis.score import score_of
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import DataError
@@ -70,8 +72,24 @@ def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch
     if not most:
         cases = SpecialCases(effects, study.scales, study.compiled)
         ladder = ladder.with_first_step().pruned(study.bench, cases)
+    ladder = _as_far_as_it_predicts(study, ladder)
     found = confirm(study.bench, study.predicted, ladder.base, ladder.models[-1], study.fits)
     return replace(ladder, confirmation=found)
+
+
+def _as_far_as_it_predicts(study: Study, ladder: Ladder) -> Ladder:
+    """The ladder without its last effects that, above the noise floor, do not predict better than those before them.
+
+    Predicted are windows whose start is known from earlier samples alone: what an effect does for fitted starts only
+    is no use to a simulator. The first effect is left to `confirm`, which asks for more.
+    """
+    evidence = study.bench.evidence
+    while len(ladder.steps) > 1 and not at_floor(ladder.models[-1].held_out, evidence):
+        before, after = (score_of(*study.fits(each.model, each.fit.z, study.predicted)) for each in ladder.models[-2:])
+        if paired_gain(before, after, evidence).total > 0:
+            break
+        ladder = ladder.without_last()
+    return ladder
 
 
 def _explained(study: Study, ladder: Ladder) -> bool:
