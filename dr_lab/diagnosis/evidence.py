@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,8 @@ class Gain:
     """How much lower one model's χ² is than another's, on the windows that both can simulate.
 
     Attributes:
-        share: share of the worse model's χ² that the better one removes.
+        share: share of the worse model's χ² that the better one removes, of windows that score and fitted ones as fits
+            to the others foretell them.
         low: lower end of its interval.
         high: upper end.
         gap: share of the worse model's χ² above the noise floor of 1 that the better one closes, the χ² of a model
@@ -60,9 +62,8 @@ _NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, 0.0, clea
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
     """Gain of `better` over `worse`, window by window.
 
-    Shares are read from the windows that score. The evidence is summed over these and over the windows that were
-    fitted, each block of which a fit to the others foretells (cross-validation): a few held-out windows alone tell
-    little.
+    The share with its interval and the evidence are summed over the windows that score and over those that were fitted,
+    each block of which a fit to the others foretells (cross-validation): a few held-out windows alone tell little.
 
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
     inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an interval reaches to
@@ -79,13 +80,15 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     ours, theirs = better.window_sum[both], worse.window_sum[both]
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
     evidence = np.sum([found[0] for found in each.values()], axis=0)
-    resampled = _resampled(np.stack([theirs, ours]), worse.log[both], settings)
-    share, n = float((theirs - ours).sum() / theirs.sum()), block_count(worse.log[both], settings)
-    tail = 1 - settings.confidence
-    low, high = _interval(share, 1 - resampled[1] / resampled[0], n, tail / 2, settings)
     diverges = ((worse.window_count > 0) & (better.window_count == 0)).any()
-    evidence, log = _everywhere(evidence, worse, better, both)
-    total_low, trial_low = (-np.inf, -np.inf) if diverges else _lowest(evidence, log, settings)
+    every = _everywhere(np.stack([theirs, ours, evidence]), worse, better, both)
+    sums, resampled = every.sums.sum(1), _resampled(*every, settings)
+    share, n = float(1 - sums[1] / sums[0]), block_count(every.log, settings)
+    low, high = _interval(share, 1 - resampled[1] / resampled[0], n, (1 - settings.confidence) / 2, settings)
+    total_low, trial_low = (
+        -np.inf if diverges else _interval(float(sums[2]), resampled[2], n, 1 - confidence, settings)[0]
+        for confidence in (settings.confidence, settings.trial_confidence)
+    )
     closed = {name: found[1] for name, found in each.items()}
     return Gain(
         share=share,
@@ -94,7 +97,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         gap=_gap(theirs, ours, worse.window_count[both]),
         channels=closed,
         place=max(each, key=lambda name: float(each[name][0].sum())),
-        total=float(evidence.sum()),
+        total=float(sums[2]),
         total_low=total_low,
         trial_low=trial_low,
         wins=float((theirs > ours).mean()),
@@ -102,26 +105,26 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     )
 
 
-def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> tuple[Array, Indices]:
-    """Evidence of each window and the index of its log: of those that score, then of those that were fitted."""
+class _Every(NamedTuple):
+    """Sums of all windows, shape (rows, w), and the index of each window's log."""
+
+    sums: Array
+    log: Indices
+
+
+def _everywhere(scoring: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> _Every:
+    """Σ residual² of the worse and the better model and the evidence, of windows that score and those that were fitted.
+
+    `scoring` are those of the windows that score, shape (3, w).
+    """
     log = worse.log[both]
     if worse.foretold is None or better.foretold is None:
-        return evidence, log
-    known = (worse.foretold.window_count > 0) & (better.foretold.window_count > 0)
-    pairs = _paired(worse.foretold, better.foretold).values()
-    fitted = np.sum([_one_channel(*pair, known)[0] for pair in pairs], axis=0)
-    return np.append(evidence, fitted), np.append(log, worse.foretold.log[known] + log.max(initial=0) + 1)
-
-
-def _lowest(evidence: Array, log: Indices, settings: EvidenceSettings) -> tuple[float, float]:
-    """What the evidence exceeds, and what it exceeds at the confidence of a trial."""
-    resampled, n = _resampled(evidence[None], log, settings)[0], block_count(log, settings)
-    total = float(evidence.sum())
-    low, trial = (
-        _interval(total, resampled, n, 1 - confidence, settings)[0]
-        for confidence in (settings.confidence, settings.trial_confidence)
-    )
-    return low, trial
+        return _Every(scoring, log)
+    before, after = worse.foretold, better.foretold
+    known = (before.window_count > 0) & (after.window_count > 0)
+    evidence = np.sum([_one_channel(*pair, known)[0] for pair in _paired(before, after).values()], axis=0)
+    fitted = np.stack([before.window_sum[known], after.window_sum[known], evidence])
+    return _Every(np.append(scoring, fitted, axis=1), np.append(log, before.log[known] + log.max(initial=0) + 1))
 
 
 def block_count(log: Indices, settings: EvidenceSettings) -> int:

@@ -80,13 +80,15 @@ def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch
 def _as_far_as_it_predicts(study: Study, ladder: Ladder) -> Ladder:
     """The ladder without its last effects that, above the noise floor, do not predict better than those before them.
 
-    Predicted are windows whose start is known from earlier samples alone: what an effect does for fitted starts only
-    is no use to a simulator. The first effect is left to `confirm`, which asks for more.
+    Better is a lower error of all windows together and in the typical one. Predicted are windows whose start is known
+    from earlier samples alone: what an effect does for fitted starts only is no use to a simulator. The first effect
+    is left to `confirm`, which asks for more.
     """
     evidence = study.bench.evidence
     while len(ladder.steps) > 1 and not at_floor(ladder.models[-1].held_out, evidence):
         before, after = (score_of(*study.fits(each.model, each.fit.z, study.predicted)) for each in ladder.models[-2:])
-        if paired_gain(before, after, evidence).total > 0:
+        gain = paired_gain(before, after, evidence)
+        if gain.total > 0 and gain.share > 0:
             break
         ladder = ladder.without_last()
     return ladder
