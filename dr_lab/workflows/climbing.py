@@ -47,6 +47,27 @@ def climbed(
     return found, ladder.with_laws(found.bench, found.scales, found.compiled)
 
 
+def as_far_as_it_predicts(study: Study, ladder: Ladder) -> Ladder:
+    """The ladder without its last effects that, above the noise floor, do not predict better than those before them.
+
+    Better is a lower error of all windows together and in the typical one. Predicted are windows whose start is known
+    from earlier samples alone: what an effect does for fitted starts only is no use to a simulator. The first effect
+    is left to `confirm`, which asks for more.
+
+    Args:
+        study: holds the windows that are predicted.
+        ladder: as it was climbed.
+    """
+    evidence = study.bench.evidence
+    while len(ladder.steps) > 1 and not at_floor(ladder.models[-1].held_out, evidence):
+        before, after = (score_of(*study.fits(each.model, each.fit.z, study.predicted)) for each in ladder.models[-2:])
+        gain = paired_gain(before, after, evidence)
+        if gain.total > 0 and gain.share > 0:
+            break
+        ladder = ladder.without_last()
+    return ladder
+
+
 def _first_explained(
     study: Study, effects: Mapping[str, Effect], most: int, watch: Watch, phase: Phase
 ) -> tuple[Study, Ladder]:
@@ -72,26 +93,9 @@ def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch
     if not most:
         cases = SpecialCases(effects, study.scales, study.compiled)
         ladder = ladder.with_first_step().pruned(study.bench, cases)
-    ladder = _as_far_as_it_predicts(study, ladder)
+    ladder = as_far_as_it_predicts(study, ladder)
     found = confirm(study.bench, study.predicted, ladder.base, ladder.models[-1], study.fits)
     return replace(ladder, confirmation=found)
-
-
-def _as_far_as_it_predicts(study: Study, ladder: Ladder) -> Ladder:
-    """The ladder without its last effects that, above the noise floor, do not predict better than those before them.
-
-    Better is a lower error of all windows together and in the typical one. Predicted are windows whose start is known
-    from earlier samples alone: what an effect does for fitted starts only is no use to a simulator. The first effect
-    is left to `confirm`, which asks for more.
-    """
-    evidence = study.bench.evidence
-    while len(ladder.steps) > 1 and not at_floor(ladder.models[-1].held_out, evidence):
-        before, after = (score_of(*study.fits(each.model, each.fit.z, study.predicted)) for each in ladder.models[-2:])
-        gain = paired_gain(before, after, evidence)
-        if gain.total > 0 and gain.share > 0:
-            break
-        ladder = ladder.without_last()
-    return ladder
 
 
 def _explained(study: Study, ladder: Ladder) -> bool:

@@ -1,12 +1,15 @@
 """Longer windows are tried where shorter ones leave a gap unexplained, and believed where they name something."""
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 from diagnosis_machines import evidence_settings, windows_settings
 
 from dr_lab.diagnosis.ladder import Ladder
+from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings, WindowSettings
 from dr_lab.errors import DataError
 from dr_lab.workflows import climbing
@@ -85,3 +88,64 @@ def test_the_shortest_windows_that_explain_the_gap(
     assert found.windows.length == pytest.approx(length)
     assert ladder.verdict(asked.evidence) == kind
     assert confidence == pytest.approx([0.97, 0.99, 0.99][: len(confidence)])  # Bonferroni over three lengths
+
+
+@dataclass(frozen=True)
+class Rising:
+    """A ladder of models of which only the errors in windows with known starts are known, by their number of steps."""
+
+    errors: tuple[float, ...]
+    floor: bool = False
+
+    @property
+    def steps(self) -> tuple[float, ...]:
+        return self.errors[1:]
+
+    @property
+    def models(self) -> list[SimpleNamespace]:
+        def model(k: int) -> SimpleNamespace:
+            chi2 = 1.0 if self.floor and k == len(self.errors) - 1 else 100.0
+            return SimpleNamespace(model=k, fit=SimpleNamespace(z=None), held_out=score([chi2] * 8))
+
+        return [model(k) for k in range(len(self.errors))]
+
+    def without_last(self) -> "Rising":
+        return replace(self, errors=self.errors[:-1])
+
+
+def score(chi2: list[float]) -> Score:
+    """A score of windows with ten residuals each."""
+    sums, count = 10 * np.array(chi2), np.full(len(chi2), 10.0)
+    return Score(float(np.mean(chi2)), {}, {}, {}, sums, count, np.arange(len(chi2)), 0)
+
+
+@pytest.mark.parametrize(
+    ("errors", "kept"),
+    [
+        ((90.0, 40.0, 20.0), 2),
+        ((90.0, 40.0, 41.0), 1),
+        ((90.0, 40.0, 41.0, 42.0), 1),
+        ((90.0, 40.0, 50.0, 30.0), 3),  # what lies below a step that predicts better is not asked
+        ((90.0, 95.0), 1),  # the first is left to the windows that confirm
+    ],
+)
+def test_effects_that_do_not_predict_better_are_dropped(
+    monkeypatch: pytest.MonkeyPatch, errors: tuple[float, ...], kept: int
+) -> None:
+    made = cast(Study, SimpleNamespace(bench=SimpleNamespace(evidence=evidence_settings()), predicted=None, fits=fits))
+    monkeypatch.setattr(climbing, "score_of", lambda k, _: score([errors[k]] * 8))
+    assert len(climbing.as_far_as_it_predicts(made, cast(Ladder, Rising(errors))).steps) == kept
+    assert len(climbing.as_far_as_it_predicts(made, cast(Ladder, Rising(errors, floor=True))).steps) == len(errors) - 1
+
+
+def test_one_wild_window_and_all_others_must_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = cast(Study, SimpleNamespace(bench=SimpleNamespace(evidence=evidence_settings()), predicted=None, fits=fits))
+    scores = [score([50.0] * 8), score([50.0] * 8), score([40.0] * 7 + [200.0])]
+    monkeypatch.setattr(climbing, "score_of", lambda k, _: scores[k])
+    assert len(climbing.as_far_as_it_predicts(made, cast(Ladder, Rising((50.0, 50.0, 60.0)))).steps) == 1
+
+
+def fits(model: int, z: None, windows: None) -> tuple[int, None]:
+    """The number of a model in place of its simulation."""
+    del z, windows
+    return model, None
