@@ -55,6 +55,7 @@ class Bench:
         timing_resolution: s, step of the model as given, or the wait between commands that were logged more slowly than
             they changed; a shift in time that is smaller cannot be told from it.
         confirms: held-out windows that choose nothing; None where none are left for that.
+        colour: residuals of the model that others are compared with which tell as much as one independent one does.
     """
 
     fit: Windows
@@ -64,6 +65,11 @@ class Bench:
     threads: int
     timing_resolution: float = 0.0
     confirms: Windows | None = None
+    colour: float = 1.0
+
+    def beside(self, base: Explained) -> "Bench":
+        """The bench on which models are compared with this one, whose residuals tell how many are independent."""
+        return replace(self, colour=base.held_out.colour)
 
     @property
     def apart(self) -> bool:
@@ -79,6 +85,11 @@ class Bench:
     def samples(self) -> int:
         """Number of samples that are fitted."""
         return sum(int(s.fitted.sum()) * s.channel.size for s in self.fit.samples)
+
+    @property
+    def independent(self) -> float:
+        """Number of independent residuals among them."""
+        return self.samples / self.colour
 
     @property
     def enough(self) -> float:
@@ -101,6 +112,8 @@ class Bench:
     def promise(self, gain: float, base: Fit, extra: int = 0) -> float:
         """Evidence on all fit windows that a lower cost foretells, −n ln(1 − share): Δχ² of residuals of unknown size.
 
+        n is the number of independent residuals.
+
         Args:
             gain: by how much the cost of a fit of some or all of these windows could fall.
             base: that fit.
@@ -108,11 +121,11 @@ class Bench:
         """
         each = base.cost / (self.samples * len(base.delta) / len(self.fit))
         share = (gain - self.evidence.penalty * extra * each) / base.cost
-        return -self.samples * float(np.log1p(-np.clip(share, 0.0, 1.0 - 1e-9)))
+        return -self.independent * float(np.log1p(-np.clip(share, 0.0, 1.0 - 1e-9)))
 
     def cost_at(self, fit: Fit, evidence: float) -> float:
         """Cost that is worse by so much evidence than that of a fit of all windows; ∞ if the fit leaves some out."""
-        return np.inf if fit.infeasible.any() else fit.cost * float(np.exp(evidence / self.samples))
+        return np.inf if fit.infeasible.any() else fit.cost * float(np.exp(evidence / self.independent))
 
     def screening(self) -> "Bench":
         """The bench with fewer windows to fit; itself where there are no more."""
@@ -129,9 +142,9 @@ def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None,
     return Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta, goal=goal)
 
 
-def beyond_doubt(bench: Bench, fit: Fit) -> float:
+def beyond_doubt(bench: Bench, explained: Explained) -> float:
     """Cost above which another model is worse than a fitted one without a doubt; see `Fitter.run`."""
-    return bench.cost_at(fit, bench.enough)
+    return bench.beside(explained).cost_at(explained.fit, bench.enough)
 
 
 def fitted_alone(replay: Replay, fit: Fit) -> Explained:

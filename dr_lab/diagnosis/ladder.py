@@ -146,7 +146,8 @@ def climb(
 
     Where a rung leaves several effects inseparable the first goes on, and each later rung reconsiders: a rival that
     explains more beside what was added since takes its place, one that explains less is no rival any more. An effect
-    without which the ladder's last model explains the held-out logs as well is dropped, for good. Where a rung names
+    without which the ladder's last model explains the logs as well is dropped, for good; one of which that is in doubt
+    stays until the climb is over, for what is still missing scatters what it gains. Where a rung names
     nothing but has an effect that is worth a trial, that goes on, and is judged when the climb is over, before the
     others: until then none is dropped, lest what is in doubt take the place of what is not. An effect that holds
     another one of the catalogue as a special case is put back to that, for good, unless its further parameters are

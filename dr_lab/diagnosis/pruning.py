@@ -1,7 +1,7 @@
 """No more effects on a ladder, and none richer, than the logs ask for beyond doubt."""
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,8 +9,9 @@ import numpy as np
 from dr_lab.diagnosis.bench import Bench, Explained, beyond_doubt, explain, fitted, scored
 from dr_lab.diagnosis.candidate import Candidate
 from dr_lab.diagnosis.compatible import chance, known_of
-from dr_lab.diagnosis.evidence import paired_gain, supported
+from dr_lab.diagnosis.evidence import Gain, paired_gain, sizeable, supported
 from dr_lab.diagnosis.restack import stacked
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.step import Step
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
@@ -18,6 +19,8 @@ from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
+
+Rule = Callable[[Gain, int, EvidenceSettings], bool]
 
 
 @dataclass(frozen=True)
@@ -58,10 +61,11 @@ def lean(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialC
 
     In this order, because a richer effect can make up for another one that is missing, which then seems superfluous
     beside it; and because what softened the faults of a richer effect may be superfluous beside the poorer one. A lone
-    effect is not put back yet: what is missing beside it may blur what it is.
+    effect is not put back yet: what is missing beside it may blur what it is. For the same reason an effect whose gain
+    is in doubt stays until the climb is over, if it is no trifle.
     """
     simpler, put_back = _put_back(bench, base, steps, cases) if len(steps) > 1 else (steps, ())
-    kept, dropped = prune(bench, base, simpler)
+    kept, dropped = prune(bench, base, simpler, sizeable)
     return Pruned(kept, dropped, put_back)
 
 
@@ -71,29 +75,37 @@ def finished(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: Spec
     Whether parameters are compatible with an effect's absence is asked here alone: as long as others are missing, what
     those would explain widens the scatter between logs.
     """
-    kept, dropped = (steps, ()) if all(step.proven for step in steps) else prune(bench, base, steps)
+    kept, dropped = prune(bench, base, steps, supported)
     kept, put_back = _put_back(bench, base, kept, cases)
-    kept, superfluous = prune(bench, base, kept) if put_back else (kept, ())
+    kept, superfluous = prune(bench, base, kept, supported) if put_back else (kept, ())
     kept, absent = drop_absent(bench, base, kept)
     return Pruned(kept, (*dropped, *superfluous, *absent), put_back)
 
 
-def prune(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], tuple[str, ...]]:
+def prune(
+    bench: Bench, base: Explained, steps: tuple[Step, ...], stays: Rule
+) -> tuple[tuple[Step, ...], tuple[str, ...]]:
     """Drop effects without which the logs are explained as well: those on trial first, of these the earliest first.
+
+    Args:
+        bench: data and settings.
+        base: the calibrated model.
+        steps: what was added.
+        stays: whether an effect with so many parameters stays for what it gains: `sizeable` or `supported`.
 
     Returns:
         The steps that stay, refitted and proven, and the labels of the effects that were dropped.
     """
     for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
         effect, whole = steps[place].effect, steps[-1].explained
-        goal = beyond_doubt(bench, whole.fit)
+        goal = beyond_doubt(bench, whole)
         fewer, base = _without(bench, base, steps, place, goal)
         without = fewer[-1].explained if fewer else base
         gain = paired_gain(without.held_out, whole.held_out, bench.evidence)
-        if not supported(gain, len(effect.parameters), bench.evidence):
+        if not stays(gain, len(effect.parameters), bench.evidence):
             if _ended_early(without, goal):
                 fewer, base = _without(bench, base, steps, place)
-            kept, dropped = prune(bench, base, fewer)
+            kept, dropped = prune(bench, base, fewer, stays)
             return kept, (effect.label, *dropped)
     return tuple(replace(step, proven=True) for step in steps), ()
 
@@ -135,7 +147,7 @@ def simplify(
         for poorer in cases.of(step.effect, whole.model):
             swap = _Swap(step.effect, poorer)
             back = swap.put_back(bench, whole)
-            goal = np.inf if back.compatible else beyond_doubt(bench, whole.fit)
+            goal = np.inf if back.compatible else beyond_doubt(bench, whole)
             simpler = swap.made(bench, base, whole, goal)
             gain = paired_gain(simpler.held_out, whole.held_out, bench.evidence)
             extra = len(step.effect.parameters) - len(poorer.parameters)

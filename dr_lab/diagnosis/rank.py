@@ -72,11 +72,11 @@ class _Contest:
     def __init__(
         self, bench: Bench, base: Explained, placed: Sequence[PlacedEffect], done: Callable[[str], None]
     ) -> None:
-        self.bench, self.base, self.placed, self.done = bench, base, placed, done
+        self.bench, self.base, self.placed, self.done = bench.beside(base), base, placed, done
         self.stop = Event()
-        self.thin = bench.screening()
-        self.start = base.fit if self.thin is bench else self._thinned()
-        self.ground = base if self.thin is bench else fitted_alone(self._replay(self.thin), self.start)
+        self.thin = self.bench.screening()
+        self.start = base.fit if self.thin is self.bench else self._thinned()
+        self.ground = base if self.thin is self.bench else fitted_alone(self._replay(self.thin), self.start)
 
     def ranking(self) -> Ranking:
         """All candidates, and the base that they are compared with."""
@@ -191,7 +191,8 @@ class _Contest:
         """An effect at the fit of its special case, and whether a linear step from there promises enough."""
         fit, extra = poorer.explained.fit, len(effect.parameters) - len(poorer.effect.parameters)
         there = further(self._fitter(bench, effect), effect, poorer.effect, fit, poorer.explained.values())
-        return there.fit, self.bench.promise(there.gain, fit, extra) >= self.bench.hope
+        beside = self.bench.beside(poorer.explained)
+        return there.fit, beside.promise(there.gain, fit, extra) >= beside.hope
 
     def _try(self, k: int, first: Look) -> Candidate:
         """Fit one candidate from the base's solution and from its further starts.
@@ -245,10 +246,8 @@ class _Contest:
         there, more = self._further(self.bench, candidate.effect, poorer)
         if not more:
             return candidate
-        fitter, goal = (
-            self._fitter(self.bench, candidate.effect),
-            self.bench.cost_at(poorer.explained.fit, -self.bench.hope),
-        )
+        fitter, beside = self._fitter(self.bench, candidate.effect), self.bench.beside(poorer.explained)
+        goal = beside.cost_at(poorer.explained.fit, -beside.hope)
         again = fitter.run(there.z, there.delta, there.slopes, goal=goal)
         if again.cost > goal:
             return candidate
@@ -288,7 +287,7 @@ class _Contest:
         if more <= 0:
             return False
         ours, theirs = candidate.explained.fit, other.explained.fit
-        return self.bench.promise(ours.below(theirs), theirs, more) < self.bench.hope
+        return self.bench.beside(other.explained).promise(ours.below(theirs), theirs, more) < self.bench.hope
 
     def _side_by_side(self, items: Sequence[_In], work: Callable[[_In], _Out]) -> list[_Out]:
         return side_by_side(items, work, self.bench.threads, self.stop)

@@ -9,6 +9,7 @@ from effect_machines import catalogue_effect
 
 from dr_lab.diagnosis.bench import Bench, Explained, explain
 from dr_lab.diagnosis.candidate import Candidate
+from dr_lab.diagnosis.evidence import supported
 from dr_lab.diagnosis.ladder import Ladder, climb
 from dr_lab.diagnosis.pruning import Pruned, finished, lean, prune
 from dr_lab.diagnosis.restack import reconsider
@@ -155,11 +156,11 @@ def test_what_later_effects_made_superfluous_is_dropped() -> None:
     )
     second = explain_on(bench, drag.explained, friction)
     steps = tuple(Step(e, ()) for e in (drag.explained, second, explain_on(bench, second, offset)))
-    kept, dropped = prune(bench, ladder.base, steps)
+    kept, dropped = prune(bench, ladder.base, steps, supported)
     assert dropped == ("quadratic_drag@hinge",)
     assert [s.explained.model.effects[-1].label for s in kept] == ["coulomb_friction@hinge", "constant_offset@hinge"]
     assert kept[-1].explained.held_out.chi2 < 1.2
-    assert prune(bench, ladder.base, kept) == (kept, ())
+    assert prune(bench, ladder.base, kept, supported) == (kept, ())
 
 
 def test_asymmetric_friction_beside_a_tilt_that_was_missing_is_put_back_to_coulomb_friction() -> None:
