@@ -23,12 +23,12 @@ class Gain:
     """How much lower one model's χ² is than another's, on the windows that both can simulate.
 
     Attributes:
-        share: share of the worse model's χ² that the better one removes, of windows that score and fitted ones as fits
-            to the others foretell them.
+        share: share of the worse model's χ² that the better one removes in a typical window, of those that score and
+            of fitted ones as fits to the others foretell them; χ² of a typical window is exp(mean ln(1 + χ²_w)) − 1.
         low: lower end of its interval.
         high: upper end.
-        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes, the χ² of a model
-            being exp(mean ln(1 + χ²_w)) − 1 over the windows; 1 where the worse one is at the floor.
+        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes in a typical window of
+            those that score; 1 where the worse one is at the floor.
         channels: that share by channel.
         place: the channel in which the evidence is most.
         total: Σ (D worse − D better) over channels and windows, those that score and those that were fitted, these as
@@ -81,12 +81,12 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
     evidence = np.sum([found[0] for found in each.values()], axis=0)
     diverges = ((worse.window_count > 0) & (better.window_count == 0)).any()
-    every = _everywhere(np.stack([theirs, ours, evidence]), worse, better, both)
-    sums, resampled = every.sums.sum(1), _resampled(*every, settings)
-    share, n = float(1 - sums[1] / sums[0]), block_count(every.log, settings)
-    low, high = _interval(share, 1 - resampled[1] / resampled[0], n, (1 - settings.confidence) / 2, settings)
+    every = _everywhere(evidence, worse, better, both)
+    total, resampled = float(every.evidence.sum()), _resampled(every.rows, every.log, settings)
+    share, n = float(_removed(every.rows.sum(1))), block_count(every.log, settings)
+    low, high = _interval(share, _removed(resampled), n, (1 - settings.confidence) / 2, settings)
     total_low, trial_low = (
-        -np.inf if diverges else _interval(float(sums[2]), resampled[2], n, 1 - confidence, settings)[0]
+        -np.inf if diverges else _interval(total, resampled[3], n, 1 - confidence, settings)[0]
         for confidence in (settings.confidence, settings.trial_confidence)
     )
     closed = {name: found[1] for name, found in each.items()}
@@ -97,7 +97,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         gap=_gap(theirs, ours, worse.window_count[both]),
         channels=closed,
         place=max(each, key=lambda name: float(each[name][0].sum())),
-        total=float(sums[2]),
+        total=total,
         total_low=total_low,
         trial_low=trial_low,
         wins=float((theirs > ours).mean()),
@@ -106,25 +106,44 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
 
 
 class _Every(NamedTuple):
-    """Sums of all windows, shape (rows, w), and the index of each window's log."""
+    """All windows, those that score before those that were fitted.
 
-    sums: Array
+    Attributes:
+        rows: Σ n ln(1 + χ²) of the worse and the better model, n and the evidence of each window, shape (4, w).
+        log: index of each window's log, shape (w,).
+    """
+
+    rows: Array
     log: Indices
 
+    @property
+    def evidence(self) -> Array:
+        """Evidence of each window, shape (w,)."""
+        return self.rows[3]
 
-def _everywhere(scoring: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> _Every:
-    """Σ residual² of the worse and the better model and the evidence, of windows that score and those that were fitted.
 
-    `scoring` are those of the windows that score, shape (3, w).
-    """
-    log = worse.log[both]
+def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> _Every:
+    """All windows; `evidence` is that of the windows that score, shape (w,)."""
+    scoring, log = _rows(evidence, worse, better, both), worse.log[both]
     if worse.foretold is None or better.foretold is None:
         return _Every(scoring, log)
     before, after = worse.foretold, better.foretold
     known = (before.window_count > 0) & (after.window_count > 0)
-    evidence = np.sum([_one_channel(*pair, known)[0] for pair in _paired(before, after).values()], axis=0)
-    fitted = np.stack([before.window_sum[known], after.window_sum[known], evidence])
-    return _Every(np.append(scoring, fitted, axis=1), np.append(log, before.log[known] + log.max(initial=0) + 1))
+    further = np.sum([_one_channel(*pair, known)[0] for pair in _paired(before, after).values()], axis=0)
+    rows = np.append(scoring, _rows(further, before, after, known), axis=1)
+    return _Every(rows, np.append(log, before.log[known] + log.max(initial=0) + 1))
+
+
+def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> Array:
+    count = worse.window_count[both]
+    level = (score.window_sum[both] / np.maximum(count, _LEAST) for score in (worse, better))
+    return np.stack([*(count * np.log1p(each) for each in level), count, evidence])
+
+
+def _removed(sums: Array) -> Array:
+    """Share of a typical window's χ² that the better model removes, from sums of rows of `_Every`."""
+    before, after = (np.expm1(each / np.maximum(sums[2], _LEAST)) for each in sums[:2])
+    return 1 - after / np.maximum(before, _LEAST)
 
 
 def block_count(log: Indices, settings: EvidenceSettings) -> int:

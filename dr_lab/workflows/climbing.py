@@ -61,8 +61,7 @@ def as_far_as_it_predicts(study: Study, ladder: Ladder) -> Ladder:
     evidence = study.bench.evidence
     while len(ladder.steps) > 1 and not at_floor(ladder.models[-1].held_out, evidence):
         before, after = (score_of(*study.fits(each.model, each.fit.z, study.predicted)) for each in ladder.models[-2:])
-        gain = paired_gain(before, after, evidence)
-        if gain.total > 0 and gain.share > 0:
+        if paired_gain(before, after, evidence).total > 0 and after.chi2 < before.chi2:
             break
         ladder = ladder.without_last()
     return ladder

@@ -48,8 +48,40 @@ def chi2(windows: int, seed: int) -> np.ndarray:
     return np.random.default_rng(seed).chisquare(100, windows)
 
 
+def test_fitted_windows_count_as_fits_to_the_others_foretell_them() -> None:
+    better, worse = chi2(8, 0), 4 * chi2(8, 1)
+    few, more = paired_gain(score(worse), score(better), SETTINGS), paired_gain(*seen(worse, better), SETTINGS)
+    assert more.total == pytest.approx(2 * few.total)
+    assert more.gap == few.gap
+    assert more.total_low / more.total > few.total_low / few.total  # twice the windows tell more
+    assert more.share == pytest.approx(few.share)
+
+
+def test_what_others_do_not_foretell_counts_against_a_model() -> None:
+    better, worse = chi2(8, 0), 4 * chi2(8, 1)
+    astray = replace(score(better), foretold=score(100 * better))
+    gain = paired_gain(replace(score(worse), foretold=score(worse)), astray, SETTINGS)
+    assert gain.total < 0
+    assert not supported(gain, 1, SETTINGS)
+
+
+def test_one_block_led_astray_does_not_decide_the_share() -> None:
+    better, worse = np.full(30, 100.0), np.full(30, 400.0)
+    wild = np.append(better[1:], 1e8)
+    gain = paired_gain(
+        replace(score(worse), foretold=score(worse)), replace(score(better), foretold=score(wild)), SETTINGS
+    )
+    assert gain.share > 0.5
+
+
+def seen(worse: np.ndarray, better: np.ndarray) -> tuple[Score, Score]:
+    """Scores whose fitted windows look like those that score."""
+    first, second = (replace(score(sums), foretold=score(sums)) for sums in (worse, better))
+    return first, second
+
+
 def test_a_constant_share_is_known_exactly() -> None:
-    better = chi2(30, 0)
+    better = np.full(30, 100.0)
     gain = paired_gain(score(4 * better), score(better), SETTINGS)
     assert np.allclose([gain.share, gain.low, gain.high], 0.75)
     assert gain.wins == 1
