@@ -119,8 +119,8 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
     return (
         f" Worth a trial, which dr-lab close makes as far as most allows, is {trial[0].effect.label}: it closes "
         f"{100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {gain.total:.4g}, in doubt because it "
-        f"differs from window to window ({confidence:g} % interval from {gain.trial_low:.4g}, "
-        f"{100 * settings.confidence:g} % interval from {gain.total_low:.4g})."
+        f"differs from window to window ({confidence:.3g} % interval from {gain.trial_low:.4g}, "
+        f"{100 * settings.confidence:.3g} % interval from {gain.total_low:.4g})."
     )
 
 
@@ -128,7 +128,7 @@ def _worth(base: Explained, candidate: Candidate, settings: EvidenceSettings) ->
     """What decides for a candidate, and beside it the mean χ², on which a single wild window weighs more."""
     gain, means = candidate.gain, (base.held_out.chi2, candidate.explained.held_out.chi2)
     needed = settings.threshold + settings.penalty * len(candidate.effect.parameters)
-    low = f"{100 * settings.confidence:g} % interval from {gain.total_low:.4g}"
+    low = f"{100 * settings.confidence:.3g} % interval from {gain.total_low:.4g}"
     interval = f"{'too few data for an interval' if isnan(gain.total_low) else low}, {needed:g} needed"
     return (
         f"closes {100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {gain.total:.4g} ({interval}), "
