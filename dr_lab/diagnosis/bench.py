@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass, replace
 from threading import Event
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from dr_lab.diagnosis.fit import Fit, Fitter
 from dr_lab.diagnosis.left_out import left_out
@@ -17,6 +19,8 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 Rows = NDArray[np.intp]
+_MOST = 1.0 - 1e-9  # share of a cost that can be gained; its logarithm is finite
+_LEAST = 1e-9
 
 
 @dataclass(frozen=True)
@@ -87,11 +91,6 @@ class Bench:
         return sum(int(s.fitted.sum()) * s.channel.size for s in self.fit.samples)
 
     @property
-    def independent(self) -> float:
-        """Number of independent residuals among them."""
-        return self.samples / self.colour
-
-    @property
     def enough(self) -> float:
         """Evidence on the fit windows that is believed."""
         return self.evidence.enough_hope * self.evidence.threshold
@@ -110,22 +109,38 @@ class Bench:
         return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
 
     def promise(self, gain: float, base: Fit, extra: int = 0) -> float:
-        """Evidence on all fit windows that a lower cost foretells, −n ln(1 − share): Δχ² of residuals of unknown size.
+        """Evidence on all fit windows that a lower cost foretells, −n ln(1 − share), less the penalty of chance.
 
-        n is the number of independent residuals.
+        It is Δχ² of residuals of unknown size, n of them independent. What is left is as coloured as the base's
+        residuals where nothing is gained, and white where all above the noise is.
 
         Args:
             gain: by how much the cost of a fit of some or all of these windows could fall.
             base: that fit.
-            extra: number of parameters that may owe something to chance on its windows, which counts as none.
+            extra: number of parameters that may owe something to chance on its windows.
         """
-        each = base.cost / (self.samples * len(base.delta) / len(self.fit))
-        share = (gain - self.evidence.penalty * extra * each) / base.cost
-        return -self.independent * float(np.log1p(-np.clip(share, 0.0, 1.0 - 1e-9)))
+        level = base.cost / (self.samples * len(base.delta) / len(self.fit))
+        share = float(np.clip(gain / base.cost, 0.0, _MOST))
+        return self._evidence(share, level) - self.evidence.penalty * extra
+
+    def _evidence(self, share: float, level: float) -> float:
+        """−n ln(1 − share) of a base whose residuals are so large, as χ²."""
+        left = 1 - min(share / max(1 - 1 / max(level, 1.0), _LEAST), 1.0)
+        return -self.samples / (1 + (self.colour - 1) * left) * float(np.log1p(-share))
 
     def cost_at(self, fit: Fit, evidence: float) -> float:
         """Cost that is worse by so much evidence than that of a fit of all windows; ∞ if the fit leaves some out."""
-        return np.inf if fit.infeasible.any() else fit.cost * float(np.exp(evidence / self.independent))
+        return np.inf if fit.infeasible.any() else fit.cost * float(np.exp(evidence * self.colour / self.samples))
+
+    def hoped(self, base: Fit) -> float:
+        """Cost of a fit of all windows that promises just what is hoped for beside a base; ∞ as in `cost_at`."""
+        if base.infeasible.any():
+            return np.inf
+        level = base.cost / self.samples
+        if self._evidence(_MOST, level) <= self.hope:
+            return 0.0
+        share = cast(float, brentq(lambda share: self._evidence(share, level) - self.hope, 0.0, _MOST))
+        return base.cost * (1 - share)
 
     def screening(self) -> "Bench":
         """The bench with fewer windows to fit; itself where there are no more."""

@@ -1,4 +1,4 @@
-"""Does one model explain held-out windows better than another? Paired gains with a block bootstrap."""
+"""Does one model explain windows that it did not see better than another? Paired gains with a block bootstrap."""
 
 import functools
 from collections.abc import Mapping
@@ -30,7 +30,7 @@ class Gain:
         gap: share of the worse model's χ² above the noise floor of 1 that the better one closes in a typical window of
             those that score; 1 where the worse one is at the floor.
         channels: that share by channel.
-        place: the channel in which the evidence is most.
+        place: the channel in which the evidence of the windows that score is most.
         total: Σ (D worse − D better) over channels and windows, those that score and those that were fitted, these as
             fits to the others foretell them; the difference of the deviances −2 ln L of residuals that are noise or,
             where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²) above, n being the
@@ -39,8 +39,9 @@ class Gain:
         total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
             worse simulates, NaN where there are too few blocks of data to know.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
-        wins: share of windows in which the χ² is lower.
-        clear: whether every window gains and the worse model is above the noise floor.
+        wins: share of the windows that score in which the χ² is lower.
+        clear: whether each of these gains, no window diverges that did not, and the worse model is above the noise
+            floor.
     """
 
     share: float
@@ -80,7 +81,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     ours, theirs = better.window_sum[both], worse.window_sum[both]
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
     evidence = np.sum([found[0] for found in each.values()], axis=0)
-    diverges = ((worse.window_count > 0) & (better.window_count == 0)).any()
+    diverges = _diverges(worse, better)
     every = _everywhere(evidence, worse, better, both)
     total, resampled = float(every.evidence.sum()), _resampled(every.rows, every.log, settings)
     share, n = float(_removed(every.rows.sum(1))), block_count(every.log, settings)
@@ -103,6 +104,14 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         wins=float((theirs > ours).mean()),
         clear=bool((theirs > ours).all() and not diverges and not at_floor(worse, settings)),
     )
+
+
+def _diverges(worse: Score, better: Score) -> bool:
+    """Whether the better model lets a window diverge that the worse one simulates, among all windows."""
+    pairs = [(worse, better)]
+    if worse.foretold is not None and better.foretold is not None:
+        pairs.append((worse.foretold, better.foretold))
+    return any(bool(((first.window_count > 0) & (second.window_count == 0)).any()) for first, second in pairs)
 
 
 class _Every(NamedTuple):
@@ -254,13 +263,13 @@ def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> b
 def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:
     """Sums over resampled blocks of windows, shape (rows, w) → (rows, resamples)."""
     parts = np.array([sums[:, b].sum(1) for b in blocks(log, settings.block, settings.least_blocks)])
-    return (_drawn(len(parts), len(parts), settings.gain_resamples, settings.seed) @ parts).T
+    return (_drawn(len(parts), settings.gain_resamples, settings.seed) @ parts).T
 
 
 @functools.lru_cache(maxsize=4)
-def _drawn(draws: int, count: int, resamples: int, seed: int) -> Array:
-    """How often each resample of so many draws holds each of `count` blocks, shape (resamples, count)."""
-    drawn = np.random.default_rng(seed).multinomial(draws, np.full(count, 1 / count), resamples)
+def _drawn(count: int, resamples: int, seed: int) -> Array:
+    """How often each resample holds each of `count` blocks, shape (resamples, count)."""
+    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), resamples)
     return drawn.astype(np.float64)
 
 

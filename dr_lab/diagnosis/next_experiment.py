@@ -10,6 +10,7 @@ from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.diagnosis.fit import Fit, Fitter
 from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.screen import free
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows import cut
 from dr_lab.errors import ConfigError, ModelError, require_numbers
@@ -162,8 +163,8 @@ class _Refit:
         """What it would miss after one linear step, in σ; −∞ where it cannot run."""
         if self.look.infeasible.any():
             return -np.inf
-        free = np.ones(len(self.look.z), bool)
-        return float(np.sqrt(max(self.look.cost - self.look.equations.decrease(free), 0.0)))
+        decrease = self.look.equations.decrease(free(self.fitter, self.look))
+        return float(np.sqrt(max(self.look.cost - decrease, 0.0)))
 
     def missed(self) -> float:
         """What it misses after the refit, in σ; −∞ where it cannot run."""
@@ -202,5 +203,5 @@ def _refit(
     log, gaps = Log("next_experiment", outputs, commands), dict.fromkeys(outputs, np.inf)
     measured = MeasurementSet("next_experiment", (log,), (), machine.noise, gaps)
     windows = cut([log], measured, other.model.nominal(), machine.windows)
-    fitter = Fitter(Replay(other.model, windows, machine.threads), machine.solver, rough=True)
+    fitter = Fitter(Replay(other.model, windows, machine.threads), machine.solver)
     return _Refit(fitter, fitter.run(other.fit.z, iterations=0))

@@ -79,6 +79,7 @@ def finished(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: Spec
     kept, put_back = _put_back(bench, base, kept, cases)
     kept, superfluous = prune(bench, base, kept, supported) if put_back else (kept, ())
     kept, absent = drop_absent(bench, base, kept)
+    kept = tuple(replace(step, proven=True) for step in kept)
     return Pruned(kept, (*dropped, *superfluous, *absent), put_back)
 
 
@@ -94,7 +95,7 @@ def prune(
         stays: whether an effect with so many parameters stays for what it gains: `sizeable` or `supported`.
 
     Returns:
-        The steps that stay, refitted and proven, and the labels of the effects that were dropped.
+        The steps that stay, refitted, and the labels of the effects that were dropped.
     """
     for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
         effect, whole = steps[place].effect, steps[-1].explained
@@ -107,7 +108,7 @@ def prune(
                 fewer, base = _without(bench, base, steps, place)
             kept, dropped = prune(bench, base, fewer, stays)
             return kept, (effect.label, *dropped)
-    return tuple(replace(step, proven=True) for step in steps), ()
+    return steps, ()
 
 
 def drop_absent(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], tuple[str, ...]]:

@@ -225,7 +225,7 @@ class _Contest:
         An effect that acts at once and promises little begins at absent, where the base's slopes are known.
         """
         effect, base, fit = candidate.effect, self.base.fit, candidate.explained.fit
-        fitter, goal = self._fitter(self.bench, effect), self.bench.cost_at(base, -self.bench.hope)
+        fitter, goal = self._fitter(self.bench, effect), self.bench.hoped(base)
         nominal = np.append(base.z, [p.nominal for p in effect.parameters])
         (absent,) = fitter.outlooks(nominal[None], base.delta, base.slopes, base)
         if not effect.starts and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
@@ -247,7 +247,7 @@ class _Contest:
         if not more:
             return candidate
         fitter, beside = self._fitter(self.bench, candidate.effect), self.bench.beside(poorer.explained)
-        goal = beside.cost_at(poorer.explained.fit, -beside.hope)
+        goal = beside.hoped(poorer.explained.fit)
         again = fitter.run(there.z, there.delta, there.slopes, goal=goal)
         if again.cost > goal:
             return candidate

@@ -139,7 +139,7 @@ class SolverSettings:
 
 @dataclass(frozen=True)
 class EvidenceSettings:
-    """Which candidates are worth a fit, and when their gain on held-out windows counts.
+    """Which candidates are worth a fit, and when their gain on windows that they did not see counts.
 
     Attributes:
         most_fits: number of candidates that are fitted at most: the most promising, half of them with one parameter.
@@ -156,11 +156,12 @@ class EvidenceSettings:
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
         least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.
-        least_compared: number of blocks of held-out windows below which no interval of a difference is known.
+        least_compared: number of blocks of windows below which no interval of a difference is known.
         resamples: number of bootstrap resamples of a fit's parameters.
         gain_resamples: the same of a paired gain, whose interval of few blocks needs rare percentiles.
         seed: of the resampling.
-        threshold: least evidence on the held-out windows, as Δχ², that separates two models.
+        threshold: least evidence that separates two models, as Δχ² on held-out windows and on fitted ones as others
+            foretell them.
         least_gap: share of the worse model's χ² above the noise floor that separates two models.
         least_explained: share of the χ² above the noise floor that an effect must close to be added.
         least_named: the same of all added effects together, for them to be named where they leave more than noise.

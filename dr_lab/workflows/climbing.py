@@ -11,8 +11,10 @@ from dataclasses import replace
 
 from dr_lab.diagnosis.confirmation import confirm
 from dr_lab.diagnosis.evidence import at_floor, paired_gain
+from dr_lab.diagnosis.folds import folds
 from dr_lab.diagnosis.ladder import Ladder, Watch, climb
-from dr_lab.diagnosis.score import score_of
+from dr_lab.diagnosis.score import Score, score_of
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import DataError
@@ -50,21 +52,30 @@ def climbed(
 def as_far_as_it_predicts(study: Study, ladder: Ladder) -> Ladder:
     """The ladder without its last effects that, above the noise floor, do not predict better than those before them.
 
-    Better is a lower error of all windows together and in the typical one. Predicted are windows whose start is known
-    from earlier samples alone: what an effect does for fitted starts only is no use to a simulator. The first effect
-    is left to `confirm`, which asks for more.
+    Predicted are windows whose start is known from earlier samples alone: what an effect does for fitted starts only
+    is no use to a simulator. Those of the last third of each log choose nothing here either. The first effect is left
+    to `confirm`, which asks for more.
 
     Args:
         study: holds the windows that are predicted.
         ladder: as it was climbed.
     """
-    evidence = study.bench.evidence
+    windows, evidence = folds(study.predicted)[0], study.bench.evidence
     while len(ladder.steps) > 1 and not at_floor(ladder.models[-1].held_out, evidence):
-        before, after = (score_of(*study.fits(each.model, each.fit.z, study.predicted)) for each in ladder.models[-2:])
-        if paired_gain(before, after, evidence).total > 0 and after.chi2 < before.chi2:
+        before, after = (score_of(*study.fits(each.model, each.fit.z, windows)) for each in ladder.models[-2:])
+        if _better(before, after, evidence):
             break
         ladder = ladder.without_last()
     return ladder
+
+
+def _better(before: Score, after: Score, evidence: EvidenceSettings) -> bool:
+    """Whether fewer windows diverge, or as many do and the others' errors fall, of all together and typically."""
+    if after.infeasible != before.infeasible:
+        return after.infeasible < before.infeasible
+    both = (before.window_count > 0) & (after.window_count > 0)
+    falls = after.window_sum[both].sum() < before.window_sum[both].sum()
+    return bool(falls) and paired_gain(before, after, evidence).total > 0
 
 
 def _first_explained(

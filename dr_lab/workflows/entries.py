@@ -106,7 +106,7 @@ def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dic
 
 
 def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[dict[str, Any]]:
-    """Candidates in the verdict's order; `gain` is the share of the χ² on the scored logs that an effect removes.
+    """Candidates in the verdict's order; `gain` is the share of a typical window's χ² that an effect removes.
 
     Of a candidate that was tried on a part of the fitted windows alone, and beaten there, all figures are from these.
     """

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from dr_lab.diagnosis.bench import Bench, Explained
 from dr_lab.diagnosis.channels import unmeasured_joints
 from dr_lab.diagnosis.commands import silent_actuators
@@ -43,12 +45,14 @@ def fit_notes(models: Sequence[Explained]) -> list[dict[str, Any]]:
 
 
 def few_blocks(bench: Bench) -> list[dict[str, Any]]:
-    """Note that the held-out windows are too few for an interval of any difference between models."""
-    count, least = block_count(bench.held_out.log, bench.evidence), bench.evidence.least_compared
+    """Note that the windows are too few for an interval of any difference between models."""
+    apart = [bench.fit.log + bench.held_out.log.max(initial=0) + 1] if bench.apart else []
+    count = block_count(np.concatenate([bench.held_out.log, *apart]), bench.evidence)
+    least = bench.evidence.least_compared
     if count >= least:
         return []
     message = (
-        f"The held-out windows make {count} block{'s' if count > 1 else ''} of data; from {least} on "
+        f"The windows make {count} block{'s' if count > 1 else ''} of data; from {least} on "
         "(evidence.least_compared) the scatter of gains is known. Here an effect counts that lowers the error in every "
         f"window and closes {100 * bench.evidence.least_named:g} % of the gap (evidence.least_named): do not trust it "
         "far. Record more, hold out more logs or cut shorter windows (windows.length)."
@@ -70,7 +74,10 @@ def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:
 
 def dropped(labels: Sequence[str]) -> list[dict[str, Any]]:
     """Notes on effects that were added and not kept."""
-    told = "was added, and dropped again: beside the effects that stay, the logs do not ask for it beyond doubt."
+    told = (
+        "was added, and dropped again: beside the effects that stay, the logs do not ask for it beyond doubt, or the "
+        "model predicts no better with it."
+    )
     return [{"kind": "dropped", "message": f"{label} {told}"} for label in labels]
 
 
