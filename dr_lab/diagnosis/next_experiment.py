@@ -10,7 +10,6 @@ from dr_lab.diagnosis.bench import Explained
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.diagnosis.fit import Fit, Fitter
 from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.screen import free
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows import cut
 from dr_lab.errors import ConfigError, ModelError, require_numbers
@@ -34,7 +33,7 @@ class ExperimentSettings:
         excitations: shapes of the commands, by name.
         shares: sizes of the commands, shares of what the actuator allows.
         draws: times that each shape is drawn anew.
-        refitted: how many at most are refitted, those that a linear step finds best.
+        refitted: how many refits are finished at most, those that look best after the first steps.
         duration: s.
         command_rate: commands a second, Hz.
         sample_rate: samples a second of every channel, Hz.
@@ -106,19 +105,18 @@ def propose(chosen: Explained, rival: Explained, machine: Machine, settings: Exp
     """Play every experiment on both fitted models and keep the one that separates them most; None if none can run.
 
     One model plays the truth, without noise; the other is refitted to what it shows, the starts of all windows
-    included, and what it still misses counts: min over both roles of √Σ (residual/σ)². One linear step foretells for
-    each experiment what a refit would miss; those that promise most are refitted, until one misses more than the next
-    one promises.
+    included, and what it still misses counts: min over both roles of √Σ (residual/σ)². After the first steps of all
+    refits, those that still miss most are gone on with, until one misses more in the end than the next one now.
     """
     names = chosen.model.effects[-1].label, rival.model.effects[-1].label
     played = [
         _Played(excitation, commands, [_refit(*roles, commands, machine, settings) for roles in _roles(chosen, rival)])
         for excitation, commands in _experiments(machine, settings)
     ]
-    played.sort(key=lambda each: -each.foretold)
+    played.sort(key=lambda each: -each.most)
     best: Proposal | None = None
     for each in played[: settings.refitted]:
-        if best is not None and best.sigma >= each.foretold:
+        if best is not None and best.sigma >= each.most:
             break
         sigma = each.missed()
         if np.isfinite(sigma) and (best is None or sigma > best.sigma):
@@ -152,24 +150,20 @@ class _Refit:
 
     Attributes:
         fitter: over the windows of the experiment.
-        look: linear model at its context, its states as measured.
+        begun: the fit after its first steps.
     """
 
     fitter: Fitter
-    look: Fit
+    begun: Fit
 
     @property
-    def foretold(self) -> float:
-        """What it would miss after one linear step, in σ; −∞ where it cannot run."""
-        if self.look.infeasible.any():
-            return -np.inf
-        decrease = self.look.equations.decrease(free(self.fitter, self.look))
-        return float(np.sqrt(max(self.look.cost - decrease, 0.0)))
+    def most(self) -> float:
+        """What it misses at most after the refit, in σ: what it misses after the first steps."""
+        return _sigma(self.begun)
 
     def missed(self) -> float:
-        """What it misses after the refit, in σ; −∞ where it cannot run."""
-        fit = self.fitter.run(self.look.z, self.look.delta, self.look.slopes)
-        return -np.inf if fit.infeasible.any() else float(np.sqrt(max(fit.cost, 0.0)))
+        """What it misses after the refit, in σ."""
+        return _sigma(self.fitter.run(self.begun.z, self.begun.delta))
 
 
 @dataclass(frozen=True)
@@ -181,19 +175,24 @@ class _Played:
     refits: Sequence[_Refit | None]
 
     @property
-    def foretold(self) -> float:
-        """What the wrong model would miss after one linear step, whichever is the wrong one."""
-        return min(-np.inf if refit is None else refit.foretold for refit in self.refits)
+    def most(self) -> float:
+        """What the wrong model misses at most, whichever is the wrong one."""
+        return min(-np.inf if refit is None else refit.most for refit in self.refits)
 
     def missed(self) -> float:
-        """The same after refits."""
+        """What it misses after refits."""
         return min(-np.inf if refit is None else refit.missed() for refit in self.refits)
+
+
+def _sigma(fit: Fit) -> float:
+    """√Σ (residual/σ)² of a fit; −∞ where a window diverges."""
+    return -np.inf if fit.infeasible.any() else float(np.sqrt(max(fit.cost, 0.0)))
 
 
 def _refit(
     truth: Explained, other: Explained, commands: Mapping[str, Signal], machine: Machine, settings: ExperimentSettings
 ) -> _Refit | None:
-    """The other model looked at where the truth played an experiment; None where that cannot run."""
+    """The other model with a few steps of a fit to what the truth showed; None where that cannot run."""
     time = np.arange(0.0, settings.duration, 1 / settings.sample_rate)
     try:
         shown = readings(truth.model, truth.fit.z, machine.start, commands, list(machine.noise), time)
@@ -204,4 +203,4 @@ def _refit(
     measured = MeasurementSet("next_experiment", (log,), (), machine.noise, gaps)
     windows = cut([log], measured, other.model.nominal(), machine.windows)
     fitter = Fitter(Replay(other.model, windows, machine.threads), machine.solver)
-    return _Refit(fitter, fitter.run(other.fit.z, iterations=0))
+    return _Refit(fitter, fitter.run(other.fit.z, iterations=machine.solver.start_iterations))

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -59,6 +60,19 @@ def test_the_proposed_experiment_decides() -> None:
     missed = costs[1] - costs[0]
     assert missed > 25  # five standard deviations
     assert missed > 0.5 * found.sigma**2
+
+
+def test_the_best_experiment_is_refitted_first() -> None:
+    every, first = (propose(COULOMB, VISCOUS, MACHINE, replace(settings(), refitted=count)) for count in (6, 1))
+    assert every is not None
+    assert first is not None
+    assert first.sigma == pytest.approx(every.sigma)
+    assert first.excitation == every.excitation
+    given = settings().excitations
+    backwards = replace(settings(), refitted=1, excitations={name: given[name] for name in reversed(list(given))})
+    turned = propose(COULOMB, VISCOUS, MACHINE, backwards)
+    assert turned is not None
+    assert turned.excitation == first.excitation
 
 
 def test_what_is_the_same_to_every_experiment_is_not_separated() -> None:

@@ -1,5 +1,6 @@
 """Longer windows are tried where shorter ones leave a gap unexplained, and believed where they name something."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -56,6 +57,7 @@ def study(windows: WindowSettings, asked: Asked) -> Study:
     return cast(Study, Made(windows, asked, bench))
 
 
+DIVERGES = float("inf")
 NOTHING, NAMED = Answer("unexplained"), Answer("named", ("friction",))
 
 
@@ -114,9 +116,27 @@ class Rising:
 
 
 def score(chi2: list[float]) -> Score:
-    """A score of windows with ten residuals each."""
-    sums, count = 10 * np.array(chi2), np.full(len(chi2), 10.0)
-    return Score(float(np.mean(chi2)), {}, {}, {}, sums, count, np.arange(len(chi2)), 0)
+    """A score of windows with ten residuals each, of which some diverge."""
+    lost = np.isinf(chi2)
+    count = np.where(lost, 0.0, 10.0)
+    sums = np.where(lost, 0.0, 10 * np.where(lost, 0.0, chi2))
+    return Score(float(sums.sum() / count.sum()), {}, {}, {}, sums, count, np.arange(len(chi2)), int(lost.sum()))
+
+
+@pytest.fixture
+def predicting(monkeypatch: pytest.MonkeyPatch) -> Callable[[Sequence[Score], Rising], int]:
+    """How many effects are kept of a ladder whose models predict with these scores."""
+
+    def kept(scores: Sequence[Score], ladder: Rising) -> int:
+        made = SimpleNamespace(bench=SimpleNamespace(evidence=evidence_settings()), predicted=None, fits=fits)
+        monkeypatch.setattr(climbing, "score_of", lambda k, _: scores[k])
+        monkeypatch.setattr(climbing, "folds", lambda windows: (windows, None))
+        return len(climbing.as_far_as_it_predicts(cast(Study, made), cast(Ladder, ladder)).steps)
+
+    return kept
+
+
+Predicting = Callable[[Sequence[Score], Rising], int]
 
 
 @pytest.mark.parametrize(
@@ -130,19 +150,26 @@ def score(chi2: list[float]) -> Score:
     ],
 )
 def test_effects_that_do_not_predict_better_are_dropped(
-    monkeypatch: pytest.MonkeyPatch, errors: tuple[float, ...], kept: int
+    predicting: Predicting, errors: tuple[float, ...], kept: int
 ) -> None:
-    made = cast(Study, SimpleNamespace(bench=SimpleNamespace(evidence=evidence_settings()), predicted=None, fits=fits))
-    monkeypatch.setattr(climbing, "score_of", lambda k, _: score([errors[k]] * 8))
-    assert len(climbing.as_far_as_it_predicts(made, cast(Ladder, Rising(errors))).steps) == kept
-    assert len(climbing.as_far_as_it_predicts(made, cast(Ladder, Rising(errors, floor=True))).steps) == len(errors) - 1
+    scores = [score([error] * 8) for error in errors]
+    assert predicting(scores, Rising(errors)) == kept
+    assert predicting(scores, Rising(errors, floor=True)) == len(errors) - 1
 
 
-def test_one_wild_window_and_all_others_must_agree(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = cast(Study, SimpleNamespace(bench=SimpleNamespace(evidence=evidence_settings()), predicted=None, fits=fits))
-    scores = [score([50.0] * 8), score([50.0] * 8), score([40.0] * 7 + [200.0])]
-    monkeypatch.setattr(climbing, "score_of", lambda k, _: scores[k])
-    assert len(climbing.as_far_as_it_predicts(made, cast(Ladder, Rising((50.0, 50.0, 60.0)))).steps) == 1
+@pytest.mark.parametrize(
+    ("before", "after", "kept"),
+    [
+        ([50.0] * 8, [40.0] * 7 + [200.0], 1),  # a wild window raises the error of all
+        ([40.0] * 7 + [100.0], [46.0] * 8, 1),  # a wild window alone gets better
+        ([40.0] * 8, [30.0] * 4 + [DIVERGES] * 4, 1),
+        ([40.0] * 4 + [DIVERGES] * 4, [45.0] * 8, 2),
+    ],
+)
+def test_all_windows_and_the_typical_one_must_get_better(
+    predicting: Predicting, before: list[float], after: list[float], kept: int
+) -> None:
+    assert predicting([score([90.0] * 8), score(before), score(after)], Rising((90.0, 50.0, 60.0))) == kept
 
 
 def fits(model: int, z: None, windows: None) -> tuple[int, None]:
