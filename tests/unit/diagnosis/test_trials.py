@@ -171,6 +171,29 @@ def test_the_climb_goes_on_from_what_a_trial_that_falls_leaves(monkeypatch: pyte
     assert all(step.proven for step in climbed.steps)
 
 
+def test_what_a_missing_effect_puts_in_doubt_stays_until_that_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside the second effect the first one's gain scatters; beside the third as well it is beyond doubt."""
+    first, second, third = (
+        placed(block(), name, "rail") for name in ("coulomb_friction", "viscous_friction", "constant_offset")
+    )
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        if {first, second, third} <= set(effects):
+            return np.zeros(BLOCKS)
+        if {first, second} <= set(effects):
+            return 4.0 - 2.5 * SCATTERED
+        if second in effects:
+            return np.repeat(4.0, BLOCKS)
+        return np.repeat(8.0, BLOCKS) if first in effects else WIDE
+
+    machine = Machine((first, second, third), left)
+    pair = machine.explain((second,)).held_out, machine.explain((first, second)).held_out
+    assert not supported(paired_gain(*pair, SETTINGS), len(first.parameters), SETTINGS)
+    climbed = climb(machine, monkeypatch)
+    assert climbed.dropped == ()
+    assert set(labels(effects_of(climbed.models[-1]))) == {first.label, second.label, third.label}
+
+
 @pytest.mark.parametrize(("base", "verdict"), [(WIDE, "unexplained"), (np.repeat(0.09, BLOCKS), "none")])
 def test_where_all_that_was_added_is_dropped_nothing_is_named(base: Array, verdict: str) -> None:
     below = explained((), base)
