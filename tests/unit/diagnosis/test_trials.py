@@ -171,27 +171,23 @@ def test_the_climb_goes_on_from_what_a_trial_that_falls_leaves(monkeypatch: pyte
     assert all(step.proven for step in climbed.steps)
 
 
-def test_what_a_missing_effect_puts_in_doubt_stays_until_that_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Beside the second effect the first one's gain scatters; beside the third as well it is beyond doubt."""
-    first, second, third = (
-        placed(block(), name, "rail") for name in ("coulomb_friction", "viscous_friction", "constant_offset")
-    )
+def test_what_is_in_doubt_falls_when_the_climb_is_over_not_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second = (placed(block(), name, "rail") for name in ("coulomb_friction", "viscous_friction"))
 
     def left(effects: Sequence[PlacedEffect]) -> Array:
-        if {first, second, third} <= set(effects):
-            return np.zeros(BLOCKS)
         if {first, second} <= set(effects):
             return 4.0 - 2.5 * SCATTERED
-        if second in effects:
-            return np.repeat(4.0, BLOCKS)
-        return np.repeat(8.0, BLOCKS) if first in effects else WIDE
+        return np.repeat(4.0, BLOCKS) if second in effects else np.repeat(16.0, BLOCKS) if first in effects else WIDE
 
-    machine = Machine((first, second, third), left)
-    pair = machine.explain((second,)).held_out, machine.explain((first, second)).held_out
-    assert not supported(paired_gain(*pair, SETTINGS), len(first.parameters), SETTINGS)
-    climbed = climb(machine, monkeypatch)
-    assert climbed.dropped == ()
-    assert set(labels(effects_of(climbed.models[-1]))) == {first.label, second.label, third.label}
+    machine = Machine((first, second), left)
+    prepare(machine, monkeypatch)
+    alone, both = machine.explain((second,)).held_out, machine.explain((first, second)).held_out
+    assert worth_a_trial(paired_gain(alone, both, SETTINGS), len(first.parameters), SETTINGS)
+    assert not supported(paired_gain(alone, both, SETTINGS), len(first.parameters), SETTINGS)
+    steps = tuple(Step(machine.explain(effects), ()) for effects in ((first,), (first, second)))
+    cases = SpecialCases({}, NOTHING, NOTHING)
+    assert pruning.lean(BENCH, machine.explain(()), steps, cases).dropped == ()
+    assert pruning.finished(BENCH, machine.explain(()), steps, cases).dropped == (first.label,)
 
 
 @pytest.mark.parametrize(("base", "verdict"), [(WIDE, "unexplained"), (np.repeat(0.09, BLOCKS), "none")])
