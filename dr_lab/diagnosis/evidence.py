@@ -27,6 +27,7 @@ class Gain:
             of fitted ones as fits to the others foretell them; χ² of a typical window is exp(mean ln(1 + χ²_w)) − 1.
         low: lower end of its interval.
         high: upper end.
+        error: share of the worse model's χ² that is more than noise, in a typical one of these windows.
         gap: share of the worse model's χ² above the noise floor of 1 that the better one closes in a typical window of
             those that score; 1 where the worse one is at the floor.
         channels: that share by channel.
@@ -47,6 +48,7 @@ class Gain:
     share: float
     low: float
     high: float
+    error: float
     gap: float
     channels: Mapping[str, float]
     place: str
@@ -57,7 +59,7 @@ class Gain:
     clear: bool
 
 
-_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, 0.0, clear=False)
+_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, 0.0, clear=False)
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -95,6 +97,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         share=share,
         low=low,
         high=float(np.minimum(high, 1.0)),
+        error=max(1 - 1 / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
         gap=_gap(theirs, ours, worse.window_count[both]),
         channels=closed,
         place=max(each, key=lambda name: float(each[name][0].sum())),
@@ -151,8 +154,13 @@ def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_])
 
 def _removed(sums: Array) -> Array:
     """Share of a typical window's χ² that the better model removes, from sums of rows of `_Every`."""
-    before, after = (np.expm1(each / np.maximum(sums[2], _LEAST)) for each in sums[:2])
+    before, after = _typical_of(sums)
     return 1 - after / np.maximum(before, _LEAST)
+
+
+def _typical_of(sums: Array) -> Array:
+    """χ² of both models in a typical window, from sums of rows of `_Every`."""
+    return np.expm1(sums[:2] / np.maximum(sums[2], _LEAST))
 
 
 def block_count(log: Indices, settings: EvidenceSettings) -> int:

@@ -74,8 +74,13 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
 
 
 def _explained(gain: Gain) -> dict[str, Any]:
-    """Share of the calibrated model's χ² that the added effects remove, its interval, and the gap closed by channel."""
-    return {"share": gain.share, "low": gain.low, "high": gain.high, "channels": dict(gain.channels)}
+    """Share of the calibrated model's error that the added effects remove, its interval, and the gap closed by channel.
+
+    The error is what its χ² is above noise, in a typical window; None where there is none.
+    """
+    shares = {"share": gain.share, "low": gain.low, "high": gain.high}
+    told = {name: min(share / gain.error, 1.0) if gain.error > 0 else None for name, share in shares.items()}
+    return {**told, "channels": dict(gain.channels)}
 
 
 def _ladder_notes(study: Study, ladder: Ladder) -> list[dict[str, Any]]:

@@ -84,6 +84,7 @@ def test_a_constant_share_is_known_exactly() -> None:
     better = np.full(30, 100.0)
     gain = paired_gain(score(4 * better), score(better), SETTINGS)
     assert np.allclose([gain.share, gain.low, gain.high], 0.75)
+    assert gain.error == pytest.approx(0.75)  # of a χ² of 4, so that it explains all of it
     assert gain.wins == 1
     assert supported(gain, 1, SETTINGS)
 
