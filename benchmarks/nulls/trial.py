@@ -62,7 +62,7 @@ class Compared:
     Attributes:
         label: of the effect.
         ranked: whether the contest fitted it to all windows; else it was fitted for this table alone.
-        total: evidence on the held-out windows, as Δχ².
+        total: evidence on held-out windows and on fitted ones as others foretell them, as Δχ².
         total_low: lower bound that is stated for it.
         supported: whether it counts.
         truth: the same evidence as expected of other logs of this machine, for as many windows.
