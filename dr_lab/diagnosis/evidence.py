@@ -85,7 +85,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     evidence = np.sum([found[0] for found in each.values()], axis=0)
     diverges = _diverges(worse, better)
     every = _everywhere(evidence, worse, better, both)
-    total, resampled = float(every.evidence.sum()), _resampled(every.rows, every.log, settings)
+    total, resampled = float(every.rows[3].sum()), _resampled(every.rows, every.log, settings)
     share, n = float(_removed(every.rows.sum(1))), block_count(every.log, settings)
     low, high = _interval(share, _removed(resampled), n, (1 - settings.confidence) / 2, settings)
     total_low, trial_low = (
@@ -128,11 +128,6 @@ class _Every(NamedTuple):
     rows: Array
     log: Indices
 
-    @property
-    def evidence(self) -> Array:
-        """Evidence of each window, shape (w,)."""
-        return self.rows[3]
-
 
 def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> _Every:
     """All windows; `evidence` is that of the windows that score, shape (w,)."""
@@ -148,8 +143,7 @@ def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.b
 
 def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> Array:
     count = worse.window_count[both]
-    level = (score.window_sum[both] / np.maximum(count, _LEAST) for score in (worse, better))
-    return np.stack([*(count * np.log1p(each) for each in level), count, evidence])
+    return np.stack([*(_logs(score.window_sum[both], count) for score in (worse, better)), count, evidence])
 
 
 def _removed(sums: Array) -> Array:
@@ -201,8 +195,12 @@ def _deviance(sums: Array, count: Array) -> Array:
 
 def _typical(sums: Array, count: Array) -> float:
     """χ² of a typical window."""
-    level = sums / np.maximum(count, _LEAST)
-    return float(np.expm1((count * np.log1p(level)).sum() / max(count.sum(), _LEAST)))
+    return float(np.expm1(_logs(sums, count).sum() / max(count.sum(), _LEAST)))
+
+
+def _logs(sums: Array, count: Array) -> Array:
+    """N ln(1 + χ²) of each window."""
+    return count * np.log1p(sums / np.maximum(count, _LEAST))
 
 
 def noise_floor(freedom: float, settings: EvidenceSettings) -> float:

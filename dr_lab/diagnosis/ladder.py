@@ -11,7 +11,7 @@ from dr_lab.diagnosis.confirmation import Confirmation
 from dr_lab.diagnosis.evidence import Gain, at_floor, cleared, paired_gain
 from dr_lab.diagnosis.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.pruning import Pruned, PutBack, finished, lean
-from dr_lab.diagnosis.rank import rank
+from dr_lab.diagnosis.rank import Ranking, rank
 from dr_lab.diagnosis.restack import reconsider
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.step import Step
@@ -165,23 +165,27 @@ def climb(
     """
     ladder, cases = Ladder((), base, ()), SpecialCases(effects, scales, compiled)
     while True:
-        last = ladder.models[-1]
-        found = candidates(last.model, effects, scales, compiled)
+        found = candidates(ladder.models[-1].model, effects, scales, compiled)
         placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
-        ranking = rank(bench, last, placed, watch(len(placed)))
-        ladder = ladder.topped(ranking.base)
-        rung = Rung(ranking.base, ranking.candidates, decide(*ranking, bench.evidence, bench.scored))
-        ladder = replace(ladder, rungs=(*ladder.rungs, rung), refused={**found.refused, **ladder.refused})
-        over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
-        steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, step_from(rung)))
-        if over:
-            pruned = finished(bench, ladder.base, steps, cases)
-        else:
-            pruned = lean(bench, ladder.base, steps, cases) if all(s.proven for s in steps) else Pruned(steps)
-        dropped, put_back = (*ladder.dropped, *pruned.dropped), (*ladder.put_back, *pruned.put_back)
-        ladder = replace(ladder, steps=pruned.steps, dropped=dropped, put_back=put_back)
+        ranking = rank(bench, ladder.models[-1], placed, watch(len(placed)))
+        ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
+        ladder, over = _with_rung(bench, ladder, ranking, cases, most)
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
+
+
+def _with_rung(bench: Bench, ladder: Ladder, ranking: Ranking, cases: SpecialCases, most: int) -> tuple[Ladder, bool]:
+    """The ladder with what one ranking adds, and what falls for it; and whether that ends the climb."""
+    rung = Rung(ranking.base, ranking.candidates, decide(*ranking, bench.evidence, bench.scored))
+    over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
+    steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, step_from(rung)))
+    if over:
+        pruned = finished(bench, ladder.base, steps, cases)
+    else:
+        pruned = lean(bench, ladder.base, steps, cases) if all(s.proven for s in steps) else Pruned(steps)
+    dropped, put_back = (*ladder.dropped, *pruned.dropped), (*ladder.put_back, *pruned.put_back)
+    rungs = (*ladder.rungs, rung)
+    return replace(ladder, rungs=rungs, steps=pruned.steps, dropped=dropped, put_back=put_back), over
 
 
 def step_from(rung: Rung) -> Step:

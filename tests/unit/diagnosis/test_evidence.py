@@ -65,6 +65,19 @@ def test_what_others_do_not_foretell_counts_against_a_model() -> None:
     assert not supported(gain, 1, SETTINGS)
 
 
+def test_a_fitted_window_that_diverges_counts_against_a_model() -> None:
+    before, after = score(np.full(24, 400.0)), score(np.full(24, 100.0))
+    first = np.arange(24) == 0
+    lost = replace(after, window_count=np.where(first, 0.0, 100.0), window_sum=np.where(first, 0.0, 100.0))
+    worse = replace(before, foretold=before)
+    assert supported(paired_gain(worse, replace(after, foretold=after), SETTINGS), 1, SETTINGS)
+    gain = paired_gain(worse, replace(after, foretold=lost), SETTINGS)
+    assert gain.total > 0
+    assert gain.total_low == -np.inf
+    assert not gain.clear
+    assert not supported(gain, 1, SETTINGS)
+
+
 def test_one_block_led_astray_does_not_decide_the_share() -> None:
     better, worse = np.full(30, 100.0), np.full(30, 400.0)
     wild = np.append(better[1:], 1e8)
