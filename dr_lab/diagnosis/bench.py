@@ -180,8 +180,10 @@ def scored(
     replay, states = fit_states(model, fit.z, bench.held_out, bench.solver, threads or bench.threads, near, stop)
     score = score_of(replay, states)
     if bench.apart:
-        others = replace(_states(fit), residuals=left_out(fit, model.space, bench.fit.log, bench.evidence))
-        score = replace(score, foretold=score_of(Replay(model, bench.fit, 1), others))
+        fitted = Replay(model, bench.fit, threads or bench.threads, stop)
+        found = left_out(fitted, fit, bench.solver, bench.evidence)
+        others = replace(_states(fit), residuals=found.residuals, infeasible=found.infeasible)
+        score = replace(score, foretold=score_of(fitted, others))
     return Explained(model, fit, states, score, bench.apart)
 
 

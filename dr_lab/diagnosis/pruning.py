@@ -112,9 +112,13 @@ def prune(
 
 
 def drop_absent(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], tuple[str, ...]]:
-    """Drop effects whose parameters are compatible with absent, the most doubtful one first.
+    """Drop effects of one parameter that is compatible with absent, the most doubtful one first.
 
-    Their uncertainty is that of `covariance.estimate`, which holds the scatter between logs.
+    Its uncertainty is that of `covariance.estimate`, which holds the scatter between logs. An effect of several
+    parameters is judged by what it gains alone: near absent its shape means nothing, and the answer of a Wald test
+    depends on how the parameters are written down. Of an elasticity, say, often only compliance times inertia is known.
+
+    Source: Gregory and Veall, Econometrica 53 (1985) 1465.
 
     Returns:
         As `prune`.
@@ -122,7 +126,7 @@ def drop_absent(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple
     if not steps:
         return (), ()
     known = known_of(bench, steps[-1].explained)
-    doubts = [chance(known, step.effect.absent) for step in steps]
+    doubts = [chance(known, step.effect.absent) if len(step.effect.parameters) == 1 else 0.0 for step in steps]
     place = int(np.argmax(doubts))
     if doubts[place] < 1 - bench.evidence.confidence:
         return steps, ()

@@ -24,6 +24,7 @@ class Grids:
         speeds: no-load speeds, shares of the joint's largest speed.
         scales: lowest and highest share of its force that a drive delivers, as in the catalogue.
         gains: the same of a position controller's proportional gain.
+        drift: fastest of an encoder, shares of the joint's range in a second, as in the catalogue.
         periods: of cogging in a turn, as in the catalogue.
     """
 
@@ -42,4 +43,5 @@ class Grids:
     speeds: Sequence[float]
     scales: tuple[float, float]
     gains: tuple[float, float]
+    drift: float
     periods: int

@@ -78,7 +78,8 @@ def _readings(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Ri
 
     yield Rival(f"sensor_bias@{joint}", 1, read(np.ones_like(q)))
     yield Rival(f"sensor_scale@{joint}", 1, read(q))
-    yield Rival(f"sensor_drift@{joint}", 1, read(course.middle))
+    most = grids.drift * float(np.ptp(q))
+    yield Rival(f"sensor_drift@{joint}", 1, (Choice([showing(course.middle, row, count)], [-most], [most]),))
     yield Rival(f"encoder_eccentricity@{joint}", 2, read(np.sin(q), np.cos(q)))
     late = [showing(-d * v + 0.5 * d**2 * a, row, count) for d in grids.offsets]
     yield Rival(f"sensor_time_offset@{joint}", 1, along(late))
