@@ -33,9 +33,9 @@ from rich.console import Console
 from rich.table import Table
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.windows import cut
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 

@@ -32,8 +32,8 @@ from rich.table import Table
 
 from dr_lab.cli.compose import compose
 from dr_lab.evaluators.statistics import iqm_interval
+from dr_lab.training.plan import Plan
 from dr_lab.trajectory import Array
-from dr_lab.workflows.training import Plan
 
 TASK = "Hopper-v5"
 OURS = {"matched": ["algorithm=ppo_sb3", "episodes=8"], "tuned": ["algorithm=ppo"]}

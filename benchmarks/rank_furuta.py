@@ -31,12 +31,12 @@ from rich.console import Console
 from rich.table import Table
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.rank import Candidate, rank
+from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.study import Study, prepare
+from dr_lab.diagnosis.search.rank import Candidate, rank
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import Effect, PlacedEffect
 from dr_lab.trajectory import Array
-from dr_lab.workflows.calibrated import calibrate
-from dr_lab.workflows.study import Study, prepare
 
 
 @dataclass

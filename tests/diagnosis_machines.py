@@ -10,12 +10,12 @@ import numpy as np
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.fault_settings import FaultSettings
+from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.localise import LocaliseSettings
-from dr_lab.diagnosis.model_check import ModelCheckSettings
-from dr_lab.diagnosis.replay import Replay
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
-from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 

@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 from typing import Any
 
+from dr_lab.benchmark.case import Case, Kind
+from dr_lab.benchmark.outcome import Outcome
 from dr_lab.errors import DataError
-from dr_lab.workflows.benchmark_cases.case import Case, Kind
-from dr_lab.workflows.benchmark_cases.outcome import Outcome
 
 A, B, C = "coulomb_friction@arm", "spring@arm", "actuator_delay@motor"
 STANDING = {

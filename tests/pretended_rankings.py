@@ -7,12 +7,12 @@ import numpy as np
 from diagnosis_machines import evidence_settings
 from effect_machines import block, placed
 
-from dr_lab.diagnosis.bench import Explained
-from dr_lab.diagnosis.candidate import Candidate
-from dr_lab.diagnosis.evidence import paired_gain
-from dr_lab.diagnosis.identifiability import Identifiability
-from dr_lab.diagnosis.score import Score
-from dr_lab.diagnosis.verdict import Verdict, decide
+from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.fit.identifiability import Identifiability
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.verdict import Verdict, decide
 
 SETTINGS = evidence_settings()
 WINDOWS, COUNT = 30, 300.0

@@ -6,8 +6,8 @@ from typing import Any
 
 import yaml
 
+from dr_lab.summaries.groups import Statistics
 from dr_lab.sweeps.overrides import by_key
-from dr_lab.workflows.sweep_summary.groups import Statistics
 
 STATISTICS = Statistics(confidence=0.95, resamples=200, seed=0)
 EDGES = [0.0, 0.1, 0.2]

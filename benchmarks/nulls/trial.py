@@ -10,13 +10,15 @@ import numpy as np
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.bench import Bench, Explained, explain
-from dr_lab.diagnosis.evidence import paired_gain, supported
-from dr_lab.diagnosis.rank import Candidate, rank
-from dr_lab.diagnosis.score import Score, score_of
-from dr_lab.diagnosis.states import StateFit, fit_states
-from dr_lab.diagnosis.verdict import decide
-from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.study import Study, prepare
+from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.diagnosis.fit.states import StateFit, fit_states
+from dr_lab.diagnosis.search.rank import Candidate, rank
+from dr_lab.diagnosis.search.verdict import decide
+from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.errors import DrLabError
@@ -24,8 +26,6 @@ from dr_lab.measurements.cleaning import longest_wait
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.noise import estimate_noise
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise
-from dr_lab.workflows.calibrated import calibrate
-from dr_lab.workflows.study import Study, prepare
 from nulls.machines import MACHINES, Missing, Motions, move, split
 
 FITTED, HELD_OUT = 4, 2  # logs

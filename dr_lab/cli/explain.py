@@ -18,7 +18,7 @@ from dr_lab.cli.compose import WHOLE_GROUP, choices, compose_with_hydra, misplac
 from dr_lab.cli.overrides import RefusedKey, refused_key
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
-from dr_lab.recorders.files import why_no_folder
+from dr_lab.files import why_no_folder
 
 USER_FAULT = 2
 OUR_FAULT = 1

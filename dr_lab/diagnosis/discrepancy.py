@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtri
 
-from dr_lab.diagnosis.point import Point
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.point import Point
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.trajectory import Array
 
 _CONFIDENCE = 0.99  # as MATLAB's resid

@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 
-from dr_lab.diagnosis.channels import Channel, Tape, resolve
-from dr_lab.diagnosis.commands import averages
-from dr_lab.diagnosis.unread import reach
+from dr_lab.diagnosis.windows.channels import Channel, Tape, resolve
+from dr_lab.diagnosis.windows.commands import averages
+from dr_lab.diagnosis.windows.invert_reading import reach
 from dr_lab.errors import ModelError
 from dr_lab.physics.activations import resting
 from dr_lab.physics.model import Model

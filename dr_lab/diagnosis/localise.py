@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dr_lab.diagnosis.channels import Tape
-from dr_lab.diagnosis.force_formula import FormulaSettings
-from dr_lab.diagnosis.point import Point
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.point import Point
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.missing_force.force_formula import FormulaSettings
+from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.trajectory import Array
 

@@ -6,12 +6,12 @@ from typing import Protocol
 
 import numpy as np
 
-from dr_lab.diagnosis.bench import Explained
+from dr_lab.diagnosis.evidence.bench import Explained
 from dr_lab.diagnosis.experiment import readings
-from dr_lab.diagnosis.fit import Fit, Fitter
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
-from dr_lab.diagnosis.windows import cut
+from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.errors import ConfigError, ModelError, require_numbers
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal

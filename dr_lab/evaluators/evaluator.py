@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from dr_lab.algorithms.rollouts import PolicyRollouts
-from dr_lab.algorithms.trainer import Trainer
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.episodes import ContextSource, Episodes
 from dr_lab.envs.setting import Setting
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid
 from dr_lab.seeding import derived_seed
+from dr_lab.training.rollouts import PolicyRollouts
+from dr_lab.training.trainer import Trainer
 
 Row = Mapping[str, float | str]
 Progress = Callable[[float], None]

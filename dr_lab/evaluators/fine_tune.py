@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.algorithms.rollouts import PolicyRollouts
-from dr_lab.algorithms.trainer import Trainer
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import interquartile_mean
@@ -19,6 +17,8 @@ from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.training import Curve
 from dr_lab.seeding import derived_seed, stream
+from dr_lab.training.rollouts import PolicyRollouts
+from dr_lab.training.trainer import Trainer
 from dr_lab.trajectory import Array
 
 

@@ -8,7 +8,6 @@ import mujoco
 import numpy as np
 import torch
 
-from dr_lab.algorithms.recorded import record
 from dr_lab.envs.task import Change, Task
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
@@ -18,7 +17,8 @@ from dr_lab.plants.machine import Vector
 from dr_lab.plants.operator import Experiment
 from dr_lab.plants.tracking import track
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.quantity import percent
+from dr_lab.reports.quantity import percent
+from dr_lab.training.recorded import record
 from dr_lab.trajectory import Array
 
 

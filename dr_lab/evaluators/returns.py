@@ -11,7 +11,7 @@ from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import iqm_interval, worst_decile
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
-from dr_lab.recorders.quantity import percent
+from dr_lab.reports.quantity import percent
 from dr_lab.seeding import stream
 
 

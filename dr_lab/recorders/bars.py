@@ -8,11 +8,11 @@ import numpy as np
 
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Axis, Canvas, Chart, decade_axis, linear_axis
-from dr_lab.recorders.ladder import Step, candidate_name, status
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import SIMULATED
-from dr_lab.recorders.quantity import number
 from dr_lab.recorders.shape import Colour
+from dr_lab.reports.ladder import Step, candidate_name, status
+from dr_lab.reports.quantity import number
 
 # Canvas units a row: a line of text above its bar, whose place is given as a share of the row from below.
 _ROW = 18.0

@@ -10,11 +10,11 @@ import rerun.blueprint as rrb
 from dr_lab.recorders.bars import ladder_canvas, ranking_canvas
 from dr_lab.recorders.branch import TIMELINE, entity_path
 from dr_lab.recorders.eye import eye_controls
-from dr_lab.recorders.ladder import scored, steps
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE, MEASURED, SIMULATED, Overlay
 from dr_lab.recorders.scatter import CANVAS
 from dr_lab.recorders.scene import moving_corners, thin
+from dr_lab.reports.ladder import scored, steps
 from dr_lab.trajectory import Array
 
 # Rows of plots that can be read on one sheet.

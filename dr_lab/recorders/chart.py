@@ -9,8 +9,8 @@ import rerun.blueprint as rrb
 from numpy.typing import ArrayLike
 
 from dr_lab.recorders.branch import Branch, entity_path
-from dr_lab.recorders.quantity import number
 from dr_lab.recorders.shape import Colour
+from dr_lab.reports.quantity import number
 from dr_lab.trajectory import Array
 
 # Layers of the drawing, back to front.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from dr_lab.recorders.files import atomic
+from dr_lab.files import atomic
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.shape import Colour
 

@@ -10,9 +10,9 @@ from scipy.stats import chi2
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import DOTS, LINES, Canvas, Chart, linear_axis
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.quantity import percent, titled
 from dr_lab.recorders.shape import Colour
 from dr_lab.recorders.training import Marginal, Pair
+from dr_lab.reports.quantity import percent, titled
 from dr_lab.trajectory import Array
 
 CANVAS = Canvas(width=130.0, height=80.0, left=18.0, right=6.0, top=12.0, bottom=16.0)

@@ -12,7 +12,6 @@ from dr_lab.recorders.branch import Branch, entity_path
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.eye import eye_controls, followed_box
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.quantity import ABSENT, number, titled
 from dr_lab.recorders.scene import (
     body_poses,
     log_bodies,
@@ -23,7 +22,8 @@ from dr_lab.recorders.scene import (
     thin,
 )
 from dr_lab.recorders.shape import Paint
-from dr_lab.recorders.tables import table
+from dr_lab.reports.quantity import ABSENT, number, titled
+from dr_lab.reports.tables import table
 from dr_lab.trajectory import Array
 
 ROOT = "episode"

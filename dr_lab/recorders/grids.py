@@ -8,9 +8,9 @@ import rerun as rr
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Axis, Canvas, Chart, linear_axis
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.quantity import number, titled
 from dr_lab.recorders.shape import Colour
 from dr_lab.recorders.training import ContextAxis, Grid
+from dr_lab.reports.quantity import number, titled
 from dr_lab.trajectory import Array
 
 CANVAS = Canvas(width=130.0, height=90.0, left=18.0, right=24.0, top=12.0, bottom=16.0)

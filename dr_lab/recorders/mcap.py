@@ -10,7 +10,7 @@ from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
 from dr_lab.errors import DataError
-from dr_lab.recorders.files import write_bytes
+from dr_lab.files import write_bytes
 from dr_lab.ros2 import (
     FLOAT64_MULTI_ARRAY,
     JOINT_STATE,

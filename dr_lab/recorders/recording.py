@@ -7,8 +7,8 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
+from dr_lab.files import atomic
 from dr_lab.recorders.branch import Branch
-from dr_lab.recorders.files import atomic
 
 
 @contextmanager

@@ -10,7 +10,6 @@ import rerun as rr
 from dr_lab.recorders.bars import log_ladder, log_ranking
 from dr_lab.recorders.blueprints import review_blueprint
 from dr_lab.recorders.branch import Branch
-from dr_lab.recorders.ladder import before_after, steps
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import MEASURED, Overlay
 from dr_lab.recorders.recording import recording_file
@@ -18,8 +17,9 @@ from dr_lab.recorders.scatter import log_scatter
 from dr_lab.recorders.scene import log_bodies, log_surroundings, send_poses, thin
 from dr_lab.recorders.shape import Paint
 from dr_lab.recorders.signals import log_commands, log_residuals, log_signals
-from dr_lab.recorders.tables import error_table, ranking_table
-from dr_lab.recorders.verdict import verdict_markdown
+from dr_lab.reports.ladder import before_after, steps
+from dr_lab.reports.tables import error_table, ranking_table
+from dr_lab.reports.verdict import verdict_markdown
 
 # Rerun keeps one layout an application: every recording of a gap shares this one.
 APPLICATION = "dr_lab_gap"

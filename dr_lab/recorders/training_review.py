@@ -12,9 +12,9 @@ from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.quantity import titled
 from dr_lab.recorders.recording import recording_file
 from dr_lab.recorders.training import Curve, Grid, Marginal, Pair
+from dr_lab.reports.quantity import titled
 
 # Rerun keeps one layout an application: every recording of training and evaluation shares this one.
 APPLICATION = "dr_lab_train"

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from dr_lab.recorders.files import write_text
+from dr_lab.files import write_text
 
 STATUS_FILE = "status.json"
 LOCK_FILE = ".lock"

@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from dr_lab.errors import ConfigError
-from dr_lab.recorders.files import remove_leftovers, why_no_folder, write_text
+from dr_lab.files import remove_leftovers, why_no_folder, write_text
 
 SWEEP_FILE = "sweep.json"
 SCHEMA = "dr_lab/sweep/1"

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from dr_lab.errors import DrLabError
-from dr_lab.recorders.files import write_text
+from dr_lab.files import write_text
 from dr_lab.sweeps.job_folder import ERROR_FILE, FINAL, Status, read_status
 from dr_lab.sweeps.objective import objectives
 from dr_lab.sweeps.overrides import by_key, differing

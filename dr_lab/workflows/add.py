@@ -5,24 +5,24 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from dr_lab.diagnosis.fault_settings import FaultSettings
-from dr_lab.diagnosis.ladder import Ladder, Rung
+from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.finish import Run
+from dr_lab.comparison.ladder_report import report_ladder
+from dr_lab.comparison.progress import screen
+from dr_lab.comparison.study import Study, prepare
+from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
-from dr_lab.diagnosis.model_check import ModelCheckSettings
-from dr_lab.diagnosis.rank import rank
+from dr_lab.diagnosis.search.ladder import Ladder, Rung
+from dr_lab.diagnosis.search.rank import rank
+from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
-from dr_lab.diagnosis.step import Step
-from dr_lab.diagnosis.verdict import decide
 from dr_lab.effects.effect import Effect, PlacedEffect, place
 from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
-from dr_lab.workflows.calibrated import calibrate
-from dr_lab.workflows.finish import Run
-from dr_lab.workflows.ladder_report import report_ladder
-from dr_lab.workflows.progress import screen
-from dr_lab.workflows.study import Study, prepare
 
 
 def add(

@@ -13,21 +13,21 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from dr_lab.benchmark.case import Case, Cases, Machine, expand
+from dr_lab.benchmark.diagnosed import diagnose_case
+from dr_lab.benchmark.equivalence import TruthClasses
+from dr_lab.benchmark.observed import Compose
+from dr_lab.benchmark.outcome import Outcome
+from dr_lab.benchmark.pages import effects_page, machines_page, misses_page, rates_page, report_page
+from dr_lab.benchmark.pool import Diagnose, finished, keep, run_cases
+from dr_lab.benchmark.score import mark
+from dr_lab.benchmark.summary import Goals, answers, cases_csv, summary
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
+from dr_lab.files import write_text
 from dr_lab.recorders.benchmark_review import write_benchmark_review
 from dr_lab.recorders.confusion import confusion_csv, confusion_picture, write_picture
-from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
-from dr_lab.workflows.benchmark_cases.case import Case, Cases, Machine, expand
-from dr_lab.workflows.benchmark_cases.diagnosed import diagnose_case
-from dr_lab.workflows.benchmark_cases.equivalence import TruthClasses
-from dr_lab.workflows.benchmark_cases.observed import Compose
-from dr_lab.workflows.benchmark_cases.outcome import Outcome
-from dr_lab.workflows.benchmark_cases.pages import effects_page, machines_page, misses_page, rates_page, report_page
-from dr_lab.workflows.benchmark_cases.pool import Diagnose, finished, keep, run_cases
-from dr_lab.workflows.benchmark_cases.score import mark
-from dr_lab.workflows.benchmark_cases.summary import Goals, answers, cases_csv, summary
 
 CASES = "cases"
 RESUMES_FROM = CASES  # what a run folder must hold to be resumed

@@ -4,9 +4,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dr_lab.diagnosis.fault_settings import FaultSettings
+from dr_lab.comparison.climbing import climbed
+from dr_lab.comparison.finish import Run
+from dr_lab.comparison.ladder_report import report_ladder
+from dr_lab.comparison.progress import screen
+from dr_lab.comparison.study import prepare
+from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
-from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.effects.catalogue import require_names
@@ -15,11 +20,6 @@ from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.trajectory import MeasurementSet
-from dr_lab.workflows.climbing import climbed
-from dr_lab.workflows.finish import Run
-from dr_lab.workflows.ladder_report import report_ladder
-from dr_lab.workflows.progress import screen
-from dr_lab.workflows.study import prepare
 
 
 def close(

@@ -15,21 +15,21 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import Progress as Bar
 
-from dr_lab.algorithms.checkpoint import load
-from dr_lab.algorithms.trainer import Trainer
 from dr_lab.collectors.collector import Policy
 from dr_lab.distribution_learners.none import NoLearner
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
-from dr_lab.recorders.files import write_text
+from dr_lab.files import write_text
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.quantity import number, titled
-from dr_lab.recorders.report import to_plain
-from dr_lab.recorders.tables import table
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
-from dr_lab.workflows.episodes import described, keep_episodes, play_episodes
-from dr_lab.workflows.training import CHECKPOINT, Plan, Training
+from dr_lab.reports.quantity import number, titled
+from dr_lab.reports.report import to_plain
+from dr_lab.reports.tables import table
+from dr_lab.training.checkpoint import load
+from dr_lab.training.episodes import described, keep_episodes, play_episodes
+from dr_lab.training.plan import CHECKPOINT, Plan, Training
+from dr_lab.training.trainer import Trainer
 
 _SHOWN = 40  # rows of the table in the page; all are in returns.csv
 

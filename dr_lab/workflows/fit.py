@@ -3,21 +3,21 @@
 from pathlib import Path
 from typing import Any
 
-from dr_lab.diagnosis.fault_settings import FaultSettings
+from dr_lab.comparison import entries
+from dr_lab.comparison.calibrated import as_given, calibrate, describe
+from dr_lab.comparison.finish import Run, answer, finish
+from dr_lab.comparison.localised import failure
+from dr_lab.comparison.notes import fit_notes
+from dr_lab.comparison.progress import screen
+from dr_lab.comparison.study import prepare
+from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
-from dr_lab.diagnosis.model_check import ModelCheckSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.trajectory import MeasurementSet
-from dr_lab.workflows import entries
-from dr_lab.workflows.calibrated import as_given, calibrate, describe
-from dr_lab.workflows.finish import Run, answer, finish
-from dr_lab.workflows.localised import failure
-from dr_lab.workflows.notes import fit_notes
-from dr_lab.workflows.progress import screen
-from dr_lab.workflows.study import prepare
 
 
 def fit(

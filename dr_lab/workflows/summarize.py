@@ -9,13 +9,13 @@ from typing import Any
 from rich.console import Console
 from rich.markdown import Markdown
 
-from dr_lab.recorders.files import write_text
+from dr_lab.files import write_text
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
-from dr_lab.workflows.sweep_summary.doubts import divided_runs, missing_figures, repeated_runs, require_known
-from dr_lab.workflows.sweep_summary.exhaustive import exhaustive
-from dr_lab.workflows.sweep_summary.groups import (
+from dr_lab.reports.report import to_plain
+from dr_lab.summaries.doubts import divided_runs, missing_figures, repeated_runs, require_known
+from dr_lab.summaries.exhaustive import exhaustive
+from dr_lab.summaries.groups import (
     Cells,
     Estimate,
     Group,
@@ -24,9 +24,9 @@ from dr_lab.workflows.sweep_summary.groups import (
     shared_figures,
     summed_up,
 )
-from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
-from dr_lab.workflows.sweep_summary.runs import SUMMARY_SCHEMA, Run, find_runs
-from dr_lab.workflows.sweep_summary.tables import groups_csv, runs_csv, runs_page, summary_page
+from dr_lab.summaries.overlays import bands, grids, marginals
+from dr_lab.summaries.runs import SUMMARY_SCHEMA, Run, find_runs
+from dr_lab.summaries.tables import groups_csv, runs_csv, runs_page, summary_page
 
 
 def summarize(

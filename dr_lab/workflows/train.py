@@ -14,22 +14,22 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from dr_lab.algorithms.episode_log import Finished
-from dr_lab.algorithms.trainer import Watch
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError
+from dr_lab.files import write_text
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.files import write_text
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.quantity import number
-from dr_lab.recorders.report import to_plain
 from dr_lab.recorders.training import Curve
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.reports.quantity import number
+from dr_lab.reports.report import to_plain
 from dr_lab.sweeps.progress import tell
+from dr_lab.training.episode_log import Finished
+from dr_lab.training.episodes import described, keep_episodes, play_episodes
+from dr_lab.training.plan import CHECKPOINT, Plan, Training
+from dr_lab.training.snapshots import Snapshots
+from dr_lab.training.trainer import Watch
 from dr_lab.trajectory import Array
-from dr_lab.workflows.episodes import described, keep_episodes, play_episodes
-from dr_lab.workflows.snapshots import Snapshots
-from dr_lab.workflows.training import CHECKPOINT, Plan, Training
 
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 # Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.

@@ -9,7 +9,7 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra_plugins._dr_lab_sweeper import DrLabSweeper
 
 from dr_lab.errors import ConfigError, UnknownNameError
-from dr_lab.recorders.files import write_text
+from dr_lab.files import write_text
 from dr_lab.sweeps.job_folder import FINAL, Status
 from dr_lab.sweeps.objective import objectives
 from dr_lab.sweeps.report import SweepError, listed, require_completed

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from effect_machines import CONF, NAMES, catalogue_effect, replayed
 
-from dr_lab.diagnosis.channels import available
+from dr_lab.diagnosis.windows.channels import available
 from dr_lab.effects.effect import PlacedEffect, Scales, place
 from dr_lab.physics.model import Model, from_spec, load
 from dr_lab.trajectory import Array

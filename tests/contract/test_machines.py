@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 import yaml
 
+from dr_lab.benchmark.case import Case, Machine, expand
+from dr_lab.benchmark.listed import Entry
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose, options
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.targets import locate
-from dr_lab.workflows.benchmark_cases.case import Case, Machine, expand
-from dr_lab.workflows.benchmark_cases.listed import Entry
 
 MACHINES = list(options("machine", (shipped(),)))
 HIDDEN = shipped() / "plant" / "hidden"
@@ -49,8 +49,8 @@ def test_what_is_hidden_is_of_its_kind(name: str) -> None:
 def test_logs_and_model_compose(name: str) -> None:
     machine = machine_of(name)
     source = compose("record", [*machine.record, "plant/instruments=exact"]).source
-    kind = "record_plant.PlantSource" if "source=model" not in machine.record else "record_model.ModelSource"
-    assert source["_target_"] == f"dr_lab.workflows.{kind}"
+    kind = "plant.PlantSource" if "source=model" not in machine.record else "model.ModelSource"
+    assert source["_target_"] == f"dr_lab.sources.{kind}"
     cfg = compose(
         "diagnose", [*machine.diagnose, "++measurements.outputs={a.position:{noise_std:0.1}}", "effect=spring"]
     )

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from effect_machines import NAMES, catalogue_effect, scales_of
 
+from dr_lab.comparison.export import Beside
 from dr_lab.effects.effect import PlacedEffect, place
 from dr_lab.physics.law import History
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
-from dr_lab.workflows.export import Beside
 
 STEPS, BEFORE = 75, 40
 CART = """<mujoco model="cart">

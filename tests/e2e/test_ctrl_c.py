@@ -18,10 +18,10 @@ from hydra.utils import instantiate
 from mcap.reader import make_reader
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.rank import rank
+from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.study import prepare
+from dr_lab.diagnosis.search.rank import rank
 from dr_lab.effects.catalogue import candidates
-from dr_lab.workflows.calibrated import calibrate
-from dr_lab.workflows.study import prepare
 
 PROGRAM = Path(sys.executable).with_name("dr-lab")
 CTRL_C = (signal.SIGINT, 130, "interrupted")

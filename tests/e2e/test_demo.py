@@ -17,8 +17,8 @@ from rerun.experimental import ViewerClient
 from viewer_pages import require_pages
 
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.schema import validate
 from dr_lab.recorders.viewer import screenshot, show
+from dr_lab.reports.schema import validate
 
 TRUTH = Path(__file__).parents[2] / "examples" / "furuta" / "truth.yaml"
 FILES = {

@@ -11,11 +11,11 @@ import pytest
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
+from dr_lab.comparison.export import play, write_model, write_rollout
+from dr_lab.comparison.study import Study, prepare
 from dr_lab.effects.effect import Effect, place
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
-from dr_lab.workflows.export import play, write_model, write_rollout
-from dr_lab.workflows.study import Study, prepare
 
 PLAIN = Path(__file__).with_name("plain_mujoco.py")
 EXACT = 1e-9

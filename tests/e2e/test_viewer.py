@@ -19,12 +19,12 @@ from viewer_pages import count, pages, pixels_of, require_pages
 
 from dr_lab.errors import DrLabError
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.markdown import report_markdown
 from dr_lab.recorders.overlay import Overlay
 from dr_lab.recorders.rerun_process import viewer_binary
 from dr_lab.recorders.review import write_review
 from dr_lab.recorders.viewer import find_recording, open_viewer, screenshot, show
 from dr_lab.recorders.web_viewer import served
+from dr_lab.reports.markdown import report_markdown
 
 pytestmark = pytest.mark.viewer
 

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from dr_lab.errors import DataError
-from dr_lab.recorders.files import write_text
+from dr_lab.files import write_text
 from dr_lab.sweeps.progress import tell
 
 RESUMES_FROM = "steps.txt"

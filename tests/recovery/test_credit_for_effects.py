@@ -8,9 +8,9 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect
 
-from dr_lab.diagnosis.bench import Bench, explain
-from dr_lab.diagnosis.ladder import Ladder, climb
-from dr_lab.diagnosis.scales import machine_scales
+from dr_lab.diagnosis.evidence.bench import Bench, explain
+from dr_lab.diagnosis.fit.scales import machine_scales
+from dr_lab.diagnosis.search.ladder import Ladder, climb
 from dr_lab.trajectory import Log
 
 Force = Callable[[mujoco.MjData], None]

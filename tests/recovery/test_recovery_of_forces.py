@@ -8,8 +8,8 @@ from diagnosis_machines import NOISE, STEP, clock, log_of, pendulum, solver_sett
 from effect_machines import placed
 from scipy.integrate import solve_ivp
 
-from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.trajectory import Array, Log
 
 TRUTH = {"rod.mass": 0.6, "hinge.damping": 0.08}

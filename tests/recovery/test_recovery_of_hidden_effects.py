@@ -7,11 +7,11 @@ import pytest
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.covariance import estimate
-from dr_lab.diagnosis.ladder import Rung, climb
-from dr_lab.workflows.calibrated import calibrate
+from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.study import Study, prepare
+from dr_lab.diagnosis.fit.covariance import estimate
+from dr_lab.diagnosis.search.ladder import Rung, climb
 from dr_lab.workflows.record import record
-from dr_lab.workflows.study import Study, prepare
 
 FEW = ("coulomb_friction", "actuator_delay", "sensor_time_offset", "base_tilt")
 # hidden → parameter that tells it, its true value, and how exactly six short logs must tell it

@@ -8,8 +8,8 @@ import pytest
 from diagnosis_machines import NOISE, STEP, clock, log_of, pendulum, solver_settings, steps_command, windows_of
 from effect_machines import placed, scales_of
 
-from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.backlash import Backlash
 from dr_lab.plants.hidden.effect import HiddenEffect

@@ -19,8 +19,8 @@ from diagnosis_machines import (
 from effect_machines import placed
 from scipy.signal import lsim
 
-from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.trajectory import Array, Log, Signal
 
 TRUTH = {"rod.mass": 0.6, "hinge.damping": 0.08}

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hydra.utils import instantiate
 
+from dr_lab.benchmark.case import Case, expand
+from dr_lab.benchmark.observed import observe
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.bench import explain
-from dr_lab.workflows.benchmark_cases.case import Case, expand
-from dr_lab.workflows.benchmark_cases.observed import observe
-from dr_lab.workflows.climbing import climbed
+from dr_lab.comparison.climbing import climbed
+from dr_lab.diagnosis.evidence.bench import explain
 
 pytestmark = pytest.mark.slow
 NAMES = (

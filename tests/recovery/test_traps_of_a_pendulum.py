@@ -16,17 +16,17 @@ from omegaconf import DictConfig
 from scipy.integrate import OdeSolution, solve_ivp
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.bench import Explained, explain
-from dr_lab.diagnosis.candidate import Candidate
-from dr_lab.diagnosis.rank import rank
-from dr_lab.diagnosis.verdict import Verdict, decide
+from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.study import Study, prepare
+from dr_lab.diagnosis.evidence.bench import Explained, explain
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.rank import rank
+from dr_lab.diagnosis.search.verdict import Verdict, decide
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Log, Noise, Signal
-from dr_lab.workflows.calibrated import calibrate
 from dr_lab.workflows.record import record
-from dr_lab.workflows.study import Study, prepare
 
 DELAY, SECONDS, HOLD = 0.030, 6.0, 0.4
 KP, KV, MASS, LENGTH, INERTIA, DAMPING = 8.0, 0.3, 0.5, 0.3, 0.005, 0.05

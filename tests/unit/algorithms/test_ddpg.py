@@ -12,12 +12,12 @@ import torch
 from point_mass import ASKEW, INTERFACE, PointCollector, best, mean_reward
 
 from dr_lab.algorithms.algorithm import Interface
-from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.algorithms.ddpg.ddpg import DDPG
 from dr_lab.errors import ConfigError
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.networks.normaliser import NoNormaliser, Normaliser, RunningNormaliser
+from dr_lab.training.checkpoint import load, save
 
 
 def ddpg(

@@ -11,7 +11,7 @@ import pytest
 from cli_machine import CommandLine, module, write
 
 from dr_lab.errors import UnknownNameError
-from dr_lab.recorders.files import atomic
+from dr_lab.files import atomic
 
 Capture = pytest.CaptureFixture[str]
 

@@ -2,10 +2,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.residual_force import residual_forces
-from dr_lab.diagnosis.states import fit_states
-from dr_lab.diagnosis.windows import cut
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import fit_states
+from dr_lab.diagnosis.missing_force.residual_force import residual_forces
+from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.physics.activations import holders, resting, time_constants
 from tests.diagnosis_machines import NOISE as LARGE
 from tests.diagnosis_machines import measured, solver_settings, windows_of, windows_settings

@@ -3,9 +3,9 @@ import pytest
 from diagnosis_machines import pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect, scales_of
 
-from dr_lab.diagnosis.as_special_case import further, special_case
-from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.search.as_special_case import further, special_case
 from dr_lab.effects.effect import PlacedEffect, place
 
 NAMES = ("coulomb_friction", "asymmetric_friction", "position_dependent_friction", "hysteresis")

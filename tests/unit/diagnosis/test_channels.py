@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.channels import Tape, available, residual, resolve
+from dr_lab.diagnosis.windows.channels import Tape, available, residual, resolve
 from dr_lab.errors import UnknownNameError
 
 XML = """

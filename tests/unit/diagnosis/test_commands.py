@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from dr_lab.diagnosis.commands import averages
+from dr_lab.diagnosis.windows.commands import averages
 from dr_lab.trajectory import Signal
 
 

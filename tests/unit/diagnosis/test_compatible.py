@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dr_lab.diagnosis.compatible import chance
+from dr_lab.diagnosis.evidence.compatible import chance
 from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.physics.parameter import Parameter
 

@@ -16,10 +16,10 @@ from diagnosis_machines import (
     windows_settings,
 )
 
-from dr_lab.diagnosis.bench import Bench, Explained, explain
-from dr_lab.diagnosis.confirmation import Comparison, Confirmation, confirm
-from dr_lab.diagnosis.states import fit_states
-from dr_lab.diagnosis.windows import Windows
+from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation, confirm
+from dr_lab.diagnosis.fit.states import fit_states
+from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 

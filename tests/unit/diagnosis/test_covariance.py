@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 
-from dr_lab.diagnosis.covariance import estimate, per_log
-from dr_lab.diagnosis.fit import Fit, Fitter
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.windows import Windows
+from dr_lab.diagnosis.fit.covariance import estimate, per_log
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 
 TRUTH = np.array([0.6, 0.08])

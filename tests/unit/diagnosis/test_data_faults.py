@@ -10,8 +10,8 @@ import pytest
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.data_faults import Fault, suspect_faults
-from dr_lab.diagnosis.fault_settings import FaultSettings
+from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 

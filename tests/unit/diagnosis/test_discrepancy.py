@@ -19,10 +19,10 @@ from diagnosis_machines import (
 from scipy.signal import lfilter
 
 from dr_lab.diagnosis.discrepancy import InputCorrelation, horizon_error, input_correlations
-from dr_lab.diagnosis.point import Point
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.point import Point
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.states import fit_states
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Log
 

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from dr_lab.diagnosis.equation_error import actuation, demand, noise_of, parameter_columns, weak_form
-from dr_lab.diagnosis.smoothed_motion import EquationErrorSettings, controls_at, smoothed_motion, untestable
+from dr_lab.diagnosis.faults.equation_error import actuation, demand, noise_of, parameter_columns, weak_form
+from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings, controls_at, smoothed_motion, untestable
 from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dr_lab.diagnosis.evidence import block_count, noise_floor, paired_gain, supported, worth_a_trial
+from dr_lab.diagnosis.evidence.paired_gain import block_count, noise_floor, paired_gain, supported, worth_a_trial
+from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.law_settings import LawSettings
-from dr_lab.diagnosis.score import Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.errors import ConfigError
 

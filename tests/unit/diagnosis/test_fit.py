@@ -16,10 +16,10 @@ from diagnosis_machines import (
     windows_settings,
 )
 
-from dr_lab.diagnosis.covariance import estimate
-from dr_lab.diagnosis.fit import Fit, Fitter
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.slopes import Slopes
+from dr_lab.diagnosis.fit.covariance import estimate
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Log
 

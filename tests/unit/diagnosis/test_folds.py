@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from diagnosis_machines import pendulum, swinging, windows_of, windows_settings
 
-from dr_lab.diagnosis.folds import folds
-from dr_lab.diagnosis.windows import Windows
+from dr_lab.diagnosis.windows.folds import folds
+from dr_lab.diagnosis.windows.windows import Windows
 
 
 class Places:

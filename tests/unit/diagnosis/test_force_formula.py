@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dr_lab.diagnosis.force_formula import FormulaSettings, Variable, sparse_formula
+from dr_lab.diagnosis.missing_force.force_formula import FormulaSettings, Variable, sparse_formula
 
 SETTINGS = FormulaSettings(terms=4, harmonics=3, folds=4, worth=0.02, least=40, windows=400, trees=30)
 GENERATOR = np.random.default_rng(0)

@@ -5,8 +5,8 @@ import numpy as np
 from diagnosis_machines import log_of, measured, model_of, windows_settings
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.free_start import continuous, free_bodies, turning
-from dr_lab.diagnosis.windows import cut
+from dr_lab.diagnosis.windows.free_start import continuous, free_bodies, turning
+from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.trajectory import Array, Log, Noise
 
 XML = """<mujoco model="cube"><option timestep="0.001" integrator="RK4"/><worldbody><body name="cube">

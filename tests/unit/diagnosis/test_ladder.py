@@ -7,14 +7,14 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect
 
-from dr_lab.diagnosis.bench import Bench, Explained, explain
-from dr_lab.diagnosis.candidate import Candidate
-from dr_lab.diagnosis.evidence import supported
-from dr_lab.diagnosis.ladder import Ladder, climb
-from dr_lab.diagnosis.pruning import Pruned, finished, lean, prune
-from dr_lab.diagnosis.restack import reconsider
-from dr_lab.diagnosis.scales import machine_scales
-from dr_lab.diagnosis.step import Step
+from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.paired_gain import supported
+from dr_lab.diagnosis.fit.scales import machine_scales
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.ladder import Ladder, climb
+from dr_lab.diagnosis.search.pruning import Pruned, finished, lean, prune
+from dr_lab.diagnosis.search.restack import reconsider
+from dr_lab.diagnosis.search.step import Step
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import Effect, place
 from dr_lab.physics.model import Model

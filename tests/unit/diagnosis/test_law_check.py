@@ -9,13 +9,13 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect, hanging
 
-from dr_lab.diagnosis.bench import Bench, explain
-from dr_lab.diagnosis.free_inertia import free_inertia
-from dr_lab.diagnosis.free_law import curve
-from dr_lab.diagnosis.ladder import Ladder
-from dr_lab.diagnosis.law_check import LawCheck, check_laws
-from dr_lab.diagnosis.scales import machine_scales
-from dr_lab.diagnosis.step import Step
+from dr_lab.diagnosis.evidence.bench import Bench, explain
+from dr_lab.diagnosis.fit.scales import machine_scales
+from dr_lab.diagnosis.search.free_inertia import free_inertia
+from dr_lab.diagnosis.search.free_law import curve
+from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
+from dr_lab.diagnosis.search.step import Step
 from dr_lab.effects.effect import place
 
 WIDTH = 0.3  # N·m, of the dead zone; the command goes up to 1 N·m

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 
-from dr_lab.diagnosis.blocks import blocks, logs
-from dr_lab.diagnosis.fit import Fit, Fitter
-from dr_lab.diagnosis.left_out import left_out
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.states import fit_states
-from dr_lab.diagnosis.windows import Windows
+from dr_lab.diagnosis.evidence.left_out import left_out
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import fit_states
+from dr_lab.diagnosis.windows.blocks import blocks, logs
+from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 
 

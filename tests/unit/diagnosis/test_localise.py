@@ -16,8 +16,8 @@ from diagnosis_machines import (
     windows_of,
 )
 
+from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.localise import Region, localise
-from dr_lab.diagnosis.states import fit_states
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log
 

@@ -9,12 +9,12 @@ from effect_machines import block, placed
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.bench import Explained
+from dr_lab.diagnosis.evidence.bench import Explained
 from dr_lab.diagnosis.experiment import readings
-from dr_lab.diagnosis.fit import Fitter
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.next_experiment import ExperimentSettings, Machine, propose
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.windows import cut
+from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
 
 LIMIT = 6.0  # N

@@ -1,7 +1,7 @@
 import numpy as np
 
-from dr_lab.diagnosis.identifiability import identifiability
-from dr_lab.diagnosis.normal_equations import NormalEquations, inverse_root
+from dr_lab.diagnosis.fit.identifiability import identifiability
+from dr_lab.diagnosis.fit.normal_equations import NormalEquations, inverse_root
 
 W, M, S, P = 4, 30, 2, 3
 

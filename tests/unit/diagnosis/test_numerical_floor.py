@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from diagnosis_machines import NOISE, measured, model_of, pendulum, swinging, windows_settings
 
-from dr_lab.diagnosis.numerical_floor import NumericalFloor, numerical_floor
+from dr_lab.diagnosis.checks.numerical_floor import NumericalFloor, numerical_floor
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model
 

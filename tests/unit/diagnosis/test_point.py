@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dr_lab.diagnosis.point import huber_weights
+from dr_lab.diagnosis.fit.point import huber_weights
 
 LIMIT, CHANNELS = 5.0, (slice(0, 200), slice(200, 250))
 RNG = np.random.default_rng(0)

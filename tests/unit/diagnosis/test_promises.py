@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 
-from dr_lab.diagnosis.bench import Bench, beyond_doubt, explain
-from dr_lab.diagnosis.fit import Fit
+from dr_lab.diagnosis.evidence.bench import Bench, beyond_doubt, explain
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit
 
 WINDOWS = windows_of(pendulum(), [swinging("a", pendulum().nominal(), 0)])
 BENCH = Bench(WINDOWS, WINDOWS, solver_settings(), evidence_settings(), threads=1)

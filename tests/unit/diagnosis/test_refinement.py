@@ -1,8 +1,8 @@
 import mujoco
 import pytest
 
-from dr_lab.diagnosis.numerical_floor import numerical_floor
-from dr_lab.diagnosis.refinement import Refinement, refine
+from dr_lab.diagnosis.checks.numerical_floor import numerical_floor
+from dr_lab.diagnosis.checks.refinement import Refinement, refine
 from dr_lab.physics.model import Model
 from tests.diagnosis_machines import measured, model_check_settings, pendulum, swinging, windows_settings
 from tests.element_machines import NOISE, machine, own_log
@@ -57,7 +57,7 @@ def test_the_end_of_the_search_is_told() -> None:
 
 
 def test_a_step_that_finer_steps_do_not_help_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dr_lab.diagnosis.refinement._share", lambda *_: 3.0)
+    monkeypatch.setattr("dr_lab.diagnosis.checks.refinement._share", lambda *_: 3.0)
     model = swing("Euler", 0.01)
     found = refined(model, LOGS)
     assert found.model is model

@@ -16,7 +16,7 @@ from diagnosis_machines import (
 )
 from effect_machines import placed
 
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.errors import DataError
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Log

@@ -15,9 +15,9 @@ from diagnosis_machines import (
     windows_settings,
 )
 
-from dr_lab.diagnosis.residual_force import ResidualForce, residual_forces
+from dr_lab.diagnosis.fit.states import fit_states
+from dr_lab.diagnosis.missing_force.residual_force import ResidualForce, residual_forces
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.states import fit_states
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log
 

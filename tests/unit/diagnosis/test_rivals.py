@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from pretended_rankings import CLEAR, COUNT, SETTINGS, WINDOWS, candidate, judged, model, score
 
-from dr_lab.diagnosis.score import Score
-from dr_lab.diagnosis.verdict import Verdict, decide
+from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.search.verdict import Verdict, decide
 
 
 def test_effects_that_explain_equally_well_are_equivalent() -> None:

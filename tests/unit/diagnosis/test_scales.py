@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from diagnosis_machines import clock, log_of, model_of, pendulum, simulated, solver_settings, windows_of
 
-from dr_lab.diagnosis.scales import machine_scales, with_replay
-from dr_lab.diagnosis.states import fit_states
+from dr_lab.diagnosis.fit.scales import machine_scales, with_replay
+from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.effects.effect import Scales
 from dr_lab.trajectory import Array, Log, Signal
 

@@ -16,10 +16,10 @@ from diagnosis_machines import (
 )
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.point import Mask
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.score import score_of
-from dr_lab.diagnosis.states import StateFit, fit_states
+from dr_lab.diagnosis.evidence.score import score_of
+from dr_lab.diagnosis.fit.point import Mask
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.trajectory import Array, Log
 
 FREE = """<mujoco model="free">

@@ -6,11 +6,11 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect, scales_of
 
-from dr_lab.diagnosis.bench import Bench, Explained, explain
-from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.rank import rank
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.screen import Look, look
+from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.search.rank import rank
+from dr_lab.diagnosis.search.screen import Look, look
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
 

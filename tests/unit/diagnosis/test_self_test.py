@@ -2,7 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from dr_lab.diagnosis.self_test import require_own_logs_explained
+from dr_lab.diagnosis.checks.self_test import require_own_logs_explained
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log, MeasurementSet
@@ -53,9 +53,11 @@ def test_activations_that_are_not_restored_are_refused(monkeypatch: pytest.Monke
     model = machine("position_timeconst")
     data = measured([own_log(model, 1)], noise=NOISE)
     monkeypatch.setattr(
-        "dr_lab.diagnosis.run_in.RunIn.ends", lambda self, z: np.zeros((len(z), *np.shape(self._begin)))
+        "dr_lab.diagnosis.windows.run_in.RunIn.ends", lambda self, z: np.zeros((len(z), *np.shape(self._begin)))
     )
-    monkeypatch.setattr("dr_lab.diagnosis.activations.resting", lambda model, qpos, controls: np.zeros((len(qpos), 1)))
+    monkeypatch.setattr(
+        "dr_lab.diagnosis.windows.activations.resting", lambda model, qpos, controls: np.zeros((len(qpos), 1))
+    )
     with pytest.raises(ModelError, match="activation of actuator drive"):
         tried(model, data)
 

@@ -7,9 +7,9 @@ import pytest
 from diagnosis_machines import NOISE, STEP, log_of, model_of, simulated, solver_settings, true_starts, windows_of
 from effect_machines import placed
 
-from dr_lab.diagnosis.fit import Fitter
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.states import fit_states
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Log, Signal
 

@@ -5,8 +5,8 @@ import pytest
 from diagnosis_machines import NOISE, clock, measured, model_of, pendulum, predicted_settings, windows_settings
 
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.start import StartPrior
-from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.diagnosis.windows.start import StartPrior
+from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.trajectory import Array, Log, Signal
 
 TIME = np.sort(np.random.default_rng(0).uniform(0.0, 4.0, 2000))

@@ -5,9 +5,9 @@ import pytest
 from diagnosis_machines import model_of, pendulum, predicted_settings, solver_settings, swinging, windows_of
 from scipy.optimize import least_squares
 
-from dr_lab.diagnosis.replay import Replay
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import StateFit, _Part, fit_states
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.states import StateFit, _Part, fit_states
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 

@@ -5,9 +5,9 @@ import numpy as np
 from diagnosis_machines import evidence_settings, model_of
 from effect_machines import placed
 
-from dr_lab.diagnosis.bench import Explained
-from dr_lab.diagnosis.normal_equations import NormalEquations
-from dr_lab.diagnosis.trade import Trade, trades
+from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.trade import Trade, trades
+from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.physics.model import Model
 
 SETTINGS = evidence_settings()

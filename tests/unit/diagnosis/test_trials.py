@@ -10,22 +10,22 @@ import pytest
 from diagnosis_machines import evidence_settings
 from effect_machines import block, placed
 
-from dr_lab.diagnosis import ladder, pruning, restack
-from dr_lab.diagnosis.bench import Bench, Explained
-from dr_lab.diagnosis.candidate import Candidate
-from dr_lab.diagnosis.evidence import paired_gain, supported, worth_a_trial
-from dr_lab.diagnosis.identifiability import Identifiability
-from dr_lab.diagnosis.ladder import Ladder, Rung
-from dr_lab.diagnosis.pruning import PutBack
-from dr_lab.diagnosis.rank import Ranking
-from dr_lab.diagnosis.score import Score
-from dr_lab.diagnosis.step import Step
-from dr_lab.diagnosis.verdict import decide
+from dr_lab.comparison.notes import put_back
+from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, worth_a_trial
+from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.fit.identifiability import Identifiability
+from dr_lab.diagnosis.search import ladder, pruning, restack
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.ladder import Ladder, Rung
+from dr_lab.diagnosis.search.pruning import PutBack
+from dr_lab.diagnosis.search.rank import Ranking
+from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.trajectory import Array
-from dr_lab.workflows.notes import put_back
 
 SETTINGS = evidence_settings()
 BLOCKS, WINDOWS, COUNT = 10, 30, 300.0  # three windows a block, one log
@@ -114,7 +114,7 @@ def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pruning, "known_of", machine.known_of)
     monkeypatch.setattr(SpecialCases, "of", lambda _, richer, model: machine.special_cases(richer, model))
     monkeypatch.setattr(
-        "dr_lab.diagnosis.pruning._Swap.made", lambda swap, _, __, found, *___: machine.made(swap, found)
+        "dr_lab.diagnosis.search.pruning._Swap.made", lambda swap, _, __, found, *___: machine.made(swap, found)
     )
 
 

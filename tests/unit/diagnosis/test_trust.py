@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from diagnosis_machines import evidence_settings, model_of, pendulum, solver_settings, swinging, windows_of
 
-from dr_lab.diagnosis.covariance import estimate
-from dr_lab.diagnosis.fit import Fit, Fitter
-from dr_lab.diagnosis.identifiability import identifiability
-from dr_lab.diagnosis.normal_equations import NormalEquations
-from dr_lab.diagnosis.replay import Replay
-from dr_lab.diagnosis.trust import at_bounds, doubts, worst_direction
-from dr_lab.diagnosis.windows import Windows
+from dr_lab.diagnosis.fit.covariance import estimate
+from dr_lab.diagnosis.fit.identifiability import identifiability
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.normal_equations import NormalEquations
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.trust import at_bounds, doubts, worst_direction
+from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 
 # A force on a block: only force/mass shows, so that gear and mass trade exactly.

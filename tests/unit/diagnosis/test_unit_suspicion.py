@@ -1,7 +1,7 @@
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.unit_suspicion import UnitSuspicion, suspect_degrees
+from dr_lab.diagnosis.faults.unit_suspicion import UnitSuspicion, suspect_degrees
 
 LOGS = ["measurements.fit=['log_1[0:3]']", "measurements.held_out=['log_5[0:3]']"]
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dr_lab.diagnosis.unread import Transform, reach, unread
+from dr_lab.diagnosis.windows.invert_reading import Transform, reach, unread
 from dr_lab.physics.signal import Reading
 from dr_lab.trajectory import Array
 

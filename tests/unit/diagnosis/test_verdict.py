@@ -17,10 +17,10 @@ from pretended_rankings import (
     wild,
 )
 
-from dr_lab.diagnosis.ladder import Ladder, Rung
-from dr_lab.diagnosis.score import Score
-from dr_lab.diagnosis.step import Step
-from dr_lab.diagnosis.verdict import decide
+from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.search.ladder import Ladder, Rung
+from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.verdict import decide
 
 
 def test_the_one_effect_that_closes_the_gap_is_named() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from diagnosis_machines import STEP, clock, measured, model_of, pendulum, steps_command, windows_of, windows_settings
 
-from dr_lab.diagnosis.windows import Windows, cut
+from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.errors import DataError
 from dr_lab.trajectory import Array, Log, Note, Signal
 

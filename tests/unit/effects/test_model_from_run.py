@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from effect_machines import block, catalogue_effect, placed
 
+from dr_lab.comparison.export import write_context
 from dr_lab.effects.from_run import from_run
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model, from_spec
-from dr_lab.workflows.export import write_context
 
 EFFECTS = {name: catalogue_effect(name) for name in ("viscous_friction", "spring")}
 

@@ -5,7 +5,7 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.unread import reach
+from dr_lab.diagnosis.windows.invert_reading import reach
 from dr_lab.physics.signal import Reading
 from dr_lab.trajectory import Array
 

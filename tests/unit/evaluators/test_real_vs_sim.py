@@ -11,8 +11,8 @@ from hydra.utils import instantiate
 from settings import setting
 from torch import Tensor
 
-from dr_lab.algorithms.recorded import record
 from dr_lab.cli.compose import compose
+from dr_lab.comparison.export import write_context
 from dr_lab.effects.from_run import from_run
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError
@@ -23,7 +23,7 @@ from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
 from dr_lab.plants.bench import Bench
 from dr_lab.recorders.episode import Episode
-from dr_lab.workflows.export import write_context
+from dr_lab.training.recorded import record
 
 STEPS = 40
 

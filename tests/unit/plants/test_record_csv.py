@@ -13,8 +13,8 @@ from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.log import read_log
 from dr_lab.recorders.mcap import JointStates, write_mcap
+from dr_lab.sources.csv_files import CsvSource
 from dr_lab.trajectory import Log, MeasurementSet, Signal
-from dr_lab.workflows.record_csv import CsvSource
 
 MEASUREMENTS = """
 defaults:

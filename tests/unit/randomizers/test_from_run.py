@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dr_lab.comparison.export import write_context
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.from_run import from_run
-from dr_lab.workflows.export import write_context
 
 MASS = Parameter("arm.mass", "kg", 1.0, 0.5, 2.5)
 FRICTION = Parameter("coulomb_friction@arm.torque", "N·m", 0.0, 0.0, 1.0)

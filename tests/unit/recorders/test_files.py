@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from dr_lab.errors import DrLabError
-from dr_lab.recorders.files import atomic, remove_leftovers, write_bytes, write_text
+from dr_lab.files import atomic, remove_leftovers, write_bytes, write_text
 
 
 def test_writes_and_replaces_whole_files(tmp_path: Path) -> None:

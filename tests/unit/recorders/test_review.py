@@ -13,10 +13,10 @@ from recorder_samples import read_recording
 from dr_lab.errors import ConfigError, DataError, DrLabError
 from dr_lab.recorders.blueprints import worst_channels
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.markdown import report_markdown
 from dr_lab.recorders.overlay import Overlay
 from dr_lab.recorders.review import write_review
 from dr_lab.recorders.signals import residual
+from dr_lab.reports.markdown import report_markdown
 from dr_lab.trajectory import Signal
 
 _LOG = "/swing\\:2"

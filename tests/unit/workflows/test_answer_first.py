@@ -22,12 +22,12 @@ from effect_machines import catalogue_effect
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
+from dr_lab.comparison import finish, state_fits
+from dr_lab.comparison.state_fits import StateFits
+from dr_lab.comparison.study import prepare
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.trajectory import MeasurementSet
-from dr_lab.workflows import finish, state_fits
 from dr_lab.workflows.add import add
-from dr_lab.workflows.state_fits import StateFits
-from dr_lab.workflows.study import prepare
 
 TRUTH = np.array([0.6, 0.08])
 

@@ -31,12 +31,12 @@ from hydra.utils import instantiate
 from recorder_samples import read_recording
 
 from dr_lab.cli.compose import compose
+from dr_lab.comparison.study import prepare
 from dr_lab.errors import DrLabError, ModelError
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log, MeasurementSet
 from dr_lab.workflows.add import add
 from dr_lab.workflows.fit import fit
-from dr_lab.workflows.study import prepare
 
 TRUTH = np.array([0.6, 0.08])
 BLIND = """<mujoco model="blind"><compiler angle="radian"/><option timestep="0.002" integrator="RK4"/>
@@ -159,7 +159,7 @@ def test_the_report_is_written_before_the_recordings(tmp_path: Path, monkeypatch
     def fails(*_: object) -> None:
         raise DrLabError("unplayable")
 
-    monkeypatch.setattr("dr_lab.workflows.finish.play_log", fails)
+    monkeypatch.setattr("dr_lab.comparison.finish.play_log", fails)
     with pytest.raises(DrLabError, match="unplayable"):
         fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path)
     assert (tmp_path / "report.json").is_file()

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from pretended_cases import case_of, outcome_of, pretended
 
+from dr_lab.benchmark.case import CaseSet, Machine, expand
+from dr_lab.benchmark.pool import finished, keep, run_cases
 from dr_lab.errors import ConfigError, UnknownNameError
-from dr_lab.workflows.benchmark_cases.case import CaseSet, Machine, expand
-from dr_lab.workflows.benchmark_cases.pool import finished, keep, run_cases
 
 CRANK = Machine(["plant=crank"], ["model=crank"], ["crank/spring"], [], ["crank/magnet"])
 WHEEL = Machine(["plant=wheel"], ["model=wheel"], ["wheel/drag"], ["wheel/two"], [])

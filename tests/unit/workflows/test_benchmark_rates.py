@@ -11,15 +11,15 @@ from PIL import Image
 from pretended_cases import A, B, C, case_of, named, outcome_of
 from recorder_samples import read_recording
 
+from dr_lab.benchmark.pages import report_page
+from dr_lab.benchmark.rates import parameter_errors, rate, rates
+from dr_lab.benchmark.summary import Goals, answers, cases_csv, summary
 from dr_lab.cli.compose import options
 from dr_lab.cli.folders import shipped
 from dr_lab.effects.effect import Effect
 from dr_lab.recorders.benchmark_review import write_benchmark_review
 from dr_lab.recorders.confusion import confusion, confusion_csv, confusion_picture
 from dr_lab.recorders.look import Look
-from dr_lab.workflows.benchmark_cases.pages import report_page
-from dr_lab.workflows.benchmark_cases.rates import parameter_errors, rate, rates
-from dr_lab.workflows.benchmark_cases.summary import Goals, answers, cases_csv, summary
 
 GOALS = Goals({"top_1": 0.7}, {"false_alarm": 0.02})
 SPELT = {"saturation": {"limit": "inverse_limit"}}

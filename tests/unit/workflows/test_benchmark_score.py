@@ -3,9 +3,9 @@
 import pytest
 from pretended_cases import STANDING, A, B, C, named, outcome_of
 
-from dr_lab.workflows.benchmark_cases.causes import cause
-from dr_lab.workflows.benchmark_cases.outcome import BASE, Outcome
-from dr_lab.workflows.benchmark_cases.score import mark, missed
+from dr_lab.benchmark.causes import cause
+from dr_lab.benchmark.outcome import BASE, Outcome
+from dr_lab.benchmark.score import mark, missed
 
 BOTH = {A: {A: 1, B: 1}}
 RICHER = {A: {A: 1, B: 1, "stribeck_friction@arm": 3}}

@@ -14,13 +14,13 @@ import pytest
 import torch
 from test_train import OVERRIDES
 
-from dr_lab.algorithms.checkpoint import load, save
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.job import Job, run_job
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.randomizers.fixed import FixedRandomizer
+from dr_lab.training.checkpoint import load, save
 from dr_lab.workflows.evaluate import evaluate, subject_of, trained
 
 TRAIN = [*OVERRIDES, "env=furuta", "frames=320", "randomizer=fixed"]

@@ -5,10 +5,10 @@ import pytest
 from written_runs import write_run
 
 from dr_lab.recorders.training import Grid
-from dr_lab.workflows.sweep_summary.exhaustive import LABEL, exhaustive
-from dr_lab.workflows.sweep_summary.groups import grouped
-from dr_lab.workflows.sweep_summary.overlays import marginals
-from dr_lab.workflows.sweep_summary.runs import find_runs
+from dr_lab.summaries.exhaustive import LABEL, exhaustive
+from dr_lab.summaries.groups import grouped
+from dr_lab.summaries.overlays import marginals
+from dr_lab.summaries.runs import find_runs
 
 
 def trained_at(folder: Path, values: dict[str, float], final: float | None, *overrides: str, std: float = 0.0) -> None:

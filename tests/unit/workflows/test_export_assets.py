@@ -7,8 +7,8 @@ from pathlib import Path
 import mujoco
 import pytest
 
+from dr_lab.comparison.export import write_model
 from dr_lab.physics.model import load
-from dr_lab.workflows.export import write_model
 
 XML = """<mujoco>
   <compiler%s/>

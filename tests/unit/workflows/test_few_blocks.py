@@ -4,8 +4,8 @@ from typing import Any, cast
 import pytest
 from diagnosis_machines import evidence_settings, pendulum, swinging, windows_of, windows_settings
 
-from dr_lab.diagnosis.windows import Windows
-from dr_lab.workflows.notes import few_blocks
+from dr_lab.comparison.notes import few_blocks
+from dr_lab.diagnosis.windows.windows import Windows
 
 
 @pytest.mark.parametrize(

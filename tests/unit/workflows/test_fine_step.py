@@ -5,11 +5,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from dr_lab.comparison.export import write_model
+from dr_lab.comparison.notes import study_notes
+from dr_lab.comparison.study import Study, prepare
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Log
-from dr_lab.workflows.export import write_model
-from dr_lab.workflows.notes import study_notes
-from dr_lab.workflows.study import Study, prepare
 from tests.diagnosis_machines import (
     evidence_settings,
     fault_settings,

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from dr_lab.envs.episodes import ContextSource
 from dr_lab.evaluators.evaluator import Subject
-from dr_lab.workflows.episodes import FILE, described, keep_episodes, play_episodes
+from dr_lab.training.episodes import FILE, described, keep_episodes, play_episodes
 
 
 def still(observation: Tensor) -> Tensor:

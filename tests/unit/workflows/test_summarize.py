@@ -10,10 +10,10 @@ from written_runs import STATISTICS, trained, two_kinds, write_configuration, wr
 
 from dr_lab.__main__ import main
 from dr_lab.errors import DataError
+from dr_lab.summaries.groups import figures_of, grouped, summed_up
+from dr_lab.summaries.overlays import bands
+from dr_lab.summaries.runs import beside, find_runs, picked
 from dr_lab.sweeps.overrides import differing
-from dr_lab.workflows.sweep_summary.groups import figures_of, grouped, summed_up
-from dr_lab.workflows.sweep_summary.overlays import bands
-from dr_lab.workflows.sweep_summary.runs import beside, find_runs, picked
 
 FIGURES = {"dr_lab/train/1": ["final_return", "context.*.mean"], "dr_lab/gap/1": ["verdict", "remaining.chi2"]}
 

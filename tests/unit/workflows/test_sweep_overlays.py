@@ -6,9 +6,9 @@ import pytest
 from written_runs import STATISTICS, two_kinds, write_run
 
 from dr_lab.errors import DataError
-from dr_lab.workflows.sweep_summary.groups import grouped
-from dr_lab.workflows.sweep_summary.overlays import bands, grids, marginals
-from dr_lab.workflows.sweep_summary.runs import find_runs
+from dr_lab.summaries.groups import grouped
+from dr_lab.summaries.overlays import bands, grids, marginals
+from dr_lab.summaries.runs import find_runs
 
 
 @pytest.fixture

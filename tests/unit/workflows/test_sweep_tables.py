@@ -2,9 +2,9 @@ from pathlib import Path
 
 from test_summarize import trained
 
-from dr_lab.workflows.sweep_summary.groups import Group, Statistics, grouped, shared_figures, summed_up
-from dr_lab.workflows.sweep_summary.runs import Run, find_runs
-from dr_lab.workflows.sweep_summary.tables import summary_page
+from dr_lab.summaries.groups import Group, Statistics, grouped, shared_figures, summed_up
+from dr_lab.summaries.runs import Run, find_runs
+from dr_lab.summaries.tables import summary_page
 
 STATISTICS = Statistics(confidence=0.95, resamples=200, seed=0)
 FIGURES = {"dr_lab/train/1": ["final_return", "mass", "verdict"]}

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from hydra.errors import InstantiationException
 
-from dr_lab.algorithms.checkpoint import load
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.job import Job, run_job
 from dr_lab.errors import ConfigError, DataError
+from dr_lab.training.checkpoint import load
 from dr_lab.workflows.train import final_return, metrics_csv, train
 
 OVERRIDES = [

@@ -1,0 +1,98 @@
+"""One case, from its logs to the answer that is scored."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from dr_lab.benchmark.case import Case
+from dr_lab.benchmark.equivalence import TruthClasses
+from dr_lab.benchmark.observed import Compose, observe
+from dr_lab.benchmark.outcome import Outcome
+from dr_lab.comparison.climbing import climbed
+from dr_lab.comparison.entries import remaining
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.ladder import Ladder
+
+
+def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcome:
+    """Record, diagnose and, where the answer is not exactly the truth, look for what is equivalent to it.
+
+    Machines with several effects are climbed one rung further than the truth goes; all others are judged by their
+    first ranking, as `dr-lab diagnose` does.
+
+    Args:
+        case: what to diagnose.
+        compose: gives the arguments of a verb, built from its name and overrides.
+        classes: finds the equivalence classes by which the answer is scored.
+    """
+    observed, begin = observe(case, compose), (time.process_time(), time.monotonic())
+    truths = observed.truths if case.kind != "outside" else ()
+    most = len(truths) + 1 if case.kind == "several" else 0
+    study, ladder = climbed(
+        observed.study, observed.effects, most=most, watch=lambda _: lambda _: None, phase=lambda _: None
+    )
+    observed = replace(observed, study=study)
+    cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
+    first, last = ladder.rungs[0], ladder.models[-1]
+    verdict = ladder.verdict(study.bench.evidence)
+    found = _found(ladder) if verdict != "unexplained" else []
+    return Outcome(
+        case=case,
+        truths=observed.truths,
+        verdict=verdict,
+        found=found,
+        absorbed=list(ladder.absorbed),
+        ranking=[c.effect.label for c in _ordered(first.ranking, first.verdict.effects)],
+        standing={truth: _standing(ladder, truth) for truth in truths},
+        classes=classes.of(case, truths, found, observed, compose),
+        magnitudes=observed.magnitudes,
+        fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
+        chi2_base=ladder.base.held_out.chi2,
+        chi2=last.held_out.chi2,
+        remaining=remaining(last.held_out, study.bench.evidence)["status"],
+        cpu=cpu,
+        wall=wall,
+    )
+
+
+def _found(ladder: Ladder) -> list[list[str]]:
+    """What was found, each with what the data cannot separate from it."""
+    labels = [step.explained.model.effects[-1].label for step in ladder.steps]
+    rivals = [[c.effect.label for c in step.rivals] for step in ladder.steps]
+    return [[label, *others] for label, others in zip(labels, rivals, strict=True)]
+
+
+def _ordered(ranking: Sequence[Candidate], answer: Sequence[str]) -> list[Candidate]:
+    """The verdict's effects first, then by evidence, as reports show them."""
+    order = {label: place for place, label in enumerate(answer)}
+    return sorted(ranking, key=lambda c: order.get(c.effect.label, len(order)))
+
+
+def _standing(ladder: Ladder, truth: str) -> dict[str, Any]:
+    """How a truth stood in the last ranking that it was part of."""
+    for rung in reversed(ladder.rungs):
+        for place, candidate in enumerate(_ordered(rung.ranking, rung.verdict.effects), start=1):
+            if candidate.effect.label == truth:
+                return {
+                    "place": place,
+                    "fitted": candidate.fitted,
+                    "promised": candidate.predicted,
+                    "chi2": candidate.explained.held_out.chi2,
+                    "evidence": candidate.gain.total,
+                    "evidence_low": candidate.gain.total_low,
+                    "gap": candidate.gain.gap,
+                    "status": rung.verdict.status[truth],
+                }
+    return {}
+
+
+def _own_values(ladder: Ladder, truth: str) -> dict[str, float]:
+    """Fitted parameters of a truth, by short name, in the model that the answer leads to; empty if it is not found."""
+    rivals = [c.explained for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
+    for explained in (ladder.models[-1], *rivals):
+        values = explained.model.space.mapping(explained.fit.z)
+        own = {k.removeprefix(f"{truth}."): float(v) for k, v in values.items() if k.startswith(f"{truth}.")}
+        if own:
+            return own
+    return {}

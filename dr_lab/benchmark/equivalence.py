@@ -1,0 +1,89 @@
+"""Which effects are the same to given logs: the equivalence class by which an answer is scored."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.benchmark.case import Case
+from dr_lab.benchmark.observed import Compose, Observed, observe_exactly
+from dr_lab.benchmark.outcome import BASE
+from dr_lab.comparison.calibrated import calibrate
+from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.search.rank import rank
+from dr_lab.effects.catalogue import candidates
+
+
+class TruthClasses(ABC):
+    """What finds out which effects given logs cannot tell from the truths."""
+
+    @abstractmethod
+    def of(
+        self, case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose
+    ) -> Mapping[str, Mapping[str, int]]:
+        """Classes by truth, label → number of parameters; a truth that is not asked for is alone in its class.
+
+        Args:
+            case: what was diagnosed.
+            truths: what is hidden, as ``effect@site``.
+            found: what was answered.
+            observed: the case as the diagnosis saw it.
+            compose: gives the arguments of a verb.
+        """
+
+
+@dataclass(frozen=True)
+class RankedClasses(TruthClasses):
+    """Classes by the diagnosis' own ranking of noise-free logs, of truths that the answer does not hold exactly."""
+
+    def of(
+        self, case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose
+    ) -> Mapping[str, Mapping[str, int]]:
+        """Classes of the truths that the answer does not hold exactly."""
+        single = case.kind == "single"
+        unclear = [t for t in truths if (found != [[t]] if single else not any(t in group for group in found))]
+        if not unclear:
+            return {}
+        exact = observe_exactly(case, compose, observed)
+        return {t: equivalence_class(exact, t, tuple(other for other in truths if other != t)) for t in unclear}
+
+
+def equivalence_class(observed: Observed, truth: str, others: tuple[str, ...]) -> dict[str, int]:
+    """Candidates, the refitted base included, that explain noise-free logs as well as the truth does.
+
+    Those whose Σ (residual/σ)² over all windows exceeds the truth's by less than the evidence threshold. The truth's
+    own sum, which would be 0 if both engines solved the same equations without error, is the reference.
+
+    Args:
+        observed: noise-free logs, weighed by the noise of the real ones.
+        truth: the effect that rivals are looked for.
+        others: what else is hidden; it is added to the base first.
+
+    Returns:
+        Number of parameters by label, 0 for `BASE`; the truth is among them. Where the base is a member every effect
+        is one, staying absent: then no other is listed.
+    """
+    study = observed.study
+    base = calibrate(study)
+    for label in others:
+        base = _ranked(observed, base, label).get(label, (base, 0))[0]
+    exact, count = _ranked(observed, base, truth).get(truth, (base, 0))
+    most = _sum(exact) + study.bench.evidence.threshold
+    if _sum(base) < most:
+        return {truth: count, BASE: 0}
+    alike = {label: n for label, (explained, n) in _ranked(observed, base).items() if _sum(explained) < most}
+    return {truth: count, **alike}
+
+
+def _ranked(observed: Observed, base: Explained, only: str | None = None) -> dict[str, tuple[Explained, int]]:
+    """Fitted model and number of parameters of every candidate, or of one alone, by label."""
+    study = observed.study
+    placed = candidates(base.model, observed.effects, study.scales, study.compiled).placed
+    kept = [effect for effect in placed if only in (None, effect.label)]
+    ranking = rank(study.bench, base, kept, lambda _: None)
+    return {c.effect.label: (c.explained, len(c.effect.parameters)) for c in ranking.candidates}
+
+
+def _sum(explained: Explained) -> float:
+    return float(np.sum(explained.held_out.window_sum) + np.sum(explained.fit.residuals**2))

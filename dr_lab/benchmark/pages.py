@@ -1,0 +1,157 @@
+"""`report.md` of a benchmark, for a person."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from dr_lab.benchmark.outcome import Outcome
+from dr_lab.benchmark.rates import parameter_errors
+from dr_lab.benchmark.score import mark
+from dr_lab.reports.quantity import ABSENT, number, percent
+from dr_lab.reports.tables import table
+
+_SAID = {
+    "top_1": "effect and site right, one hidden effect",
+    "top_3": "… among the first three",
+    "identifiable": "… of those that the data can show",
+    "both_found": "all found, several hidden effects",
+    "doubles": "… two hidden effects",
+    "false_alarm": "false alarms, nothing hidden",
+    "wrong_with_confidence": "a wrong effect named, all cases",
+    "outside_unexplained": "`unexplained`, effect outside of the catalogue",
+    "abstained_equivalent": "`equivalent` answered, one hidden effect",
+    "abstained_none": "`none` answered, one hidden effect",
+    "abstained_unexplained": "`unexplained` answered, one hidden effect",
+    "median_chi2": "median held-out χ²",
+    "median_parameter_error": "median error of the main parameter",
+    "median_cpu": "median CPU s a case",
+    "mean_cpu": "mean CPU s a case",
+    "median_wall": "median wall s a case",
+}
+_KINDS = {"none": "nothing hidden", "single": "one effect", "several": "several", "outside": "outside"}
+
+
+def rates_page(summary: Mapping[str, Any]) -> str:
+    """The figures with their intervals and goals."""
+    rows = []
+    for name, said in _SAID.items():
+        goal = summary["goals"].get(name, {})
+        met = {True: "met", False: "MISSED", None: ""}[goal.get("met")]
+        rows.append([said, *_figure(summary, name), goal.get("goal", ""), met])
+    failed = [f"- failed: {name}: {message}" for name, message in summary["failed"].items()]
+    rows = [row for row in rows if row[1] != ABSENT]
+    return "\n".join([table(["figure", "value", "95 % interval", "cases", "goal", ""], rows), "", *failed])
+
+
+def machines_page(summary: Mapping[str, Any]) -> str:
+    """The main figures of each machine."""
+    names = ("top_1", "both_found", "false_alarm", "outside_unexplained")
+    rows = [
+        [
+            machine,
+            str(own["cases"]),
+            *(_share(own["rates"][name]) for name in names),
+            number(own["medians"]["median_chi2"]),
+            percent(own["medians"]["median_parameter_error"]),
+            number(own["medians"]["mean_cpu"], 3),
+        ]
+        for machine, own in summary["machines"].items()
+    ]
+    header = ["one effect", "several", "false alarms", "outside", "median χ²", "parameter error", "CPU s a case"]
+    return table(["machine", "cases", *header], rows)
+
+
+def instruments_page(outcomes: Sequence[Outcome]) -> str:
+    """Of each kind of instruments: how often the answer was right, by what is hidden."""
+    rows = []
+    for name in sorted({o.case.instruments for o in outcomes}):
+        own = [o for o in outcomes if o.case.instruments == name]
+        kinds = [[mark(o).right for o in own if o.case.kind == kind] for kind in _KINDS]
+        rows.append([name, *(f"{sum(right)} of {len(right)}" if right else ABSENT for right in kinds)])
+    return table(["instruments", *_KINDS.values()], rows)
+
+
+def effects_page(outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]]) -> str:
+    """Each hidden effect of each machine: how often it was judged right, what was answered, and how exactly."""
+    rows = []
+    for key in dict.fromkeys((o.case.machine, o.case.hidden, o.truths) for o in outcomes):
+        own = [o for o in outcomes if (o.case.machine, o.case.hidden, o.truths) == key]
+        errors = [error for o in own for error in parameter_errors(o, spelt).values()]
+        rows.append(
+            [
+                key[0],
+                " + ".join(key[2]) or key[1],
+                f"{sum(mark(o).right for o in own)} of {len(own)}",
+                _range([o.chi2_base for o in own]),
+                _range([o.chi2 for o in own]),
+                percent(max(errors)) if errors else ABSENT,
+                number(sum(o.cpu for o in own) / len(own), 3),
+                _answers(own),
+            ]
+        )
+    header = ["machine", "hidden", "right", "χ² calibrated", "χ² after", "largest error", "CPU s", "answered"]
+    return table(header, sorted(rows))
+
+
+def misses_page(summary: Mapping[str, Any]) -> str:
+    """Every wrong answer with its cause."""
+    rows = [
+        [
+            f"{row['machine']}, {row['instruments']}, seed {row['seed']}",
+            row["truth"],
+            row["verdict"] + (f": {row['answer']}" if row["answer"] else ""),
+            row["cause"],
+        ]
+        for row in summary["misses"]
+    ]
+    return table(["case", "hidden", "answered", "cause"], rows) or "None."
+
+
+def report_page(summary: Mapping[str, Any], outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]]) -> str:
+    """The whole report."""
+    sections = {
+        "Figures": rates_page(summary),
+        "Machines": machines_page(summary),
+        "Instruments": instruments_page(outcomes),
+        "Misses": misses_page(summary),
+        "Hidden effects": effects_page(outcomes, spelt),
+        "Confusion": "![hidden against answered](confusion.png)",
+    }
+    body = [f"## {title}\n\n{text}" for title, text in sections.items()]
+    return "\n\n".join([f"# Benchmark: {summary['cases']} cases", *body]) + "\n"
+
+
+def _figure(summary: Mapping[str, Any], name: str) -> tuple[str, str, str]:
+    """Value, interval and number of cases of a figure."""
+    if name in summary["medians"]:
+        value = summary["medians"][name]
+        return (percent(value) if "error" in name else number(value)), "", ""
+    rate = summary["rates"][name]
+    if rate is None:
+        return ABSENT, "", ""
+    return (
+        percent(rate["share"]),
+        f"{percent(rate['low'])} … {percent(rate['high'])}",
+        f"{rate['count']} of {rate['of']}",
+    )
+
+
+def _share(rate: Mapping[str, Any] | None) -> str:
+    return ABSENT if rate is None else f"{rate['count']} of {rate['of']}"
+
+
+def _answers(outcomes: Sequence[Outcome]) -> str:
+    """What was answered, most frequent first, each with how often."""
+    said = [" + ".join(" or ".join(g) for g in o.found) or _nothing(o) for o in outcomes]
+    counted = sorted({answer: said.count(answer) for answer in said}.items(), key=lambda pair: -pair[1])
+    return "; ".join(answer if count == len(said) else f"{answer} ({count})" for answer, count in counted)
+
+
+def _nothing(outcome: Outcome) -> str:
+    """An answer without an effect: its verdict, and whether it lists what is hidden."""
+    listed = bool(outcome.truths) and set(outcome.truths) <= set(outcome.absorbed)
+    return f"{outcome.verdict}, absorbed and listed" if listed else outcome.verdict
+
+
+def _range(values: Sequence[float]) -> str:
+    low, high = number(min(values), 3), number(max(values), 3)
+    return low if low == high else f"{low} … {high}"

@@ -1,0 +1,48 @@
+"""A model fitted to the logs and what the report says of it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from dr_lab.comparison import entries
+from dr_lab.comparison.localised import predicted_score
+from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.evidence.bench import Explained, explain
+from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.physics.context import ContextEstimate
+
+
+@dataclass(frozen=True)
+class Described:
+    """A fitted model with its entry in the ladder.
+
+    Attributes:
+        explained: the fitted and scored model.
+        estimate: mean and covariance of its context.
+        rung: its entry in the report's ladder.
+    """
+
+    explained: Explained
+    estimate: ContextEstimate
+    rung: dict[str, Any]
+
+
+def calibrate(study: Study) -> Explained:
+    """Fit the model as given, no effect added."""
+    return explain(study.bench, study.model, study.model.space.nominal)
+
+
+def describe(study: Study, explained: Explained) -> Described:
+    """Uncertainties and predicted score of a fitted model."""
+    estimate, table = entries.parameters(study, explained)
+    predicted = predicted_score(study, explained.model, explained.fit.z)
+    labels = [effect.label for effect in explained.model.effects]
+    rung = entries.rung(labels, explained.held_out, predicted, table)
+    return Described(explained, estimate, {**rung, "fit": entries.fitted(explained.fit)})
+
+
+def as_given(study: Study) -> tuple[Score, dict[str, Any]]:
+    """Held-out score and ladder-like entry of the model before any fit."""
+    z, bench = study.model.space.nominal, study.bench
+    refitted = score_of(*study.fits(study.model, z, bench.held_out))
+    nominal = {p.name: {"value": p.nominal, "std": None, "unit": p.unit} for p in study.model.space.parameters}
+    return refitted, entries.rung((), refitted, predicted_score(study, study.model, z), nominal)

@@ -1,0 +1,122 @@
+"""The ladder that a verb climbs, in windows that are as long as it takes.
+
+The states at which windows begin are fitted, and take up what a slow effect does within a short window; long windows
+hold fewer independent residuals, and more valleys in which a fit can end. So the shortest are asked first, and longer
+ones only where these leave a gap unexplained. What is found there is confirmed, as all else, on windows that choose
+nothing (`dr_lab.diagnosis.windows.folds`).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.evidence.confirmation import confirm
+from dr_lab.diagnosis.evidence.paired_gain import at_floor, paired_gain
+from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.diagnosis.search.ladder import Ladder, Watch, climb
+from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.diagnosis.windows.folds import folds
+from dr_lab.effects.catalogue import SpecialCases
+from dr_lab.effects.effect import Effect
+from dr_lab.errors import DataError
+
+Phase = Callable[[str], None]
+
+
+def climbed(
+    study: Study, effects: Mapping[str, Effect], *, most: int, watch: Watch, phase: Phase
+) -> tuple[Study, Ladder]:
+    """The ladder in the shortest windows that leave no gap unexplained; where all do, in the shortest.
+
+    Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
+
+    Each further length is one more chance of a false answer: of k lengths, those behind the first ask for the
+    confidence 1 − (1 − confidence) / k (Bonferroni).
+
+    Args:
+        study: model and logs, with the shortest windows.
+        effects: the catalogue.
+        most: most effects that are added; 0 ranks them, and adds what is named to look at it.
+        watch: see `climb`.
+        phase: is told what begins.
+
+    Returns:
+        The study with the windows that were taken, and its ladder.
+    """
+    found, ladder = _first_explained(study, effects, most, watch, phase)
+    phase("Checking what was found")
+    return found, ladder.with_laws(found.bench, found.scales, found.compiled)
+
+
+def as_far_as_it_predicts(study: Study, ladder: Ladder) -> Ladder:
+    """The ladder without its last effects that, above the noise floor, do not predict better than those before them.
+
+    Predicted are windows whose start is known from earlier samples alone: what an effect does for fitted starts only
+    is no use to a simulator. Those of the last third of each log choose nothing here either. The first effect is left
+    to `confirm`, which asks for more.
+
+    Args:
+        study: holds the windows that are predicted.
+        ladder: as it was climbed.
+    """
+    windows, evidence = folds(study.predicted)[0], study.bench.evidence
+    while len(ladder.steps) > 1 and not at_floor(ladder.models[-1].held_out, evidence):
+        before, after = (score_of(*study.fits(each.model, each.fit.z, windows)) for each in ladder.models[-2:])
+        if _better(before, after, evidence):
+            break
+        ladder = ladder.without_last()
+    return ladder
+
+
+def _better(before: Score, after: Score, evidence: EvidenceSettings) -> bool:
+    """Whether fewer windows diverge, or as many do and the others' errors fall, of all together and typically."""
+    if after.infeasible != before.infeasible:
+        return after.infeasible < before.infeasible
+    both = (before.window_count > 0) & (after.window_count > 0)
+    falls = after.window_sum[both].sum() < before.window_sum[both].sum()
+    return bool(falls) and paired_gain(before, after, evidence).total > 0
+
+
+def _first_explained(
+    study: Study, effects: Mapping[str, Effect], most: int, watch: Watch, phase: Phase
+) -> tuple[Study, Ladder]:
+    lengths = study.windows.lengths
+    first = (study, _ladder(study, effects, most, watch, phase))
+    if _explained(*first):
+        return first
+    for length in lengths[1:]:
+        phase(f"A gap remains that nothing explains: windows of {length:.3g} s")
+        longer = _with_windows(study, length, len(lengths))
+        if longer is None:
+            break
+        ladder = _ladder(longer, effects, most, watch, phase)
+        if ladder.steps and _explained(longer, ladder):
+            return longer, ladder
+    return first
+
+
+def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch, phase: Phase) -> Ladder:
+    phase("Calibrating the model")
+    base = calibrate(study)
+    ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
+    if not most:
+        cases = SpecialCases(effects, study.scales, study.compiled)
+        ladder = ladder.with_first_step().pruned(study.bench, cases)
+    ladder = as_far_as_it_predicts(study, ladder)
+    found = confirm(study.bench, study.predicted, ladder.base, ladder.models[-1], study.fits)
+    return replace(ladder, confirmation=found)
+
+
+def _explained(study: Study, ladder: Ladder) -> bool:
+    return ladder.verdict(study.bench.evidence) != "unexplained"
+
+
+def _with_windows(study: Study, length: float, tries: int) -> Study | None:
+    """The study with longer windows; None where the logs have no room for them."""
+    evidence = study.bench.evidence
+    strict = replace(evidence, confidence=1 - (1 - evidence.confidence) / tries)
+    try:
+        return replace(study.asked, evidence=strict).study(study.windows.of_length(length))
+    except DataError:
+        return None

@@ -1,0 +1,92 @@
+"""The report's entry on missing forces: how much the effects explain, how much anything could, and a formula."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.missing_force.force_formula import Formula, Variable, mean_square, sparse_formula
+from dr_lab.diagnosis.missing_force.residual_force import ResidualForce
+from dr_lab.diagnosis.windows.windows import Windows
+
+_PARTS = 8  # of the data, at least
+
+
+def missing_forces(study: Study, models: Sequence[Explained]) -> list[dict[str, Any]]:
+    """Joint by joint: missing force of the first and the last model, and what is left to explain.
+
+    Sizes are those beyond ``noise``, the root mean square that the measurements' noise alone gives the first model's
+    force. ``ceiling`` is the share of its mean square that any function of the measured state could explain,
+    ``explained`` the share that the effects took away; ``left`` belongs to what the last model misses, its shares to
+    all of that force, noise included. All are of ``windows`` short windows of the logs that score.
+    """
+    first, last = (study.fits.forces(m.model, m.fit.z, study.short, study.few) for m in (models[0], models[-1]))
+    replay = Replay(models[-1].model, study.short.pick(study.few), study.bench.threads)
+    known = [joint for joint, part in first.items() if np.isfinite(part.force).any()]
+    return [_entry(study, replay, joint, first, last) for joint in known]
+
+
+def _entry(
+    study: Study, replay: Replay, joint: str, first: dict[str, ResidualForce], last: dict[str, ResidualForce]
+) -> dict[str, Any]:
+    unit = "N" if replay.slides(joint) else "N·m"
+    settings, groups = study.local.formula, _groups(replay.windows)
+    before = sparse_formula(first[joint].force, unit, _variables(replay, first), groups, settings)
+    after = sparse_formula(last[joint].force, unit, _variables(replay, last), groups, settings)
+    missing, left = _beyond_noise(first[joint]), _beyond_noise(last[joint])
+    reached = before.ceiling * mean_square(first[joint].force) if before else None
+    return {
+        "joint": joint,
+        "windows": int(np.isfinite(first[joint].force).sum()),
+        "unit": unit,
+        "rms_first": missing**0.5,
+        "rms_last": left**0.5,
+        "noise": _noise(first[joint]) ** 0.5,
+        "explained": 1.0 - left / missing if missing > 0 else 0.0,
+        "ceiling": min(reached / missing, 1.0) if reached is not None and missing > 0 else None,
+        "left": _left(after),
+    }
+
+
+def _beyond_noise(part: ResidualForce) -> float:
+    """Mean square of a force without the share that the measurements' noise has in it."""
+    return max(mean_square(part.force) - _noise(part), 0.0)
+
+
+def _noise(part: ResidualForce) -> float:
+    """Mean square that noise alone gives a force, over the windows that have one."""
+    return mean_square(np.where(np.isfinite(part.force), part.noise, np.nan))
+
+
+def _left(formula: Formula | None) -> dict[str, Any] | None:
+    if formula is None:
+        return None
+    terms = [
+        {"term": term, "coefficient": value, "unit": formula.units[term]}
+        for term, value in formula.coefficients.items()
+    ]
+    return {"ceiling": formula.ceiling, "share": formula.share, "terms": terms}
+
+
+def _variables(replay: Replay, forces: dict[str, ResidualForce]) -> list[Variable]:
+    """Position and velocity of the measured joints, and the commands."""
+    found = []
+    for joint, part in forces.items():
+        slide = replay.slides(joint)
+        unit = "m" if slide else "rad"
+        found.append(Variable(f"{joint} position", unit, "place" if slide else "angle", part.position))
+        found.append(Variable(f"{joint} velocity", f"{unit}/s", "velocity", part.velocity))
+    for name, column in replay.commands.items():
+        found.append(Variable(f"{name} command", "", "command", replay.windows.controls[..., column].mean(1)))
+    return found
+
+
+def _groups(windows: Windows) -> NDArray[np.intp]:
+    """Parts of the data that are left out together: logs, or where these are few each of them in as many parts."""
+    parts = -(-_PARTS // len(windows.logs))
+    counts = np.bincount(windows.log, minlength=len(windows.logs))
+    return np.concatenate([k * parts + np.arange(count) * parts // count for k, count in enumerate(counts)])

@@ -1,0 +1,155 @@
+"""What the recordings show: the scored logs, measured and simulated before and after."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from dr_lab.comparison.export import Played, play
+from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.missing_force.residual_force import ResidualForce
+from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.diagnosis.windows.channels import residual as channel_residual
+from dr_lab.diagnosis.windows.channels import resolve
+from dr_lab.diagnosis.windows.windows import cut, window_begins
+from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.physics.model import Model
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.overlay import MEASURED, Overlay
+from dr_lab.recorders.scene import body_poses
+from dr_lab.trajectory import Array, Log
+
+_EVERY_WINDOW = 1e9  # s
+
+Forces = Mapping[str, Mapping[str, ResidualForce]]  # by role and joint
+
+
+def shown_logs(study: Study, longest: float) -> tuple[Log, ...]:
+    """Logs that recordings show: the held-out ones, or the fit logs where none is held out, if they hold a window.
+
+    Of longer logs their first `longest` seconds, so that a recording of hours takes no more memory than one of minutes;
+    where no window lies in these, because commands begin later, as many seconds from the first window on.
+    """
+    logs = study.measurements.held_out or study.measurements.fit
+    held = set(study.predicted.logs) & set(study.short.logs)
+    parts = (_beginning(study, log, longest) for log in logs if log.name in held)
+    return tuple(part for part in parts if part is not None)
+
+
+def play_log(study: Study, log: Log, models: Mapping[str, tuple[Model, Array]]) -> dict[str, Played]:
+    """Play a log by role, in predicted windows that follow one another without a gap."""
+    settings = _one_after_another(study, study.prediction.length)
+    windows = cut([log], study.measurements, study.compiled, settings)
+    return {role: play(study, model, z, windows) for role, (model, z) in models.items()}
+
+
+def missing(study: Study, models: Mapping[str, tuple[Model, Array]]) -> Forces:
+    """What models miss at each joint in short windows of the scored logs, by role and joint."""
+    return {role: study.fits.forces(model, z, study.short, study.few) for role, (model, z) in models.items()}
+
+
+def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces, look: Look) -> Overlay:
+    """Everything that the recording shows of one log; forces as `missing` gives them."""
+    time, poses = _poses(study, log, played, look)
+    of_log = study.short.log[study.few] == study.short.logs.index(log.name)
+    joints = next(iter(forces.values())).keys() if forces else ()
+    slides = {int(mujoco.mjtJoint.mjJNT_SLIDE)}
+    unit = "N" if {int(study.compiled.joint(j).type[0]) for j in joints} == slides else "N·m"
+    return Overlay(
+        log=log.name,
+        time=time,
+        poses=poses,
+        measured=log.outputs,
+        simulated={role: at_samples(log, p) for role, p in played.items()},
+        residual_velocity={
+            joint: (
+                next(iter(forces.values()))[joint].velocity[of_log],
+                {role: f[joint].force[of_log] for role, f in forces.items()},
+            )
+            for joint in joints
+        },
+        commands=log.commands,
+        noise={name: study.measurements.noise[name].std for name in log.outputs},
+        gaps=study.measurements.gaps,
+        residual_name=f"missing force [{unit}]",
+    )
+
+
+def at_samples(log: Log, played: Played) -> dict[str, Array]:
+    """Simulated channels at the measured times of a log, NaN between windows."""
+    values = {name: np.full_like(signal.value, np.nan) for name, signal in log.outputs.items()}
+    for samples in played.replay.windows.samples:
+        name = samples.channel.name
+        simulated = played.replay.reading(played.fit.z[None], played.tape, samples.channel)(samples.time[None])[0]
+        times = samples.time + played.replay.windows.begin[:, None]
+        shown = samples.scored & ~played.fit.infeasible[:, None]
+        index = np.searchsorted(log.outputs[name].time, times[shown] - 1e-9)
+        values[name][index] = simulated[shown].reshape(-1, *values[name].shape[1:])
+    return values
+
+
+def residuals(log: Log, study: Study, simulated: Mapping[str, Array]) -> dict[str, Array]:
+    """Measured − simulated of each channel at the measured times, in the channel's unit."""
+    found = {}
+    for channel in resolve(study.compiled, tuple(log.outputs)):
+        measured = log.outputs[channel.name].value
+        rows = (measured.reshape(1, len(measured), -1), simulated[channel.name].reshape(1, 1, len(measured), -1))
+        found[channel.name] = channel_residual(channel, rows[1], rows[0])[0, 0]
+    return found
+
+
+def _beginning(study: Study, log: Log, seconds: float) -> Log | None:
+    """The log up to so many seconds after its first sample, or its first window; None if neither can be played."""
+    sample = min(signal.time[0] for signal in log.outputs.values())
+    window = study.predicted.begin[study.predicted.log == study.predicted.logs.index(log.name)].min()
+    parts = (_until(log, start + seconds) for start in (sample, window))
+    return next((part for part in parts if _is_playable(study, part)), None)
+
+
+def _until(log: Log, end: float) -> Log:
+    outputs, commands = (
+        {name: replace(s, time=s.time[s.time <= end], value=s.value[s.time <= end]) for name, s in signals.items()}
+        for signals in (log.outputs, log.commands)
+    )
+    return replace(log, outputs=outputs, commands=commands)
+
+
+def _is_playable(study: Study, log: Log) -> bool:
+    if not all(map(len, (*log.outputs.values(), *log.commands.values()))):
+        return False
+    settings = _one_after_another(study, study.prediction.length)
+    return len(window_begins(log, study.measurements.gaps, settings)) > 0
+
+
+def _one_after_another(study: Study, length: float) -> WindowSettings:
+    return replace(study.prediction.of_length(length), seconds=_EVERY_WINDOW)
+
+
+def _poses(
+    study: Study, log: Log, played: Mapping[str, Played], look: Look
+) -> tuple[Array, dict[str, tuple[Array, Array]]]:
+    """Body poses of the measured and of each simulated robot at even times that windows cover."""
+    model = study.compiled
+    lead = study.prediction.run_in + study.prediction.margin
+    begin = next(iter(played.values())).replay.windows.begin
+    count = max(1, int(study.prediction.length * look.pose_rate))
+    offsets = lead + np.arange(count) / look.pose_rate
+    time = (begin[:, None] + offsets).ravel()
+    measured = np.tile(model.qpos0, (len(time), 1))
+    for channel in resolve(model, tuple(log.outputs)):
+        if channel.kind == "position":
+            measured[:, channel.address] = local_polynomial(
+                log.outputs[channel.name], time, study.windows.smoother
+            ).value
+    poses = {MEASURED: _kinematics(model, model, measured)}
+    for role, part in played.items():
+        steps = np.rint(offsets / part.replay.windows.step).astype(int)
+        qpos = part.tape.qpos[0][:, steps].reshape(len(time), -1)
+        poses[role] = _kinematics(part.replay.model.compile(part.fit.z), model, qpos)
+    return time, poses
+
+
+def _kinematics(model: mujoco.MjModel, geometry: mujoco.MjModel, qpos: Array) -> tuple[Array, Array]:
+    """World poses of the geometry's bodies, positions (n, nbody, 3) and quaternions (n, nbody, 4)."""
+    return body_poses(model, qpos, [model.body(geometry.body(i).name).id for i in range(geometry.nbody)])

@@ -1,0 +1,1 @@
+"""Whether one model explains data better than another: scores, paired gains, confirmation."""

@@ -1,0 +1,191 @@
+"""The data on which models are compared, and a model fitted and scored there."""
+
+from dataclasses import dataclass, replace
+from threading import Event
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from dr_lab.diagnosis.evidence.left_out import left_out
+from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import StateFit, fit_states
+from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
+from dr_lab.diagnosis.windows.windows import Windows
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+Rows = NDArray[np.intp]
+_MOST = 1.0 - 1e-9  # share of a cost that can be gained; its logarithm is finite
+_LEAST = 1e-9
+
+
+@dataclass(frozen=True)
+class Explained:
+    """A model fitted to the fit windows and scored on the held-out ones.
+
+    Attributes:
+        model: the model with its effects.
+        fit: context and states on the fit windows.
+        states: states on the held-out windows.
+        held_out: score there.
+        apart: whether the held-out windows are others than the fit windows, so that they tell more than the fit does.
+    """
+
+    model: Model
+    fit: Fit
+    states: StateFit
+    held_out: Score
+    apart: bool = True
+
+    def values(self) -> dict[str, float]:
+        """The fitted context by parameter name."""
+        return self.model.space.mapping(self.fit.z)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The data and settings on which models are compared.
+
+    Attributes:
+        fit: windows that parameters are fitted on.
+        held_out: windows that only score; `fit` itself where no log is held out.
+        solver: settings of the fits.
+        evidence: settings of the comparison.
+        threads: threads in all.
+        timing_resolution: s, step of the model as given, or the wait between commands that were logged more slowly than
+            they changed; a shift in time that is smaller cannot be told from it.
+        confirms: held-out windows that choose nothing; None where none are left for that.
+        colour: residuals of the model that others are compared with which tell as much as one independent one does.
+    """
+
+    fit: Windows
+    held_out: Windows
+    solver: SolverSettings
+    evidence: EvidenceSettings
+    threads: int
+    timing_resolution: float = 0.0
+    confirms: Windows | None = None
+    colour: float = 1.0
+
+    def beside(self, base: Explained) -> "Bench":
+        """The bench on which models are compared with this one, whose residuals tell how many are independent."""
+        return replace(self, colour=base.held_out.colour)
+
+    @property
+    def apart(self) -> bool:
+        """Whether logs are held out, so that others score than were fitted."""
+        return self.held_out is not self.fit
+
+    @property
+    def scored(self) -> str:
+        """The logs that score, in words."""
+        return "held-out logs" if self.apart else "fit logs"
+
+    @property
+    def samples(self) -> int:
+        """Number of samples that are fitted."""
+        return sum(int(s.fitted.sum()) * s.channel.size for s in self.fit.samples)
+
+    @property
+    def enough(self) -> float:
+        """Evidence on the fit windows that is believed."""
+        return self.evidence.enough_hope * self.evidence.threshold
+
+    @property
+    def hope(self) -> float:
+        """Evidence on the fit windows that a linear step must promise."""
+        return self.evidence.least_hope * self.evidence.threshold
+
+    @property
+    def screened(self) -> Rows:
+        """Fit windows on which candidates are looked at and tried, evenly spread over the logs."""
+        count = len(self.fit)
+        asked = round(self.evidence.screen_seconds / self.fit.length)
+        most = min(count, max(asked, self.evidence.screen_windows))
+        return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
+
+    def promise(self, gain: float, base: Fit, extra: int = 0) -> float:
+        """Evidence on all fit windows that a lower cost foretells, −n ln(1 − share), less the penalty of chance.
+
+        It is Δχ² of residuals of unknown size, n of them independent. What is left is as coloured as the base's
+        residuals where nothing is gained, and white where all above the noise is.
+
+        Args:
+            gain: by how much the cost of a fit of some or all of these windows could fall.
+            base: that fit.
+            extra: number of parameters that may owe something to chance on its windows.
+        """
+        level = base.cost / (self.samples * len(base.delta) / len(self.fit))
+        share = float(np.clip(gain / base.cost, 0.0, _MOST))
+        return self._evidence(share, level) - self.evidence.penalty * extra
+
+    def _evidence(self, share: float, level: float) -> float:
+        """−n ln(1 − share) of a base whose residuals are so large, as χ²."""
+        left = 1 - min(share / max(1 - 1 / max(level, 1.0), _LEAST), 1.0)
+        return -self.samples / (1 + (self.colour - 1) * left) * float(np.log1p(-share))
+
+    def cost_at(self, fit: Fit, evidence: float) -> float:
+        """Cost that is worse by so much evidence than that of a fit of all windows; ∞ if the fit leaves some out."""
+        return np.inf if fit.infeasible.any() else fit.cost * float(np.exp(evidence * self.colour / self.samples))
+
+    def hoped(self, base: Fit) -> float:
+        """Cost of a fit of all windows that promises just what is hoped for beside a base; ∞ as in `cost_at`."""
+        if base.infeasible.any():
+            return np.inf
+        level = base.cost / self.samples
+        if self._evidence(_MOST, level) <= self.hope:
+            return 0.0
+        share = cast(float, brentq(lambda share: self._evidence(share, level) - self.hope, 0.0, _MOST))
+        return base.cost * (1 - share)
+
+    def screening(self) -> "Bench":
+        """The bench with fewer windows to fit; itself where there are no more."""
+        return self if len(self.screened) == len(self.fit) else replace(self, fit=self.fit.pick(self.screened))
+
+
+def explain(bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf) -> Explained:
+    """Fit a model from a context, and states if given, and score it; of a `goal` see `Fitter.run`."""
+    return scored(bench, model, fitted(bench, model, start, delta, goal))
+
+
+def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf) -> Fit:
+    """Fit a model as `explain` does."""
+    return Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta, goal=goal)
+
+
+def beyond_doubt(bench: Bench, explained: Explained) -> float:
+    """Cost above which another model is worse than a fitted one without a doubt; see `Fitter.run`."""
+    return bench.beside(explained).cost_at(explained.fit, bench.enough)
+
+
+def fitted_alone(replay: Replay, fit: Fit) -> Explained:
+    """A fit scored on the windows that it was fitted to, which takes no simulation and flatters it."""
+    states = _states(fit)
+    return Explained(replay.model, fit, states, score_of(replay, states), apart=False)
+
+
+def scored(
+    bench: Bench,
+    model: Model,
+    fit: Fit,
+    threads: int | None = None,
+    near: StateFit | None = None,
+    stop: Event | None = None,
+) -> Explained:
+    """Score a fit on the held-out windows; `near` are states there of a similar model, `stop` ends it from outside."""
+    replay, states = fit_states(model, fit.z, bench.held_out, bench.solver, threads or bench.threads, near, stop)
+    score = score_of(replay, states)
+    if bench.apart:
+        fitted = Replay(model, bench.fit, threads or bench.threads, stop)
+        found = left_out(fitted, fit, bench.solver, bench.evidence)
+        others = replace(_states(fit), residuals=found.residuals, infeasible=found.infeasible)
+        score = replace(score, foretold=score_of(fitted, others))
+    return Explained(model, fit, states, score, bench.apart)
+
+
+def _states(fit: Fit) -> StateFit:
+    return StateFit(fit.z, fit.delta, fit.residuals, fit.cost, fit.infeasible, fit.slopes.state)

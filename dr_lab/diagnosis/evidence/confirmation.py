@@ -1,0 +1,90 @@
+"""What windows that chose nothing say of a ladder's last model beside the calibrated one."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isnan
+
+from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, supported
+from dr_lab.diagnosis.evidence.score import Score, score_of
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import StateFit
+from dr_lab.diagnosis.windows.windows import Windows
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+Fits = Callable[[Model, Array, Windows], tuple[Replay, StateFit]]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two models on other windows than those that chose them.
+
+    Attributes:
+        windows: how many there are.
+        before: score of the calibrated model.
+        after: score of the last model.
+        gain: paired gain of the last model.
+    """
+
+    windows: int
+    before: Score
+    after: Score
+    gain: Gain
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """A ladder's ends on windows that chose neither.
+
+    Attributes:
+        apart: on windows that were left out of all choices; None where there are none.
+        predicted: on windows whose start is known from earlier samples alone; two thirds of these have dropped what did
+            not predict better than the models below.
+        predicted_worse: whether the calibrated model predicts windows, from starts that only earlier samples tell,
+            better than the last one beyond doubt. What was added then bends the fitted starts, not the motion.
+    """
+
+    apart: Comparison | None
+    predicted: Comparison
+    predicted_worse: bool
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether what was added is not found again: it predicts worse, or nothing is gained on windows left out."""
+        if self.apart is None or isnan(self.apart.gain.total_low):  # too few of them to know
+            return self.predicted_worse
+        return self.predicted_worse or self.apart.gain.total <= 0
+
+    @property
+    def status(self) -> str:
+        """``confirmed`` (found again beyond doubt), ``undecided`` (found, but not beyond doubt) or ``contradicted``."""
+        if self.contradicts:
+            return "contradicted"
+        return "confirmed" if self.apart is not None and self.apart.gain.total_low > 0 else "undecided"
+
+
+def confirm(bench: Bench, predicted: Windows, base: Explained, last: Explained, fits: Fits) -> Confirmation | None:
+    """Compare a ladder's ends on windows that chose nothing.
+
+    Args:
+        bench: holds the windows that were left out of all choices.
+        predicted: windows whose start is known from earlier samples alone.
+        base: the calibrated model.
+        last: the model that was chosen.
+        fits: fits the windows' states under a model at a context.
+
+    Returns:
+        The comparison; None where nothing was added.
+    """
+    if last is base:
+        return None
+    apart = None if bench.confirms is None else _compared(bench, bench.confirms, base, last, fits)
+    known = _compared(bench, predicted, base, last, fits)
+    back = paired_gain(known.after, known.before, bench.evidence)
+    return Confirmation(apart, known, supported(back, 0, bench.evidence))
+
+
+def _compared(bench: Bench, windows: Windows, first: Explained, second: Explained, fits: Fits) -> Comparison:
+    before, after = (score_of(*fits(each.model, each.fit.z, windows)) for each in (first, second))
+    return Comparison(len(windows), before, after, paired_gain(before, after, bench.evidence))

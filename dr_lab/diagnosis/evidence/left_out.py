@@ -1,0 +1,106 @@
+"""What a fit says of its own windows as if it had not seen them: cross-validation by one linear step, or by a refit."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter, movable
+from dr_lab.diagnosis.fit.normal_equations import inverse_root
+from dr_lab.diagnosis.fit.point import Point
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import polished
+from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
+from dr_lab.diagnosis.windows.blocks import Indices, blocks, logs
+from dr_lab.trajectory import Array
+
+
+def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: EvidenceSettings) -> Point:
+    """Residuals of each log at the context that all other logs prefer; of few logs, of blocks of windows.
+
+    Without the windows b the optimum moves by −(I + P − I_b)⁻¹ (g − g_b), g being the gradient of the whole cost, 0 at
+    an optimum, and g_b that of the cost in these windows; their states follow. To first order these are the residuals
+    of a fit to the others, so that they flatter a model with more parameters no more than held-out windows do. The
+    windows are simulated there. Where that is not what the linear step foretells, a few steps of a fit to the others
+    take its place: a law may bend, and a step without the windows that hold it back may go astray.
+
+    Source: Pregibon, Annals of Statistics 9 (1981) 705 (one-step deletion).
+
+    Args:
+        replay: the windows that were fitted.
+        fit: the fit.
+        solver: settings of fits.
+        settings: number of logs that are few, and size of the blocks.
+
+    Returns:
+        The fit's context, with residuals, shape (w, m), states and windows that diverge as foretold.
+    """
+    log = replay.windows.log
+    parts = logs(log)
+    if len(parts) < settings.least_trusted:
+        parts = blocks(log, settings.block, settings.least_blocks)
+    contexts, delta, expected = _linear(replay, fit, parts)
+    found = Point(fit.z, delta, fit.residuals.copy(), np.inf, fit.infeasible.copy())
+    for z, rows in zip(contexts, parts, strict=True):
+        own = _simulated(replay.part(rows), z, delta[rows])
+        if _strays(own, expected[rows], fit, rows, solver):
+            own = _refitted(replay, fit, rows, solver)
+        found.delta[rows], found.residuals[rows] = own.delta, own.residuals
+        found.infeasible[rows] |= own.infeasible
+    return found
+
+
+def _linear(replay: Replay, fit: Fit, parts: list[Indices]) -> tuple[Array, Array, Array]:
+    """Contexts without each part, (parts, n), and states (w, s) and residuals (w, m) that follow where it is left out.
+
+    Slopes are by parameters in the unit cube.
+    """
+    space = replay.model.space
+    unit = space.to_unit(fit.z)
+    moves = _moves(unit, fit, parts)
+    moved = np.zeros((len(fit.delta), len(unit)))
+    for move, rows in zip(moves, parts, strict=True):
+        moved[rows] = move
+    gain = np.linalg.solve(fit.equations.state, fit.equations.mixed)
+    follow = -(gain @ moved[..., None])[..., 0]
+    away = fit.slopes.parameter @ moved[..., None] + fit.slopes.state @ follow[..., None]
+    return space.clip(space.from_unit(unit + moves)), fit.delta + follow, fit.residuals + away[..., 0]
+
+
+def _moves(unit: Array, fit: Fit, parts: list[Indices]) -> Array:
+    """By how much the context moves without each part, in unit-cube parameters, shape (parts, n)."""
+    information, gradient = fit.equations.window_information()
+    whole = gradient.sum(0) + fit.equations.prior_gradient
+    free = movable(unit, whole)
+    total, moves = information.sum(0), np.zeros((len(parts), len(unit)))
+    for move, rows in zip(moves, parts, strict=True):
+        rest = (total - information[rows].sum(0))[np.ix_(free, free)]
+        root = inverse_root(rest, fit.equations.prior[free])
+        step = root @ (root.T @ (gradient[rows].sum(0) - whole)[free])
+        move[free] = np.clip(step, -unit[free], 1 - unit[free])
+    return moves
+
+
+def _simulated(replay: Replay, z: Array, delta: Array) -> Point:
+    residuals, infeasible = replay.residuals(z[None], delta[None])
+    return Point(z, delta, residuals[0], np.inf, infeasible[0])
+
+
+def _strays(own: Point, expected: Array, fit: Fit, rows: Indices, solver: SolverSettings) -> bool:
+    """Whether windows are not what a linear step foretells, or diverge."""
+    known = ~fit.infeasible[rows]
+    if own.infeasible[known].any():
+        return True
+    seen, foretold, here = (float(np.square(r[known]).sum()) for r in (fit.residuals[rows], expected, own.residuals))
+    allowed = (1 - solver.foreseen) * (foretold - seen) + solver.rough_tolerance * seen
+    return abs(here - foretold) > allowed
+
+
+def _refitted(replay: Replay, fit: Fit, rows: Indices, solver: SolverSettings) -> Point:
+    """Windows at the context that a few steps of a fit to all others lead to, their states fitted there."""
+    others = np.setdiff1d(np.arange(len(replay.windows)), rows)
+    fitter = Fitter(replay.part(others), solver)
+    rest = fitter.run(fit.z, fit.delta[others], fit.slopes.pick(others), solver.start_iterations)
+    part = replay.part(rows)
+    there = _simulated(part, rest.z, fit.delta[rows])
+    states = polished(part, solver, there, fit.slopes.state[rows], ~there.infeasible)
+    return replace(there, delta=states.delta, residuals=states.residuals, infeasible=states.infeasible)

@@ -1,0 +1,298 @@
+"""Does one model explain windows that it did not see better than another? Paired gains with a block bootstrap."""
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm
+from scipy.stats import t as student
+
+from dr_lab.diagnosis.evidence.score import ChannelScore, Score
+from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.diagnosis.windows.blocks import Indices, blocks
+from dr_lab.trajectory import Array
+
+_LEAST = 1e-9  # degrees of freedom; a window without samples of a channel has none
+
+
+@dataclass(frozen=True)
+class Gain:
+    """How much lower one model's χ² is than another's, on the windows that both can simulate.
+
+    Attributes:
+        share: share of the worse model's χ² that the better one removes in a typical window, of those that score and
+            of fitted ones as fits to the others foretell them; χ² of a typical window is exp(mean ln(1 + χ²_w)) − 1.
+        low: lower end of its interval.
+        high: upper end.
+        error: share of the worse model's χ² that is more than noise, in a typical one of these windows.
+        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes in a typical window of
+            those that score; 1 where the worse one is at the floor.
+        channels: that share by channel.
+        place: the channel in which the evidence of the windows that score is most.
+        total: Σ (D worse − D better) over channels and windows, those that score and those that were fitted, these as
+            fits to the others foretell them; the difference of the deviances −2 ln L of residuals that are noise or,
+            where they are larger, errors of unknown size: D = n χ² up to χ² = 1 and n (1 + ln χ²) above, n being the
+            number of independent ones among them. It is Δχ² near the noise floor, no single wild window decides far
+            above it, and there it does not depend on how large the noise is.
+        total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
+            worse simulates, NaN where there are too few blocks of data to know.
+        trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
+        wins: share of the windows that score in which the χ² is lower.
+        clear: whether each of these gains, no window diverges that did not, and the worse model is above the noise
+            floor.
+    """
+
+    share: float
+    low: float
+    high: float
+    error: float
+    gap: float
+    channels: Mapping[str, float]
+    place: str
+    total: float
+    total_low: float
+    trial_low: float
+    wins: float
+    clear: bool
+
+
+_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, 0.0, clear=False)
+
+
+def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
+    """Gain of `better` over `worse`, window by window.
+
+    The share with its interval and the evidence are summed over the windows that score and over those that were fitted,
+    each block of which a fit to the others foretells (cross-validation): a few held-out windows alone tell little.
+
+    The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
+    inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an interval reaches to
+    ±√(n/(n − 1)) t_{n−1} standard deviations; below `settings.least_compared` blocks it is not known. Logs themselves
+    are not resampled: of the two or three that are usually held out each would have to gain, which the first of two
+    missing effects need not do.
+
+    Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks);
+    Hesterberg, The American Statistician 69 (2015) 371 (expanded percentiles).
+    """
+    both = (worse.window_count > 0) & (better.window_count > 0)
+    if not both.any():
+        return _NOTHING
+    ours, theirs = better.window_sum[both], worse.window_sum[both]
+    each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
+    evidence = np.sum([found[0] for found in each.values()], axis=0)
+    diverges = _diverges(worse, better)
+    every = _everywhere(evidence, worse, better, both)
+    total, resampled = float(every.rows[3].sum()), _resampled(every.rows, every.log, settings)
+    share, n = float(_removed(every.rows.sum(1))), block_count(every.log, settings)
+    low, high = _interval(share, _removed(resampled), n, (1 - settings.confidence) / 2, settings)
+    total_low, trial_low = (
+        -np.inf if diverges else _interval(total, resampled[3], n, 1 - confidence, settings)[0]
+        for confidence in (settings.confidence, settings.trial_confidence)
+    )
+    closed = {name: found[1] for name, found in each.items()}
+    return Gain(
+        share=share,
+        low=low,
+        high=float(np.minimum(high, 1.0)),
+        error=max(1 - 1 / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
+        gap=_gap(theirs, ours, worse.window_count[both]),
+        channels=closed,
+        place=max(each, key=lambda name: float(each[name][0].sum())),
+        total=total,
+        total_low=total_low,
+        trial_low=trial_low,
+        wins=float((theirs > ours).mean()),
+        clear=bool((theirs > ours).all() and not diverges and not at_floor(worse, settings)),
+    )
+
+
+def _diverges(worse: Score, better: Score) -> bool:
+    """Whether the better model lets a window diverge that the worse one simulates, among all windows."""
+    pairs = [(worse, better)]
+    if worse.foretold is not None and better.foretold is not None:
+        pairs.append((worse.foretold, better.foretold))
+    return any(bool(((first.window_count > 0) & (second.window_count == 0)).any()) for first, second in pairs)
+
+
+class _Every(NamedTuple):
+    """All windows, those that score before those that were fitted.
+
+    Attributes:
+        rows: Σ n ln(1 + χ²) of the worse and the better model, n and the evidence of each window, shape (4, w).
+        log: index of each window's log, shape (w,).
+    """
+
+    rows: Array
+    log: Indices
+
+
+def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> _Every:
+    """All windows; `evidence` is that of the windows that score, shape (w,)."""
+    scoring, log = _rows(evidence, worse, better, both), worse.log[both]
+    if worse.foretold is None or better.foretold is None:
+        return _Every(scoring, log)
+    before, after = worse.foretold, better.foretold
+    known = (before.window_count > 0) & (after.window_count > 0)
+    further = np.sum([_one_channel(*pair, known)[0] for pair in _paired(before, after).values()], axis=0)
+    rows = np.append(scoring, _rows(further, before, after, known), axis=1)
+    return _Every(rows, np.append(log, before.log[known] + log.max(initial=0) + 1))
+
+
+def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> Array:
+    count = worse.window_count[both]
+    return np.stack([*(_logs(score.window_sum[both], count) for score in (worse, better)), count, evidence])
+
+
+def _removed(sums: Array) -> Array:
+    """Share of a typical window's χ² that the better model removes, from sums of rows of `_Every`."""
+    before, after = _typical_of(sums)
+    return 1 - after / np.maximum(before, _LEAST)
+
+
+def _typical_of(sums: Array) -> Array:
+    """χ² of both models in a typical window, from sums of rows of `_Every`."""
+    return np.expm1(sums[:2] / np.maximum(sums[2], _LEAST))
+
+
+def block_count(log: Indices, settings: EvidenceSettings) -> int:
+    """Number of blocks that windows make, `log` being the index of each window's log, shape (w,)."""
+    return len(blocks(log, settings.block, settings.least_blocks))
+
+
+def _paired(worse: Score, better: Score) -> dict[str, tuple[ChannelScore, ChannelScore]]:
+    """Both models' channels; all residuals as one channel where they are not told apart."""
+    if worse.channels and better.channels:
+        return {name: (worse.channels[name], better.channels[name]) for name in worse.channels}
+    first, second = (ChannelScore(s.window_sum, s.window_count, 1.0, instrumental=False) for s in (worse, better))
+    return {"": (first, second)}
+
+
+def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.bool_]) -> tuple[Array, float]:
+    """Evidence of each window, and the share of the gap that closes.
+
+    How many residuals are independent is read from those of the model that leaves less: what the other one leaves is
+    also coloured by what it lacks.
+    """
+    ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
+    least = better if better.chi2 <= worse.chi2 else worse
+    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, _gap(theirs, ours, count)
+
+
+def _gap(worse: Array, better: Array, count: Array) -> float:
+    """Share of the gap of a typical window that closes, from the sums of its squares."""
+    before, after = _typical(worse, count), _typical(better, count)
+    return min((before - after) / (before - 1), 1.0) if before > 1 else 1.0
+
+
+def _deviance(sums: Array, count: Array) -> Array:
+    """−2 ln L of each window, but for a constant, at the likeliest variance of at least the noise's."""
+    level = sums / np.maximum(count, _LEAST)
+    return count * np.where(level > 1, 1 + np.log(np.maximum(level, 1)), level)
+
+
+def _typical(sums: Array, count: Array) -> float:
+    """χ² of a typical window."""
+    return float(np.expm1(_logs(sums, count).sum() / max(count.sum(), _LEAST)))
+
+
+def _logs(sums: Array, count: Array) -> Array:
+    """N ln(1 + χ²) of each window."""
+    return count * np.log1p(sums / np.maximum(count, _LEAST))
+
+
+def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
+    """Largest χ² per degree of freedom at which a model counts as right.
+
+    The noise is known to `settings.floor`; on few samples, moreover, the χ² of a right model scatters, and exceeds this
+    quantile of its distribution only with probability 1 − confidence.
+
+    Args:
+        freedom: degrees of freedom of the χ².
+        settings: floor and confidence.
+    """
+    if freedom <= 0:
+        return settings.floor
+    return max(settings.floor, float(chi2.ppf(settings.confidence, freedom)) / freedom)
+
+
+def at_floor(score: Score, settings: EvidenceSettings) -> bool:
+    """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make."""
+    if score.chi2 <= noise_floor(score.freedom, settings):
+        return True
+    return bool(score.channels) and all(_channel_at_floor(channel, settings) for channel in score.channels.values())
+
+
+def largest_gap(gain: Gain) -> float:
+    """Share of the gap that closes, over all channels or in the one where the evidence is most, whichever is more."""
+    return max(gain.gap, gain.channels.get(gain.place, 0.0))
+
+
+def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings) -> bool:
+    """Whether the channel with the most evidence comes down to the noise floor from above it."""
+    pair = (score.channels.get(gain.place) for score in (worse, better))
+    before, after = (channel is not None and _channel_at_floor(channel, settings) for channel in pair)
+    return after and not before
+
+
+def _channel_at_floor(channel: ChannelScore, settings: EvidenceSettings) -> bool:
+    floor = noise_floor(float(channel.window_count.sum()) / channel.colour, settings)
+    return channel.instrumental or channel.chi2 <= floor
+
+
+def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
+    """Whether a gain is beyond its interval, the threshold and the penalty of the added parameters, and no trifle.
+
+    Few blocks make the interval wide, or leave none. It is not asked for where a model above the noise floor gets
+    better in every window and as much of its gap is closed as is asked of a cause.
+    """
+    certain = gain.total_low > 0 or (gain.clear and gain.gap >= settings.least_named)
+    return certain and sizeable(gain, extra_parameters, settings)
+
+
+def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
+    """Whether a gain is supported but for its interval, of which only the confidence of a trial is asked.
+
+    Where several effects are missing each scatters what another one gains: beside them it may well be beyond doubt.
+    """
+    return gain.trial_low > 0 and sizeable(gain, extra_parameters, settings)
+
+
+def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
+    """Whether a gain, if certain, is beyond the threshold and the penalty of the added parameters, and no trifle."""
+    enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
+    return enough and largest_gap(gain) >= settings.least_gap
+
+
+def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:
+    """Sums over resampled blocks of windows, shape (rows, w) → (rows, resamples)."""
+    parts = np.array([sums[:, b].sum(1) for b in blocks(log, settings.block, settings.least_blocks)])
+    return (_drawn(len(parts), settings.gain_resamples, settings.seed) @ parts).T
+
+
+@functools.lru_cache(maxsize=4)
+def _drawn(count: int, resamples: int, seed: int) -> Array:
+    """How often each resample holds each of `count` blocks, shape (resamples, count)."""
+    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), resamples)
+    return drawn.astype(np.float64)
+
+
+def _interval(
+    estimate: float, resampled: Array, count: int, tail: float, settings: EvidenceSettings
+) -> tuple[float, float]:
+    """Interval of an estimate from its resamples over `count` blocks, beyond either end of which `tail` lies.
+
+    Its ends are percentiles of the resamples, as rare as the width asks for; where none is so rare, there are too few
+    blocks for percentiles and the resamples' standard deviation is taken.
+    """
+    if count < settings.least_compared:
+        return np.nan, np.nan
+    width = np.sqrt(count / (count - 1)) * student.isf(tail, count - 1)
+    rare = norm.sf(width)
+    if rare < 1 / len(resampled):
+        half = width * resampled.std()
+        return float(estimate - half), float(estimate + half)
+    low, high = np.quantile(resampled, [rare, 1 - rare])
+    return float(low), float(high)

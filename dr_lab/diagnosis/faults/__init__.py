@@ -1,0 +1,1 @@
+"""Faults of logs that are told before anything is fitted."""

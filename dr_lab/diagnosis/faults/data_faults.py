@@ -1,0 +1,196 @@
+"""Faults of logs that a model shows: commands of the wrong sign or unit, out of step, or without effect."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dr_lab.diagnosis.faults.drive_fit import DriveFit, Gain, drive_fits
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
+from dr_lab.diagnosis.faults.fault_words import factor_words, remedy_of_factor
+from dr_lab.diagnosis.faults.idle_span import idle_span, outside
+from dr_lab.diagnosis.faults.smoothed_motion import Mask, smoothed_motion, untestable
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import MeasurementSet
+
+_MOST_OF = 0.6  # of a log's test functions must know the commands of another time
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What seems wrong with a log.
+
+    Attributes:
+        kind: ``"sign"``, ``"unit"``, ``"shift"``, ``"off"`` or ``"decimated"``.
+        log: the log's name.
+        signal: the command's.
+        begin: s on the log's clock.
+        end: s.
+        message: what was seen, with figures.
+        remedy: what to write or to do.
+    """
+
+    kind: str
+    log: str
+    signal: str
+    begin: float
+    end: float
+    message: str
+    remedy: str
+
+
+def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettings) -> tuple[Fault, ...]:
+    """Test the commands of all logs against the motion that they made, by inverse dynamics of the nominal model.
+
+    Of each actuator and log the drive is regressed on what the joint's motion needs, beside friction, a spring, an
+    offset and the errors that a nominal model may have. A fault is told where another reading of the commands (another
+    sign, a factor, a shift in time, none at all) leaves far fewer squares than the given one with any plausible gain.
+    Machines in contact throughout, with joints that are not measured or without commands are not tested.
+
+    Args:
+        model: the model as given.
+        measured: all logs.
+        settings: thresholds.
+
+    Returns:
+        The faults, log by log; none where nothing can be tested.
+    """
+    compiled, logs = model.nominal(), (*measured.fit, *measured.held_out)
+    if untestable(compiled, measured) or not any(log.commands for log in logs):
+        return ()
+    motion = smoothed_motion(compiled, measured, logs, settings.equation)
+    fits = drive_fits(compiled, logs, motion, settings)
+    return tuple(fault for fit in fits for fault in _faults(fit, settings))
+
+
+def _faults(fit: DriveFit, settings: FaultSettings) -> list[Fault]:
+    """At most one fault of a command in a log."""
+    given = fit.gain(settings.gain, 1 / settings.gain)
+    idle = fit.gain(0.0, 0.0)
+    for test in (_sign, _unit, _off, _shift, _coarse):
+        found = test(fit, given, idle, settings)
+        if found is not None:
+            return [found]
+    return []
+
+
+def _sign(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
+    other = fit.gain(-1 / settings.gain, -settings.gain)
+    if not _better(fit, other, given, settings) or other.left > settings.contrast * idle.left:
+        return None
+    message = (
+        f"{fit.actuator}: the motion of {fit.joint} follows the commands with the opposite sign (gain "
+        f"{other.gain:.2g}); with the given sign {_ratio(given, other)} times the squares are left."
+    )
+    sign = f"Write sign: -1 in measurements.commands.{fit.actuator}, or turn the sign of {fit.joint}'s channels."
+    return _whole("sign", fit, message, sign)
+
+
+def _unit(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
+    bounds = ((1 / settings.gain, np.inf), (0.0, settings.gain), (-np.inf, -1 / settings.gain), (-settings.gain, 0.0))
+    other = min((fit.gain(low, high) for low, high in bounds), key=lambda gain: gain.left)
+    if not _better(fit, other, given, settings) or other.left > settings.contrast * idle.left:
+        return None
+    message = (
+        f"{fit.actuator}: the motion of {fit.joint} asks for {other.gain:.3g} times the commands' force"
+        f"{factor_words(other.gain)}."
+    )
+    return _whole("unit", fit, message, remedy_of_factor(fit.actuator, other.gain))
+
+
+def _shift(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
+    del idle
+    if given.left < settings.share * float(fit.need @ fit.need):
+        return None
+    count = round(settings.longest_shift / settings.shift_step)
+    lags = settings.shift_step * np.arange(-count, count + 1)
+    tried = [found for lag in lags if (found := _shifted(fit, float(lag), settings)) is not None]
+    best = min(tried, key=lambda found: found.share)
+    near = min(found.share for found in tried if abs(found.lag) <= settings.longest_delay)
+    if abs(best.lag) <= settings.longest_delay or best.share > settings.contrast * min(near, 1.0):
+        return None
+    if best.late.left > settings.contrast * fit.gain(0.0, 0.0, best.rows).left:
+        return None
+    message = (
+        f"{fit.actuator}: the motion of {fit.joint} follows the commands {abs(best.lag):.2f} s "
+        f"{'later' if best.lag > 0 else 'earlier'} than they are stamped (gain {best.late.gain:.2g}); as stamped "
+        f"{_ratio(best.given, best.late)} times the squares are left."
+    )
+    remedy = (
+        f"Check the clock of {fit.actuator}; where its stamps are off by a constant, write latency: {-best.lag:.2f} in "
+        f"measurements.commands.{fit.actuator}, or leave the log out."
+    )
+    return _whole("shift", fit, message, remedy)
+
+
+class _Shifted(NamedTuple):
+    """Commands read as if they came later by a lag, beside the given ones on the same test functions."""
+
+    lag: float
+    late: Gain
+    given: Gain
+    rows: Mask
+
+    @property
+    def share(self) -> float:
+        """What the later commands leave of the squares that the given ones do."""
+        return self.late.left / max(self.given.left, np.finfo(float).tiny)
+
+
+def _shifted(fit: DriveFit, lag: float, settings: FaultSettings) -> _Shifted | None:
+    """Both readings; None where a log has too few test functions that know the later commands."""
+    drive, rows = fit.late(lag)
+    if rows.sum() < _MOST_OF * len(rows):
+        return None
+    bounds = (settings.gain, 1 / settings.gain)
+    return _Shifted(lag, fit.gain(*bounds, rows, drive), fit.gain(*bounds, rows), rows)
+
+
+def _coarse(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
+    """Commands that changed between the samples of their log: the motion follows lines through them, not steps."""
+    period = float(np.median(np.diff(fit.log.commands[fit.actuator].time)))
+    if fit.straight is None or given.left > settings.contrast * idle.left:
+        return None
+    lags = np.arange(0.0, settings.longest_delay, fit.step)
+    held = min(found.share for lag in lags if (found := _shifted(fit, float(lag), settings)) is not None)
+    line = fit.gain(settings.gain, 1 / settings.gain, drive=fit.straight)
+    if line.left > settings.straight * held * given.left:
+        return None
+    message = (
+        f"{fit.actuator}: logged every {1e3 * period:.3g} ms, but the motion of {fit.joint} follows straight lines "
+        f"between its samples; commands that hold until the next sample, as they are read, leave {_ratio(given, line)} "
+        "times the squares. It seems to change more often than it is logged, or its stamps are half of that late."
+    )
+    remedy = f"Log every command that is sent; read as it is, {fit.actuator} seems {500 * period:.3g} ms late."
+    return _whole("decimated", fit, message, remedy)
+
+
+def _off(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
+    """A span in which commands do nothing, though they act outside of it; or the whole log."""
+    if _better(fit, idle, given, settings):
+        message = f"{fit.actuator}: its commands do nothing to {fit.joint} in the whole log."
+        return _whole("off", fit, message, f"Was the machine on? Leave the log out, or name {fit.actuator}'s channel.")
+    span = idle_span(fit, settings)
+    if span is None:
+        return None
+    begin, end = float(fit.time[span][0]), float(fit.time[span][-1])
+    best = fit.gain(settings.gain, 1 / settings.gain, outside(fit, span))
+    message = (
+        f"{fit.actuator}: its commands, up to {np.abs(fit.drive[span]).max():.3g} at {fit.joint}, do nothing from "
+        f"{begin:.2f} to {end:.2f} s, elsewhere they act (gain {best.gain:.2g})."
+    )
+    remedy = f"The machine seems off there. Take the parts of the log without it: {fit.log.name}[:{begin:.1f}]."
+    return Fault("off", fit.log.name, fit.actuator, begin, end, message, remedy)
+
+
+def _better(fit: DriveFit, other: Gain, given: Gain, settings: FaultSettings) -> bool:
+    worth = given.left >= settings.share * float(fit.need @ fit.need)
+    return worth and other.left <= settings.contrast * given.left
+
+
+def _ratio(worse: Gain, better: Gain) -> str:
+    return f"{worse.left / max(better.left, 1e-12 * worse.left):.2g}"
+
+
+def _whole(kind: str, fit: DriveFit, message: str, remedy: str) -> Fault:
+    return Fault(kind, fit.log.name, fit.actuator, float(fit.time[0]), float(fit.time[-1]), message, remedy)

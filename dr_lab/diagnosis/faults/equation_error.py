@@ -1,0 +1,234 @@
+"""The equation of motion tested on measured motion: what force it asks for, what the actuators gave, in weak form.
+
+For any twice differentiable motion and test function φ the model demands, at each degree of freedom,
+
+    ∫ φ (M(q) q'' + c(q, q') − f_passive − f_constraint) dt  =  ∫ φ f_actuator dt  +  ∫ φ f_missing dt.
+
+Every force is one array over the grid of a `Motion`; `Weak.project` turns it into generalised impulses, one a test
+function, so that effects which are linear in their parameters become columns of one regression, and a changed
+parameter a difference of two models' demands. No model is simulated.
+"""
+
+import copy
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings, Index, Mask, Motion
+from dr_lab.trajectory import Array
+
+# ∫ of the squared first and second derivatives of (1 − x²)³ over −1 … 1.
+_BUMP = np.polynomial.Polynomial([1, 0, -1]) ** 3
+_SLOPE, _BEND = (2 * float((_BUMP.deriv(k) ** 2).integ()(1.0)) for k in (1, 2))
+
+
+@dataclass(frozen=True)
+class Demand:
+    """Generalised force that a model needs beside its passive and constraint forces to move as measured.
+
+    Attributes:
+        force: N·m or N, shape (n, nv).
+        gravity: share of it that holds the machine against gravity, shape (n, nv).
+        inertia: share of it that accelerates the machine, M(q) q'', shape (n, nv).
+        touching: times at which the model makes contact, shape (n,).
+    """
+
+    force: Array
+    gravity: Array
+    inertia: Array
+    touching: Mask
+
+
+@dataclass(frozen=True)
+class Actuation:
+    """Generalised force of the actuators at the measured motion.
+
+    Attributes:
+        idle: what all of them do at control 0 (back-EMF, the pull of a position servo towards 0), shape (n, nv).
+        driven: what each adds by its control, shape (n, actuators, nv).
+    """
+
+    idle: Array
+    driven: Array
+
+    @property
+    def force(self) -> Array:
+        """The whole, shape (n, nv)."""
+        return self.idle + self.driven.sum(1)
+
+
+@dataclass(frozen=True)
+class Weak:
+    """w test functions φ of ∫ φ dt = 1 on the grid of a motion, so that impulses read as mean forces.
+
+    Attributes:
+        log: log of each test function, shape (w,).
+        time: its middle on the log's clock in s, shape (w,).
+        index: the grid's times on which it lives, shape (w, m).
+        weight: its value times the grid's step, shape (m,).
+        bend: ∫ φ''² dt in 1/s⁵, which white noise of positions passes through.
+        slope: ∫ φ'² dt in 1/s³, which white noise of velocities passes through.
+    """
+
+    log: Index
+    time: Array
+    index: Index
+    weight: Array
+    bend: float
+    slope: float
+
+    def __len__(self) -> int:
+        """Number of test functions."""
+        return len(self.time)
+
+    def project(self, values: Array) -> Array:
+        """∫ φ f dt of values over the grid, shape (n, …) → (w, …)."""
+        return np.tensordot(values[self.index], self.weight, axes=(1, 0))
+
+    @property
+    def middle(self) -> Index:
+        """The grid's time in the middle of each test function, shape (w,)."""
+        return self.index[:, self.index.shape[1] // 2]
+
+
+def demand(model: mujoco.MjModel, motion: Motion) -> Demand:
+    """Inverse dynamics of a compiled model at every time of a motion (`mj_inverse`)."""
+    data, still = mujoco.MjData(model), mujoco.MjData(model)
+    force, gravity, inertia = np.zeros((3, len(motion), model.nv))
+    touching, column = np.zeros(len(motion), bool), np.zeros(model.nv)
+    for k in range(len(motion)):
+        data.qpos[:], data.qvel[:], data.qacc[:] = motion.qpos[k], motion.qvel[k], motion.qacc[k]
+        mujoco.mj_inverse(model, data)
+        force[k], touching[k] = data.qfrc_inverse, data.ncon > 0
+        mujoco.mj_mulM(model, data, column, motion.qacc[k])
+        inertia[k] = column
+        still.qpos[:] = motion.qpos[k]
+        mujoco.mj_kinematics(model, still)
+        mujoco.mj_comPos(model, still)
+        mujoco.mj_rne(model, still, 0, column)
+        gravity[k] = column
+    return Demand(force, gravity, inertia, touching)
+
+
+def actuation(model: mujoco.MjModel, motion: Motion, controls: Array) -> Actuation:
+    """Forces of a compiled model's actuators at every time of a motion, its limits and activations included.
+
+    Args:
+        model: the model.
+        motion: measured motion.
+        controls: shape (n, nu); see `dr_lab.diagnosis.faults.smoothed_motion.controls_at`.
+    """
+    idle = _actuator_forces(model, motion, np.zeros_like(controls))
+    return Actuation(idle.sum(1), _actuator_forces(model, motion, controls) - idle)
+
+
+def weak_form(motion: Motion, settings: EquationErrorSettings, blocked: Mask | None = None) -> Weak:
+    """Test functions φ ∝ (1 − x²)³ every `hop` s, each within one log, away from gaps and from blocked times.
+
+    Args:
+        motion: gives the grid.
+        settings: widths.
+        blocked: times that no test function may reach, shape (n,), e.g. those in contact.
+    """
+    half = max(round(settings.half_width / motion.step), 1)
+    hop = max(round(settings.hop / motion.step), 1)
+    x = np.arange(-half, half + 1) / (half + 1)
+    shape = (1 - x**2) ** 3
+    starts = [
+        rows[0] + np.arange(0, len(rows) - 2 * half, hop) for rows in map(np.flatnonzero, _by_log(motion)) if len(rows)
+    ]
+    index = np.concatenate(starts)[:, None] + np.arange(2 * half + 1) if starts else np.zeros((0, 2 * half + 1), int)
+    free = motion.known if blocked is None else motion.known & ~blocked
+    index = index[free[index].all(1)]
+    # φ = (35/32)(1 − x²)³ / r with x = t / r.
+    reach, scale = (half + 1) * motion.step, (35 / 32) ** 2
+    return Weak(
+        log=motion.log[index[:, half]],
+        time=motion.time[index[:, half]],
+        index=index,
+        weight=shape / shape.sum(),
+        bend=scale * _BEND / reach**5,
+        slope=scale * _SLOPE / reach**3,
+    )
+
+
+def noise_of(model: mujoco.MjModel, motion: Motion, weak: Weak) -> Array:
+    """Standard deviation of projected demands by the samples' white noise, through inertia alone, shape (w, nv).
+
+    ∫ φ M q'' dt = M ∫ φ'' q dt, whose variance is M² σ² Δ ∫ φ''² dt for samples every Δ s.
+    """
+    per_dof = motion.std**2 * motion.period * np.where(motion.order == 0, weak.bend, weak.slope)
+    data, variance = mujoco.MjData(model), np.zeros((len(weak), model.nv))
+    unit, column = np.eye(model.nv), np.zeros(model.nv)
+    for w, k in enumerate(weak.middle):
+        data.qpos[:] = motion.qpos[k]
+        mujoco.mj_fwdPosition(model, data)
+        for dof in range(model.nv):
+            mujoco.mj_mulM(model, data, column, unit[dof])
+            variance[w] += column**2 * per_dof[dof]
+    return np.sqrt(variance)
+
+
+def parameter_columns(
+    compile_at: Callable[[Array], mujoco.MjModel], nominal: Array, steps: Array, motion: Motion, controls: Array
+) -> Array:
+    """Change of (demand − actuation) by a step of each parameter, over that step, shape (n, nv, parameters).
+
+    Args:
+        compile_at: a model's `compile`.
+        nominal: context at which the forces are linearised, shape (p,).
+        steps: of each parameter, in its unit, shape (p,); not 0.
+        motion: measured motion.
+        controls: shape (n, nu).
+
+    Raises:
+        ModelError: a context does not compile.
+    """
+    base = compile_at(nominal)
+    before = demand(base, motion).force - actuation(base, motion, controls).force
+    columns = []
+    for k, step in enumerate(steps):
+        z = nominal.copy()
+        z[k] += step
+        changed = compile_at(z)
+        columns.append((demand(changed, motion).force - actuation(changed, motion, controls).force - before) / step)
+    return np.stack(columns, axis=-1) if columns else np.zeros((*before.shape, 0))
+
+
+def _by_log(motion: Motion) -> list[Mask]:
+    return [motion.log == k for k in range(int(motion.log.max(initial=-1)) + 1)]
+
+
+def _actuator_forces(model: mujoco.MjModel, motion: Motion, controls: Array) -> Array:
+    """Generalised force of each actuator, shape (n, actuators, nv); activations begin every log at rest."""
+    model = _undelayed(model)
+    data, forces = mujoco.MjData(model), np.zeros((len(motion), model.nactuator, model.nv))
+    moment = np.zeros((model.nactuator, model.nv))
+    substeps = int(np.ceil(motion.step / model.opt.timestep)) if model.na else 0
+    first = np.diff(motion.log, prepend=-1) != 0
+    for k in range(len(motion)):
+        if first[k]:
+            mujoco.mj_resetData(model, data)
+        data.qpos[:], data.qvel[:], data.ctrl[:] = motion.qpos[k], motion.qvel[k], controls[k]
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        for _ in range(substeps):
+            mujoco.mj_fwdActuation(model, data)
+            data.act[:] += motion.step / substeps * data.act_dot
+        mujoco.mj_fwdActuation(model, data)
+        mujoco.mju_sparse2dense(
+            moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
+        )
+        forces[k] = data.actuator_force[:, None] * moment
+    return forces
+
+
+def _undelayed(model: mujoco.MjModel) -> mujoco.MjModel:
+    """The model, whose controls act at once: `controls_at` has delayed them."""
+    if not model.actuator_delay.any():
+        return model
+    prompt = copy.deepcopy(model)
+    prompt.actuator_delay[:] = 0.0
+    return prompt

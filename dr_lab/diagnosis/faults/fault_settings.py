@@ -1,0 +1,63 @@
+"""When a fault of a log is told; the values live in conf/faults."""
+
+from dataclasses import dataclass
+
+from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings
+from dr_lab.errors import require_numbers
+
+
+@dataclass(frozen=True)
+class FaultSettings:
+    """When a fault of a log is told.
+
+    Attributes:
+        equation: how the equation of motion is tested.
+        gain: commands that act with less than this, or more than its inverse, have another unit or do nothing.
+        contrast: another reading of the commands must leave at most this share of the squares that the given one does.
+        share: the given reading must leave at least this share of the squares of what the motion needs.
+        longest_delay: s, no machine reacts later; what is later is a shift of the log.
+        longest_shift: s, longest shift looked for.
+        shift_step: s, between the shifts tried.
+        shortest_off: s, shortest span in which a machine can be seen to be off.
+        idle: share of the drive's squares that the motion's need leaves in such a span, at most.
+        idle_contrast: what the drive leaves there exceeds what it leaves elsewhere by this factor.
+        coarse: commands that come more rarely than this many steps of the equation's grid are tested for missing ones.
+        straight: commands that go straight from sample to sample must leave at most this share of the squares of held
+            ones for some to be missing.
+        resting: speed as a share of the log's below which a joint counts as at rest in a span.
+        breakaway: friction holds a joint at rest against this many times the friction of its motion.
+
+    Raises:
+        ConfigError: a number is out of its range.
+    """
+
+    equation: EquationErrorSettings
+    gain: float
+    contrast: float
+    share: float
+    longest_delay: float
+    longest_shift: float
+    shift_step: float
+    shortest_off: float
+    idle: float
+    idle_contrast: float
+    coarse: float
+    straight: float
+    resting: float
+    breakaway: float
+
+    def __post_init__(self) -> None:
+        positive = (
+            "gain",
+            "contrast",
+            "share",
+            "longest_delay",
+            "longest_shift",
+            "shift_step",
+            "shortest_off",
+            "idle",
+            "coarse",
+            "straight",
+        )
+        least = {"idle_contrast": 1.0, "resting": 0.0, "breakaway": 1.0}
+        require_numbers(self, "faults", positive=positive, least=least, below=dict.fromkeys(("gain", "contrast"), 1.0))

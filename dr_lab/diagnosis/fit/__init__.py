@@ -1,0 +1,1 @@
+"""A model fitted to windows: residuals, their slopes, Levenberg–Marquardt, uncertainty."""

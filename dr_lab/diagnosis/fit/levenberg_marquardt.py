@@ -1,0 +1,299 @@
+"""Fit of a model's context to windows of measurements by Levenberg–Marquardt over batched simulations.
+
+Unknowns are the context z and, as nuisance, every window's initial state x_w with a Gaussian prior around its
+smoothed measurement (multiple shooting, MAP). The cost is
+Σ_w ‖(y − ŷ(z, x_w))/σ‖²_Huber + Σ_w ‖(x_w − x̄_w)/s‖² + ‖(z − z_nominal)/(k · span)‖².
+All columns of the Jacobian are one batch of simulations; the states are eliminated by a Schur complement.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.fit.normal_equations import NormalEquations
+from dr_lab.diagnosis.fit.point import Point, better_start, window_costs
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.slopes import Slopes, around, differences
+from dr_lab.diagnosis.fit.states import polished
+from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Fit(Point):
+    """The point at which the cost is lowest.
+
+    Attributes:
+        equations: Gauss–Newton model at the point, with the slopes of the last linearisation, in unit-cube parameters.
+        first: the same at the start.
+        window_costs: cost of each window, zero where it diverges, shape (w,).
+        slopes: Jacobian at the last linearisation.
+        iterations: steps taken.
+        converged: whether the certificate holds: a full linear step would lower the cost by less than the tolerance;
+            else only short steps lower the cost, or none.
+    """
+
+    equations: NormalEquations
+    first: NormalEquations
+    window_costs: Array
+    slopes: Slopes
+    iterations: int
+    converged: bool
+
+    @property
+    def order(self) -> tuple[int, float]:
+        """What makes one fit of the same windows better than another: fewer that diverge, then a lower cost."""
+        return int(self.infeasible.sum()), self.cost
+
+    def below(self, other: "Fit") -> float:
+        """By how much the cost is below another fit's of the same windows, in those that neither lets diverge."""
+        alone = self.window_costs[other.infeasible].sum() - other.window_costs[self.infeasible].sum()
+        return other.cost - self.cost + float(alone)
+
+    def pick(self, rows: NDArray[np.intp]) -> "Fit":
+        """The fit as seen in some windows, at the same context."""
+        every = np.zeros(len(self.infeasible), bool)
+        every[rows] = True
+        return replace(
+            self,
+            delta=self.delta[rows],
+            residuals=self.residuals[rows],
+            cost=self.cost - float(self.window_costs[~every].sum()),
+            infeasible=self.infeasible[rows],
+            equations=self.equations.pick(rows),
+            first=self.first.pick(rows),
+            window_costs=self.window_costs[rows],
+            slopes=self.slopes.pick(rows),
+        )
+
+
+def movable(unit: Array, gradient: Array) -> NDArray[np.bool_]:
+    """Parameters that their bounds do not hold back; `unit` from 0 to 1 between the bounds, both of shape (n,)."""
+    return ~(((unit <= 0) & (gradient > 0)) | ((unit >= 1) & (gradient < 0)))
+
+
+class Fitter:
+    """Levenberg–Marquardt over one `Replay`.
+
+    Args:
+        replay: windows and model.
+        settings: step sizes and stopping rule.
+        rough: whether the fits only decide which candidates are fitted again: then their tolerance is
+            `settings.rough_tolerance`, and a descent that crawls on in steps that gain less than this share ends.
+    """
+
+    def __init__(self, replay: Replay, settings: SolverSettings, *, rough: bool = False) -> None:
+        self.replay = replay
+        self.settings = replace(settings, tolerance=settings.rough_tolerance) if rough else settings
+        self._rough = rough
+        self.space = replay.model.space
+        self._columns = np.arange(len(self.space.parameters))
+        self._precision = replay.windows.prior.std**-2.0
+        self._noise = float(replay.fitted.sum())  # the cost that noise alone leaves
+        self._prior_precision = np.full(len(self._columns), settings.prior_spans**-2.0)
+
+    def run(
+        self,
+        z: Array,
+        delta: Array | None = None,
+        known: Slopes | None = None,
+        iterations: int | None = None,
+        goal: float = np.inf,
+    ) -> Fit:
+        """Fit from a start until the certificate of convergence holds.
+
+        The certificate is that a full linear step, with fresh slopes by the parameters, would lower the cost by less
+        than `settings.tolerance` of it. A descent that ends without it, because only steps shorter and shorter help,
+        begins anew from its end, with states taken anew and slopes too, as long as that gains. Windows that diverge at
+        the start are left out; those that the result can simulate come back. Either happens `settings.restarts` times
+        at most.
+
+        Args:
+            z: start, shape (n,).
+            delta: first state corrections, shape (w, nstate); None starts at the prior's mean.
+            known: slopes at the start for the states and the first parameters, which need no simulation then.
+            iterations: most steps of a rough fit, which is not gone on with; None goes on to the certificate, 0 only
+                linearises.
+            goal: a cost; a fit ends, without the certificate, where a linear step foretells that it would stay above.
+        """
+        if delta is None:
+            delta = np.zeros((len(self.replay.windows), self.replay.nstate))
+        if iterations is not None:
+            return self._descend(self._point(z, delta), known, iterations, goal)
+        return self._certified(self._point(z, delta), known, goal)
+
+    def rerun(self, start: Point, goal: float = np.inf) -> Fit:
+        """Fit from a context where the states were fitted at another one, as `begin` gives it; `goal` as in `run`."""
+        state = self._differences(start, states=True, columns=self._columns[:0])
+        return self._certified(*self._polished(start, Slopes(state, state[..., :0])), goal)
+
+    def _certified(self, start: Point, known: Slopes | None, goal: float) -> Fit:
+        fit, left = self._descend(start, known, self.settings.iterations, goal), self.settings.restarts
+        while anew := self._anew(fit, goal):
+            if not left:
+                return replace(fit, converged=False)
+            again, left = self._descend(anew, None, self.settings.iterations, goal), left - 1
+            taken = fit.iterations + again.iterations
+            gains = again.below(fit) > self.settings.tolerance * fit.cost
+            if not (again.infeasible.sum() < fit.infeasible.sum() or gains):
+                return replace(fit, iterations=taken)
+            fit = replace(again, first=fit.first, iterations=taken)
+        return fit
+
+    def _anew(self, fit: Fit, goal: float) -> Point | None:
+        """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done."""
+        predicted = fit.equations.decrease(self._movable(fit, fit.equations))
+        if self._misses(fit, predicted, goal) or (fit.converged and not fit.infeasible.any()):
+            return None
+        start = self.begin(fit.z, fit.delta)
+        returned = bool((fit.infeasible & ~start.infeasible).any())
+        return start if returned or (not fit.converged and not fit.infeasible.all()) else None
+
+    def _misses(self, point: Point, predicted: float, goal: float) -> bool:
+        """Whether a linear step, which foretells a share of what can be gained, leaves a cost above the goal."""
+        return point.cost - predicted / self.settings.foreseen > goal and not point.infeasible.any()
+
+    def _descend(self, best: Point, known: Slopes | None, most: int, goal: float = np.inf) -> Fit:
+        """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
+        settings = self.settings
+        slopes, fresh = self._first_slopes(best, known), known is None
+        best, weight, linear = self._linear(best, slopes)
+        first, damping, taken, converged = linear, settings.damping, 0, False
+        while True:
+            predicted = linear.decrease(self._movable(best, linear))
+            least = settings.tolerance * max(best.cost, self._noise)
+            done = predicted <= least and not best.infeasible.all()
+            converged = done and (fresh or taken == 0)  # where nothing moved, given slopes are those of the start
+            short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
+            if converged or taken >= most or (short and not done) or self._misses(best, predicted, goal):
+                break
+            if done:
+                slopes, fresh = self._slopes(best, state=slopes.state), True
+                best, weight, linear = self._linear(best, slopes)
+                continue
+            taken += 1
+            trial, nearby = self._trial(best, linear, damping, weight), slopes
+            if best.cost - trial.cost < settings.hindered * predicted:
+                trial, nearby = self._mended(best, trial, slopes, weight)
+            gain = best.cost - trial.cost
+            if gain >= 0:
+                near = gain <= settings.refresh * best.cost
+                best, damping, fresh = trial, damping / settings.damping_down, gain < settings.foretold * predicted
+                slopes = self._slopes(best, state=nearby.state if near else None) if fresh else nearby
+            elif not fresh:
+                slopes, fresh = self._slopes(best), True
+            else:
+                damping *= settings.damping_up
+                continue
+            best, weight, linear = self._linear(best, slopes)
+            if self._rough and 0 <= gain <= least:
+                break
+        costs = np.where(best.infeasible, 0.0, window_costs(best, weight, self._precision))
+        ended = (linear, first, costs, slopes, taken, converged)
+        return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
+
+    def outlooks(self, z: Array, delta: Array, known: Slopes, first: Point | None = None) -> list[Fit]:
+        """Linear models at several contexts with states that were fitted nearby, simulated as one batch.
+
+        Args:
+            z: contexts, shape (c, n).
+            delta: state corrections, shape (w, nstate).
+            known: slopes for the states and the first parameters, which need no simulation then.
+            first: with the residuals at the first context, where it is the one of another model.
+        """
+        found = around(self.replay, self.settings, z, delta, self._columns[known.parameter.shape[2] :], first)
+        fits = list[Fit]()
+        for context, residuals, infeasible, rest in zip(z, *found, strict=True):
+            slopes = Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
+            fits.append(self._descend(Point(context, delta, residuals, np.inf, infeasible), slopes, 0))
+        return fits
+
+    def begin(self, z: Array, delta: Array) -> Point:
+        """A start, with its cost: in each window the given state correction, or none where that fits better.
+
+        Args:
+            z: context, shape (n,).
+            delta: state corrections that were fitted at another context, shape (w, nstate).
+        """
+        mean = self._point(z, np.zeros_like(delta))
+        start = better_start(mean, self._point(z, delta), self._weights(mean), self._precision)
+        return replace(start, cost=self._cost(start, self._weights(start)))
+
+    def _polished(self, point: Point, slopes: Slopes) -> tuple[Point, Slopes]:
+        found = polished(self.replay, self.settings, point, slopes.state, ~point.infeasible)
+        point = replace(point, delta=found.delta, residuals=found.residuals, infeasible=found.infeasible)
+        return point, Slopes(found.slopes, slopes.parameter)
+
+    def _mended(self, best: Point, trial: Point, slopes: Slopes, weight: Array) -> tuple[Point, Slopes]:
+        """A trial with the states of those windows fitted anew, each on its own, that became worse.
+
+        Where few windows meet a kink (a joint that sticks, a contact), all others would have to go in short steps.
+        """
+        if not np.isfinite(trial.cost):
+            return trial, slopes
+        worse = window_costs(trial, weight, self._precision) > window_costs(best, weight, self._precision)
+        found = polished(self.replay, self.settings, trial, slopes.state, worse & ~trial.infeasible)
+        point = replace(trial, delta=found.delta, residuals=found.residuals)
+        return replace(point, cost=self._cost(point, weight)), Slopes(found.slopes, slopes.parameter)
+
+    def _first_slopes(self, point: Point, known: Slopes | None) -> Slopes:
+        if known is None:
+            return self._slopes(point)
+        given = known.parameter.shape[2]
+        rest = self._differences(point, states=False, columns=self._columns[given:])
+        return Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
+
+    def _slopes(self, point: Point, state: Array | None = None, parameter: Array | None = None) -> Slopes:
+        """Slopes at a point; given may be those of the states from nearby, or of the parameters from the same point."""
+        wanted = self._columns if parameter is None else self._columns[:0]
+        columns = self._differences(point, states=state is None, columns=wanted)
+        count = self.replay.nstate if state is None else 0
+        return Slopes(
+            columns[..., :count] if state is None else state, columns[..., count:] if parameter is None else parameter
+        )
+
+    def _differences(self, point: Point, *, states: bool, columns: NDArray[np.intp]) -> Array:
+        return differences(self.replay, self.settings, point, states=states, columns=columns)
+
+    def _linear(self, point: Point, slopes: Slopes) -> tuple[Point, Array, NormalEquations]:
+        """The point with its cost under fresh robust weights, the weights, and the normal equations there."""
+        weight = self._weights(point)
+        unit = self.space.to_unit(point.z) - self.space.to_unit(self.space.nominal)
+        equations = NormalEquations.build(
+            residual=point.residuals,
+            state_jacobian=slopes.state,
+            parameter_jacobian=slopes.parameter,
+            weight=weight,
+            delta=point.delta,
+            state_precision=self._precision,
+            prior=self._prior_precision,
+            prior_gradient=self._prior_precision * unit,
+        )
+        return replace(point, cost=self._cost(point, weight)), weight, equations
+
+    def _weights(self, point: Point) -> Array:
+        return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
+
+    def _point(self, z: Array, delta: Array) -> Point:
+        residuals, infeasible = self.replay.residuals(z[None], delta[None])
+        return Point(z, delta, residuals[0], np.inf, infeasible[0])
+
+    def _cost(self, point: Point, weight: Array) -> float:
+        offset = self.space.to_unit(point.z) - self.space.to_unit(self.space.nominal)
+        states = float((self._precision * point.delta**2).sum())
+        prior = float((self._prior_precision * offset**2).sum())
+        return float((weight * point.residuals**2).sum()) + states + prior
+
+    def _movable(self, point: Point, linear: NormalEquations) -> NDArray[np.bool_]:
+        """Parameters that no bound holds back."""
+        gradient = linear.window_information()[1].sum(0) + linear.prior_gradient
+        return movable(self.space.to_unit(point.z), gradient)
+
+    def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> Point:
+        move, state_move = linear.step(damping, self._movable(best, linear))
+        unit = np.clip(self.space.to_unit(best.z) + move, 0, 1)
+        trial = self._point(self.space.from_unit(unit), best.delta + state_move)
+        if (trial.infeasible & ~best.infeasible).any():
+            return trial
+        return replace(trial, cost=self._cost(trial, weight), infeasible=best.infeasible | trial.infeasible)

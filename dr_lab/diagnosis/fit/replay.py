@@ -1,0 +1,234 @@
+"""Residuals of all windows for many contexts and initial states, as one batch of simulations."""
+
+from collections.abc import Iterator
+from concurrent.futures import CancelledError
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+from threading import Event
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.fit.point import huber_weights
+from dr_lab.diagnosis.windows.channels import Channel, Tape, available, residual
+from dr_lab.diagnosis.windows.invert_reading import reach, unread
+from dr_lab.diagnosis.windows.run_in import RunIn
+from dr_lab.diagnosis.windows.until_known import until_known
+from dr_lab.diagnosis.windows.windows import Samples, Windows
+from dr_lab.errors import DataError
+from dr_lab.physics.law import History
+from dr_lab.physics.model import Model
+from dr_lab.physics.signal import Reading
+from dr_lab.physics.simulator import Simulator
+from dr_lab.trajectory import Array
+
+Mask = NDArray[np.bool_]
+_ROUNDING = 1e-9  # s
+_LARGEST = float(np.finfo(float).max) ** 0.25  # noise standard deviations; below, products of slopes stay finite
+
+
+class Replay:
+    """Simulates windows under a model and compares them with the measured samples.
+
+    Residuals of a window are (measured − simulated)/std, all channels side by side, zero where a window has no sample.
+
+    Args:
+        model: the model with its effects.
+        windows: the windows; their controls follow the layout of the model without effects, whose actuators come first.
+        threads: C threads; None takes every core.
+        stop: once it is set, from another thread, the replay refuses to go on.
+
+    Attributes:
+        fitted: residuals that estimate starts and parameters, shape (w, m).
+        scored: residuals that count in the score, shape (w, m).
+        channels: columns of each channel's residuals.
+    """
+
+    def __init__(self, model: Model, windows: Windows, threads: int | None = None, stop: Event | None = None) -> None:
+        self.model = model
+        self.windows = windows
+        self._threads = threads
+        self._stop = stop
+        self._simulators: dict[int, Simulator] = {}
+        compiled = model.nominal()
+        self._compiled = compiled
+        self._controls = _widen(windows.controls, compiled.nu)
+        self._past = _widen(windows.past, compiled.nu)
+        before = windows.before
+        self._history = History(windows.begin, before.qpos, before.qvel, _widen(before.controls, compiled.nu))
+        known = windows.activations
+        self._run_in = None if known is None else RunIn(model, self._history, known.begin, threads)
+        self._require_margin()
+        self._require_past()
+        self.fitted = self._mask("fitted")
+        self.scored = self._mask("scored")
+        ends = np.cumsum([0, *(s.time.shape[1] * s.channel.size for s in windows.samples)])
+        self.channels = [slice(int(first), int(last)) for first, last in pairwise(ends)]
+
+    def part(self, rows: NDArray[np.intp]) -> "Replay":
+        """The replay of some of the windows, at these places."""
+        return Replay(self.model, self.windows.pick(rows), self._threads, self._stop)
+
+    def until_known(self) -> "Replay":
+        """The replay of as much of the windows as estimates their starts; itself where that is all."""
+        windows = until_known(self.windows)
+        return self if windows is self.windows else Replay(self.model, windows, self._threads, self._stop)
+
+    @property
+    def nstate(self) -> int:
+        """Unknowns of one initial state: 2 nv, and the k activations that nothing before the start tells."""
+        return len(self.windows.prior.std)
+
+    @property
+    def commands(self) -> dict[str, int]:
+        """Column in `ctrl` of each command of the windows."""
+        return dict(self.windows.commands)
+
+    @property
+    def compiled(self) -> mujoco.MjModel:
+        """The model compiled at its nominal context."""
+        return self._compiled
+
+    def joint(self, name: str, kind: str) -> Channel:
+        """The ``position`` or ``velocity`` channel of a hinge or slide joint."""
+        return available(self._compiled)[f"{name}.{kind}"]
+
+    def slides(self, joint: str) -> bool:
+        """Whether a joint is a slide (its unit is the metre)."""
+        return int(self._compiled.joint(joint).type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+    def residuals(self, z: Array, delta: Array) -> tuple[Array, Mask]:
+        """Residuals in noise standard deviations.
+
+        Args:
+            z: contexts, shape (c, n).
+            delta: corrections of the initial states in the tangent space, shape (c, w, nstate).
+
+        Returns:
+            Residuals, shape (c, w, m), zero for samples that do not exist and in windows that diverge; and which
+            windows are infeasible, (c, w): those that diverge, and those whose residuals are no finite numbers or so
+            large that a cost made of them would be none.
+        """
+        tape, infeasible = self.simulate(z, delta)
+        blocks = []
+        for samples in self.windows.samples:
+            simulated = self.reading(z, tape, samples.channel)(samples.time[None])
+            difference = residual(samples.channel, simulated, samples.value) / samples.std
+            exists = (samples.fitted | samples.scored) & ~infeasible[..., None]
+            blocks.append(np.where(exists[..., None], difference, 0.0).reshape(*difference.shape[:2], -1))
+        residuals = np.concatenate(blocks, axis=2)
+        lost = ~(np.abs(residuals) < _LARGEST).all(axis=2)  # NaN is not below
+        residuals[lost] = 0.0
+        return residuals, infeasible | lost
+
+    def reading(self, z: Array, tape: Tape, channel: Channel) -> Reading:
+        """What the sensor of a channel reports of a tape under contexts z (c, n)."""
+        return self.model.reading(z, channel.name, partial(tape.read, channel), self.windows.begin[:, None])
+
+    def weights(self, residuals: Array, infeasible: Mask, limit: float) -> Array:
+        """Huber weights of residuals (w, m), of windows (w,) that diverge none; see `huber_weights`."""
+        return huber_weights(residuals, self.fitted, infeasible, limit, self.channels)
+
+    def by_channel(self, residuals: Array) -> Iterator[tuple[Samples, Array]]:
+        """Each channel's samples with its columns of the residuals, (w, all) → (w, m, size)."""
+        for samples, columns in zip(self.windows.samples, self.channels, strict=True):
+            yield samples, residuals[:, columns].reshape(*samples.time.shape, samples.channel.size)
+
+    def simulate(self, z: Array, delta: Array) -> tuple[Tape, Mask]:
+        """Rollouts of every window under every context; arguments as `residuals`.
+
+        Raises:
+            CancelledError: the replay was told to stop.
+        """
+        if self._stop is not None and self._stop.is_set():
+            raise CancelledError
+        contexts, count = delta.shape[:2]
+        (qpos, qvel), act = self._starts(z, delta), self._activations(z, delta)
+        simulator = self._simulator(contexts * count)
+        rollout = simulator.replay(z, qpos, qvel, self._controls, self._past, self._history, act)
+        shape = (contexts, count)
+        tape = Tape(
+            rollout.qpos.reshape(*shape, *rollout.qpos.shape[1:]),
+            rollout.qvel.reshape(*shape, *rollout.qvel.shape[1:]),
+            rollout.sensordata.reshape(*shape, *rollout.sensordata.shape[1:]),
+            rollout.start.reshape(*shape, -1),
+            rollout.controls.reshape(*shape, *rollout.controls.shape[1:]),
+            self.windows.step,
+        )
+        return tape, rollout.infeasible.reshape(shape)
+
+    def _starts(self, z: Array, delta: Array) -> tuple[Array, Array]:
+        """Initial states: those whose reading is the prior's mean, plus the corrections."""
+        nv = self._compiled.nv
+        prior, begin = self.windows.prior, self.windows.begin[:, None]
+        qpos = np.broadcast_to(prior.qpos, (*delta.shape[:2], self._compiled.nq)).copy()
+        qvel = prior.qvel + delta[..., nv : 2 * nv]
+        for channel in (s.channel for s in self.windows.samples if s.channel.kind == "position"):
+            read = np.stack([prior.qpos[:, channel.address], prior.qvel[:, channel.dof], prior.qacc[:, channel.dof]])
+            moved = unread(read, partial(self.model.reading, z, channel.name, begin=begin))
+            qpos[..., channel.address] += moved[0]
+            qvel[..., channel.dof] += moved[1]
+        if self._compiled.nq == nv:
+            qpos += delta[..., :nv]
+        else:
+            for index in np.ndindex(delta.shape[:2]):
+                mujoco.mj_integratePos(self._compiled, qpos[index], delta[index][:nv], 1.0)
+        return qpos, qvel
+
+    def begin_like(self, other: "Replay") -> None:
+        """Begin with the activations of a replay of the same windows with another step."""
+        self._run_in = other._run_in
+
+    def _activations(self, z: Array, delta: Array) -> Array | None:
+        """Activations at the starts: as the run-in leaves them, the unknown ones corrected; shape (c, w, na)."""
+        known = self.windows.activations
+        if known is None or self._run_in is None:
+            return None
+        act = self._run_in.ends(z)
+        act[..., known.unknown] += delta[..., 2 * self._compiled.nv :]
+        return act
+
+    def _require_margin(self) -> None:
+        """Samples that one effect reads early or late must still lie within the simulation.
+
+        Where two effects together reach farther, at their bounds, the motion rests beyond its ends.
+        """
+        begin, longest = self.windows.begin[:, None], 0.0
+        for effect in self.model.effects:
+            alone = replace(self.model, effects=(effect,))
+            bounds = np.stack([alone.space.low, alone.space.high])
+            for name in (samples.channel.name for samples in self.windows.samples):
+                longest = max(longest, reach(partial(alone.reading, bounds, name, begin=begin)))
+        if longest > self.windows.margin + _ROUNDING:
+            raise DataError(
+                f"Outputs of model {self.model.name!r} may be {longest:g} s late, but windows.margin is "
+                f"{self.windows.margin:g} s. Set windows.margin to at least {longest:g}, or lower the effect's bound."
+            )
+
+    def _require_past(self) -> None:
+        """A delayed actuator must find the commands of before the start."""
+        compiled = self._compiled
+        need = int(compiled.actuator_history[:, 0].max(initial=0)) - 1
+        if self._past.shape[1] < need:
+            seconds = need * compiled.opt.timestep
+            raise DataError(
+                f"Model {self.model.name!r} delays commands by up to {seconds:g} s, but windows.past keeps "
+                f"{self._past.shape[1] * self.windows.step:g} s. Set windows.past to at least {seconds:g}."
+            )
+
+    def _simulator(self, nsim: int) -> Simulator:
+        if nsim not in self._simulators:
+            self._simulators[nsim] = Simulator(self.model, nsim, self._threads)
+        return self._simulators[nsim]
+
+    def _mask(self, which: str) -> Mask:
+        masks = [np.repeat(getattr(s, which), s.channel.size, axis=1) for s in self.windows.samples]
+        return np.concatenate(masks, axis=1)
+
+
+def _widen(controls: Array, nu: int) -> Array:
+    """Controls with zero columns for actuators that effects added behind the model's own."""
+    extra = nu - controls.shape[2]
+    return np.pad(controls, ((0, 0), (0, 0), (0, extra))) if extra else controls

@@ -1,0 +1,127 @@
+"""Typical magnitudes of a machine in its logs; they size the bounds of effects."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.states import StateFit
+from dr_lab.diagnosis.windows.channels import Channel, available
+from dr_lab.effects.effect import Scales
+from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.trajectory import Array, Log
+
+_SAMPLES_PER_LOG = 200
+_FAST = 95.0  # percentile that stands for a joint's speed
+_RESTING = 1e-9  # rad/s or m/s; rounding
+
+
+def machine_scales(model: mujoco.MjModel, logs: Sequence[Log], smoother: float) -> Scales:
+    """Ranges, speeds and generalised forces of the measured motion.
+
+    A joint's force scale is sqrt(mean (M q̈)² + mean bias²) at the smoothed states, the bias holding gravity and
+    Coriolis forces; it does not vanish on unactuated joints. Joints without a channel rest at the model's reference.
+
+    Args:
+        model: compiled nominal model.
+        logs: logs to look at.
+        smoother: half-width of the smoother, s.
+    """
+    states = [_states(model, log, smoother) for log in logs]
+    qpos, qvel, qacc = (np.concatenate([s[i] for s in states]) for i in range(3))
+    measured = {name for log in logs for name in log.outputs}
+    unmeasured = frozenset(joint for joint, c in _joints(model).items() if c.name not in measured)
+    return replace(_scales(model, qpos, qvel, qacc), command=_commands(model, logs), unmeasured=unmeasured)
+
+
+def with_replay(found: Scales, replay: Replay, fit: StateFit) -> Scales:
+    """The scales with those of the joints that no channel measures, from how the nominal model moves in the logs.
+
+    Where the velocity alone is measured, the range alone is the model's.
+
+    Args:
+        found: scales of the measured motion.
+        replay: windows of the logs under the model.
+        fit: start states at the nominal context, which the measured channels tell.
+    """
+    seen = {samples.channel.name for samples in replay.windows.samples}
+    blind = [joint for joint in found.unmeasured if f"{joint}.velocity" not in seen]
+    if fit.infeasible.all():
+        return replace(found, unknown=found.unmeasured)
+    own = _scales(replay.compiled, *_replayed(replay, fit))
+    return replace(
+        found,
+        lowest={**found.lowest, **{joint: own.lowest[joint] for joint in found.unmeasured}},
+        highest={**found.highest, **{joint: own.highest[joint] for joint in found.unmeasured}},
+        speed={**found.speed, **{joint: own.speed[joint] for joint in blind}},
+        torque={**found.torque, **{joint: own.torque[joint] for joint in blind}},
+        unknown=frozenset(joint for joint in blind if own.speed[joint] < _RESTING),
+    )
+
+
+def _joints(model: mujoco.MjModel) -> dict[str, Channel]:
+    """Position channel of every hinge and slide joint."""
+    positions = (c for c in available(model).values() if c.kind == "position")
+    return {c.name.removesuffix(".position"): c for c in positions}
+
+
+def _scales(model: mujoco.MjModel, qpos: Array, qvel: Array, qacc: Array) -> Scales:
+    """Scales of states, shapes (k, nq), (k, nv) and (k, nv), without commands."""
+    joints, force = _joints(model), _forces(model, qpos, qvel, qacc)
+    return Scales(
+        lowest={n: float(qpos[:, c.address].min()) for n, c in joints.items()},
+        highest={n: float(qpos[:, c.address].max()) for n, c in joints.items()},
+        speed={n: float(np.percentile(np.abs(qvel[:, c.dof]), _FAST)) for n, c in joints.items()},
+        torque={n: float(force[c.dof]) for n, c in joints.items()},
+        command={},
+    )
+
+
+def _replayed(replay: Replay, fit: StateFit) -> tuple[Array, Array, Array]:
+    """Positions, velocities and accelerations at evenly spread steps of the windows that do not diverge."""
+    tape, _ = replay.simulate(fit.z[None], fit.delta[None])
+    qpos, qvel = (rows[0][~fit.infeasible] for rows in (tape.qpos, tape.qvel))
+    qacc = np.diff(qvel, axis=1) / tape.step
+    states = [rows.reshape(-1, rows.shape[2]) for rows in (qpos[:, :-1], qvel[:, :-1], qacc)]
+    most = _SAMPLES_PER_LOG * len(replay.windows.logs)
+    pick = np.unique(np.linspace(0, len(states[0]) - 1, most).round().astype(int))
+    return states[0][pick], states[1][pick], states[2][pick]
+
+
+def _states(model: mujoco.MjModel, log: Log, smoother: float) -> tuple[Array, Array, Array]:
+    """Smoothed positions, velocities and accelerations at evenly spread times of a log."""
+    qpos = np.tile(model.qpos0, (_SAMPLES_PER_LOG, 1))
+    qvel, qacc = np.zeros((2, _SAMPLES_PER_LOG, model.nv))
+    for name, signal in log.outputs.items():
+        channel = available(model)[name]
+        alone = channel.kind == "velocity" and name.removesuffix("velocity") + "position" not in log.outputs
+        if channel.kind == "position" or alone:
+            times = np.linspace(signal.time[0], signal.time[-1], _SAMPLES_PER_LOG + 2)[1:-1]
+            motion = local_polynomial(signal, times, smoother)
+            if alone:
+                qvel[:, channel.dof], qacc[:, channel.dof] = motion[:2]
+            else:
+                qpos[:, channel.address], qvel[:, channel.dof], qacc[:, channel.dof] = motion[:3]
+    return qpos, qvel, qacc
+
+
+def _forces(model: mujoco.MjModel, qpos: Array, qvel: Array, qacc: Array) -> Array:
+    """Root mean square of inertial and bias forces by degree of freedom, shape (nv,)."""
+    data, total, product = mujoco.MjData(model), np.zeros(model.nv), np.zeros(model.nv)
+    for q, v, a in zip(qpos, qvel, qacc, strict=True):
+        data.qpos[:], data.qvel[:] = q, v
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_mulM(model, data, product, a)
+        total += product**2 + data.qfrc_bias**2
+    return np.sqrt(total / len(qpos))
+
+
+def _commands(model: mujoco.MjModel, logs: Sequence[Log]) -> dict[str, float]:
+    names = [model.actuator(i).name for i in range(model.nactuator)]
+    return {
+        n: max((float(np.abs(log.commands[n].value).max()) for log in logs if n in log.commands), default=0.0)
+        for n in names
+    }

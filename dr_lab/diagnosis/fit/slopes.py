@@ -1,0 +1,107 @@
+"""Finite differences of residuals: columns of the Jacobian, simulated as one batch."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.fit.point import Mask, Point
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Jacobian of the residuals.
+
+    Attributes:
+        state: ∂r/∂δ by window, shape (w, m, s).
+        parameter: ∂r/∂θ in unit-cube parameters, shape (w, m, p).
+    """
+
+    state: Array
+    parameter: Array
+
+    def pick(self, rows: NDArray[np.intp]) -> "Slopes":
+        """The slopes of some windows."""
+        return Slopes(self.state[rows], self.parameter[rows])
+
+
+def differences(
+    replay: Replay, settings: SolverSettings, point: Point, *, states: bool, columns: NDArray[np.intp]
+) -> Array:
+    """Forward differences for the start states (if wanted) and the given parameters.
+
+    A parameter in the upper half of its bounds steps down, so no column leaves them. Windows that diverge in a column
+    get zeros there.
+
+    Args:
+        replay: windows and model.
+        settings: sizes of the steps.
+        point: where.
+        states: whether to differentiate by the start states.
+        columns: parameters to differentiate by.
+
+    Returns:
+        Columns, states first, shape (w, m, columns).
+    """
+    space = replay.model.space
+    unit = space.to_unit(point.z)
+    state_steps = settings.state_step * replay.windows.prior.std if states else np.zeros(0)
+    unit_steps = np.where(unit[columns] > 0.5, -1.0, 1.0) * settings.parameter_step
+    count = len(state_steps) + len(unit_steps)
+    if not count:
+        return np.zeros((*point.residuals.shape, 0))
+    units, deltas = np.tile(unit, (count, 1)), np.tile(point.delta, (count, 1, 1))
+    for i, step in enumerate(state_steps):
+        deltas[i, :, i] += step
+    for j, (column, step) in enumerate(zip(columns, unit_steps, strict=True)):
+        units[len(state_steps) + j, column] += step
+    moved, infeasible = _in_parts(replay, settings, space.from_unit(units), deltas)
+    slopes = (moved - point.residuals) / np.concatenate([state_steps, unit_steps])[:, None, None]
+    slopes[infeasible] = 0.0
+    return slopes.transpose(1, 2, 0)
+
+
+def around(
+    replay: Replay, settings: SolverSettings, z: Array, delta: Array, columns: NDArray[np.intp], first: Point | None
+) -> tuple[Array, Mask, Array]:
+    """Residuals at several contexts with the same states, and forward differences there, all as one batch.
+
+    Args:
+        replay: windows and model.
+        settings: sizes of the steps.
+        z: contexts, shape (c, n).
+        delta: states, shape (w, nstate).
+        columns: parameters to differentiate by, p of them; see `differences`.
+        first: with the residuals at the first context, if they are known.
+
+    Returns:
+        Residuals, shape (c, w, m), windows that diverge, shape (c, w), and columns, shape (c, w, m, p).
+    """
+    space, count = replay.model.space, len(columns)
+    unit = space.to_unit(z)
+    steps = np.where(unit[:, columns] > 0.5, -1.0, 1.0) * settings.parameter_step
+    units = np.repeat(unit[:, None], 1 + count, axis=1)
+    units[:, 1 + np.arange(count), columns] += steps
+    contexts = space.from_unit(units)
+    contexts[:, 0] = z
+    rows = contexts.reshape(-1, z.shape[1])[0 if first is None else 1 :]
+    residuals, infeasible = _in_parts(replay, settings, rows, np.broadcast_to(delta, (len(rows), *delta.shape)))
+    if first is not None:
+        residuals = np.concatenate([first.residuals[None], residuals])
+        infeasible = np.concatenate([first.infeasible[None], infeasible])
+    residuals = residuals.reshape(len(z), 1 + count, *residuals.shape[1:])
+    infeasible = infeasible.reshape(len(z), 1 + count, -1)
+    slopes = (residuals[:, 1:] - residuals[:, :1]) / steps[:, :, None, None]
+    slopes[infeasible[:, 1:]] = 0.0
+    return residuals[:, 0], infeasible[:, 0], slopes.transpose(0, 2, 3, 1)
+
+
+def _in_parts(replay: Replay, settings: SolverSettings, z: Array, delta: Array) -> tuple[Array, Mask]:
+    """`Replay.residuals`, at most so many simulations at a time as the settings say."""
+    most = max(1, settings.batch // delta.shape[1])
+    parts = [replay.residuals(z[k : k + most], delta[k : k + most]) for k in range(0, len(z), most)]
+    residuals, infeasible = (np.concatenate(rows) for rows in zip(*parts, strict=True))
+    return residuals, infeasible

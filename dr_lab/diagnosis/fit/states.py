@@ -1,0 +1,205 @@
+"""Initial states of windows at a fixed context: one small Levenberg–Marquardt per window, all windows in one batch."""
+
+from dataclasses import dataclass, replace
+from threading import Event
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from dr_lab.diagnosis.fit.point import Point, better_start, take, window_costs
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.slopes import differences
+from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.diagnosis.windows.windows import Windows
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+_NO_PARAMETER = np.zeros(0, np.intp)
+_PLAUSIBLE = 0.999  # probability below which a window's χ² passes for noise
+_WORTH = 0.5  # share of the simulated windows below which those still active get simulations of their own
+
+
+@dataclass(frozen=True)
+class StateFit(Point):
+    """States at which every window's own cost is lowest.
+
+    Attributes:
+        slopes: ∂r/∂δ at each window's last linearisation, shape (w, m, s); 0 behind the last sample of all windows that
+            is fitted.
+    """
+
+    slopes: Array
+
+
+def fit_states(
+    model: Model,
+    z: Array,
+    windows: Windows,
+    solver: SolverSettings,
+    threads: int | None = None,
+    near: StateFit | None = None,
+    stop: Event | None = None,
+) -> tuple[Replay, StateFit]:
+    """Fit only the windows' initial states at a context, from the samples that windows allow.
+
+    What comes behind these samples is simulated once, at the end.
+
+    Each window minimises ‖(y − ŷ(z, x_w))/σ‖²_Huber + ‖(x_w − x̄_w)/s‖² on its own, with its own damping.
+
+    Args:
+        model: the model.
+        z: its context, shape (n,).
+        windows: the windows.
+        solver: settings.
+        threads: C threads; None takes every core.
+        near: such a fit of a similar model, whose states and slopes make a good start in most windows.
+        stop: see `Replay`.
+    """
+    replay = Replay(model, windows, threads, stop)
+    known = replay.until_known()
+    found = _Search(known, solver, z).run(near)
+    if known is replay:
+        return replay, found
+    residuals, infeasible = replay.residuals(z[None], found.delta[None])
+    return replay, replace(found, residuals=residuals[0], infeasible=infeasible[0])
+
+
+def polished(
+    replay: Replay, solver: SolverSettings, point: Point, slopes: Array, active: NDArray[np.bool_]
+) -> StateFit:
+    """The states of a point fitted anew at its context, each window with a damping of its own.
+
+    Where a joint step is hindered by a few windows whose states meet a kink (a joint that sticks, a contact), all
+    others must go in short steps with them; this lets each go its own way, for `settings.polish_iterations` steps: the
+    joint steps that follow go on from there.
+
+    Args:
+        replay: windows and model.
+        solver: settings.
+        point: context and states to start from.
+        slopes: ∂r/∂δ nearby, shape (w, m, s).
+        active: windows in which that is done, shape (w,).
+    """
+    return _Search(replay, solver, point.z).descend(point, slopes, active, solver.polish_iterations)
+
+
+class _Search:
+    """State of the search over all windows of one replay."""
+
+    def __init__(self, replay: Replay, settings: SolverSettings, z: Array) -> None:
+        self.replay = replay
+        self.settings = settings
+        self.z = z
+        self.precision = replay.windows.prior.std**-2.0
+
+    def run(self, near: StateFit | None) -> StateFit:
+        """The best states, from the prior's mean or from near; where near led to poor ones, from the mean as well."""
+        mean = self._point(np.zeros((len(self.replay.windows), self.replay.nstate)))
+        if near is None:
+            return self.descend(mean, None, ~mean.infeasible)
+        first = better_start(mean, self._point(near.delta), self._weights(mean), self.precision)
+        found = self.descend(first, near.slopes, ~first.infeasible)
+        poor = self._poor(found) & ~mean.infeasible
+        return self._better(found, self.descend(mean, None, poor)) if poor.any() else found
+
+    def _poor(self, found: StateFit) -> NDArray[np.bool_]:
+        """Windows whose χ² noise as large as in the median window, or as the sensors', would hardly leave."""
+        fitted = self.replay.fitted & ~found.infeasible[:, None]
+        count = np.maximum(fitted.sum(1), 1)
+        left = np.where(fitted, found.residuals**2, 0.0).sum(1) / count
+        usual = max(1.0, float(np.median(left[~found.infeasible]))) if not found.infeasible.all() else 1.0
+        return left > usual * chi2.ppf(_PLAUSIBLE, count) / count
+
+    def _better(self, one: StateFit, other: StateFit) -> StateFit:
+        """The better of two fits in each window."""
+        weight = self._weights(one)
+        chosen = one.infeasible | (self._costs(other, weight) < self._costs(one, weight))
+        chosen &= ~other.infeasible
+        point = replace(take(one, other, chosen), infeasible=one.infeasible & ~chosen)
+        slopes = np.where(chosen[:, None, None], other.slopes, one.slopes)
+        total = float(self._costs(point, self._weights(point)).sum())
+        return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
+
+    def descend(
+        self, point: Point, known: Array | None, active: NDArray[np.bool_], most: int | None = None
+    ) -> StateFit:
+        """Levenberg–Marquardt in the active windows, at most so many steps, from slopes that may be those nearby."""
+        settings, count = self.settings, len(self.replay.windows)
+        part = _Part(self.replay, np.arange(count), settings).narrowed(active)
+        slopes = part.renew(point, np.zeros((*point.residuals.shape, self.replay.nstate))) if known is None else known
+        stale, damping = np.full(count, known is not None), np.full(count, settings.damping)
+        for _ in range(settings.iterations if most is None else most):
+            weight = self._weights(point)
+            cost = self._costs(point, weight)
+            trial = part.moved(point, self._steps(point, slopes, weight, damping, active))
+            gain = np.where(trial.infeasible, -np.inf, cost - self._costs(trial, weight))
+            better = active & (gain >= 0)
+            failed = active & ~better
+            point = take(point, trial, better)
+            damping = np.where(better, damping / settings.damping_down, damping)
+            damping = np.where(failed & ~stale, damping * settings.damping_up, damping)
+            renew = (failed & stale) | (better & (gain > settings.refresh * cost))
+            stale |= better
+            active &= ~(better & (gain <= settings.state_tolerance * cost)) & (damping < settings.damping_max)
+            if not active.any():
+                break
+            part = part.narrowed(active)
+            if (active & renew).any():
+                slopes, stale = part.renew(point, slopes), np.zeros(count, bool)
+        total = float(self._costs(point, self._weights(point)).sum())
+        return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
+
+    def _weights(self, point: Point) -> Array:
+        return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
+
+    def _point(self, delta: Array) -> Point:
+        residuals, infeasible = self.replay.residuals(self.z[None], delta[None])
+        return Point(self.z, delta, residuals[0], np.inf, infeasible[0])
+
+    def _costs(self, point: Point, weight: Array) -> Array:
+        return window_costs(point, weight, self.precision)
+
+    def _steps(self, point: Point, slopes: Array, weight: Array, damping: Array, active: NDArray[np.bool_]) -> Array:
+        weighted = (slopes * weight[..., None]).transpose(0, 2, 1)
+        hessian = weighted @ slopes + np.diag(self.precision)
+        gradient = (weighted @ point.residuals[..., None])[..., 0] + self.precision * point.delta
+        diagonal = np.einsum("wii->wi", hessian)
+        damped = hessian + (damping[:, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
+        return np.where(active[:, None], -np.linalg.solve(damped, gradient[..., None])[..., 0], 0.0)
+
+
+class _Part:
+    """The windows whose states are still looked for, and perhaps some that are done: those that are simulated."""
+
+    def __init__(self, replay: Replay, rows: NDArray[np.intp], settings: SolverSettings) -> None:
+        self.replay = replay
+        self.rows = rows
+        self.settings = settings
+
+    def narrowed(self, active: NDArray[np.bool_]) -> "_Part":
+        """The active windows alone, once they are so few that new simulations of them pay."""
+        kept = active[self.rows]
+        if kept.sum() > _WORTH * len(kept) or not kept.any():
+            return self
+        return _Part(self.replay.part(np.flatnonzero(kept)), self.rows[kept], self.settings)
+
+    def moved(self, point: Point, step: Array) -> Point:
+        """The point after a step, where the windows are among the part; elsewhere as it is."""
+        delta, residuals, infeasible = point.delta.copy(), point.residuals.copy(), point.infeasible.copy()
+        delta[self.rows] += step[self.rows]
+        found, lost = self.replay.residuals(point.z[None], delta[None, self.rows])
+        residuals[self.rows], infeasible[self.rows] = found[0], lost[0]
+        return Point(point.z, delta, residuals, np.inf, infeasible)
+
+    def renew(self, point: Point, slopes: Array) -> Array:
+        """The slopes ∂r/∂δ at the point in the windows of the part; elsewhere as they are, shape (w, m, s)."""
+        here = replace(
+            point,
+            delta=point.delta[self.rows],
+            residuals=point.residuals[self.rows],
+            infeasible=point.infeasible[self.rows],
+        )
+        slopes = slopes.copy()
+        slopes[self.rows] = differences(self.replay, self.settings, here, states=True, columns=_NO_PARAMETER)
+        return slopes

@@ -1,0 +1,59 @@
+"""Whether the intervals of a fit can be trusted, and which parameters the data tell apart worst."""
+
+import numpy as np
+
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit
+from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.diagnosis.windows.blocks import blocks, logs
+from dr_lab.diagnosis.windows.windows import Windows
+from dr_lab.physics.context import ContextEstimate, ContextSpace
+from dr_lab.trajectory import Array
+
+_AT_A_BOUND = 1e-3  # widths of the bounds
+_SHOWN = 0.3  # entries of the worst direction, whose length is 1, that are told
+
+
+def doubts(found: ContextEstimate, fit: Fit, windows: Windows, settings: EvidenceSettings) -> dict[str, list[str]]:
+    """Why the intervals of a context may be wrong, by parameter; empty lists where nothing speaks against them.
+
+    An interval covers residuals that are coloured and logs that disagree through the bootstrap of `covariance`. It is
+    not to be trusted where there are too few blocks to resample, where the value lies at its bound, and where its
+    standard deviation is so large that the prior decides.
+    """
+    groups = logs(windows.log)
+    groups = groups if len(groups) > 1 else blocks(windows.log, settings.block, settings.least_blocks)
+    few = [f"{len(groups)} blocks of data to resample"] if len(groups) < settings.least_trusted else []
+    edge, width = at_bounds(found), found.std / found.space.span
+    prior = fit.equations.prior**-0.5
+    reasons: dict[str, list[str]] = {}
+    for k, name in enumerate(found.space.names):
+        bound = ["at its bound"] if edge[name] else []
+        prior_alone = ["the data hardly move it"] if width[k] > prior[k] / 2 else []
+        reasons[name] = [*few, *bound, *prior_alone]
+    return reasons
+
+
+def at_bounds(found: ContextEstimate) -> dict[str, bool]:
+    """Whether each parameter lies at one of its bounds; one that the fit left alone does not."""
+    unit = found.space.to_unit(found.mean)
+    edge = (np.minimum(unit, 1 - unit) < _AT_A_BOUND) & (found.std > 0)
+    return dict(zip(found.space.names, edge.tolist(), strict=True))
+
+
+def worst_direction(space: ContextSpace, fit: Fit) -> dict[str, float]:
+    """The direction in which the data know least of the context, in widths of the bounds; its length is 1.
+
+    The eigenvector of the information, the starts being eliminated, with the smallest eigenvalue: parameters of this
+    combination trade against each other. Entries that are small are left out.
+    """
+    return _told(_eigenvector(fit.equations.window_information()[0].sum(0)), space.names)
+
+
+def _eigenvector(information: Array) -> Array:
+    vector = np.linalg.eigh(information)[1][:, 0]
+    return vector * np.sign(vector[np.abs(vector).argmax()])
+
+
+def _told(vector: Array, names: tuple[str, ...]) -> dict[str, float]:
+    order = np.argsort(-np.abs(vector))
+    return {names[k]: float(vector[k]) for k in order if abs(vector[k]) >= _SHOWN}

@@ -1,0 +1,1 @@
+"""The force that a model lacks, and a formula of it."""

@@ -1,0 +1,170 @@
+"""What no effect explains: a sparse formula of the missing force, and how much any force of the state could explain."""
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.errors import require_numbers
+from dr_lab.trajectory import Array
+
+Groups = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class FormulaSettings:
+    """How a formula is looked for.
+
+    Attributes:
+        terms: most terms of a formula.
+        harmonics: multiples of an angle whose sine and cosine are terms.
+        folds: parts of the logs that are predicted from the others.
+        worth: share of the force's mean square that a further term must explain of the parts left out.
+        least: number of windows below which nothing is said.
+        windows: number of windows that forces are looked for in at most.
+        trees: of the forest that tells how much any function of the state could explain.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+
+    terms: int
+    harmonics: int
+    folds: int
+    worth: float
+    least: int
+    windows: int
+    trees: int
+
+    def __post_init__(self) -> None:
+        least = {"terms": 1.0, "harmonics": 0.0, "folds": 2.0, "least": 2.0, "windows": 1.0, "trees": 1.0}
+        require_numbers(self, "formula", positive=("worth",), least=least)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One quantity that a force may depend on, over n windows.
+
+    Attributes:
+        name: as ``q`` of a joint in words, e.g. ``arm velocity``.
+        unit: its unit.
+        kind: ``angle``, ``place``, ``velocity`` or ``command``.
+        value: shape (n,).
+    """
+
+    name: str
+    unit: str
+    kind: str
+    value: Array
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A sparse formula of a force.
+
+    Attributes:
+        coefficients: by term, in `unit` per the term's unit.
+        units: unit of each coefficient.
+        share: share of the force's mean square that it explains where it was not fitted.
+        ceiling: the same of a regression forest on the same variables.
+    """
+
+    coefficients: Mapping[str, float]
+    units: Mapping[str, str]
+    share: float
+    ceiling: float
+
+
+def sparse_formula(
+    force: Array, unit: str, variables: Sequence[Variable], groups: Groups, settings: FormulaSettings
+) -> Formula | None:
+    """Orthogonal matching pursuit over a library of terms, as long as further terms predict logs left out better.
+
+    F ≈ Σ_k c_k f_k with f_k among 1; v, sign(v), |v| v, v³; sin(m q), cos(m q) of angles; x, x³ of places; u of
+    commands. Shares are 1 − Σ(F − F̂)²/Σ F² with every F̂ predicted from the other folds.
+
+    Args:
+        force: missing force of n windows, shape (n,); windows without one are NaN.
+        unit: its unit.
+        variables: what it may depend on.
+        groups: log of each window, or another part of the data that is left out together, shape (n,).
+        settings: how long the formula may be.
+
+    Returns:
+        The formula; None where there are too few windows, or fewer groups than two.
+
+    Source: Pati, Rezaiifar and Krishnaprasad, Asilomar 1993 (the pursuit); Brunton, Proctor and Kutz, PNAS 113 (2016)
+    for libraries of terms.
+    """
+    # scikit-learn takes longer to import than all the rest of a verb; only what looks for formulas waits for it.
+    from dr_lab.diagnosis.missing_force.regressors import Pursuit, forest, left_out  # noqa: PLC0415
+
+    known = np.isfinite(force)
+    if known.sum() < settings.least or len(np.unique(groups[known])) < 2:
+        return None
+    force, groups = force[known], groups[known]
+    kept = [Variable(v.name, v.unit, v.kind, v.value[known]) for v in variables]
+    terms = [term for term in _library(kept, settings.harmonics) if np.ptp(term.value) > 0 or term.name == "1"]
+    columns = np.stack([term.value for term in terms], axis=1)
+    folds = min(settings.folds, len(np.unique(groups)))
+    tried = (left_out(Pursuit(size), columns, force, groups, folds) for size in range(1, columns.shape[1] + 1))
+    share, count = _pursued(force, itertools.islice(tried, settings.terms), settings.worth)
+    features = np.stack([v.value for v in kept], axis=1)
+    ceiling = _explained(force, left_out(forest(settings.trees), features, force, groups, folds))
+    coefficients = Pursuit(count).fit(columns, force).coef_ if count else np.zeros(columns.shape[1])
+    chosen = {term.name: float(c) for term, c in zip(terms, coefficients, strict=True) if c != 0}
+    units = {term.name: f"{unit}/({term.unit})" if term.unit else unit for term in terms if term.name in chosen}
+    return Formula(chosen, units, share, max(ceiling, share))
+
+
+def mean_square(force: Array) -> float:
+    """Mean square of a force over the windows that have one."""
+    return float(np.nanmean(force**2))
+
+
+@dataclass(frozen=True)
+class _Term:
+    name: str
+    unit: str
+    value: Array
+
+
+def _library(variables: Sequence[Variable], harmonics: int) -> list[_Term]:
+    terms = [_Term("1", "", np.ones(len(variables[0].value)))]
+    for v in variables:
+        name, x = f"[{v.name}]", v.value
+        if v.kind == "angle":
+            for m in range(1, harmonics + 1):
+                inside = name if m == 1 else f"{m} {name}"
+                terms += [_Term(f"sin({inside})", "", np.sin(m * x)), _Term(f"cos({inside})", "", np.cos(m * x))]
+        elif v.kind == "place":
+            terms += [_Term(name, v.unit, x), _Term(f"{name}³", f"({v.unit})³", x**3)]
+        elif v.kind == "velocity":
+            terms += [
+                _Term(name, v.unit, x),
+                _Term(f"sign({name})", "", np.sign(x)),
+                _Term(f"|{name}| {name}", f"({v.unit})²", np.abs(x) * x),
+                _Term(f"{name}³", f"({v.unit})³", x**3),
+            ]
+        else:
+            terms.append(_Term(name, v.unit, x))
+    return terms
+
+
+def _pursued(force: Array, tried: Iterable[Array], worth: float) -> tuple[float, int]:
+    """Share of the force that a prediction explains and its number of terms, up to the first that is not worth one."""
+    share, count = 0.0, 0
+    for size, predicted in enumerate(tried, start=1):
+        reached = _explained(force, predicted)
+        if reached < share + worth:
+            break
+        share, count = reached, size
+        if share > 1.0 - worth:
+            break
+    return share, count
+
+
+def _explained(force: Array, predicted: Array) -> float:
+    return 1.0 - float(((force - predicted) ** 2).sum() / (force**2).sum())

@@ -1,0 +1,77 @@
+"""A richer effect where it acts as its special case does: what could its further parameters gain from there?"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.point import Mask
+from dr_lab.diagnosis.fit.slopes import Slopes
+from dr_lab.diagnosis.search.screen import free
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.physics.context import ContextSpace
+from dr_lab.trajectory import Array
+
+
+class Further(NamedTuple):
+    """A richer effect at the fit of its special case.
+
+    Attributes:
+        fit: linearised there.
+        gain: by how much less the cost could fall by a linear step if the further parameters stayed where they are.
+    """
+
+    fit: Fit
+    gain: float
+
+
+def special_case(richer: PlacedEffect, among: Sequence[PlacedEffect]) -> int | None:
+    """Place of a special case of an effect that the effect can act as exactly, at the same site; None if there is none.
+
+    A special case that is a mere limit, or whose parameters are no quantities of the richer one, does not count.
+    """
+    bounds = {p.name.removeprefix(f"{richer.label}."): p for p in richer.parameters}
+    for place, poorer in enumerate(among):
+        case = richer.effect.holds.get(poorer.effect.name)
+        if case is None or not case.same or poorer.site != richer.site:
+            continue
+        if all(bounds[name].low <= 0.0 <= bounds[name].high for name in case.further):
+            return place
+    return None
+
+
+def further(fitter: Fitter, richer: PlacedEffect, poorer: PlacedEffect, fit: Fit, values: dict[str, float]) -> Further:
+    """What a richer effect could gain beyond the fit of its special case, by the best of its shapes (a score test).
+
+    Args:
+        fitter: of the model with the richer effect.
+        richer: the effect.
+        poorer: its special case.
+        fit: of the same windows with the poorer effect, which is the last of its model.
+        values: the context of that fit by name.
+    """
+    count = len(fit.z) - len(poorer.parameters)
+    known = Slopes(fit.slopes.state, fit.slopes.parameter[..., :count])
+    contexts = _acting_as(richer, poorer, fitter.space, values)
+    names = {f"{richer.label}.{name}" for name in richer.effect.holds[poorer.effect.name].further}
+    held = np.array([name in names for name in fitter.space.names])
+    found = [Further(each, _gain(fitter, each, held)) for each in fitter.outlooks(contexts, fit.delta, known)]
+    return max(found, key=lambda each: each.gain)
+
+
+def _gain(fitter: Fitter, fit: Fit, held: Mask) -> float:
+    movable = free(fitter, fit)
+    return fit.first.decrease(movable) - fit.first.decrease(movable & ~held)
+
+
+def _acting_as(richer: PlacedEffect, poorer: PlacedEffect, space: ContextSpace, values: dict[str, float]) -> Array:
+    """Contexts in which the richer effect acts as its special case, one for each shape that it starts with, (c, n)."""
+    case, ours, theirs = richer.effect.holds[poorer.effect.name], richer.label, poorer.label
+    fixed = {name: value for name, value in values.items() if name in space.names}
+    fixed |= {f"{ours}.{name}": values[f"{theirs}.{to}"] for name, to in case.same.items()}
+    fixed |= {f"{ours}.{name}": 0.0 for name in case.further}
+    shapes = {f"{ours}.{name}" for name in richer.effect.shapes}
+    starts = [{name: value for name, value in start.items() if name in shapes} for start in richer.starts]
+    contexts = [space.clip(space.vector({**start, **fixed})) for start in starts or [{}]]
+    return np.unique(np.stack(contexts), axis=0)

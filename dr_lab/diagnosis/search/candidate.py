@@ -1,0 +1,43 @@
+"""One effect at one site that a model may lack."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.paired_gain import Gain
+from dr_lab.diagnosis.fit.identifiability import Identifiability
+from dr_lab.effects.effect import PlacedEffect
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect at one site, compared with the same model without it.
+
+    Attributes:
+        effect: the placed effect.
+        explained: the model with the effect; of one that is not final, fitted to and scored on a part of the windows.
+        gain: paired gain over the model without it, on the windows that score it.
+        identifiability: what the data can say of it.
+        predicted: share of the cost on the fit windows that a linear step could remove.
+        fitted: whether the effect was fitted; else it stayed absent, as its prediction was too small.
+        final: whether it was fitted to all windows; else another candidate had beaten it on a part of them, or
+            explained as much with fewer parameters.
+        resolved: whether it is more than a shift in time by less than `Bench.timing_resolution`; an integrator's own
+            error is such a shift, and so is what a command that is logged too rarely leaves.
+    """
+
+    effect: PlacedEffect
+    explained: Explained
+    gain: Gain
+    identifiability: Identifiability
+    predicted: float
+    fitted: bool = True
+    final: bool = True
+    resolved: bool = True
+
+
+def resolved(effect: PlacedEffect, values: Mapping[str, float], least: float) -> bool:
+    """Whether an effect with these values, by name, is more than a shift in time by less than `least` s."""
+    if any(p.unit != "s" for p in effect.parameters):
+        return True
+    return any(abs(values[p.name] - p.nominal) >= least for p in effect.parameters)

@@ -1,0 +1,195 @@
+"""The ladder of models: add the effect the data name, refit all, repeat until nothing more is supported."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import mujoco
+
+from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.confirmation import Confirmation
+from dr_lab.diagnosis.evidence.paired_gain import Gain, at_floor, cleared, paired_gain
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
+from dr_lab.diagnosis.search.pruning import Pruned, PutBack, finished, lean
+from dr_lab.diagnosis.search.rank import Ranking, rank
+from dr_lab.diagnosis.search.restack import reconsider
+from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.verdict import Verdict, decide
+from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.effects.catalogue import SpecialCases, candidates
+from dr_lab.effects.effect import Effect, Scales
+
+Watch = Callable[[int], Callable[[str], None]]
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One model that was judged, and what the catalogue could do for it.
+
+    Attributes:
+        base: the model, refitted and scored.
+        ranking: the candidates beside it, best first.
+        verdict: the judgement on them.
+    """
+
+    base: Explained
+    ranking: tuple[Candidate, ...]
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """A climbed ladder.
+
+    Attributes:
+        rungs: the rankings, in the order in which they were made.
+        base: the calibrated model.
+        steps: the added effects, in order.
+        refused: why effects of the catalogue were not tried at a site, by ``effect@site``.
+        dropped: labels of effects that were added and without which the logs are explained as well in the end.
+        put_back: effects that were added and in whose place one of their special cases stands.
+        laws: what free laws explain beside the added effects; empty where none was checked.
+        confirmation: what windows say that chose nothing; None where there are none.
+    """
+
+    rungs: tuple[Rung, ...]
+    base: Explained
+    steps: tuple[Step, ...]
+    refused: Mapping[str, str] = field(default_factory=dict)
+    dropped: tuple[str, ...] = ()
+    put_back: tuple[PutBack, ...] = ()
+    laws: tuple[LawCheck, ...] = ()
+    confirmation: Confirmation | None = None
+
+    @property
+    def absorbed(self) -> tuple[str, ...]:
+        """Labels of effects whose place the free parameters can take: those of the last rung that still stands."""
+        return [r for r in self.rungs if any(r.base is model for model in self.models)][-1].verdict.absorbed
+
+    @property
+    def refuted(self) -> set[str]:
+        """Labels of effects that were added and do not stand: they are not tried again."""
+        return {*self.dropped, *(back.richer for back in self.put_back)}
+
+    @property
+    def models(self) -> tuple[Explained, ...]:
+        """The ladder's models, the calibrated one first."""
+        return (self.base, *(step.explained for step in self.steps))
+
+    def topped(self, last: Explained) -> "Ladder":
+        """The ladder with a better fit of its last model."""
+        if not self.steps:
+            return replace(self, base=last)
+        return replace(self, steps=(*self.steps[:-1], replace(self.steps[-1], explained=last)))
+
+    def gained(self, settings: EvidenceSettings) -> Gain:
+        """What all added effects gain together over the calibrated model."""
+        return paired_gain(self.base.held_out, self.models[-1].held_out, settings)
+
+    def closed(self, settings: EvidenceSettings) -> float:
+        """Share of the calibrated model's gap that all effects close; 1 where they bring a channel to its floor.
+
+        Fitted starts take up what a model lacks within a short window, a force that beats or a mass that sloshes. So it
+        is the lesser of what closes with these and with starts that only earlier samples tell, where that is known.
+        """
+        gain = self.gained(settings)
+        if cleared(self.base.held_out, self.models[-1].held_out, gain, settings):
+            return 1.0
+        return gain.gap if self.confirmation is None else min(gain.gap, self.confirmation.predicted.gain.gap)
+
+    def verdict(self, settings: EvidenceSettings) -> str:
+        """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.
+
+        ``unexplained`` are effects that leave much of the gap, and more than noise: they are what the catalogue has
+        nearest to the cause, rather than the cause. So are effects of which one has another law than the machine, and
+        those that windows which chose nothing contradict. Where all that was added was dropped again, none is named.
+        """
+        noise = at_floor(self.models[-1].held_out, settings)
+        if not self.steps:
+            first = self.rungs[0].verdict
+            return ("none" if noise else "unexplained") if first.effects and self.dropped else first.kind
+        if not noise and self.closed(settings) < settings.least_named:
+            return "unexplained"
+        if any(law.refuted for law in self.laws) or (self.confirmation and self.confirmation.contradicts):
+            return "unexplained"
+        return "equivalent" if any(step.rivals for step in self.steps) else "named"
+
+    def without_last(self) -> "Ladder":
+        """The ladder without its last effect, which is dropped."""
+        return replace(self, steps=self.steps[:-1], dropped=(*self.dropped, self.steps[-1].effect.label))
+
+    def with_laws(self, bench: Bench, scales: Scales, compiled: mujoco.MjModel) -> "Ladder":
+        """The ladder with the laws of its effects checked; scales and nominal model as for `climb`."""
+        return replace(self, laws=check_laws(bench, self.steps, scales, compiled))
+
+    def with_first_step(self) -> "Ladder":
+        """The ladder with the effect that its first rung names, where it names one."""
+        return replace(self, steps=(step_from(self.rungs[0]),) if self.rungs[0].verdict.effects else ())
+
+    def pruned(self, bench: Bench, cases: SpecialCases) -> "Ladder":
+        """The ladder with no more effects, and none richer, than the logs ask for; see `pruning.finished`."""
+        found = finished(bench, self.base, self.steps, cases)
+        return replace(self, steps=found.steps, dropped=found.dropped, put_back=found.put_back)
+
+
+def climb(
+    bench: Bench,
+    base: Explained,
+    effects: Mapping[str, Effect],
+    scales: Scales,
+    compiled: mujoco.MjModel,
+    *,
+    most: int,
+    watch: Watch,
+) -> Ladder:
+    """Climb from a fitted base until `none`, `unexplained` or `most` added effects.
+
+    Where a rung leaves several effects inseparable the first goes on, and each later rung reconsiders: a rival that
+    explains more beside what was added since takes its place, one that explains less is no rival any more. An effect
+    without which the ladder's last model explains the logs as well is dropped, for good; one of which that is in doubt
+    stays until the climb is over, for what is still missing scatters what it gains. Where a rung names
+    nothing but has an effect that is worth a trial, that goes on, and is judged when the climb is over, before the
+    others: until then none is dropped, lest what is in doubt take the place of what is not. An effect that holds
+    another one of the catalogue as a special case is put back to that, for good, unless its further parameters are
+    beyond doubt: once another effect stands beside it, and when the climb is over. Where that leaves a model that was
+    not judged before, the climb goes on from there; one that was judged had its one trial.
+
+    Args:
+        bench: data and settings.
+        base: the calibrated model.
+        effects: the catalogue.
+        scales: size of the effects' bounds.
+        compiled: the compiled nominal model.
+        most: most effects that are added.
+        watch: is told the number of candidates of each ranking and gives what is called with each label that is done.
+    """
+    ladder, cases = Ladder((), base, ()), SpecialCases(effects, scales, compiled)
+    while True:
+        found = candidates(ladder.models[-1].model, effects, scales, compiled)
+        placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
+        ranking = rank(bench, ladder.models[-1], placed, watch(len(placed)))
+        ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
+        ladder, over = _with_rung(bench, ladder, ranking, cases, most)
+        if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
+            return ladder
+
+
+def _with_rung(bench: Bench, ladder: Ladder, ranking: Ranking, cases: SpecialCases, most: int) -> tuple[Ladder, bool]:
+    """The ladder with what one ranking adds, and what falls for it; and whether that ends the climb."""
+    rung = Rung(ranking.base, ranking.candidates, decide(*ranking, bench.evidence, bench.scored))
+    over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
+    steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, step_from(rung)))
+    if over:
+        pruned = finished(bench, ladder.base, steps, cases)
+    else:
+        pruned = lean(bench, ladder.base, steps, cases) if all(s.proven for s in steps) else Pruned(steps)
+    dropped, put_back = (*ladder.dropped, *pruned.dropped), (*ladder.put_back, *pruned.put_back)
+    rungs = (*ladder.rungs, rung)
+    return replace(ladder, rungs=rungs, steps=pruned.steps, dropped=dropped, put_back=put_back), over
+
+
+def step_from(rung: Rung) -> Step:
+    """The effect that a rung's verdict names first, or holds worth a trial, with its rivals; there must be one."""
+    found, named = {c.effect.label: c for c in rung.ranking}, rung.verdict.effects
+    chosen, *rivals = (found[label] for label in named or rung.verdict.trial)
+    return Step(chosen.explained, tuple(rivals), proven=bool(named))

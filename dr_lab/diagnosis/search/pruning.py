@@ -1,0 +1,259 @@
+"""No more effects on a ladder, and none richer, than the logs ask for beyond doubt."""
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dr_lab.diagnosis.evidence.bench import Bench, Explained, beyond_doubt, explain, fitted, scored
+from dr_lab.diagnosis.evidence.compatible import chance, known_of
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.restack import stacked
+from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.effects.catalogue import SpecialCases
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
+
+Rule = Callable[[Gain, int, EvidenceSettings], bool]
+
+
+@dataclass(frozen=True)
+class PutBack:
+    """An effect in whose place one of its special cases stands.
+
+    Attributes:
+        richer: its label.
+        poorer: the special case's.
+        further: value and standard deviation of what it had beyond the special case, by short parameter names.
+        compatible: whether that is compatible with nothing by the scatter between logs; else the logs that score do not
+            ask for it.
+    """
+
+    richer: str
+    poorer: str
+    further: Mapping[str, tuple[float, float]]
+    compatible: bool
+
+
+@dataclass(frozen=True)
+class Pruned:
+    """What is left of a ladder's steps.
+
+    Attributes:
+        steps: those that stay, refitted and proven.
+        dropped: labels of the effects that were dropped.
+        put_back: the effects that were put back to a special case.
+    """
+
+    steps: tuple[Step, ...]
+    dropped: tuple[str, ...] = ()
+    put_back: tuple[PutBack, ...] = ()
+
+
+def lean(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialCases) -> Pruned:
+    """Put back what is needlessly rich, then drop what is superfluous.
+
+    In this order, because a richer effect can make up for another one that is missing, which then seems superfluous
+    beside it; and because what softened the faults of a richer effect may be superfluous beside the poorer one. A lone
+    effect is not put back yet: what is missing beside it may blur what it is. For the same reason an effect whose gain
+    is in doubt stays until the climb is over, if it is no trifle.
+    """
+    simpler, put_back = _put_back(bench, base, steps, cases) if len(steps) > 1 else (steps, ())
+    kept, dropped = prune(bench, base, simpler, sizeable)
+    return Pruned(kept, dropped, put_back)
+
+
+def finished(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialCases) -> Pruned:
+    """The steps when the climb is over: trials judged, none needlessly rich, none that its own parameters doubt.
+
+    Whether parameters are compatible with an effect's absence is asked here alone: as long as others are missing, what
+    those would explain widens the scatter between logs.
+    """
+    kept, dropped = prune(bench, base, steps, supported)
+    kept, put_back = _put_back(bench, base, kept, cases)
+    kept, superfluous = prune(bench, base, kept, supported) if put_back else (kept, ())
+    kept, absent = drop_absent(bench, base, kept)
+    kept = tuple(replace(step, proven=True) for step in kept)
+    return Pruned(kept, (*dropped, *superfluous, *absent), put_back)
+
+
+def prune(
+    bench: Bench, base: Explained, steps: tuple[Step, ...], stays: Rule
+) -> tuple[tuple[Step, ...], tuple[str, ...]]:
+    """Drop effects without which the logs are explained as well: those on trial first, of these the earliest first.
+
+    Args:
+        bench: data and settings.
+        base: the calibrated model.
+        steps: what was added.
+        stays: whether an effect with so many parameters stays for what it gains: `sizeable` or `supported`.
+
+    Returns:
+        The steps that stay, refitted, and the labels of the effects that were dropped.
+    """
+    for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
+        effect, whole = steps[place].effect, steps[-1].explained
+        goal = beyond_doubt(bench, whole)
+        fewer, base = _without(bench, base, steps, place, goal)
+        without = fewer[-1].explained if fewer else base
+        gain = paired_gain(without.held_out, whole.held_out, bench.evidence)
+        if not stays(gain, len(effect.parameters), bench.evidence):
+            if _ended_early(without, goal):
+                fewer, base = _without(bench, base, steps, place)
+            kept, dropped = prune(bench, base, fewer, stays)
+            return kept, (effect.label, *dropped)
+    return steps, ()
+
+
+def drop_absent(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], tuple[str, ...]]:
+    """Drop effects of one parameter that is compatible with absent, the most doubtful one first.
+
+    Its uncertainty is that of `covariance.estimate`, which holds the scatter between logs. An effect of several
+    parameters is judged by what it gains alone: near absent its shape means nothing, and the answer of a Wald test
+    depends on how the parameters are written down. Of an elasticity, say, often only compliance times inertia is known.
+
+    Source: Gregory and Veall, Econometrica 53 (1985) 1465.
+
+    Returns:
+        As `prune`.
+    """
+    if not steps:
+        return (), ()
+    known = known_of(bench, steps[-1].explained)
+    doubts = [chance(known, step.effect.absent) if len(step.effect.parameters) == 1 else 0.0 for step in steps]
+    place = int(np.argmax(doubts))
+    if doubts[place] < 1 - bench.evidence.confidence:
+        return steps, ()
+    fewer, base = _without(bench, base, steps, place)
+    kept, dropped = drop_absent(bench, base, fewer)
+    return kept, (steps[place].effect.label, *dropped)
+
+
+def simplify(
+    bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialCases
+) -> tuple[tuple[Step, ...], PutBack] | None:
+    """Put one effect back to a special case of it, the earliest that is needlessly rich.
+
+    The richer one stands where the windows that score support it over the poorer one, and its further parameters are
+    away from nothing beyond doubt by the scatter between logs. It also stands where the poorer one in its place would
+    not be beyond doubt itself: then it is in doubt which of the two is there, not whether.
+
+    Returns:
+        The steps with the poorer effect in its place, refitted, and what was put back; None where all stand.
+    """
+    whole = steps[-1].explained if steps else base
+    for place, step in enumerate(steps):
+        for poorer in cases.of(step.effect, whole.model):
+            swap = _Swap(step.effect, poorer)
+            back = swap.put_back(bench, whole)
+            goal = np.inf if back.compatible else beyond_doubt(bench, whole)
+            simpler = swap.made(bench, base, whole, goal)
+            gain = paired_gain(simpler.held_out, whole.held_out, bench.evidence)
+            extra = len(step.effect.parameters) - len(poorer.parameters)
+            if back.compatible or not supported(gain, extra, bench.evidence):
+                if _ended_early(simpler, goal):
+                    simpler = swap.made(bench, base, whole)
+                if not _stands(bench, base, steps, place, simpler, len(poorer.parameters)):
+                    continue
+                between = (replace(s, explained=swap.made(bench, base, s.explained)) for s in steps[place:-1])
+                above = [*between, replace(steps[-1], explained=simpler)]
+                above[0] = replace(above[0], rivals=swap.rivals(step))
+                return (*steps[:place], *above), back
+    return None
+
+
+def _stands(bench: Bench, base: Explained, steps: tuple[Step, ...], place: int, swapped: Explained, count: int) -> bool:
+    """Whether the model with something else at a place, of so many parameters, is supported over none there."""
+    fewer, base = _without(bench, base, steps, place)
+    without = fewer[-1].explained if fewer else base
+    return supported(paired_gain(without.held_out, swapped.held_out, bench.evidence), count, bench.evidence)
+
+
+def _put_back(
+    bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialCases
+) -> tuple[tuple[Step, ...], tuple[PutBack, ...]]:
+    """All that is needlessly rich put back."""
+    found = simplify(bench, base, steps, cases)
+    if found is None:
+        return steps, ()
+    simpler, more = _put_back(bench, base, found[0], cases)
+    return simpler, (found[1], *more)
+
+
+@dataclass(frozen=True)
+class _Swap:
+    """A special case in the place of a richer effect."""
+
+    richer: PlacedEffect
+    poorer: PlacedEffect
+
+    @property
+    def case(self) -> SpecialCase:
+        return self.richer.effect.holds[self.poorer.effect.name]
+
+    def put_back(self, bench: Bench, whole: Explained) -> PutBack:
+        """What the richer effect has beyond the poorer one in a model that holds it."""
+        known, names = known_of(bench, whole), {f"{self.richer.label}.{name}": name for name in self.case.further}
+        rows = [known.space.index(name) for name in names]
+        values = zip(known.mean[rows].tolist(), known.std[rows].tolist(), strict=True)
+        compatible = chance(known, dict.fromkeys(names, 0.0)) >= 1 - bench.evidence.confidence
+        further = dict(zip(names.values(), values, strict=True))
+        return PutBack(self.richer.label, self.poorer.label, further, compatible)
+
+    def made(self, bench: Bench, base: Explained, explained: Explained, goal: float = np.inf) -> Explained:
+        """A model with the poorer effect, fitted from where it ended with the richer one; see `explain`."""
+        added = explained.model.effects[len(base.model.effects) :]
+        swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
+        model = functools.reduce(Model.with_effect, swapped, base.model)
+        starts, delta = self._starts(model.space, explained.values()), explained.fit.delta
+        found = (explain(bench, model, z, delta, goal) for z in starts)
+        return min(found, key=lambda each: each.fit.order)
+
+    def _starts(self, space: ContextSpace, values: Mapping[str, float]) -> Sequence[Array]:
+        """The richer effect's values where they mean the same, else the poorer one's own starts."""
+        rest = {name: value for name, value in values.items() if name in space.names}
+        ours, theirs = self.poorer.label, self.richer.label
+        same = {f"{ours}.{to}": values[f"{theirs}.{name}"] for name, to in self.case.same.items()}
+        starts = [same] if same else self.poorer.starts or [{}]
+        return [space.clip(space.vector({**rest, **start})) for start in starts]
+
+    def rivals(self, step: Step) -> tuple[Candidate, ...]:
+        """The step's rivals but for the poorer effect itself and those that are a richer kind of it, too."""
+        name, site = self.poorer.effect.name, self.poorer.site
+        near = (c for c in step.rivals if c.effect.site == site)
+        needless = [c for c in near if name in (c.effect.effect.name, *c.effect.effect.holds)]
+        return tuple(c for c in step.rivals if c not in needless)
+
+
+def _ended_early(explained: Explained, goal: float) -> bool:
+    """Whether a fit was given up because it would not reach its goal."""
+    return bool(np.isfinite(goal)) and explained.fit.cost > goal
+
+
+def _without(
+    bench: Bench, base: Explained, steps: tuple[Step, ...], place: int, goal: float = np.inf
+) -> tuple[tuple[Step, ...], Explained]:
+    """The steps without one of them, and their base, the last model fitted as well as it can; see `explain`."""
+    fewer = stacked(bench, base, steps[:place], steps[place + 1 :], goal)
+    return _as_good_as_it_can(bench, base, fewer, steps[-1].explained, goal)
+
+
+def _as_good_as_it_can(
+    bench: Bench, base: Explained, fewer: tuple[Step, ...], whole: Explained, goal: float
+) -> tuple[tuple[Step, ...], Explained]:
+    """Steps that lack one effect of a whole ladder, the last model fitted anew from where the whole ladder's ended."""
+    last = fewer[-1].explained if fewer else base
+    values = whole.values()
+    start = np.array([values[name] for name in last.model.space.names])
+    wanted = goal if last.fit.infeasible.any() else min(goal, last.fit.cost)
+    again = fitted(bench, last.model, start, whole.fit.delta, wanted)
+    if again.order >= last.fit.order:
+        return fewer, base
+    better = scored(bench, last.model, again)
+    return ((*fewer[:-1], replace(fewer[-1], explained=better)), base) if fewer else (fewer, better)

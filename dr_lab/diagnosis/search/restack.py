@@ -1,0 +1,64 @@
+"""Steps of a ladder on top of others than they stood on, and rivals in the place of earlier effects."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.step import Step
+
+
+def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[Step, ...]:
+    """Try every rival of an earlier effect in its place, beside all that was added since.
+
+    A rival that was added itself since then stands beside the effect, not in its place.
+    """
+    for place, step in enumerate(steps[:-1]):
+        for rival in step.rivals:
+            added = {other.explained.model.effects[-1].label for k, other in enumerate(steps) if k != place}
+            if rival.effect.label in added:
+                steps = _without(steps, place, rival)
+                continue
+            swapped = _swap(bench, base, steps, place, rival)
+            ours, theirs = steps[-1].explained.held_out, swapped[-1].explained.held_out
+            if supported(paired_gain(ours, theirs, bench.evidence), 0, bench.evidence):
+                steps = swapped
+            elif supported(paired_gain(theirs, ours, bench.evidence), 0, bench.evidence):
+                steps = _without(steps, place, rival)
+    return steps
+
+
+def stacked(
+    bench: Bench, base: Explained, below: Sequence[Step], above: Sequence[Step], goal: float = np.inf
+) -> tuple[Step, ...]:
+    """Steps on top of others than they stood on, refitted where that matters; the last has a `goal`, see `explain`."""
+    found = list(below)
+    for step in above:
+        ground, wanted = found[-1].explained if found else base, goal if step is above[-1] else np.inf
+        found.append(replace(step, explained=_on(bench, ground, step.explained, wanted)))
+    return tuple(found)
+
+
+def _without(steps: tuple[Step, ...], place: int, rival: Candidate) -> tuple[Step, ...]:
+    kept = tuple(r for r in steps[place].rivals if r is not rival)
+    return (*steps[:place], replace(steps[place], rivals=kept), *steps[place + 1 :])
+
+
+def _swap(bench: Bench, base: Explained, steps: Sequence[Step], place: int, rival: Candidate) -> tuple[Step, ...]:
+    """The steps with a rival at one place, later models refitted; what it replaced explains less and is dropped."""
+    others = tuple(r for r in steps[place].rivals if r is not rival)
+    swapped = replace(steps[place], explained=rival.explained, rivals=others)
+    return stacked(bench, base, steps[:place], (swapped, *steps[place + 1 :]))
+
+
+def _on(bench: Bench, below: Explained, explained: Explained, goal: float) -> Explained:
+    """The last effect of a fitted model on top of another model; refitted where that is not what it stood on."""
+    *others, last = explained.model.effects
+    if [e.label for e in others] == [e.label for e in below.model.effects]:
+        return explained
+    model, values = below.model.with_effect(last), explained.values() | below.values()
+    start = model.space.vector({name: value for name, value in values.items() if name in model.space.names})
+    return explain(bench, model, start, below.fit.delta, goal)

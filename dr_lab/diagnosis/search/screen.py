@@ -1,0 +1,62 @@
+"""A cheap first look at every candidate: what one linear step could gain."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dr_lab.diagnosis.fit.identifiability import Identifiability, identifiability
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter, movable
+from dr_lab.diagnosis.fit.point import Mask
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Look:
+    """One candidate, linearised at absent and at its further starts.
+
+    Attributes:
+        absent: the linearised fit where the effect is absent; its slopes are the base's alone, to save memory.
+        starts: contexts of the further starts, shape (n,) each.
+        best: context of the best of these linear steps, shape (n,).
+        identifiability: what the data can say of it.
+        gain: by how much the fit's cost could fall below that without the effect, by that step.
+    """
+
+    absent: Fit
+    starts: tuple[Array, ...]
+    best: Array
+    identifiability: Identifiability
+    gain: float
+
+
+def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> Look:
+    """Linearise a candidate beside a converged fit of the model without it.
+
+    At absent the model is the base, so the base's residuals and slopes are the candidate's; elsewhere the slopes are
+    near. Absent costs a simulation of the windows for each parameter of the effect, a further start one more, all of
+    them in one batch.
+    """
+    space = fitter.replay.model.space
+    nominal = np.append(base.z, [p.nominal for p in effect.parameters])
+    rows = [nominal]
+    for start in effect.starts:
+        rows.append(nominal.copy())
+        for name, value in start.items():
+            rows[-1][space.index(name)] = value
+    fits = fitter.outlooks(np.stack(rows), base.delta, base.slopes, base)
+    known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
+    gains = [linear_gain(fitter, fit, base) for fit in fits]
+    absent, best = replace(fits[0], slopes=base.slopes), int(np.argmax(gains))
+    return Look(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best])
+
+
+def linear_gain(fitter: Fitter, fit: Fit, base: Fit) -> float:
+    """How far below a base's cost a full linear step leads; parameters that it would push through bounds stay."""
+    return fit.below(base) + fit.first.decrease(free(fitter, fit))
+
+
+def free(fitter: Fitter, fit: Fit) -> Mask:
+    """Parameters that a linear step from the start of a fit would not push through their bounds, shape (n,)."""
+    gradient = fit.first.window_information()[1].sum(0) + fit.first.prior_gradient
+    return movable(fitter.space.to_unit(fit.z), gradient)

@@ -1,0 +1,1 @@
+"""Logs cut into windows: channels, commands, and where each window starts."""

@@ -1,0 +1,198 @@
+"""First estimates of the windows' initial states, and how far they may be wrong."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.diagnosis.windows.channels import Channel, available
+from dr_lab.diagnosis.windows.free_start import FreeBody, continuous, free_bodies, turn_between, turning
+from dr_lab.measurements.smoothing import LocalFit, local_polynomial
+from dr_lab.trajectory import Array, Log, Noise, Signal
+
+_DEGREE = 3  # of the local polynomials
+
+
+@dataclass(frozen=True)
+class StartPrior:
+    """Gaussian prior of the windows' initial states.
+
+    Attributes:
+        qpos: mean positions, shape (w, nq).
+        qvel: mean velocities, shape (w, nv).
+        qacc: mean accelerations, which tell the state a little earlier or later, shape (w, nv).
+        std: prior standard deviations in the tangent space, positions, velocities, then the k activations that nothing
+            before the start tells, shape (2 nv + k,).
+    """
+
+    qpos: Array
+    qvel: Array
+    qacc: Array
+    std: Array
+
+    def pick(self, rows: NDArray[np.intp]) -> "StartPrior":
+        """The prior of some windows."""
+        return StartPrior(self.qpos[rows], self.qvel[rows], self.qacc[rows], self.std)
+
+
+@dataclass(frozen=True)
+class Before:
+    """Measured motion in the middle of the p steps before w starts; joints without a channel rest at the model's pose.
+
+    Attributes:
+        qpos: shape (w, p, nq).
+        qvel: shape (w, p, nv).
+        controls: of the steps, in the nominal model's ctrl layout, shape (w, p, nu).
+    """
+
+    qpos: Array
+    qvel: Array
+    controls: Array
+
+    def pick(self, rows: NDArray[np.intp]) -> "Before":
+        """The motion before some windows."""
+        return Before(self.qpos[rows], self.qvel[rows], self.controls[rows])
+
+
+def motion_before(
+    logs: Sequence[Log], begins: Sequence[Array], model: mujoco.MjModel, controls: Array, smoother: float
+) -> Before:
+    """Local polynomials through the measured positions before every start; before a log its first sample holds.
+
+    Args:
+        logs: the logs.
+        begins: s on each log's clock at which its windows start.
+        model: compiled nominal model.
+        controls: of the p steps before each start, shape (w, p, nu).
+        smoother: half-width of the polynomials in s.
+    """
+    count, steps = controls.shape[:2]
+    qpos, qvel = np.tile(model.qpos0, (count, steps, 1)), np.zeros((count, steps, model.nv))
+    ago = (np.arange(-steps, 0) + 0.5) * model.opt.timestep
+    for name in logs[0].outputs:
+        channel = available(model)[name]
+        if channel.kind == "position" and steps:
+            fits = [
+                _path(log.outputs[name], begin[:, None] + ago, smoother)
+                for log, begin in zip(logs, begins, strict=True)
+            ]
+            qpos[..., channel.address] = np.concatenate([value for value, _ in fits])
+            qvel[..., channel.dof] = np.concatenate([slope for _, slope in fits])
+    return Before(qpos, qvel, controls)
+
+
+def _path(signal: Signal, times: Array, smoother: float) -> tuple[Array, Array]:
+    """Position and velocity at times of shape (w, p); at rest before the log."""
+    fit = local_polynomial(signal, np.maximum(times, signal.time[0]).ravel(), smoother, degree=_DEGREE)
+    slope = np.where(times < signal.time[0], 0.0, fit.slope.reshape(times.shape))
+    return fit.value.reshape(times.shape), slope
+
+
+def estimate_starts(
+    logs: Sequence[Log],
+    begins: Sequence[Array],
+    model: mujoco.MjModel,
+    noise: Mapping[str, Noise],
+    settings: WindowSettings,
+) -> StartPrior:
+    """Local polynomials through the measured positions give every window's initial state.
+
+    The prior's standard deviation is `prior_scale` times the larger of two errors: the noise (for a velocity divided
+    by the smoother's half-width), and what the polynomial misses of the motion, told by how much it changes at half
+    the width (root mean square over the windows). A joint whose velocity alone is measured takes that; a free body is
+    placed by the sensors of its frame; joints without a channel start at the model's reference.
+
+    Returns:
+        The prior of all windows, in the order of `begins`.
+    """
+    count = sum(len(b) for b in begins)
+    qpos, (qvel, qacc) = np.tile(model.qpos0, (count, 1)), np.zeros((2, count, model.nv))
+    std = np.concatenate(
+        [np.full(model.nv, settings.unmeasured_position), np.full(model.nv, settings.unmeasured_velocity)]
+    )
+    for name in logs[0].outputs:
+        channel, nv = available(model)[name], model.nv
+        floor = noise[name].std * np.array([1.0, 1 / settings.smoother])
+        if channel.kind == "position":
+            means, wrong = _fits(logs, name, begins, settings)
+            qpos[:, channel.address], qvel[:, channel.dof], qacc[:, channel.dof] = means
+            std[[channel.dof, nv + channel.dof]] = settings.prior_scale * np.maximum(floor, wrong[:2])
+        elif channel.kind == "velocity" and name.removesuffix("velocity") + "position" not in logs[0].outputs:
+            means, wrong = _fits(logs, name, begins, settings)
+            qvel[:, channel.dof], qacc[:, channel.dof] = means[:2]
+            std[nv + channel.dof] = settings.prior_scale * max(floor[0], wrong[0])
+    prior = StartPrior(qpos, qvel, qacc, std)
+    for body in free_bodies(model, logs[0].outputs):
+        _place(prior, body, logs, begins, noise, settings)
+    return prior
+
+
+def _place(
+    prior: StartPrior,
+    body: FreeBody,
+    logs: Sequence[Log],
+    begins: Sequence[Array],
+    noise: Mapping[str, Noise],
+    settings: WindowSettings,
+) -> None:
+    """Write a free body's place, orientation and velocities into the prior, as far as sensors show them."""
+    widths, nv = (settings.smoother, settings.smoother / 2), prior.qvel.shape[1]
+    for channel, address, dof in (
+        (body.position, body.address, body.dof),
+        (body.orientation, body.address + 3, body.dof + 3),
+    ):
+        if channel is None:
+            continue
+        wide, narrow = (_vectors(logs, channel, begins, width, settings) for width in widths)
+        missed, error = wide[0] - narrow[0], noise[channel.name].std
+        if channel is body.orientation:
+            wide, narrow = turning(*wide), turning(*narrow)
+            missed, error = turn_between(narrow[0], wide[0]), 2.0 * error  # a turn by φ moves a unit quaternion by φ/2
+        dofs = np.arange(dof, dof + 3)
+        prior.qpos[:, address : address + wide[0].shape[1]] = wide[0]
+        prior.qvel[:, dofs], prior.qacc[:, dofs] = wide[1:]
+        for first, wrong, floor in ((0, missed, error), (nv, wide[1] - narrow[1], error / settings.smoother)):
+            prior.std[first + dofs] = settings.prior_scale * np.maximum(floor, np.sqrt((wrong**2).mean(0)))
+
+
+def starts_known(signal: Signal, begins: Array, settings: WindowSettings) -> NDArray[np.bool_]:
+    """Which starts have enough samples that they may know of."""
+    if settings.run_in <= 0:
+        return np.full(len(begins), len(signal) > _DEGREE)
+    return np.searchsorted(signal.time, begins + (settings.margin + settings.run_in)) > _DEGREE
+
+
+def _fits(logs: Sequence[Log], name: str, begins: Sequence[Array], settings: WindowSettings) -> tuple[Array, Array]:
+    """Value, slope and curvature at each start, shape (3, w), and what the polynomial misses of each, shape (3,)."""
+    signals = [log.outputs[name] for log in logs]
+    wide, narrow = (
+        np.stack(_local(signals, begins, width, settings)) for width in (settings.smoother, settings.smoother / 2)
+    )
+    return wide, np.sqrt(((wide - narrow) ** 2).mean(1))
+
+
+def _vectors(
+    logs: Sequence[Log], channel: Channel, begins: Sequence[Array], width: float, settings: WindowSettings
+) -> tuple[Array, Array, Array]:
+    """Value, slope and curvature of a vector channel at each start, shape (w, size) each."""
+    signals = [log.outputs[channel.name] for log in logs]
+    if channel.kind == "orientation":
+        signals = [replace(signal, value=continuous(signal.value)) for signal in signals]
+    return _local(signals, begins, width, settings)
+
+
+def _local(
+    signals: Sequence[Signal], begins: Sequence[Array], width: float, settings: WindowSettings
+) -> tuple[Array, Array, Array]:
+    """Value, slope and curvature at each start, from samples that it may know of, shape (w,) or (w, size) each."""
+    lead = settings.margin + settings.run_in
+    fits = []
+    for signal, begin in zip(signals, begins, strict=True):
+        # A sample at the end of the run-in belongs to the scored part.
+        known = np.nextafter(begin + lead, -np.inf) if settings.run_in > 0 else np.inf
+        fits.append(local_polynomial(signal, begin, width, until=known, degree=_DEGREE))
+    value, slope, curvature = (np.concatenate([getattr(f, part) for f in fits]) for part in LocalFit._fields[:3])
+    return value, slope, curvature

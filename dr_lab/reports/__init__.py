@@ -1,0 +1,1 @@
+"""Reports of runs: JSON for programs, Markdown and sentences for people."""

@@ -1,0 +1,1 @@
+"""What the training verbs share: the loop, checkpoints, episodes of a policy, the distribution over time."""

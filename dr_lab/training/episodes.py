@@ -1,0 +1,65 @@
+"""Episodes of a trained policy that its run shows and keeps: in 3-D in ``review.rrd``, in full in ``episodes.mcap``."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dr_lab.collectors.collector import Policy
+from dr_lab.comparison.export import mjcf
+from dr_lab.envs.episodes import ContextSource
+from dr_lab.envs.setting import Setting
+from dr_lab.recorders.episode import Episode
+from dr_lab.recorders.episodes_mcap import write_episodes
+from dr_lab.seeding import derived_seed, stream
+from dr_lab.training.recorded import record
+
+FILE = "episodes.mcap"
+
+
+def play_episodes(
+    setting: Setting, policy: Policy, source: ContextSource | None, count: int, seed: int, threads: int | None
+) -> list[Episode]:
+    """Play a policy in contexts drawn from a distribution, one episode in each.
+
+    Args:
+        setting: machine and task.
+        policy: what acts.
+        source: p(z); None for the nominal context.
+        count: number of episodes; 0 gives none.
+        seed: of contexts and starts.
+        threads: C threads of the physics; None takes every core.
+    """
+    if count == 0:
+        return []
+    streams = [stream(seed, "shown", episode) for episode in range(count)]
+    z = np.tile(setting.space.nominal, (count, 1)) if source is None else source.sample(streams)
+    starts = derived_seed(seed, "shown")
+    return record(setting.make(None, count, starts, threads).episodes, policy, z)
+
+
+def keep_episodes(run_dir: Path, setting: Setting, episodes: Sequence[Episode]) -> None:
+    """Write ``episodes.mcap`` with the nominal model and the run's configuration in it, if there are episodes."""
+    if not episodes:
+        return
+    attachments = {"model.xml": mjcf(setting.model, setting.space.nominal).encode()}
+    config = run_dir / "config.yaml"
+    if config.is_file():
+        attachments[config.name] = config.read_bytes()
+    metadata = {"schema": "dr_lab/episodes/1", "env": setting.name, "run": str(run_dir)}
+    write_episodes(run_dir / FILE, episodes, attachments, metadata)
+
+
+def described(episodes: Sequence[Episode]) -> list[Mapping[str, Any]]:
+    """What `report.json` says of them."""
+    return [
+        {
+            "name": episode.name,
+            "return": episode.undiscounted,
+            "seconds": float(episode.time[-1]),
+            "ended": episode.ended,
+            "context": {name: {"value": value, "unit": unit} for name, (value, unit) in episode.context.items()},
+        }
+        for episode in episodes
+    ]

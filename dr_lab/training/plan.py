@@ -1,0 +1,110 @@
+"""A training run put together: environment, policy, distribution and loop."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from dr_lab.algorithms.algorithm import Algorithm, Interface
+from dr_lab.collectors.collector import Collector
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner
+from dr_lab.envs.setting import Setting
+from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.physics.context import ContextSpace
+from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.seeding import derived_seed
+from dr_lab.training.rollouts import PolicyRollouts
+from dr_lab.training.trainer import Stateful, Trainer
+
+CHECKPOINT = "checkpoint.pt"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is trained, and on what; the verbs `train` and `evaluate` put it together from the same configuration.
+
+    Attributes:
+        env: machine and task.
+        algorithm: makes the algorithm, from what the policy is connected to and a seed.
+        randomizer: makes p(z) over the machine's context.
+        distribution_learner: makes what shapes it, from p(z) and a seed.
+        collector: makes the collector, from an environment, a policy and the control steps of a slot in a batch.
+        episodes: slots that run side by side.
+        rollout_episodes: slots of the episodes that a distribution learner plays.
+        frames: control steps of training in all.
+        checkpoint_every: control steps between two checkpoints.
+        seed: of every random draw.
+        threads: C threads of the physics; None takes every core.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+
+    env: Setting
+    algorithm: Callable[..., Algorithm]
+    randomizer: Callable[[ContextSpace], Randomizer]
+    distribution_learner: Callable[..., DistributionLearner]
+    collector: Callable[..., Collector]
+    episodes: int
+    rollout_episodes: int
+    frames: int
+    checkpoint_every: int
+    seed: int
+    threads: int | None
+
+    def __post_init__(self) -> None:
+        counted = ("episodes", "rollout_episodes", "frames", "checkpoint_every")
+        require_numbers(self, "train", least=dict.fromkeys(counted, 1))
+
+    def assemble(self, checkpoint: Path | None) -> "Training":
+        """Build everything.
+
+        Args:
+            checkpoint: file that a later run continues from; None keeps none.
+
+        Raises:
+            ConfigError: a batch does not hold one control step of each slot.
+        """
+        randomizer = self.randomizer(self.env.space)
+        env = self.env.make(randomizer, self.episodes, self.seed, self.threads)
+        slots = env.episodes
+        algorithm = self.algorithm(Interface(slots.observation.shape[1], slots.low, slots.high), self.seed)
+        steps = algorithm.batch_frames // self.episodes
+        if steps < 1:
+            raise ConfigError(
+                f"algorithm.batch_frames is {algorithm.batch_frames}, less than one control step for each of "
+                f"{self.episodes} episodes. Raise it, or lower episodes."
+            )
+        policy = algorithm.policies["policy"]
+        learner = self.distribution_learner(randomizer, self.seed)
+        played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
+        collector = self.collector(env, policy, steps)
+        more: dict[str, Stateful] = {}
+        trainer = Trainer(
+            collector, algorithm, learner, PolicyRollouts(played, policy), checkpoint, self.checkpoint_every, more
+        )
+        return Training(trainer, algorithm, randomizer, learner, collector, more)
+
+    def _seed_of_rollouts(self) -> int:
+        """Another seed than that of the slots, whose starts would otherwise be the same."""
+        return derived_seed(self.seed, "rollouts")
+
+
+@dataclass(frozen=True)
+class Training:
+    """A training run that can be started.
+
+    Attributes:
+        trainer: the loop.
+        algorithm: what learns the policy.
+        randomizer: p(z).
+        learner: what shapes it.
+        collector: to be closed at the end.
+        more: what else the checkpoint holds, by name; may be added to before the loop starts.
+    """
+
+    trainer: Trainer[PolicyRollouts]
+    algorithm: Algorithm
+    randomizer: Randomizer
+    learner: DistributionLearner
+    collector: Collector
+    more: dict[str, Stateful]

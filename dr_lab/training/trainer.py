@@ -1,0 +1,182 @@
+"""The loop that all algorithms share."""
+
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
+
+from dr_lab.algorithms.algorithm import Algorithm
+from dr_lab.collectors.collector import Collector
+from dr_lab.errors import DataError, DrLabError
+from dr_lab.training.checkpoint import load, not_finite, save
+from dr_lab.training.episode_log import EpisodeLog, Finished
+
+Watch = Callable[[Mapping[str, float], Finished], None]
+
+
+class Stateful(Protocol):
+    """What a checkpoint can hold."""
+
+    def state_dict(self) -> dict[str, Any]:
+        """All that an exact continuation needs."""
+        ...
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        ...
+
+
+R = TypeVar("R", bound=Stateful)
+Rollouts_contra = TypeVar("Rollouts_contra", contravariant=True)
+
+
+class Learner(Stateful, Protocol[Rollouts_contra]):
+    """What shapes the distribution of the context; every distribution learner is one."""
+
+    @property
+    def every(self) -> int:
+        """Control steps between two updates."""
+        ...
+
+    def update(self, rollouts: Rollouts_contra) -> Mapping[str, float]:
+        """On rollouts of the present policy."""
+        ...
+
+
+class Trainer(Generic[R]):
+    """Collect, shape the distribution, learn, record, save; over and over.
+
+    As in Mozifian et al. 2020, algorithm 1, the distribution is updated between collection and learning.
+
+    Args:
+        collector: experience; its policy is the algorithm's.
+        algorithm: learns the policy.
+        learner: learns the distribution that the collector's contexts are drawn from.
+        rollouts: what the learner may play.
+        checkpoint: the file that a later run continues from; None keeps none.
+        every: control steps between two checkpoints, which wait for an iteration to end.
+        more: what else the checkpoint shall hold, by name, such as what `watch` keeps.
+
+    Attributes:
+        history: figures of every iteration so far.
+    """
+
+    def __init__(
+        self,
+        collector: Collector,
+        algorithm: Algorithm,
+        learner: Learner[R],
+        rollouts: R,
+        checkpoint: Path | None,
+        every: int,
+        more: Mapping[str, Stateful] | None = None,
+    ) -> None:
+        self._collector = collector
+        self._algorithm = algorithm
+        self._learner = learner
+        self._rollouts = rollouts
+        self._episodes = EpisodeLog()
+        self._checkpoint = checkpoint
+        self._every = every
+        self._more = more if more is not None else {}
+        self.history: list[dict[str, float]] = []
+
+    @property
+    def frames(self) -> int:
+        """Control steps collected so far."""
+        return int(self.history[-1]["frames"]) if self.history else 0
+
+    @property
+    def due(self) -> bool:
+        """Whether the newest iteration has passed a multiple of `every`, so that a checkpoint is due."""
+        before = int(self.history[-2]["frames"]) if len(self.history) > 1 else 0
+        return self.frames // self._every > before // self._every
+
+    def run(self, frames: int, watch: Watch) -> None:
+        """Train until so many control steps were collected in all, then save.
+
+        An interruption, Ctrl-C or kill -9, leaves the last checkpoint, from which `resume` goes on.
+
+        Args:
+            frames: control steps, those before a `resume` included.
+            watch: gets the figures of every iteration and the episodes that ended in it.
+
+        Raises:
+            DrLabError: the checkpoint cannot be written, or what was learnt is not finite, which is not saved.
+        """
+        if self.frames >= frames:
+            self._save()  # of a run that was resumed at its end, so that its new folder holds what it learnt
+        while self.frames < frames:
+            figures, finished = self._iterate()
+            self.history.append(figures)
+            watch(figures, finished)
+            if self.due or self.frames >= frames:
+                self._save()
+
+    def close(self) -> None:
+        """End what the collector keeps running, such as workers on other machines."""
+        self._collector.close()
+
+    def resume(self, checkpoint: Path) -> None:
+        """Go on as if the run that wrote this checkpoint had never been interrupted.
+
+        Raises:
+            DataError: the file cannot be read, or belongs to a run with other settings.
+        """
+        state = load(checkpoint)
+        try:
+            self.load_state_dict(state)
+        except (KeyError, RuntimeError, TypeError, ValueError) as error:
+            raise DataError(f"{checkpoint} is of a run with other settings: {error}") from error
+
+    def _save(self) -> None:
+        state = self.state_dict()
+        lost = next((name for part in ("algorithm", "learner") for name in not_finite(state[part], part)), None)
+        if lost is not None:
+            raise DrLabError(
+                f"After {self.frames} control steps {lost} is no longer finite: training has diverged, and is not "
+                "saved. Lower the learning rates (algorithm.actor_rate, algorithm.critic_rate), or look for a reward "
+                "or an observation of the task that is not finite."
+            )
+        if self._checkpoint is not None:
+            save(self._checkpoint, state)
+
+    def _iterate(self) -> tuple[dict[str, float], Finished]:
+        begin = time.monotonic()
+        batch = next(self._collector)
+        finished = self._episodes.take(batch)
+        frames, between = self.frames + batch.numel(), self._learner.every
+        due = frames // between > self.frames // between
+        shaped = self._learner.update(self._rollouts) if due else {}
+        learnt = self._algorithm.update(batch)
+        before = self.history[-1]["seconds"] if self.history else 0.0
+        figures = {
+            "iteration": float(len(self.history) + 1),
+            "frames": float(frames),
+            "seconds": before + time.monotonic() - begin,
+            **finished.figures(),
+            **learnt,
+            **shaped,
+        }
+        return figures, finished
+
+    def state_dict(self) -> dict[str, Any]:
+        """All that an exact continuation needs."""
+        parts = {name: part.state_dict() for name, part in self._parts().items()}
+        return {**parts, "history": self.history}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        for name, part in self._parts().items():
+            part.load_state_dict(state[name])
+        self.history = list(state["history"])
+
+    def _parts(self) -> dict[str, Stateful]:
+        return {
+            "algorithm": self._algorithm,
+            "learner": self._learner,
+            "rollouts": self._rollouts,
+            "collector": self._collector,
+            "episodes": self._episodes,
+            **self._more,
+        }

@@ -1,0 +1,178 @@
+"""Longer windows are tried where shorter ones leave a gap unexplained, and believed where they name something."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from diagnosis_machines import evidence_settings, windows_settings
+
+from dr_lab.comparison import climbing
+from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.settings import EvidenceSettings, WindowSettings
+from dr_lab.errors import DataError
+
+
+@dataclass(frozen=True)
+class Asked:
+    evidence: EvidenceSettings
+    room: float
+
+    def study(self, windows: WindowSettings) -> Study:
+        if windows.length > self.room:
+            raise DataError("No log holds a window.")
+        return study(windows, self)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A ladder of which only the verdict is known."""
+
+    kind: str
+    steps: tuple[str, ...] = ()
+
+    def verdict(self, settings: EvidenceSettings) -> str:
+        del settings
+        return self.kind
+
+    def with_laws(self, *known: object) -> "Answer":
+        del known
+        return self
+
+
+def study(windows: WindowSettings, asked: Asked) -> Study:
+    @dataclass(frozen=True)
+    class Made:
+        windows: WindowSettings
+        asked: Asked
+        bench: Any
+        scales: Any = None
+        compiled: Any = None
+
+    bench = cast(Any, type("Bench", (), {"evidence": asked.evidence}))
+    return cast(Study, Made(windows, asked, bench))
+
+
+DIVERGES = float("inf")
+NOTHING, NAMED = Answer("unexplained"), Answer("named", ("friction",))
+
+
+@pytest.mark.parametrize(
+    ("answers", "room", "length", "kind"),
+    [
+        ([NAMED], 9.0, 0.3, "named"),
+        ([Answer("none")], 9.0, 0.3, "none"),
+        ([NOTHING, NAMED], 9.0, 0.9, "named"),
+        ([NOTHING, NOTHING, NAMED], 9.0, 2.7, "named"),
+        ([NOTHING, NOTHING, NOTHING], 9.0, 0.3, "unexplained"),
+        ([NOTHING, Answer("none"), NOTHING], 9.0, 0.3, "unexplained"),  # a gap is not gone in longer windows
+        ([NOTHING, NAMED], 0.5, 0.3, "unexplained"),  # the logs have no room for them
+    ],
+)
+def test_the_shortest_windows_that_explain_the_gap(
+    monkeypatch: pytest.MonkeyPatch, answers: list[Answer], room: float, length: float, kind: str
+) -> None:
+    left, confidence = iter(answers), list[float]()
+
+    def climb(made: Study, *known: object) -> Ladder:
+        del known
+        confidence.append(made.bench.evidence.confidence)
+        return cast(Ladder, next(left))
+
+    monkeypatch.setattr(climbing, "_ladder", climb)
+    asked = Asked(evidence_settings(confidence=0.97), room)
+    first = study(replace(windows_settings(), length=0.3, longest=2.7), asked)
+    found, ladder = climbing.climbed(first, {}, most=1, watch=lambda _: lambda _: None, phase=lambda _: None)
+    assert found.windows.length == pytest.approx(length)
+    assert ladder.verdict(asked.evidence) == kind
+    assert confidence == pytest.approx([0.97, 0.99, 0.99][: len(confidence)])  # Bonferroni over three lengths
+
+
+@dataclass(frozen=True)
+class Rising:
+    """A ladder of models of which only the errors in windows with known starts are known, by their number of steps."""
+
+    errors: tuple[float, ...]
+    floor: bool = False
+
+    @property
+    def steps(self) -> tuple[float, ...]:
+        return self.errors[1:]
+
+    @property
+    def models(self) -> list[SimpleNamespace]:
+        def model(k: int) -> SimpleNamespace:
+            chi2 = 1.0 if self.floor and k == len(self.errors) - 1 else 100.0
+            return SimpleNamespace(model=k, fit=SimpleNamespace(z=None), held_out=score([chi2] * 8))
+
+        return [model(k) for k in range(len(self.errors))]
+
+    def without_last(self) -> "Rising":
+        return replace(self, errors=self.errors[:-1])
+
+
+def score(chi2: list[float]) -> Score:
+    """A score of windows with ten residuals each, of which some diverge."""
+    lost = np.isinf(chi2)
+    count = np.where(lost, 0.0, 10.0)
+    sums = np.where(lost, 0.0, 10 * np.where(lost, 0.0, chi2))
+    return Score(float(sums.sum() / count.sum()), {}, {}, {}, sums, count, np.arange(len(chi2)), int(lost.sum()))
+
+
+@pytest.fixture
+def predicting(monkeypatch: pytest.MonkeyPatch) -> Callable[[Sequence[Score], Rising], int]:
+    """How many effects are kept of a ladder whose models predict with these scores."""
+
+    def kept(scores: Sequence[Score], ladder: Rising) -> int:
+        made = SimpleNamespace(bench=SimpleNamespace(evidence=evidence_settings()), predicted=None, fits=fits)
+        monkeypatch.setattr(climbing, "score_of", lambda k, _: scores[k])
+        monkeypatch.setattr(climbing, "folds", lambda windows: (windows, None))
+        return len(climbing.as_far_as_it_predicts(cast(Study, made), cast(Ladder, ladder)).steps)
+
+    return kept
+
+
+Predicting = Callable[[Sequence[Score], Rising], int]
+
+
+@pytest.mark.parametrize(
+    ("errors", "kept"),
+    [
+        ((90.0, 40.0, 20.0), 2),
+        ((90.0, 40.0, 41.0), 1),
+        ((90.0, 40.0, 41.0, 42.0), 1),
+        ((90.0, 40.0, 50.0, 30.0), 3),  # what lies below a step that predicts better is not asked
+        ((90.0, 95.0), 1),  # the first is left to the windows that confirm
+    ],
+)
+def test_effects_that_do_not_predict_better_are_dropped(
+    predicting: Predicting, errors: tuple[float, ...], kept: int
+) -> None:
+    scores = [score([error] * 8) for error in errors]
+    assert predicting(scores, Rising(errors)) == kept
+    assert predicting(scores, Rising(errors, floor=True)) == len(errors) - 1
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "kept"),
+    [
+        ([50.0] * 8, [40.0] * 7 + [200.0], 1),  # a wild window raises the error of all
+        ([40.0] * 7 + [100.0], [46.0] * 8, 1),  # a wild window alone gets better
+        ([40.0] * 8, [30.0] * 4 + [DIVERGES] * 4, 1),
+        ([40.0] * 4 + [DIVERGES] * 4, [45.0] * 8, 2),
+    ],
+)
+def test_all_windows_and_the_typical_one_must_get_better(
+    predicting: Predicting, before: list[float], after: list[float], kept: int
+) -> None:
+    assert predicting([score([90.0] * 8), score(before), score(after)], Rising((90.0, 50.0, 60.0))) == kept
+
+
+def fits(model: int, z: None, windows: None) -> tuple[int, None]:
+    """The number of a model in place of its simulation."""
+    del z, windows
+    return model, None

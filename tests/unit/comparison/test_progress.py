@@ -1,0 +1,75 @@
+import io
+
+import pytest
+from rich.console import Console
+
+from dr_lab.comparison import progress
+from dr_lab.comparison.progress import screen
+
+
+@pytest.fixture
+def console(monkeypatch: pytest.MonkeyPatch) -> Console:
+    """No terminal, as in a pipe."""
+    made = Console(file=io.StringIO(), width=60)
+    monkeypatch.setattr(progress, "Console", lambda: made)
+    return made
+
+
+def printed(console: Console) -> list[str]:
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue().splitlines()
+
+
+def test_without_a_terminal_each_phase_is_a_line_as_soon_as_it_begins(console: Console) -> None:
+    with screen() as told:
+        told.phase("Calibrating [the] model")
+        assert printed(console) == ["Calibrating [the] model …"]
+        told.show("**Found:** it.")
+        assert printed(console)[1:] == ["", "Found: it.".ljust(60), ""]
+
+
+def test_a_ranking_tells_each_quarter(console: Console) -> None:
+    with screen() as told:
+        done = told.ranking(50)
+        for k in range(50):
+            done(f"effect_{k}")
+    assert printed(console) == [
+        "Trying 50 effects …",
+        "  13 of 50 tried, the last effect_12",
+        "  25 of 50 tried, the last effect_24",
+        "  38 of 50 tried, the last effect_37",
+        "  50 of 50 tried, the last effect_49",
+    ]
+
+
+def test_a_slow_ranking_tells_every_ten_seconds(console: Console, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 0.0
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+    with screen() as told:
+        done = told.ranking(100)
+        for k in range(20):
+            now += 4.0
+            done(f"effect_{k}")
+    assert [line.split()[0] for line in printed(console)[1:]] == ["3", "6", "9", "12", "15", "18"]
+
+
+def test_one_effect_is_no_ranking(console: Console) -> None:
+    with screen() as told:
+        told.ranking(1)("drag")
+    assert printed(console) == ["Trying 1 effect …"]
+
+
+def test_on_a_terminal_there_is_a_bar_and_what_is_shown_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = Console(file=io.StringIO(), force_terminal=True, width=80)
+    monkeypatch.setattr(progress, "Console", lambda: made)
+    with screen() as told:
+        told.phase("Calibrating the model")
+        done = told.ranking(2)
+        done("drag")
+        told.show("**Found:** drag.")
+        told.phase("Writing the report")
+    assert isinstance(made.file, io.StringIO)
+    text = made.file.getvalue()
+    assert "Found:" in text
+    assert "Writing the report" in text
+    assert "Writing the report …" not in text

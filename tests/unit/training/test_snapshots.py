@@ -1,0 +1,63 @@
+"""The learned distribution as recordings show it."""
+
+import numpy as np
+import torch
+from randomizer_samples import SPACE, correlated, uneven
+
+from dr_lab.training.snapshots import Snapshots
+
+
+def test_marginals_of_a_grid_are_exact_and_follow_it() -> None:
+    randomizer = uneven()
+    snapshots = Snapshots(randomizer)
+    snapshots.take(0)
+    before = randomizer.distribution().log_probabilities.exp().detach()
+    with torch.no_grad():
+        randomizer.logits.zero_()
+    snapshots.take(3)
+    for axis, marginal in enumerate(snapshots.marginals()):
+        np.testing.assert_allclose(marginal.initial, before.sum(1 - axis))
+        np.testing.assert_allclose(marginal.probability, [before.sum(1 - axis).tolist(), [1 / 3] * 3])
+        np.testing.assert_array_equal(marginal.iteration, [0, 3])
+        assert (marginal.name, marginal.unit) == (SPACE.names[axis], SPACE.parameters[axis].unit)
+        np.testing.assert_allclose(marginal.edges[[0, -1]], [SPACE.low[axis], SPACE.high[axis]])
+
+
+def test_pairs_hold_mean_and_covariance() -> None:
+    snapshots = Snapshots(correlated())
+    snapshots.take(0)
+    (pair,) = snapshots.pairs()
+    assert pair.names == ("mass", "friction")
+    np.testing.assert_allclose(pair.mean, [[1.4, 0.2]], atol=0.02)
+    np.testing.assert_allclose(pair.covariance, [[[0.09, -0.03], [-0.03, 0.04]]], atol=0.01)
+    marginal = snapshots.marginals()[0]
+    middle = (marginal.edges[1:] + marginal.edges[:-1]) / 2
+    np.testing.assert_allclose(marginal.probability @ middle, [1.4], atol=0.02)
+
+
+def test_what_leaves_its_bounds_stays_in_the_picture() -> None:
+    randomizer = correlated()
+    snapshots = Snapshots(randomizer)
+    snapshots.take(0)
+    _, within = snapshots.marginals()  # by five standard deviations
+    np.testing.assert_allclose(within.edges[[0, -1]], [SPACE.low[1], SPACE.high[1]])
+    with torch.no_grad():
+        randomizer.loc += (SPACE.high[0] - randomizer.distribution().mean[0]) / randomizer.width[0]
+    snapshots.take(1)
+    assert all(len(marginal.edges) == marginal.probability.shape[1] + 1 for marginal in snapshots.marginals())
+    first = snapshots.marginals()[0]
+    np.testing.assert_allclose(first.probability.sum(1), 1.0, atol=2e-3)
+    (pair,) = snapshots.pairs()
+    middle, std = pair.mean[1], np.sqrt(np.diagonal(pair.covariance[1]))
+    assert pair.high[0] > middle[0] + 2.5 * std[0] > SPACE.high[0]
+    below, above = first.edges[first.edges < middle[0]], first.edges[first.edges > middle[0]]
+    mass = first.probability[1][: len(below)].sum(), first.probability[1][-len(above) :].sum()
+    np.testing.assert_allclose(mass, 0.5, atol=0.05)
+
+
+def test_continues() -> None:
+    first, second = Snapshots(uneven()), Snapshots(uneven())
+    first.take(0)
+    second.load_state_dict(first.state_dict())
+    second.take(1)
+    assert second.marginals()[0].iteration.tolist() == [0, 1]
