@@ -42,7 +42,7 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
     found = Point(fit.z, delta, fit.residuals.copy(), np.inf, fit.infeasible.copy())
     for z, rows in zip(contexts, parts, strict=True):
         own = _simulated(replay.part(rows), z, delta[rows])
-        if _strays(own, expected[rows], fit, rows, solver):
+        if len(rows) < len(log) and _strays(own, expected[rows], fit, rows, solver):
             own = _refitted(replay, fit, rows, solver)
         found.delta[rows], found.residuals[rows] = own.delta, own.residuals
         found.infeasible[rows] |= own.infeasible

@@ -65,3 +65,13 @@ def test_a_parameter_at_its_bound_stays_there() -> None:
     )
     # With its damping free they would leave a third of that.
     np.testing.assert_allclose(np.square(held).sum(), np.square(expected).sum(), rtol=0.01)
+
+
+def test_a_lone_window_is_foretold_by_what_is_known_without_it() -> None:
+    model, solver = pendulum(), solver_settings()
+    windows, whole = fitted(model, [0.6, 0.6, 0.6])
+    alone = windows.pick(np.array([0]))
+    fit = Fitter(Replay(model, alone, 1), solver).run(whole.z)
+    found = left_out(Replay(model, alone, 1), fit, solver, evidence_settings())
+    assert np.isfinite(found.residuals).all()
+    assert np.square(found.residuals).sum() > np.square(fit.residuals).sum()
