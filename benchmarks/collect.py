@@ -85,12 +85,12 @@ def uniform(space: ContextSpace) -> UniformRandomizer:
     return UniformRandomizer(space, {})
 
 
-def limit(of: Setting, nenv: int, steps: int, threads: int) -> Arm:
+def limit(of: Setting, slots: int, steps: int, threads: int) -> Arm:
     """The physics alone."""
-    episodes = of.make(None, nenv, 0, threads).episodes
+    episodes = of.make(None, slots, 0, threads).episodes
     simulator, task = episodes.simulator, of.task
     fields = {name: simulator.batch.bind(name) for name in ("qpos", "qvel")}
-    controls = np.random.default_rng(0).normal(0.0, 0.5, (steps, nenv, len(episodes.low)))
+    controls = np.random.default_rng(0).normal(0.0, 0.5, (steps, slots, len(episodes.low)))
     controls = np.clip(controls, -1.0, 1.0) * episodes.high
 
     def run() -> int:
@@ -99,7 +99,7 @@ def limit(of: Setting, nenv: int, steps: int, threads: int) -> Arm:
             fallen = np.flatnonzero(task.terminated(fields))
             if len(fallen):
                 simulator.reset(fallen)
-        return steps * nenv
+        return steps * slots
 
     return run
 
@@ -136,22 +136,22 @@ def plain(name: str, policy: GaussianActor, frames: int, stack: ExitStack) -> Ar
 
 def arms_of(name: str, options: argparse.Namespace, stack: ExitStack) -> dict[str, Arm]:
     """The arms by name."""
-    nenv, steps, threads = options.nenv, options.steps, options.threads
+    slots, steps, threads = options.slots, options.steps, options.threads
     fields = everything(setting(name))
     policy = policy_of(fields)
 
     def environment(of: Setting) -> Collector:
-        return LeanCollector(of.make(uniform(of.space), nenv, 0, threads), policy, steps)
+        return LeanCollector(of.make(uniform(of.space), slots, 0, threads), policy, steps)
 
-    default = TorchRLCollector(fields.make(uniform(fields.space), nenv, 0, threads), policy, steps)
+    default = TorchRLCollector(fields.make(uniform(fields.space), slots, 0, threads), policy, steps)
     stack.callback(default.close)
-    arms = {"limit": limit(setting(name), nenv, steps, threads), "lean": gathered(environment(fields))}
+    arms = {"limit": limit(setting(name), slots, steps, threads), "lean": gathered(environment(fields))}
     arms["torchrl"] = gathered(default)
     if name in SIZES:
         sized = setting(name, f"env/context={name}/torso_size")
         size, low, high = SIZES[name]
         drawn = UniformRandomizer(sized.space, {size: (low, high)})
-        arms["compiled"] = gathered(LeanCollector(sized.make(drawn, nenv, 0, threads), policy, steps))
+        arms["compiled"] = gathered(LeanCollector(sized.make(drawn, slots, 0, threads), policy, steps))
     if not options.alone:
         arms["gymnasium"] = plain(name, policy, WORKERS * steps, stack)
     return arms
@@ -191,7 +191,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--machines", default=",".join(PEERS), help="comma-separated, of " + ", ".join(PEERS))
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--seconds", type=float, default=4.0, help="of every arm in every round")
-    parser.add_argument("--nenv", type=int, default=128, help="episodes side by side in our arms")
+    parser.add_argument("--slots", type=int, default=128, help="episodes side by side in our arms")
     parser.add_argument("--steps", type=int, default=64, help="control steps of each in a batch")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--alone", action="store_true", help="without gymnasium's arm")
@@ -213,7 +213,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         }
         for name, rates in figures.items()
     }
-    print(json.dumps({"nenv": options.nenv, "threads": options.threads, "rounds": options.rounds, **result}))
+    print(json.dumps({"slots": options.slots, "threads": options.threads, "rounds": options.rounds, **result}))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import numpy as np
 import torch
 
 from dr_lab.algorithms.ppo.explicit_surrogate import ExplicitSurrogate
-from dr_lab.algorithms.ppo.surrogate import Samples, Surrogate
+from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate
 from dr_lab.algorithms.ppo.torchrl_surrogate import TorchRLSurrogate
 from dr_lab.networks.adam import Adam, clip_norm
 from dr_lab.networks.critic import Critic
@@ -33,12 +33,12 @@ def surrogate(kind: type[Surrogate]) -> Surrogate:
     return kind(actor, critic, clip=0.2, entropy_weight=0.0, critic_weight=0.5)
 
 
-def samples(count: int) -> Samples:
+def samples(count: int) -> PolicySamples:
     """Random ones."""
     draw = torch.Generator().manual_seed(0)
     shapes = ((count, OBSERVATION), (count, ACTION), (count,), (count,), (count,))
     observation, action, log_prob, advantage, target = (torch.randn(shape, generator=draw) for shape in shapes)
-    return Samples(observation, action, log_prob - 4.0, advantage, target)
+    return PolicySamples(observation, action, log_prob - 4.0, advantage, target)
 
 
 def rate(kind: type[Surrogate], minibatch: int, rounds: int) -> float:

@@ -19,10 +19,10 @@ class Uniform:
         return np.array([rng.uniform(self.low, self.high) for rng in rngs])
 
 
-def begun(of: Setting, nenv: int = 3, seed: int = 0, *, random: bool = False) -> Episodes:
+def begun(of: Setting, slots: int = 3, seed: int = 0, *, random: bool = False) -> Episodes:
     space = of.space
     source = Uniform(0.8 * space.nominal + 0.2 * space.low, 0.8 * space.nominal + 0.2 * space.high)
-    return of.make(source if random else None, nenv, seed, threads=1).episodes
+    return of.make(source if random else None, slots, seed, threads=1).episodes
 
 
 def actions(episodes: Episodes, seed: int = 0) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from diagnosis_machines import evidence_settings
 from effect_machines import block, placed
 
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.fit.identifiability import Identifiability
@@ -49,12 +49,14 @@ class Fitted:
         return other.cost - self.cost
 
 
-def model(level: float | Score, cost: float = 0.0) -> Explained:
+def model(level: float | Score, cost: float = 0.0) -> FittedModel:
     nothing = cast(Any, None)
-    return Explained(nothing, cast(Any, Fitted(cost)), nothing, level if isinstance(level, Score) else score(level))
+    return FittedModel(nothing, cast(Any, Fitted(cost)), nothing, level if isinstance(level, Score) else score(level))
 
 
-def candidate(base: Explained, name: str, level: float | Score, known: Identifiability, cost: float = 0.0) -> Candidate:
+def candidate(
+    base: FittedModel, name: str, level: float | Score, known: Identifiability, cost: float = 0.0
+) -> Candidate:
     explained = model(level, cost)
     gain = paired_gain(base.held_out, explained.held_out, SETTINGS)
     site = "drive" if name in ("actuator_delay", "saturation", "torque_scale") else "rail"

@@ -12,7 +12,7 @@ from hydra.utils import instantiate
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.study import Study, prepare
-from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
@@ -138,7 +138,7 @@ def _unit(machine: str, error: str) -> float:
         measured = MeasurementSet("pilot", logs, (), noise, dict.fromkeys(logs[0].outputs, 0.1))
         windows = cut(logs, measured, model.nominal(), settings["windows"])
         bench = Bench(windows, windows, settings["solver"], settings["evidence"], threads=1)
-        left = np.sqrt(explain(bench, model, model.space.nominal).held_out.chi2)
+        left = np.sqrt(fit_and_score(bench, model, model.space.nominal).held_out.chi2)
         factor *= _PILOT / float(left)
     return factor / _PILOT
 
@@ -182,7 +182,7 @@ def _placed(study: Study, effects: Mapping[str, Any], seed: int) -> list[PlacedE
 class _Judge:
     """Compares candidates with the base where the answer is known: on many further windows of the same machine."""
 
-    def __init__(self, study: Study, base: Explained, further: Windows) -> None:
+    def __init__(self, study: Study, base: FittedModel, further: Windows) -> None:
         self.bench, self.base, self.further = study.bench, base, further
         self.states, self.score = self._scored(base, None)
         self.share = (len(base.held_out.window_count) + len(study.bench.fit)) / len(further)
@@ -199,12 +199,12 @@ class _Judge:
         counts = supported(gain, extra, evidence)
         return Compared(candidate.effect.label, ranked, gain.total, gain.total_low, counts, truth)
 
-    def _fitted(self, effect: PlacedEffect) -> Explained:
+    def _fitted(self, effect: PlacedEffect) -> FittedModel:
         model = self.base.model.with_effect(effect)
         start = {p.name: p.nominal for p in effect.parameters} | dict(effect.starts[0] if effect.starts else {})
         z: Array = np.append(self.base.fit.z, [start[p.name] for p in effect.parameters])
-        return explain(self.bench, model, z, self.base.fit.delta)
+        return fit_and_score(self.bench, model, z, self.base.fit.delta)
 
-    def _scored(self, explained: Explained, near: StateFit | None) -> tuple[StateFit, Score]:
+    def _scored(self, explained: FittedModel, near: StateFit | None) -> tuple[StateFit, Score]:
         replay, states = fit_states(explained.model, explained.fit.z, self.further, self.bench.solver, 1, near)
         return states, score_of(replay, states)

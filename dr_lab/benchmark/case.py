@@ -13,7 +13,7 @@ NOTHING = "none"
 
 
 @dataclass(frozen=True)
-class Machine:
+class BenchmarkMachine:
     """A simulated machine, how it is diagnosed, and what can be hidden in it.
 
     Attributes:
@@ -89,7 +89,7 @@ class Cases(ABC):
     """A set of cases."""
 
     @abstractmethod
-    def cases(self, set_name: str, machines: Mapping[str, Machine]) -> Iterator[Case]:
+    def cases(self, set_name: str, machines: Mapping[str, BenchmarkMachine]) -> Iterator[Case]:
         """The cases of the machines that were chosen.
 
         Raises:
@@ -113,7 +113,7 @@ class CaseSet(Cases):
     seeds: Sequence[int]
     hidden: Mapping[str, Sequence[str]] | None = None
 
-    def cases(self, set_name: str, machines: Mapping[str, Machine]) -> Iterator[Case]:
+    def cases(self, set_name: str, machines: Mapping[str, BenchmarkMachine]) -> Iterator[Case]:
         """All combinations."""
         for name, machine in machines.items():
             known = machine.hidden(self.kind)
@@ -125,7 +125,7 @@ class CaseSet(Cases):
                 yield Case(name, self.kind, option, instruments, seed, *overrides)
 
 
-def expand(sets: Mapping[str, Cases], machines: Mapping[str, Machine]) -> tuple[Case, ...]:
+def expand(sets: Mapping[str, Cases], machines: Mapping[str, BenchmarkMachine]) -> tuple[Case, ...]:
     """The cases of several sets; those of the first seeds come first, a case of two sets once.
 
     Sets may speak of machines that were not chosen.

@@ -10,7 +10,7 @@ from dr_lab.benchmark.case import Case
 from dr_lab.benchmark.observed import Compose, Observed, observe_exactly
 from dr_lab.benchmark.outcome import BASE
 from dr_lab.comparison.calibrated import calibrate
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.effects.catalogue import candidates
 
@@ -76,7 +76,7 @@ def equivalence_class(observed: Observed, truth: str, others: tuple[str, ...]) -
     return {truth: count, **alike}
 
 
-def _ranked(observed: Observed, base: Explained, only: str | None = None) -> dict[str, tuple[Explained, int]]:
+def _ranked(observed: Observed, base: FittedModel, only: str | None = None) -> dict[str, tuple[FittedModel, int]]:
     """Fitted model and number of parameters of every candidate, or of one alone, by label."""
     study = observed.study
     placed = candidates(base.model, observed.effects, study.scales, study.compiled).placed
@@ -85,5 +85,5 @@ def _ranked(observed: Observed, base: Explained, only: str | None = None) -> dic
     return {c.effect.label: (c.explained, len(c.effect.parameters)) for c in ranking.candidates}
 
 
-def _sum(explained: Explained) -> float:
+def _sum(explained: FittedModel) -> float:
     return float(np.sum(explained.held_out.window_sum) + np.sum(explained.fit.residuals**2))

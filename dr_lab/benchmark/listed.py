@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from dr_lab.benchmark.case import NOTHING, Case, Cases, Kind, Machine
+from dr_lab.benchmark.case import NOTHING, BenchmarkMachine, Case, Cases, Kind
 from dr_lab.errors import ConfigError
 
 _HIDDEN = "plant/hidden=general/"
@@ -64,7 +64,7 @@ class Listed(Cases):
     kind: Kind
     entries: Mapping[str, Mapping[str, Any]]
 
-    def cases(self, set_name: str, machines: Mapping[str, Machine]) -> Iterator[Case]:
+    def cases(self, set_name: str, machines: Mapping[str, BenchmarkMachine]) -> Iterator[Case]:
         """The cases of the machines that were chosen.
 
         Raises:

@@ -70,12 +70,12 @@ def instruments_page(outcomes: Sequence[Outcome]) -> str:
     return table(["instruments", *_KINDS.values()], rows)
 
 
-def effects_page(outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]]) -> str:
+def effects_page(outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Mapping[str, str]]) -> str:
     """Each hidden effect of each machine: how often it was judged right, what was answered, and how exactly."""
     rows = []
     for key in dict.fromkeys((o.case.machine, o.case.hidden, o.truths) for o in outcomes):
         own = [o for o in outcomes if (o.case.machine, o.case.hidden, o.truths) == key]
-        errors = [error for o in own for error in parameter_errors(o, spelt).values()]
+        errors = [error for o in own for error in parameter_errors(o, parameter_aliases).values()]
         rows.append(
             [
                 key[0],
@@ -106,14 +106,16 @@ def misses_page(summary: Mapping[str, Any]) -> str:
     return table(["case", "hidden", "answered", "cause"], rows) or "None."
 
 
-def report_page(summary: Mapping[str, Any], outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]]) -> str:
+def report_page(
+    summary: Mapping[str, Any], outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Mapping[str, str]]
+) -> str:
     """The whole report."""
     sections = {
         "Figures": rates_page(summary),
         "Machines": machines_page(summary),
         "Instruments": instruments_page(outcomes),
         "Misses": misses_page(summary),
-        "Hidden effects": effects_page(outcomes, spelt),
+        "Hidden effects": effects_page(outcomes, parameter_aliases),
         "Confusion": "![hidden against answered](confusion.png)",
     }
     body = [f"## {title}\n\n{text}" for title, text in sections.items()]

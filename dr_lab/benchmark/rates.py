@@ -69,10 +69,10 @@ def rates(outcomes: Sequence[Outcome]) -> dict[str, Rate | None]:
     }
 
 
-def medians(outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]]) -> dict[str, float | None]:
+def medians(outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Mapping[str, str]]) -> dict[str, float | None]:
     """Median held-out χ² where the catalogue holds what is hidden, median parameter error, and costs in s."""
     within = [o for o in outcomes if o.case.kind != "outside"]
-    errors = [error for o in within for error in parameter_errors(o, spelt).values()]
+    errors = [error for o in within for error in parameter_errors(o, parameter_aliases).values()]
     cpu, wall = [o.cpu for o in outcomes], [o.wall for o in outcomes]
     return {
         "median_chi2": _median([o.chi2 for o in within if np.isfinite(o.chi2)]),
@@ -83,18 +83,18 @@ def medians(outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]])
     }
 
 
-def parameter_errors(outcome: Outcome, spelt: Mapping[str, Mapping[str, str]]) -> dict[str, float]:
+def parameter_errors(outcome: Outcome, parameter_aliases: Mapping[str, Mapping[str, str]]) -> dict[str, float]:
     """| |fitted| − |truth| | / |truth| of the main parameter of each truth that was found, by its full name.
 
     Args:
         outcome: whose truth is known by the plant's names.
-        spelt: effect → the plant's name → the catalogue's name, where they differ; ``inverse_…`` is the reciprocal.
-            The first of the plant's names that the catalogue has too is the main one.
+        parameter_aliases: effect → the plant's name → the catalogue's name, where they differ; ``inverse_…`` is the
+            reciprocal. The first of the plant's names that the catalogue has too is the main one.
     """
     errors = {}
     for truth, fitted in outcome.fitted.items():
         own = outcome.magnitudes.get(truth, outcome.magnitudes)
-        names = spelt.get(truth.partition("@")[0], {})
+        names = parameter_aliases.get(truth.partition("@")[0], {})
         for name, value in own.items():
             short = names.get(name, name)
             if short in fitted and value:

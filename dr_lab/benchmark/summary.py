@@ -48,7 +48,7 @@ def summary(
     outcomes: Sequence[Outcome],
     failed: Mapping[Case, str],
     goals: Goals,
-    spelt: Mapping[str, Mapping[str, str]],
+    parameter_aliases: Mapping[str, Mapping[str, str]],
 ) -> dict[str, Any]:
     """The figures of a benchmark.
 
@@ -56,13 +56,13 @@ def summary(
         outcomes: the judged cases.
         failed: cases that ended with an error, and what it said.
         goals: what the figures should reach.
-        spelt: as for `parameter_errors`.
+        parameter_aliases: as for `parameter_errors`.
 
     Returns:
         ``schema``, numbers of ``cases`` and of ``failed`` ones by name, ``rates``, ``medians``, ``goals``, ``machines``
         (rates and medians of each) and ``misses``.
     """
-    found, middle = rates(outcomes), medians(outcomes, spelt)
+    found, middle = rates(outcomes), medians(outcomes, parameter_aliases)
     values = {name: None if rate is None else rate.share for name, rate in found.items()} | middle
     machines = sorted({outcome.case.machine for outcome in outcomes})
     of_machine = {name: [o for o in outcomes if o.case.machine == name] for name in machines}
@@ -74,16 +74,16 @@ def summary(
         "medians": middle,
         "goals": {n: {"goal": goals.of(n), "met": goals.met(n, v)} for n, v in values.items() if goals.of(n)},
         "machines": {
-            name: {"cases": len(own), "rates": _plain(rates(own)), "medians": medians(own, spelt)}
+            name: {"cases": len(own), "rates": _plain(rates(own)), "medians": medians(own, parameter_aliases)}
             for name, own in of_machine.items()
         },
-        "misses": [_row(o, spelt) for o in outcomes if not mark(o).right],
+        "misses": [_row(o, parameter_aliases) for o in outcomes if not mark(o).right],
     }
 
 
-def cases_csv(outcomes: Sequence[Outcome], spelt: Mapping[str, Mapping[str, str]]) -> str:
+def cases_csv(outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Mapping[str, str]]) -> str:
     """One row a case."""
-    text, rows = io.StringIO(), [_row(outcome, spelt) for outcome in outcomes]
+    text, rows = io.StringIO(), [_row(outcome, parameter_aliases) for outcome in outcomes]
     writer = csv.DictWriter(text, list(rows[0]) if rows else [], lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
@@ -108,9 +108,9 @@ def _plain(found: Mapping[str, Any]) -> dict[str, Any]:
     return {name: None if rate is None else asdict(rate) for name, rate in found.items()}
 
 
-def _row(outcome: Outcome, spelt: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
+def _row(outcome: Outcome, parameter_aliases: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
     case, judged = outcome.case, mark(outcome)
-    errors = parameter_errors(outcome, spelt)
+    errors = parameter_errors(outcome, parameter_aliases)
     return {
         "machine": case.machine,
         "kind": case.kind,

@@ -6,7 +6,7 @@ from typing import Any
 from dr_lab.comparison import entries
 from dr_lab.comparison.localised import predicted_score
 from dr_lab.comparison.study import Study
-from dr_lab.diagnosis.evidence.bench import Explained, explain
+from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.physics.context import ContextEstimate
 
@@ -21,17 +21,17 @@ class Described:
         rung: its entry in the report's ladder.
     """
 
-    explained: Explained
+    explained: FittedModel
     estimate: ContextEstimate
     rung: dict[str, Any]
 
 
-def calibrate(study: Study) -> Explained:
+def calibrate(study: Study) -> FittedModel:
     """Fit the model as given, no effect added."""
-    return explain(study.bench, study.model, study.model.space.nominal)
+    return fit_and_score(study.bench, study.model, study.model.space.nominal)
 
 
-def describe(study: Study, explained: Explained) -> Described:
+def describe(study: Study, explained: FittedModel) -> Described:
     """Uncertainties and predicted score of a fitted model."""
     estimate, table = entries.parameters(study, explained)
     predicted = predicted_score(study, explained.model, explained.fit.z)

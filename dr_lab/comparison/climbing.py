@@ -14,7 +14,7 @@ from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.confirmation import confirm
 from dr_lab.diagnosis.evidence.paired_gain import at_floor, paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
-from dr_lab.diagnosis.search.ladder import Ladder, Watch, climb
+from dr_lab.diagnosis.search.ladder import Ladder, RankingWatch, climb
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.folds import folds
 from dr_lab.effects.catalogue import SpecialCases
@@ -25,7 +25,7 @@ Phase = Callable[[str], None]
 
 
 def climbed(
-    study: Study, effects: Mapping[str, Effect], *, most: int, watch: Watch, phase: Phase
+    study: Study, effects: Mapping[str, Effect], *, most: int, watch: RankingWatch, phase: Phase
 ) -> tuple[Study, Ladder]:
     """The ladder in the shortest windows that leave no gap unexplained; where all do, in the shortest.
 
@@ -79,7 +79,7 @@ def _better(before: Score, after: Score, evidence: EvidenceSettings) -> bool:
 
 
 def _first_explained(
-    study: Study, effects: Mapping[str, Effect], most: int, watch: Watch, phase: Phase
+    study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase
 ) -> tuple[Study, Ladder]:
     lengths = study.windows.lengths
     first = (study, _ladder(study, effects, most, watch, phase))
@@ -96,7 +96,7 @@ def _first_explained(
     return first
 
 
-def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Watch, phase: Phase) -> Ladder:
+def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase) -> Ladder:
     phase("Calibrating the model")
     base = calibrate(study)
     ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)

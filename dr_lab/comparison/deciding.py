@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dr_lab.comparison.study import Study
-from dr_lab.diagnosis.next_experiment import ExperimentSettings, Machine, propose
+from dr_lab.diagnosis.next_experiment import ExperimentMachine, ExperimentSettings, propose
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.files import write_text
 from dr_lab.trajectory import Signal
@@ -30,7 +30,7 @@ def deciding_experiment(
     limits = _limits(study)
     if step is None or not limits:
         return None
-    machine = Machine(
+    machine = ExperimentMachine(
         start=study.compiled.qpos0,
         limits=limits,
         noise={name: study.measurements.noise[name] for name in study.measurements.fit[0].outputs},

@@ -8,7 +8,7 @@ import numpy as np
 from dr_lab.comparison.notes import study_notes
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.discrepancy import HorizonError
-from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.paired_gain import at_floor, noise_floor
 from dr_lab.diagnosis.evidence.score import Score
@@ -90,7 +90,7 @@ def fitted(fit: Fit) -> dict[str, Any]:
     }
 
 
-def parameters(study: Study, explained: Explained) -> tuple[ContextEstimate, dict[str, Any]]:
+def parameters(study: Study, explained: FittedModel) -> tuple[ContextEstimate, dict[str, Any]]:
     """Estimate of a fitted context and its table, with the scatter between logs in percent (CV)."""
     space, bench = explained.model.space, study.bench
     found = estimate(space, explained.fit, bench.fit, bench.evidence)
@@ -130,7 +130,9 @@ def ranking(study: Study, found: Sequence[Candidate], verdict: Verdict) -> list[
                 "predicted_gain": candidate.predicted,
                 "status": verdict.status[label],
                 "absorbed_by_parameters": label in verdict.absorbed,
-                "replaced_by": _replaced_by(candidate, study.bench.evidence.told) if label in verdict.absorbed else {},
+                "replaced_by": _replaced_by(candidate, study.bench.evidence.replacement_share)
+                if label in verdict.absorbed
+                else {},
                 "excitation": candidate.identifiability.alone**0.5,
                 "parameters": _own(candidate, study),
             }
@@ -159,12 +161,12 @@ def confirmation(found: Confirmation | None) -> dict[str, Any] | None:
     return entry
 
 
-def worst_direction(explained: Explained) -> dict[str, float]:
+def worst_direction(explained: FittedModel) -> dict[str, float]:
     """Combination of parameters that the logs know least about, in widths of their bounds."""
     return trust.worst_direction(explained.model.space, explained.fit)
 
 
-def trade(label: str, first: Explained, rival: str, second: Explained, bench: Bench) -> str:
+def trade(label: str, first: FittedModel, rival: str, second: FittedModel, bench: Bench) -> str:
     """One sentence on what the rest of the model makes up for where a rival takes an effect's place."""
     moved = [
         f"{t.name} {t.second:.4g} instead of {t.first:.4g} {t.unit}" for t in trades(first, second, bench.evidence)

@@ -43,7 +43,7 @@ class Played:
 
 
 @dataclass(frozen=True)
-class Beside:
+class ExportRemainder:
     """What one context needs that MJCF cannot express; fulfils `physics.model.ModelEffect`.
 
     Attributes:
@@ -114,7 +114,7 @@ def mjcf(model: Model, z: Array) -> str:
     return written(spec)
 
 
-def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:
+def write_model(path: Path, model: Model, z: Array) -> tuple[Model, ExportRemainder]:
     """Write the model at context z as MJCF and read it back.
 
     MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back.
@@ -122,7 +122,7 @@ def write_model(path: Path, model: Model, z: Array) -> tuple[Model, Beside]:
     Returns:
         The model read back, without parameters, and what it needs beside the file, which is among its effects.
     """
-    beside = Beside(model.effects, model.space.mapping(z), model.spec.option)
+    beside = ExportRemainder(model.effects, model.space.mapping(z), model.spec.option)
     comments = "".join(f"<!-- {sentence} -->\n" for sentence in beside.sentences())
     write_text(path, comments + mjcf(model, z))
     return Model(

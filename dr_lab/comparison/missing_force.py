@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.comparison.study import Study
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.missing_force.force_formula import Formula, Variable, mean_square, sparse_formula
 from dr_lab.diagnosis.missing_force.residual_force import ResidualForce
@@ -16,7 +16,7 @@ from dr_lab.diagnosis.windows.windows import Windows
 _PARTS = 8  # of the data, at least
 
 
-def missing_forces(study: Study, models: Sequence[Explained]) -> list[dict[str, Any]]:
+def missing_forces(study: Study, models: Sequence[FittedModel]) -> list[dict[str, Any]]:
     """Joint by joint: missing force of the first and the last model, and what is left to explain.
 
     Sizes are those beyond ``noise``, the root mean square that the measurements' noise alone gives the first model's

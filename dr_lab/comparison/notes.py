@@ -7,7 +7,7 @@ import numpy as np
 
 from dr_lab.comparison.fault_notes import KIND, fault_notes
 from dr_lab.comparison.study import Study
-from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import block_count
 from dr_lab.diagnosis.faults.unit_suspicion import suspect_degrees
 from dr_lab.diagnosis.search.pruning import PutBack
@@ -28,7 +28,7 @@ def study_notes(study: Study) -> list[dict[str, Any]]:
     ]
 
 
-def fit_notes(models: Sequence[Explained]) -> list[dict[str, Any]]:
+def fit_notes(models: Sequence[FittedModel]) -> list[dict[str, Any]]:
     """Notes on fits of a ladder's models that lack windows or did not converge."""
     notes = []
     for model in models:

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
 from dr_lab.diagnosis.fit.replay import Replay
@@ -64,7 +64,7 @@ class ExperimentSettings:
 
 
 @dataclass(frozen=True)
-class Machine:
+class ExperimentMachine:
     """What an experiment on the machine can do and show.
 
     Attributes:
@@ -101,7 +101,9 @@ class Proposal:
     commands: Mapping[str, Signal]
 
 
-def propose(chosen: Explained, rival: Explained, machine: Machine, settings: ExperimentSettings) -> Proposal | None:
+def propose(
+    chosen: FittedModel, rival: FittedModel, machine: ExperimentMachine, settings: ExperimentSettings
+) -> Proposal | None:
     """Play every experiment on both fitted models and keep the one that separates them most; None if none can run.
 
     One model plays the truth, without noise; the other is refitted to what it shows, the starts of all windows
@@ -124,12 +126,14 @@ def propose(chosen: Explained, rival: Explained, machine: Machine, settings: Exp
     return best
 
 
-def _roles(chosen: Explained, rival: Explained) -> tuple[tuple[Explained, Explained], tuple[Explained, Explained]]:
+def _roles(
+    chosen: FittedModel, rival: FittedModel
+) -> tuple[tuple[FittedModel, FittedModel], tuple[FittedModel, FittedModel]]:
     """Who plays the truth, and who is refitted."""
     return (chosen, rival), (rival, chosen)
 
 
-def _experiments(machine: Machine, settings: ExperimentSettings) -> Iterator[tuple[str, dict[str, Signal]]]:
+def _experiments(machine: ExperimentMachine, settings: ExperimentSettings) -> Iterator[tuple[str, dict[str, Signal]]]:
     """Commands within the actuators' limits."""
     time = np.arange(0.0, settings.duration, 1 / settings.command_rate)
     for name, shape in settings.excitations.items():
@@ -190,7 +194,11 @@ def _sigma(fit: Fit) -> float:
 
 
 def _refit(
-    truth: Explained, other: Explained, commands: Mapping[str, Signal], machine: Machine, settings: ExperimentSettings
+    truth: FittedModel,
+    other: FittedModel,
+    commands: Mapping[str, Signal],
+    machine: ExperimentMachine,
+    settings: ExperimentSettings,
 ) -> _Refit | None:
     """The other model with a few steps of a fit to what the truth showed; None where that cannot run."""
     time = np.arange(0.0, settings.duration, 1 / settings.sample_rate)

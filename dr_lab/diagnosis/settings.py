@@ -168,8 +168,8 @@ class EvidenceSettings:
         penalty: Δχ² that each added parameter must earn on top.
         floor: largest χ² per sample that counts as the noise floor, where samples are many.
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
-        told: of the parameters that take an absorbed effect's place those are told that move this share of the largest
-            move, in widths of their bounds, or more.
+        replacement_share: of the parameters that take an absorbed effect's place those are told that move this share
+            of the largest move, in widths of their bounds, or more.
         law: how the law of a named effect is checked.
 
     Raises:
@@ -198,7 +198,7 @@ class EvidenceSettings:
     penalty: float
     floor: float
     absorbed: float
-    told: float
+    replacement_share: float
     law: LawSettings
 
     def __post_init__(self) -> None:
@@ -219,7 +219,7 @@ class EvidenceSettings:
                 "least_named",
                 "penalty",
                 "absorbed",
-                "told",
+                "replacement_share",
             ),
             0.0,
         )

@@ -10,7 +10,7 @@ import numpy as np
 
 from dr_lab.effects.body_effect import moving_bodies, with_inertial
 from dr_lab.effects.effect import Effect, Scales
-from dr_lab.effects.felt import inverse_forces
+from dr_lab.effects.generalised_forces import inverse_forces
 from dr_lab.physics.parameter import Parameter
 
 

@@ -104,7 +104,7 @@ class MotorSide(Law):
         self._asked, self._expected, self._share = asked, expected, share
         self._under_way = np.ones(len(asked), bool)
 
-    def recall(self, moment: Moment, influence: Influence) -> None:
+    def replay_history(self, moment: Moment, influence: Influence) -> None:
         """Follow the measured motion under what the actuators give at its commands."""
         given = self.drive.force(moment.qpos, moment.qvel, influence.control)
         load = given - self._inertial(moment)

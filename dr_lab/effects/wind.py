@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.effect import Effect, Scales
-from dr_lab.effects.felt import fluid_forces
+from dr_lab.effects.generalised_forces import fluid_forces
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 

@@ -30,7 +30,7 @@ class ContextSource(Protocol):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StepOutcome:
     """What one control step of n episodes led to.
 
     Attributes:
@@ -150,7 +150,7 @@ class Episodes:
         self.observation = self.observation.copy()
         self.observation[rows] = self._seen(fields, self.contexts[rows])
 
-    def step(self, action: Array) -> Outcome:
+    def step(self, action: Array) -> StepOutcome:
         """One control step of all episodes; those that have ended want a `begin` before the next.
 
         Args:
@@ -173,7 +173,7 @@ class Episodes:
         self._steps += 1
         self._returns += reward
         self.observation, self._marker, self._failed = observation, marker, failed.copy()  # `begin` writes into it
-        return Outcome(observation, reward, terminated, self._steps >= self.task.time_limit, failed)
+        return StepOutcome(observation, reward, terminated, self._steps >= self.task.time_limit, failed)
 
     def state_dict(self) -> dict[str, Any]:
         """All that the episodes' future depends on."""
@@ -193,7 +193,7 @@ class Episodes:
         """Go on where the `state_dict` of episodes of the same machine and task was taken."""
         self.contexts, self._given = state["contexts"], state["given"]
         self.simulator.set_contexts(self.contexts)
-        self.simulator.recall(state["simulator"])
+        self.simulator.restore(state["simulator"])
         self._steps[:], self._returns[:] = state["steps"], state["returns"]
         self._marker, self.observation = state["marker"].copy(), state["observation"].copy()
         self._failed = self._diverged() & (self._steps > 0)

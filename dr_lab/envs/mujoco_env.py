@@ -10,7 +10,7 @@ from torch import Tensor
 from torchrl.data import Binary, Bounded, Composite, Unbounded
 from torchrl.envs import EnvBase
 
-from dr_lab.envs.episodes import ContextSource, Episodes, Outcome
+from dr_lab.envs.episodes import ContextSource, Episodes, StepOutcome
 from dr_lab.envs.task import Task
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
@@ -30,7 +30,7 @@ class MujocoEnv(EnvBase):
         model: the machine.
         task: what it is to do.
         randomizer: p(z), from which every new episode draws; None for the nominal context.
-        nenv: n.
+        slots: n.
         seed: of all random draws.
         show_context: whether the policy sees z.
         infeasible_return: highest return of an episode whose context is infeasible.
@@ -46,7 +46,7 @@ class MujocoEnv(EnvBase):
         model: Model,
         task: Task,
         randomizer: ContextSource | None,
-        nenv: int,
+        slots: int,
         seed: int,
         *,
         show_context: bool = False,
@@ -54,12 +54,12 @@ class MujocoEnv(EnvBase):
         speed_limit: float = np.inf,
         threads: int | None = None,
     ) -> None:
-        super().__init__(device="cpu", batch_size=torch.Size([nenv]))
+        super().__init__(device="cpu", batch_size=torch.Size([slots]))
         self.episodes = Episodes(
             model,
             task,
             randomizer,
-            nenv,
+            slots,
             seed,
             show_context=show_context,
             infeasible_return=infeasible_return,
@@ -67,7 +67,7 @@ class MujocoEnv(EnvBase):
             threads=threads,
         )
         self._make_specs()
-        self._never = torch.zeros(nenv, 1, dtype=torch.bool)
+        self._never = torch.zeros(slots, 1, dtype=torch.bool)
         self._context = single(self.episodes.contexts)
 
     def set_contexts(self, z: Array | None) -> None:
@@ -136,7 +136,7 @@ class MujocoEnv(EnvBase):
         self.episodes.begin(rows)
         self._context = single(self.episodes.contexts)
 
-    def _after(self, outcome: Outcome) -> TensorDict:
+    def _after(self, outcome: StepOutcome) -> TensorDict:
         values = {
             "observation": single(outcome.observation),
             "context": self._context,

@@ -43,13 +43,13 @@ class Setting:
         """The context."""
         return self.model.space
 
-    def make(self, randomizer: ContextSource | None, nenv: int, seed: int, threads: int | None = None) -> MujocoEnv:
+    def make(self, randomizer: ContextSource | None, slots: int, seed: int, threads: int | None = None) -> MujocoEnv:
         """The environment; arguments as `MujocoEnv`."""
         return MujocoEnv(
             self.model,
             self.task,
             randomizer,
-            nenv,
+            slots,
             seed,
             show_context=self.show_context,
             infeasible_return=self.infeasible_return,

@@ -12,9 +12,9 @@ from dr_lab.envs.task import Change, Task
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
 from dr_lab.evaluators.statistics import iqm_interval
-from dr_lab.plants.bench import Bench
 from dr_lab.plants.machine import Vector
 from dr_lab.plants.operator import Experiment
+from dr_lab.plants.rig import Rig
 from dr_lab.plants.tracking import track
 from dr_lab.recorders.episode import Episode
 from dr_lab.reports.quantity import percent
@@ -75,7 +75,7 @@ class RealVsSimEvaluator(Evaluator):
         ConfigError: a number is out of its range.
     """
 
-    plant: Bench
+    plant: Rig
     machine: int
     episodes: int
     confidence: float

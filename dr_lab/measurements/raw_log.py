@@ -12,7 +12,7 @@ from dr_lab.measurements.alignment import align
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.mcap import McapSource
 from dr_lab.measurements.recordings import TABLES, Recording
-from dr_lab.measurements.samples import Samples, Source
+from dr_lab.measurements.samples import Samples, SampleSource
 from dr_lab.measurements.signal_map import SCALARS, ChannelMap
 from dr_lab.measurements.table import TableSource
 from dr_lab.trajectory import Array, ClockFit, Note
@@ -119,7 +119,7 @@ def _check_single(channel: ChannelMap, samples: Samples, file: str) -> None:
         )
 
 
-def open_source(recording: Recording, time: TimeAxis) -> Source:
+def open_source(recording: Recording, time: TimeAxis) -> SampleSource:
     """Open a recording by its file's suffix.
 
     Raises:

@@ -42,7 +42,7 @@ class Samples:
     missing: int
 
 
-class Source(Protocol):
+class SampleSource(Protocol):
     """An opened log file."""
 
     @property

@@ -73,7 +73,7 @@ class Law(ABC):
     def act(self, moment: Moment, influence: Influence) -> None:
         """Change what acts in the coming step."""
 
-    def recall(self, moment: Moment, influence: Influence) -> None:
+    def replay_history(self, moment: Moment, influence: Influence) -> None:
         """See a step that was measured before the simulations began; forces of then are unknown and given as zero.
 
         What the law writes has no effect. By default it does as in a step that is simulated.

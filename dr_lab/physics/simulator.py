@@ -129,7 +129,7 @@ class Simulator:
         before = self._stepper
         self._stepper = Stepper(self.batch, self.compiled, self.model.laws(self._contexts, self._models))
         if before is not None:
-            self._stepper.recall(before.memory)
+            self._stepper.restore(before.memory)
 
     def reset(self, ids: NDArray[np.intp] | None = None) -> None:
         """Put simulations into the model's initial state and clear their divergence counters."""
@@ -154,15 +154,15 @@ class Simulator:
 
     @property
     def memory(self) -> tuple[Array, ...]:
-        """All that the simulations' future depends on besides their contexts, for `recall`."""
+        """All that the simulations' future depends on besides their contexts, for `restore`."""
         laws = () if self._stepper is None else self._stepper.memory
         return (self.batch.state.copy(), self.batch.warning.copy(), *laws)
 
-    def recall(self, memory: Sequence[Array]) -> None:
+    def restore(self, memory: Sequence[Array]) -> None:
         """Go on from the `memory` of a simulator of the same model that had the same contexts."""
         self.batch.state[:], self.batch.warning[:] = memory[:2]
         if self._stepper is not None:
-            self._stepper.recall(memory[2:])
+            self._stepper.restore(memory[2:])
 
     def replay(
         self,

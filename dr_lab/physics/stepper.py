@@ -54,7 +54,7 @@ class Stepper:
         own = (self._before.copy(), self._new.copy(), actuation.copy(), bias.copy())
         return (*own, *(law.memory.copy() for law in self._laws))
 
-    def recall(self, memory: Sequence[Array]) -> None:
+    def restore(self, memory: Sequence[Array]) -> None:
         """Go on from the `memory` of a stepper with equal laws."""
         self._before[:], self._new[:], actuation, bias = memory[:4]
         self._forces = (actuation.copy(), bias.copy())
@@ -134,7 +134,7 @@ class Stepper:
             influence = Influence(control, np.zeros_like(friction), friction.copy(), armature.copy())
             moment = Moment(self._step, time, qpos, qvel, gained, still, still)
             for law in self._laws:
-                law.recall(moment, influence)
+                law.replay_history(moment, influence)
 
     def _each(self, rows: Array) -> Array:
         """Rows of w windows for all simulations."""

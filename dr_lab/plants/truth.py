@@ -2,10 +2,10 @@
 
 from dataclasses import asdict
 
-from dr_lab.plants.bench import Bench
+from dr_lab.plants.rig import Rig
 
 
-def truth(bench: Bench, seed: int) -> dict[str, object]:
+def truth(bench: Rig, seed: int) -> dict[str, object]:
     """True parameters, hidden effect and clock of the machine that a seed stands for.
 
     Returns:

@@ -11,7 +11,7 @@ from dr_lab.recorders.chart import Axis, Canvas, Chart, decade_axis, linear_axis
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import SIMULATED
 from dr_lab.recorders.shape import Colour
-from dr_lab.reports.ladder import Step, candidate_name, status
+from dr_lab.reports.ladder import LadderModel, candidate_name, status
 from dr_lab.reports.quantity import number
 
 # Canvas units a row: a line of text above its bar, whose place is given as a share of the row from below.
@@ -39,7 +39,7 @@ def ranking_canvas(ranking: Sequence[Mapping[str, Any]]) -> Canvas:
     return _canvas(min(len(ranking), _MOST), _RANKED)
 
 
-def ladder_canvas(ladder: Sequence[Step]) -> Canvas:
+def ladder_canvas(ladder: Sequence[LadderModel]) -> Canvas:
     """Measures of the chart that `log_ladder` draws."""
     return _canvas(len(ladder), 0)
 
@@ -61,7 +61,7 @@ def log_ranking(root: Branch, ranking: Sequence[Mapping[str, Any]], look: Look) 
     _log_rows(root, ranking_canvas(ranking), rows, axis, 0.0, look)
 
 
-def log_ladder(root: Branch, ladder: Sequence[Step], pair: Sequence[Step], look: Look) -> None:
+def log_ladder(root: Branch, ladder: Sequence[LadderModel], pair: Sequence[LadderModel], look: Look) -> None:
     """Draw the models from first to last: χ² on a logarithmic axis that starts at the noise floor, 1.
 
     Args:

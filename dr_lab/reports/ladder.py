@@ -9,7 +9,7 @@ _NAMING_NONE = ("unexplained", "none", "not_excited")
 
 
 @dataclass(frozen=True)
-class Step:
+class LadderModel:
     """One model of the ladder.
 
     Attributes:
@@ -25,16 +25,16 @@ class Step:
     parameters: Mapping[str, Any]
 
 
-def steps(report: Mapping[str, Any]) -> list[Step]:
+def steps(report: Mapping[str, Any]) -> list[LadderModel]:
     """The models from the one given to the last: as given (where the report has it apart), calibrated, with effects."""
     rungs = [report["as_given"], *report["ladder"]] if "as_given" in report else report["ladder"]
-    made: list[Step] = []
+    made: list[LadderModel] = []
     for rung in rungs:
         effects = tuple(rung["effects"])
         before = made[-1].effects if made else ()
         new = [f"+ {effect}" for effect in effects if effect not in before]
         plain = "calibrated" if made else "model as given"
-        made.append(Step(" ".join(new) or plain, effects, rung["held_out"], rung["parameters"]))
+        made.append(LadderModel(" ".join(new) or plain, effects, rung["held_out"], rung["parameters"]))
     return made
 
 
@@ -48,7 +48,7 @@ def scored(report: Mapping[str, Any]) -> str:
     return "held-out logs" if report.get("logs", {}).get("held_out", True) else "fit logs"
 
 
-def before_after(report: Mapping[str, Any]) -> list[Step]:
+def before_after(report: Mapping[str, Any]) -> list[LadderModel]:
     """The two models that a report sets side by side, or the only one.
 
     After is the last of the ladder. Before is the ladder's first, which is calibrated, so that the difference is the

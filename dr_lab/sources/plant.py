@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import yaml
 
-from dr_lab.plants.bench import Bench, Recording
+from dr_lab.plants.rig import Rig, RigRecording
 from dr_lab.plants.truth import truth
 from dr_lab.recorders.mcap import FloatArrays, JointStates
 from dr_lab.sources.source import NamedLog
@@ -24,7 +24,7 @@ class PlantSource:
         command_topic: topic of the commands, ``std_msgs/msg/Float64MultiArray`` with one number for each actuator.
     """
 
-    plant: Bench
+    plant: Rig
     joint_topic: str
     command_topic: str
 
@@ -37,7 +37,7 @@ class PlantSource:
         text = yaml.safe_dump(truth(self.plant, seed), sort_keys=False, allow_unicode=True)
         return {"truth.yaml": (_WARNING + text).encode()}
 
-    def _named(self, recording: Recording) -> NamedLog:
+    def _named(self, recording: RigRecording) -> NamedLog:
         joints = JointStates(
             self.joint_topic,
             self.plant.joints,

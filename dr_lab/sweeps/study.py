@@ -64,7 +64,7 @@ class Best:
     values: Mapping[str, Value]
 
 
-class Study:
+class SweepStudy:
     """The account of a study; begins it where there is none.
 
     Args:

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import Episodes, Flags, Outcome
+from dr_lab.envs.episodes import Episodes, Flags, StepOutcome
 from dr_lab.trajectory import Array
 
 
@@ -24,7 +24,7 @@ class Step:
 
     going: Flags
     action: Array
-    outcome: Outcome
+    outcome: StepOutcome
 
 
 def begin(episodes: Episodes, z: Array) -> None:

@@ -11,7 +11,7 @@ from dr_lab.errors import DataError, DrLabError
 from dr_lab.training.checkpoint import load, not_finite, save
 from dr_lab.training.episode_log import EpisodeLog, Finished
 
-Watch = Callable[[Mapping[str, float], Finished], None]
+BatchWatch = Callable[[Mapping[str, float], Finished], None]
 
 
 class Stateful(Protocol):
@@ -92,7 +92,7 @@ class Trainer(Generic[R]):
         before = int(self.history[-2]["frames"]) if len(self.history) > 1 else 0
         return self.frames // self._every > before // self._every
 
-    def run(self, frames: int, watch: Watch) -> None:
+    def run(self, frames: int, watch: BatchWatch) -> None:
         """Train until so many control steps were collected in all, then save.
 
         An interruption, Ctrl-C or kill -9, leaves the last checkpoint, from which `resume` goes on.

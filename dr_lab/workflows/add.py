@@ -15,7 +15,7 @@ from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.rank import rank
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.effects.effect import Effect, PlacedEffect, place
@@ -72,7 +72,7 @@ def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[
     ranking = rank(study.bench, base, [effect], done)
     ladder = ladder.topped(ranking.base)
     rung = Rung(ranking.base, ranking.candidates, decide(*ranking, study.bench.evidence, study.bench.scored))
-    step = Step(ranking.candidates[0].explained, (), proven=bool(rung.verdict.effects))
+    step = AddedEffect(ranking.candidates[0].explained, (), proven=bool(rung.verdict.effects))
     return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, step))
 
 

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from dr_lab.benchmark.case import Case, Cases, Machine, expand
+from dr_lab.benchmark.case import BenchmarkMachine, Case, Cases, expand
 from dr_lab.benchmark.diagnosed import diagnose_case
 from dr_lab.benchmark.equivalence import TruthClasses
 from dr_lab.benchmark.observed import Compose
@@ -34,10 +34,10 @@ RESUMES_FROM = CASES  # what a run folder must hold to be resumed
 
 
 def benchmark(
-    machines: Mapping[str, Machine],
+    machines: Mapping[str, BenchmarkMachine],
     cases: Mapping[str, Cases],
     goals: Goals,
-    spelt: Mapping[str, Mapping[str, str]],
+    parameter_aliases: Mapping[str, Mapping[str, str]],
     effects: Mapping[str, Effect],
     classes: TruthClasses,
     recorder: Look,
@@ -53,7 +53,7 @@ def benchmark(
         machines: what can be diagnosed, by name.
         cases: sets of cases.
         goals: what the figures should reach.
-        spelt: effect → the plant's name of a parameter → the catalogue's, where they differ.
+        parameter_aliases: effect → the plant's name of a parameter → the catalogue's, where they differ.
         effects: the catalogue, for the order of the confusion matrix.
         classes: finds the equivalence classes by which answers are scored.
         recorder: colours of the confusion matrix.
@@ -78,8 +78,8 @@ def benchmark(
     diagnose = functools.partial(diagnose_case, compose=compose, classes=classes)
     failed = _run([case for case in wanted if case not in done], diagnose, done, folder, _process_count(processes))
     outcomes = [done[case] for case in wanted if case in done]
-    result = summary(outcomes, failed, goals, spelt)
-    _write(run_dir, result, outcomes, spelt, effects, recorder)
+    result = summary(outcomes, failed, goals, parameter_aliases)
+    _write(run_dir, result, outcomes, parameter_aliases, effects, recorder)
     if failed:
         errors = "; ".join(dict.fromkeys(failed.values()))
         raise DrLabError(f"{len(failed)} of {len(wanted)} cases failed; report.md lists them. {errors}")
@@ -144,7 +144,7 @@ def _write(
     run_dir: Path,
     result: Mapping[str, Any],
     outcomes: Sequence[Outcome],
-    spelt: Mapping[str, Mapping[str, str]],
+    parameter_aliases: Mapping[str, Mapping[str, str]],
     effects: Mapping[str, Effect],
     look: Look,
 ) -> None:
@@ -152,14 +152,14 @@ def _write(
     matrix = answers(outcomes, effects)
     picture = confusion_picture(matrix, look)
     write_text(run_dir / "benchmark.json", json.dumps(result, ensure_ascii=False, indent=2) + "\n")
-    write_text(run_dir / "report.md", report_page(result, outcomes, spelt))
-    write_text(run_dir / "cases.csv", cases_csv(outcomes, spelt))
+    write_text(run_dir / "report.md", report_page(result, outcomes, parameter_aliases))
+    write_text(run_dir / "cases.csv", cases_csv(outcomes, parameter_aliases))
     write_text(run_dir / "confusion.csv", confusion_csv(matrix))
     write_picture(run_dir / "confusion.png", picture)
     pages = {
         "Figures": f"{rates_page(result)}\n\n{machines_page(result)}",
         "Misses": misses_page(result),
-        "Hidden effects": effects_page(outcomes, spelt),
+        "Hidden effects": effects_page(outcomes, parameter_aliases),
     }
     write_benchmark_review(run_dir / "review.rrd", picture, pages)
     told = [rates_page(result), machines_page(result), f"Misses:\n\n{misses_page(result)}"]

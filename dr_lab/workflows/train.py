@@ -28,7 +28,7 @@ from dr_lab.training.episode_log import Finished
 from dr_lab.training.episodes import described, keep_episodes, play_episodes
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
 from dr_lab.training.snapshots import Snapshots
-from dr_lab.training.trainer import Watch
+from dr_lab.training.trainer import BatchWatch
 from dr_lab.trajectory import Array
 
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
@@ -215,7 +215,7 @@ def _curves(history: Sequence[Mapping[str, float]]) -> list[Curve]:
 
 
 @contextmanager
-def _progress(frames: int, done: int) -> Iterator[Watch]:
+def _progress(frames: int, done: int) -> Iterator[BatchWatch]:
     """A bar over control steps, with the mean return of the episodes that ended last."""
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f}"))
     with Progress(*columns, TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(), transient=True) as bar:

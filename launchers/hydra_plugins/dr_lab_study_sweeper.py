@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from optuna.pruners import BasePruner
     from optuna.samplers import BaseSampler
 
-    from dr_lab.sweeps.study import Best, Proposal, Study
+    from dr_lab.sweeps.study import Best, Proposal, SweepStudy
 
 DIRECTIONS = ("minimize", "maximize")
 BEST_FILE = "best.yaml"
@@ -85,18 +85,18 @@ class StudySweeper(DrLabSweeper):
         """
         from hydra_plugins._dr_lab_search_space import corners, search_space  # noqa: PLC0415  likewise
 
-        from dr_lab.sweeps.study import Study  # noqa: PLC0415  Optuna takes half a second, which every command would pay
+        from dr_lab.sweeps.study import SweepStudy  # noqa: PLC0415  Optuna takes half a second, which every command would pay
 
         given = list({override.get_key_element(): override for override in self.parsed(arguments)}.values())
         [[fixed]] = self.split_arguments([override for override in given if not override.is_sweep_override()], None)
         space = search_space(given)
         self.check([self.composed([*fixed, *_overrides(corner)]) for corner in corners(space)])
         with only_driver(self.folder, self.option):
-            study = Study(self.folder, self.objective, self.directions, space, self.sampler, self.seed)
+            study = SweepStudy(self.folder, self.objective, self.directions, space, self.sampler, self.seed)
             print(f"Study in {self.shown}: {self.n_trials} trials in all, {len(study)} begun before")
             self._search(study, fixed)
 
-    def _search(self, study: "Study", fixed: Sequence[str]) -> None:
+    def _search(self, study: "SweepStudy", fixed: Sequence[str]) -> None:
         ended_early = ""
         tried: dict[int, SweepJob] = {}
         unrecorded: dict[int, Status] = {}
@@ -117,7 +117,7 @@ class StudySweeper(DrLabSweeper):
         if failed and self.fail_fast:
             raise SweepError(f"A trial failed, so the study ends with {len(study)} of {self.n_trials} for now.")
 
-    def _proposals(self, study: "Study", tried: Mapping[int, SweepJob]) -> "Iterator[Proposal]":
+    def _proposals(self, study: "SweepStudy", tried: Mapping[int, SweepJob]) -> "Iterator[Proposal]":
         """The next trials: first those that were begun and whose outcome is not known."""
         begun = [proposal for proposal in study.unfinished() if proposal.number not in tried][: self.at_once]
         yield from begun
@@ -141,7 +141,7 @@ class StudySweeper(DrLabSweeper):
             )
         return known
 
-    def _settle(self, study: "Study", job: SweepJob, status: Status) -> None:
+    def _settle(self, study: "SweepStudy", job: SweepJob, status: Status) -> None:
         """Tell the study what came of a trial; of one whose process died, the next command will know more."""
         if status.state == "completed":
             study.tell(job.number, objectives(self.folder / job.folder, self.objective))
@@ -150,7 +150,7 @@ class StudySweeper(DrLabSweeper):
         elif status.state == "failed":
             study.tell(job.number, None)
 
-    def _conclude(self, study: "Study", unrecorded: dict[int, Status], ended_early: str) -> None:
+    def _conclude(self, study: "SweepStudy", unrecorded: dict[int, Status], ended_early: str) -> None:
         jobs = read_jobs(self.folder)
         standing = statuses(self.folder, jobs) | unrecorded
         failed = [job for job in jobs if standing[job.number].state == "failed"]

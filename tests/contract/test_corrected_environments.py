@@ -20,7 +20,7 @@ def corrected(effect: str, site: str) -> Setting:
 
 @pytest.mark.parametrize("effect", ["coulomb_friction", "hysteresis"])  # MuJoCo's own element, a law between steps
 def test_effects_of_a_corrected_model_are_played_and_randomised(effect: str) -> None:
-    episodes = begun(corrected(effect, "arm"), nenv=2)
+    episodes = begun(corrected(effect, "arm"), slots=2)
     space = episodes.model.space
     z = np.tile(space.nominal, (2, 1))
     z[1, len(episodes.model.declared) :] = space.high[len(episodes.model.declared) :]

@@ -37,7 +37,7 @@ def test_torchrl_accepts_it(name: str) -> None:
 @pytest.mark.filterwarnings("ignore:compiler attribute 'settotalmass'")
 @pytest.mark.parametrize("name", list(GYMNASIUM))
 def test_steps_equal_gymnasium(name: str) -> None:
-    episodes = begun(setting(name), nenv=2)
+    episodes = begun(setting(name), slots=2)
     twins: list[Any] = [twin(**GYMNASIUM[name]) for _ in range(2)]
     state = {key: episodes.simulator.batch.bind(key) for key in ("qpos", "qvel")}
 
@@ -95,7 +95,7 @@ def test_a_reset_touches_only_its_own_episodes(context: str) -> None:
 
 
 def test_a_slot_draws_the_same_whatever_the_others_do() -> None:
-    few, many = (begun(setting("hopper", BY_FIELD), nenv, random=True) for nenv in (2, 3))
+    few, many = (begun(setting("hopper", BY_FIELD), slots, random=True) for slots in (2, 3))
     np.testing.assert_array_equal(few.contexts, many.contexts[:2])
     many.begin(np.array([2, 1][::-1]))
     few.begin(np.array([1]))
@@ -122,7 +122,7 @@ def test_nothing_adds_up_over_resets(context: str) -> None:
 @pytest.mark.parametrize("context", LSDR)
 def test_every_parameter_changes_the_motion(context: str) -> None:
     of = setting(context.partition("/")[0], f"env/context={context}")
-    episodes = begun(of, nenv=2)
+    episodes = begun(of, slots=2)
     z = np.array([0.5 * of.space.nominal + 0.5 * of.space.high, of.space.nominal])
     episodes.give_contexts(z)
     episodes.begin(np.arange(2))
@@ -201,7 +201,7 @@ def test_divergence_pays_nothing_where_all_rewards_are_negative() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_feasible_episodes_return_more_than_infeasible_ones(name: str) -> None:
     of = setting(name)
-    episodes, rng = begun(of, nenv=4), np.random.default_rng(0)
+    episodes, rng = begun(of, slots=4), np.random.default_rng(0)
     going, returns = np.ones(4, bool), np.zeros(4)
     for _ in range(of.task.time_limit):
         push = np.where(rng.random((4, len(episodes.low))) < 0.5, episodes.low, episodes.high)

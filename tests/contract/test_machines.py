@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
-from dr_lab.benchmark.case import Case, Machine, expand
+from dr_lab.benchmark.case import BenchmarkMachine, Case, expand
 from dr_lab.benchmark.listed import Entry
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose, options
@@ -27,9 +27,9 @@ def phenomena(option: str) -> tuple[str, ...]:
     return tuple(p for part in parts for p in phenomena(part)) or (kind.name,)
 
 
-def machine_of(name: str) -> Machine:
+def machine_of(name: str) -> BenchmarkMachine:
     fields = yaml.safe_load((shipped() / "machine" / f"{name}.yaml").read_text(encoding="utf-8"))
-    return Machine(**{key: value for key, value in fields.items() if key != "_target_"})
+    return BenchmarkMachine(**{key: value for key, value in fields.items() if key != "_target_"})
 
 
 @pytest.mark.parametrize("name", MACHINES)

@@ -30,9 +30,9 @@ CHOICE = ("env/context=hopper/friction", "env.task.time_limit=8")
 NENV, STEPS, WORKERS = 4, 20, 2
 
 
-def env(nenv: int = NENV) -> MujocoEnv:
+def env(slots: int = NENV) -> MujocoEnv:
     found = setting("hopper", *CHOICE)
-    return found.make(at(found.space, 1.0), nenv, 0, threads=1)
+    return found.make(at(found.space, 1.0), slots, 0, threads=1)
 
 
 def at(space: ContextSpace, friction: float) -> FixedRandomizer:

@@ -8,7 +8,7 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect
 
-from dr_lab.diagnosis.evidence.bench import Bench, explain
+from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.ladder import Ladder, climb
 from dr_lab.trajectory import Log
@@ -41,7 +41,7 @@ def climbed(force: Force, *names: str) -> tuple[Bench, Ladder]:
     model, logs = pendulum(), logs_under(force)
     bench = Bench(windows_of(model, logs[:3]), windows_of(model, logs[3:]), solver_settings(), evidence_settings(), 1)
     effects = {name: catalogue_effect(name) for name in (*names, *OTHERS)}
-    base, compiled = explain(bench, model, model.space.nominal), model.nominal()
+    base, compiled = fit_and_score(bench, model, model.space.nominal), model.nominal()
     scales = machine_scales(compiled, logs[:3], 0.03)
     scales.command["drive"] = 1.0  # pyright: ignore[reportIndexIssue]
     return bench, climb(bench, base, effects, scales, compiled, most=3, watch=lambda _: lambda _: None)
@@ -69,6 +69,6 @@ def test_an_effect_is_found_alone_and_no_other_moves_it_on(force: Force, names: 
     # From where the last fit ended, the model without any one effect does not beat the rung below.
     for model, below in zip(ladder.models[1:], ladder.models[:-1], strict=True):
         start = np.array([model.values()[name] for name in below.model.space.names])
-        again = explain(bench, below.model, start, model.fit.delta)
+        again = fit_and_score(bench, below.model, start, model.fit.delta)
         assert below.fit.cost <= again.fit.cost * (1 + 10 * bench.solver.tolerance)
         assert model.fit.converged

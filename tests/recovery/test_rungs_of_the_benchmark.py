@@ -12,7 +12,7 @@ from dr_lab.benchmark.case import Case, expand
 from dr_lab.benchmark.observed import observe
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.climbing import climbed
-from dr_lab.diagnosis.evidence.bench import explain
+from dr_lab.diagnosis.evidence.bench import fit_and_score
 
 pytestmark = pytest.mark.slow
 NAMES = (
@@ -45,5 +45,5 @@ def test_without_its_last_effect_no_model_beats_the_rung_below(name: str) -> Non
     for model, below in zip(ladder.models[1:], ladder.models[:-1], strict=True):
         assert model.fit.converged
         start = np.array([model.values()[parameter] for parameter in below.model.space.names])
-        again = explain(bench, below.model, start, model.fit.delta)
+        again = fit_and_score(bench, below.model, start, model.fit.delta)
         assert below.fit.cost <= again.fit.cost * (1 + 10 * bench.solver.tolerance)

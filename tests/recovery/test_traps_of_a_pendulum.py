@@ -18,7 +18,7 @@ from scipy.integrate import OdeSolution, solve_ivp
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.study import Study, prepare
-from dr_lab.diagnosis.evidence.bench import Explained, explain
+from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.diagnosis.search.verdict import Verdict, decide
@@ -84,7 +84,7 @@ def study_of(model: Model, cfg: DictConfig, **parts: Any) -> Study:  # noqa: ANN
     return prepare(model=model, **(built | parts), threads=1)
 
 
-def judged(study: Study, base: Explained, cfg: DictConfig) -> tuple[Verdict, Candidate]:
+def judged(study: Study, base: FittedModel, cfg: DictConfig) -> tuple[Verdict, Candidate]:
     """The verdict on the rivals beside a base, and the best of them."""
     effects = instantiate(cfg.effects, _convert_="all")
     placed = candidates(base.model, effects, study.scales, study.compiled).placed
@@ -125,7 +125,7 @@ def test_stribeck_friction_is_not_passed_as_coulomb_and_viscous_friction(tmp_pat
     passed = plain
     for name in ("viscous_friction", "coulomb_friction"):
         passed = passed.with_effect(place(effects[name], study.compiled, "pendulum", study.scales))
-    base = explain(study.bench, passed, passed.space.nominal)
+    base = fit_and_score(study.bench, passed, passed.space.nominal)
     assert base.held_out.chi2 > 1.5
     verdict, best = judged(study, base, cfg)
     assert (verdict.kind, verdict.effects) == ("named", ("stribeck_friction@pendulum",)), verdict.reason

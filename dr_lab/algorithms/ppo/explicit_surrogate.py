@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from dr_lab.algorithms.ppo.surrogate import Samples, Surrogate, Terms
+from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate, Terms
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian_actor import GaussianActor, unit_entropy
@@ -32,13 +32,13 @@ class ExplicitSurrogate(Surrogate):
         self._critic_gradients = _gradients(critic.body, self.critic_parameters)
 
     @torch.no_grad()
-    def differentiate(self, samples: Samples) -> Terms:
+    def differentiate(self, samples: PolicySamples) -> Terms:
         """The loss and its gradient."""
         objective = self._differentiate_actor(samples)
         critic = self._differentiate_critic(samples)
         return Terms(objective, -self.entropy_weight * unit_entropy(self._log_std), critic)
 
-    def _differentiate_actor(self, samples: Samples) -> Tensor:
+    def _differentiate_actor(self, samples: PolicySamples) -> Tensor:
         layers = self._actor.layers(samples.observation)
         inverse_std = (-self._log_std).exp()
         z = (samples.action - layers[-1]) * inverse_std
@@ -54,7 +54,7 @@ class ExplicitSurrogate(Surrogate):
         torch.sum((squares - 1.0) * weight, 0, out=self._log_std_gradient).sub_(self.entropy_weight)
         return -torch.minimum(free, bound).mean()
 
-    def _differentiate_critic(self, samples: Samples) -> Tensor:
+    def _differentiate_critic(self, samples: PolicySamples) -> Tensor:
         layers = self._critic.layers(samples.observation)
         error = layers[-1] - samples.target.unsqueeze(-1)
         self._critic.backward(layers, error * (2.0 * self.critic_weight / len(error)), *self._critic_gradients)

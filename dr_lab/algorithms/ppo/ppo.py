@@ -10,7 +10,7 @@ from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.ppo.gae import advantages
 from dr_lab.algorithms.ppo.reward_scale import RewardScale
 from dr_lab.algorithms.ppo.selection import Selection
-from dr_lab.algorithms.ppo.surrogate import Samples, Surrogate
+from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate
 from dr_lab.collectors.collector import Policy
 from dr_lab.errors import require_numbers
 from dr_lab.networks.adam import Adam, clip_norm
@@ -113,7 +113,7 @@ class PPO(Algorithm):
         self.actor.normaliser.update(batch["observation"])
         return figures
 
-    def samples(self, batch: TensorDict) -> Samples:
+    def samples(self, batch: TensorDict) -> PolicySamples:
         """Advantages and value targets of the selected steps of a batch [n, steps], one row each.
 
         Args:
@@ -125,7 +125,7 @@ class PPO(Algorithm):
         earned, infeasible = batch["next", "reward"].squeeze(-1), batch["next", "infeasible"].squeeze(-1)
         reward = self.reward_scale(earned, done, infeasible)
         advantage = advantages(reward, value, next_value, terminated, done, self.gamma, self.lam)
-        fields = Samples(
+        fields = PolicySamples(
             observation,
             self.actor.unit(batch["action"]),
             batch["action_log_prob"] + self.actor.reach.log().sum(),
@@ -133,9 +133,9 @@ class PPO(Algorithm):
             advantage + value,
         )
         kept = self.selection(earned, done, infeasible, next_value * self.reward_scale.unit)
-        return Samples(*(field[kept] for field in fields))
+        return PolicySamples(*(field[kept] for field in fields))
 
-    def _fit(self, samples: Samples, share: float) -> Mapping[str, float]:
+    def _fit(self, samples: PolicySamples, share: float) -> Mapping[str, float]:
         """All epochs, with learning rates scaled by `share`."""
         actor, critic = self.surrogate.actor_parameters.gradient, self.surrogate.critic_parameters.gradient
         learning, objective, error, steps = True, 0.0, 0.0, 0
@@ -161,7 +161,7 @@ class PPO(Algorithm):
         }
 
     @torch.no_grad()
-    def _divergence(self, samples: Samples) -> tuple[float, float]:
+    def _divergence(self, samples: PolicySamples) -> tuple[float, float]:
         """KL(old‖new) as E[ρ − 1 − log ρ], and the share of samples whose ρ is clipped."""
         log_ratio = self.actor.unit_log_prob(samples.observation, samples.action) - samples.log_prob
         ratio = log_ratio.exp()

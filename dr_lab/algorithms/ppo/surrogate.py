@@ -13,7 +13,7 @@ from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian_actor import GaussianActor
 
 
-class Samples(NamedTuple):
+class PolicySamples(NamedTuple):
     """Control steps to learn from, b of them.
 
     Attributes:
@@ -30,12 +30,12 @@ class Samples(NamedTuple):
     advantage: Tensor
     target: Tensor
 
-    def minibatches(self, size: int, generator: torch.Generator) -> Iterator["Samples"]:
+    def minibatches(self, size: int, generator: torch.Generator) -> Iterator["PolicySamples"]:
         """All of them once, in random order, `size` at a time; a remainder smaller than two is left out."""
         order = torch.randperm(len(self.target), generator=generator)
         for parts in zip(*(field[order].split(size) for field in self), strict=True):
             if len(parts[0]) > 1:  # advantages are standardised within a minibatch
-                yield Samples(*parts)
+                yield PolicySamples(*parts)
 
 
 class Terms(NamedTuple):
@@ -81,5 +81,5 @@ class Surrogate(ABC):
         require_numbers(self, "algorithm.surrogate", positive=("clip",))
 
     @abstractmethod
-    def differentiate(self, samples: Samples) -> Terms:
+    def differentiate(self, samples: PolicySamples) -> Terms:
         """The loss; its gradient is in `actor_parameters.gradient` and `critic_parameters.gradient` afterwards."""

@@ -7,7 +7,7 @@ from torch.distributions import Independent, Normal
 from torchrl.modules import ProbabilisticActor, ValueOperator
 from torchrl.objectives import ClipPPOLoss
 
-from dr_lab.algorithms.ppo.surrogate import Samples, Surrogate, Terms
+from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate, Terms
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.gaussian_actor import GaussianActor
 
@@ -41,7 +41,7 @@ class TorchRLSurrogate(Surrogate):
             functional=False,
         )
 
-    def differentiate(self, samples: Samples) -> Terms:
+    def differentiate(self, samples: PolicySamples) -> Terms:
         """The loss and its gradient."""
         fields = {
             "observation": samples.observation,

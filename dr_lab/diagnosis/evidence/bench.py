@@ -24,7 +24,7 @@ _LEAST = 1e-9
 
 
 @dataclass(frozen=True)
-class Explained:
+class FittedModel:
     """A model fitted to the fit windows and scored on the held-out ones.
 
     Attributes:
@@ -71,7 +71,7 @@ class Bench:
     confirms: Windows | None = None
     colour: float = 1.0
 
-    def beside(self, base: Explained) -> "Bench":
+    def beside(self, base: FittedModel) -> "Bench":
         """The bench on which models are compared with this one, whose residuals tell how many are independent."""
         return replace(self, colour=base.held_out.colour)
 
@@ -147,25 +147,27 @@ class Bench:
         return self if len(self.screened) == len(self.fit) else replace(self, fit=self.fit.pick(self.screened))
 
 
-def explain(bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf) -> Explained:
+def fit_and_score(
+    bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf
+) -> FittedModel:
     """Fit a model from a context, and states if given, and score it; of a `goal` see `Fitter.run`."""
     return scored(bench, model, fitted(bench, model, start, delta, goal))
 
 
 def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf) -> Fit:
-    """Fit a model as `explain` does."""
+    """Fit a model as `fit_and_score` does."""
     return Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta, goal=goal)
 
 
-def beyond_doubt(bench: Bench, explained: Explained) -> float:
+def beyond_doubt(bench: Bench, explained: FittedModel) -> float:
     """Cost above which another model is worse than a fitted one without a doubt; see `Fitter.run`."""
     return bench.beside(explained).cost_at(explained.fit, bench.enough)
 
 
-def fitted_alone(replay: Replay, fit: Fit) -> Explained:
+def fitted_alone(replay: Replay, fit: Fit) -> FittedModel:
     """A fit scored on the windows that it was fitted to, which takes no simulation and flatters it."""
     states = _states(fit)
-    return Explained(replay.model, fit, states, score_of(replay, states), apart=False)
+    return FittedModel(replay.model, fit, states, score_of(replay, states), apart=False)
 
 
 def scored(
@@ -175,7 +177,7 @@ def scored(
     threads: int | None = None,
     near: StateFit | None = None,
     stop: Event | None = None,
-) -> Explained:
+) -> FittedModel:
     """Score a fit on the held-out windows; `near` are states there of a similar model, `stop` ends it from outside."""
     replay, states = fit_states(model, fit.z, bench.held_out, bench.solver, threads or bench.threads, near, stop)
     score = score_of(replay, states)
@@ -184,7 +186,7 @@ def scored(
         found = left_out(fitted, fit, bench.solver, bench.evidence)
         others = replace(_states(fit), residuals=found.residuals, infeasible=found.infeasible)
         score = replace(score, foretold=score_of(fitted, others))
-    return Explained(model, fit, states, score, bench.apart)
+    return FittedModel(model, fit, states, score, bench.apart)
 
 
 def _states(fit: Fit) -> StateFit:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import pinvh
 from scipy.stats import chi2
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.physics.context import ContextEstimate
 
@@ -31,6 +31,6 @@ def chance(known: ContextEstimate, values: Mapping[str, float]) -> float:
     return float(chi2.sf(away @ pinvh(together) @ away, len(rows)))
 
 
-def known_of(bench: Bench, explained: Explained) -> ContextEstimate:
+def known_of(bench: Bench, explained: FittedModel) -> ContextEstimate:
     """What the fit windows tell of a model's parameters, the scatter between logs included."""
     return estimate(explained.model.space, explained.fit, bench.fit, bench.evidence)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import isnan
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, supported
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.fit.replay import Replay
@@ -64,7 +64,7 @@ class Confirmation:
         return "confirmed" if self.apart is not None and self.apart.gain.total_low > 0 else "undecided"
 
 
-def confirm(bench: Bench, predicted: Windows, base: Explained, last: Explained, fits: Fits) -> Confirmation | None:
+def confirm(bench: Bench, predicted: Windows, base: FittedModel, last: FittedModel, fits: Fits) -> Confirmation | None:
     """Compare a ladder's ends on windows that chose nothing.
 
     Args:
@@ -85,6 +85,6 @@ def confirm(bench: Bench, predicted: Windows, base: Explained, last: Explained, 
     return Confirmation(apart, known, supported(back, 0, bench.evidence))
 
 
-def _compared(bench: Bench, windows: Windows, first: Explained, second: Explained, fits: Fits) -> Comparison:
+def _compared(bench: Bench, windows: Windows, first: FittedModel, second: FittedModel, fits: Fits) -> Comparison:
     before, after = (score_of(*fits(each.model, each.fit.z, windows)) for each in (first, second))
     return Comparison(len(windows), before, after, paired_gain(before, after, bench.evidence))

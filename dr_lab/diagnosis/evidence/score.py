@@ -11,7 +11,7 @@ from dr_lab.diagnosis.evidence.colour import autocorrelation, correlation_time, 
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit
-from dr_lab.diagnosis.windows.windows import Samples
+from dr_lab.diagnosis.windows.windows import WindowSamples
 from dr_lab.trajectory import Array
 
 # How many times a force is integrated in what a channel of this kind reports.
@@ -147,7 +147,7 @@ def _channel_errors(
     return rmse, nrmse, percent
 
 
-def _spread(samples: Samples, scored: NDArray[np.bool_]) -> float:
+def _spread(samples: WindowSamples, scored: NDArray[np.bool_]) -> float:
     """Σ squared distance of the measured samples from their mean, as residuals measure it."""
     value = samples.value[scored]
     if not len(value):

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.fit.normal_equations import inverse_root
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.trajectory import Array
@@ -25,7 +25,7 @@ class Trade:
     second: float
 
 
-def trades(first: Explained, second: Explained, settings: EvidenceSettings) -> tuple[Trade, ...]:
+def trades(first: FittedModel, second: FittedModel, settings: EvidenceSettings) -> tuple[Trade, ...]:
     """Parameters that trade against the last effects of two models, the most telling first.
 
     Both models are one model with one effect each on top of it. A parameter of that model trades where its fitted
@@ -41,7 +41,7 @@ def trades(first: Explained, second: Explained, settings: EvidenceSettings) -> t
     )
 
 
-def _variance(explained: Explained) -> Array:
+def _variance(explained: FittedModel) -> Array:
     """Formal variance of every parameter of a fit, in its own unit."""
     information, _ = explained.fit.equations.window_information()
     root = inverse_root(information.sum(0), explained.fit.equations.prior)

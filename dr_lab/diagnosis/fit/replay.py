@@ -16,7 +16,7 @@ from dr_lab.diagnosis.windows.channels import Channel, Tape, available, residual
 from dr_lab.diagnosis.windows.invert_reading import reach, unread
 from dr_lab.diagnosis.windows.run_in import RunIn
 from dr_lab.diagnosis.windows.until_known import until_known
-from dr_lab.diagnosis.windows.windows import Samples, Windows
+from dr_lab.diagnosis.windows.windows import Windows, WindowSamples
 from dr_lab.errors import DataError
 from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
@@ -131,7 +131,7 @@ class Replay:
         """Huber weights of residuals (w, m), of windows (w,) that diverge none; see `huber_weights`."""
         return huber_weights(residuals, self.fitted, infeasible, limit, self.channels)
 
-    def by_channel(self, residuals: Array) -> Iterator[tuple[Samples, Array]]:
+    def by_channel(self, residuals: Array) -> Iterator[tuple[WindowSamples, Array]]:
         """Each channel's samples with its columns of the residuals, (w, all) → (w, m, size)."""
         for samples, columns in zip(self.windows.samples, self.channels, strict=True):
             yield samples, residuals[:, columns].reshape(*samples.time.shape, samples.channel.size)
@@ -191,7 +191,7 @@ class Replay:
         return act
 
     def _require_margin(self) -> None:
-        """Samples that one effect reads early or late must still lie within the simulation.
+        """WindowSamples that one effect reads early or late must still lie within the simulation.
 
         Where two effects together reach farther, at their bounds, the motion rests beyond its ends.
         """

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.effects.effect import PlacedEffect
@@ -27,7 +27,7 @@ class Candidate:
     """
 
     effect: PlacedEffect
-    explained: Explained
+    explained: FittedModel
     gain: Gain
     identifiability: Identifiability
     predicted: float

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.fit.levenberg_marquardt import movable
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
@@ -18,7 +18,7 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 
-def freed_score(bench: Bench, explained: Explained, effect: PlacedEffect, free: FreeLaw) -> Score:
+def freed_score(bench: Bench, explained: FittedModel, effect: PlacedEffect, free: FreeLaw) -> Score:
     """Score of a fitted model with a free law beside one of its effects, to first order.
 
     The step Δθ of all parameters and of the free law's is a full one on the fit windows, the states being eliminated.
@@ -45,7 +45,7 @@ def freed_score(bench: Bench, explained: Explained, effect: PlacedEffect, free: 
 
 
 def _columns(
-    bench: Bench, model: Model, explained: Explained, point: Point, windows: Windows, names: list[str]
+    bench: Bench, model: Model, explained: FittedModel, point: Point, windows: Windows, names: list[str]
 ) -> Array:
     """Slopes of the residuals of windows by parameters of the model with the free law, where that is absent."""
     space = model.space
@@ -54,7 +54,7 @@ def _columns(
     return differences(Replay(model, windows, bench.threads), bench.solver, at, states=False, columns=columns)
 
 
-def _step(bench: Bench, explained: Explained, free: Array) -> Array:
+def _step(bench: Bench, explained: FittedModel, free: Array) -> Array:
     """Step of the model's parameters and of the free law's, in widths of their bounds."""
     fit, space, solver = explained.fit, explained.model.space, bench.solver
     replay = Replay(explained.model, bench.fit, bench.threads)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import mujoco
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.paired_gain import Gain, at_floor, cleared, paired_gain
 from dr_lab.diagnosis.search.candidate import Candidate
@@ -13,13 +13,13 @@ from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.search.pruning import Pruned, PutBack, finished, lean
 from dr_lab.diagnosis.search.rank import Ranking, rank
 from dr_lab.diagnosis.search.restack import reconsider
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import Verdict, decide
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases, candidates
 from dr_lab.effects.effect import Effect, Scales
 
-Watch = Callable[[int], Callable[[str], None]]
+RankingWatch = Callable[[int], Callable[[str], None]]
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Rung:
         verdict: the judgement on them.
     """
 
-    base: Explained
+    base: FittedModel
     ranking: tuple[Candidate, ...]
     verdict: Verdict
 
@@ -53,8 +53,8 @@ class Ladder:
     """
 
     rungs: tuple[Rung, ...]
-    base: Explained
-    steps: tuple[Step, ...]
+    base: FittedModel
+    steps: tuple[AddedEffect, ...]
     refused: Mapping[str, str] = field(default_factory=dict)
     dropped: tuple[str, ...] = ()
     put_back: tuple[PutBack, ...] = ()
@@ -72,11 +72,11 @@ class Ladder:
         return {*self.dropped, *(back.richer for back in self.put_back)}
 
     @property
-    def models(self) -> tuple[Explained, ...]:
+    def models(self) -> tuple[FittedModel, ...]:
         """The ladder's models, the calibrated one first."""
         return (self.base, *(step.explained for step in self.steps))
 
-    def topped(self, last: Explained) -> "Ladder":
+    def topped(self, last: FittedModel) -> "Ladder":
         """The ladder with a better fit of its last model."""
         if not self.steps:
             return replace(self, base=last)
@@ -134,13 +134,13 @@ class Ladder:
 
 def climb(
     bench: Bench,
-    base: Explained,
+    base: FittedModel,
     effects: Mapping[str, Effect],
     scales: Scales,
     compiled: mujoco.MjModel,
     *,
     most: int,
-    watch: Watch,
+    watch: RankingWatch,
 ) -> Ladder:
     """Climb from a fitted base until `none`, `unexplained` or `most` added effects.
 
@@ -188,8 +188,8 @@ def _with_rung(bench: Bench, ladder: Ladder, ranking: Ranking, cases: SpecialCas
     return replace(ladder, rungs=rungs, steps=pruned.steps, dropped=dropped, put_back=put_back), over
 
 
-def step_from(rung: Rung) -> Step:
+def step_from(rung: Rung) -> AddedEffect:
     """The effect that a rung's verdict names first, or holds worth a trial, with its rivals; there must be one."""
     found, named = {c.effect.label: c for c in rung.ranking}, rung.verdict.effects
     chosen, *rivals = (found[label] for label in named or rung.verdict.trial)
-    return Step(chosen.explained, tuple(rivals), proven=bool(named))
+    return AddedEffect(chosen.explained, tuple(rivals), proven=bool(named))

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import mujoco
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain, at_floor, cleared, paired_gain, supported
 from dr_lab.diagnosis.search.free_command import free_command
 from dr_lab.diagnosis.search.free_inertia import free_inertia
 from dr_lab.diagnosis.search.free_law import FreeLaw
 from dr_lab.diagnosis.search.free_position import free_position
 from dr_lab.diagnosis.search.freed import freed_score
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.effect import PlacedEffect, Scales
 
 _AT_A_BOUND = 1e-3  # widths of the bounds
@@ -50,7 +50,9 @@ class LawCheck:
         )
 
 
-def check_laws(bench: Bench, steps: Sequence[Step], scales: Scales, compiled: mujoco.MjModel) -> tuple[LawCheck, ...]:
+def check_laws(
+    bench: Bench, steps: Sequence[AddedEffect], scales: Scales, compiled: mujoco.MjModel
+) -> tuple[LawCheck, ...]:
     """Check the laws of the effects that were added, each in the last model.
 
     A free law of the argument (`Effect.argument`) acts beside the effect at its place, and a linear step of both and of
@@ -91,13 +93,13 @@ def _free(bench: Bench, effect: PlacedEffect, scales: Scales, compiled: mujoco.M
     return free_inertia(effect.site, compiled) if effect.effect.argument == "inertia" else None
 
 
-def _at_a_bound(effect: PlacedEffect, explained: Explained) -> bool:
+def _at_a_bound(effect: PlacedEffect, explained: FittedModel) -> bool:
     values = explained.values()
     places = ((values[p.name] - p.low) / (p.high - p.low) for p in effect.parameters)
     return any(min(place, 1 - place) < _AT_A_BOUND for place in places)
 
 
-def _check(bench: Bench, last: Explained, effect: PlacedEffect, free: FreeLaw) -> LawCheck:
+def _check(bench: Bench, last: FittedModel, effect: PlacedEffect, free: FreeLaw) -> LawCheck:
     settings, evidence = bench.evidence.law, bench.evidence
     freed = freed_score(bench, last, effect, free)
     gain = paired_gain(last.held_out, freed, evidence)

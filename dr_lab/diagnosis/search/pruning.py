@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained, beyond_doubt, explain, fitted, scored
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score, fitted, scored
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.restack import stacked
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
@@ -51,12 +51,12 @@ class Pruned:
         put_back: the effects that were put back to a special case.
     """
 
-    steps: tuple[Step, ...]
+    steps: tuple[AddedEffect, ...]
     dropped: tuple[str, ...] = ()
     put_back: tuple[PutBack, ...] = ()
 
 
-def lean(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialCases) -> Pruned:
+def lean(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
     """Put back what is needlessly rich, then drop what is superfluous.
 
     In this order, because a richer effect can make up for another one that is missing, which then seems superfluous
@@ -69,7 +69,7 @@ def lean(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialC
     return Pruned(kept, dropped, put_back)
 
 
-def finished(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialCases) -> Pruned:
+def finished(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
     """The steps when the climb is over: trials judged, none needlessly rich, none that its own parameters doubt.
 
     Whether parameters are compatible with an effect's absence is asked here alone: as long as others are missing, what
@@ -84,8 +84,8 @@ def finished(bench: Bench, base: Explained, steps: tuple[Step, ...], cases: Spec
 
 
 def prune(
-    bench: Bench, base: Explained, steps: tuple[Step, ...], stays: Rule
-) -> tuple[tuple[Step, ...], tuple[str, ...]]:
+    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], stays: Rule
+) -> tuple[tuple[AddedEffect, ...], tuple[str, ...]]:
     """Drop effects without which the logs are explained as well: those on trial first, of these the earliest first.
 
     Args:
@@ -111,7 +111,9 @@ def prune(
     return steps, ()
 
 
-def drop_absent(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], tuple[str, ...]]:
+def drop_absent(
+    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...]
+) -> tuple[tuple[AddedEffect, ...], tuple[str, ...]]:
     """Drop effects of one parameter that is compatible with absent, the most doubtful one first.
 
     Its uncertainty is that of `covariance.estimate`, which holds the scatter between logs. An effect of several
@@ -136,8 +138,8 @@ def drop_absent(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple
 
 
 def simplify(
-    bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialCases
-) -> tuple[tuple[Step, ...], PutBack] | None:
+    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
+) -> tuple[tuple[AddedEffect, ...], PutBack] | None:
     """Put one effect back to a special case of it, the earliest that is needlessly rich.
 
     The richer one stands where the windows that score support it over the poorer one, and its further parameters are
@@ -168,7 +170,9 @@ def simplify(
     return None
 
 
-def _stands(bench: Bench, base: Explained, steps: tuple[Step, ...], place: int, swapped: Explained, count: int) -> bool:
+def _stands(
+    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, swapped: FittedModel, count: int
+) -> bool:
     """Whether the model with something else at a place, of so many parameters, is supported over none there."""
     fewer, base = _without(bench, base, steps, place)
     without = fewer[-1].explained if fewer else base
@@ -176,8 +180,8 @@ def _stands(bench: Bench, base: Explained, steps: tuple[Step, ...], place: int, 
 
 
 def _put_back(
-    bench: Bench, base: Explained, steps: tuple[Step, ...], cases: SpecialCases
-) -> tuple[tuple[Step, ...], tuple[PutBack, ...]]:
+    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
+) -> tuple[tuple[AddedEffect, ...], tuple[PutBack, ...]]:
     """All that is needlessly rich put back."""
     found = simplify(bench, base, steps, cases)
     if found is None:
@@ -197,7 +201,7 @@ class _Swap:
     def case(self) -> SpecialCase:
         return self.richer.effect.holds[self.poorer.effect.name]
 
-    def put_back(self, bench: Bench, whole: Explained) -> PutBack:
+    def put_back(self, bench: Bench, whole: FittedModel) -> PutBack:
         """What the richer effect has beyond the poorer one in a model that holds it."""
         known, names = known_of(bench, whole), {f"{self.richer.label}.{name}": name for name in self.case.further}
         rows = [known.space.index(name) for name in names]
@@ -206,13 +210,13 @@ class _Swap:
         further = dict(zip(names.values(), values, strict=True))
         return PutBack(self.richer.label, self.poorer.label, further, compatible)
 
-    def made(self, bench: Bench, base: Explained, explained: Explained, goal: float = np.inf) -> Explained:
-        """A model with the poorer effect, fitted from where it ended with the richer one; see `explain`."""
+    def made(self, bench: Bench, base: FittedModel, explained: FittedModel, goal: float = np.inf) -> FittedModel:
+        """A model with the poorer effect, fitted from where it ended with the richer one; see `fit_and_score`."""
         added = explained.model.effects[len(base.model.effects) :]
         swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
         model = functools.reduce(Model.with_effect, swapped, base.model)
         starts, delta = self._starts(model.space, explained.values()), explained.fit.delta
-        found = (explain(bench, model, z, delta, goal) for z in starts)
+        found = (fit_and_score(bench, model, z, delta, goal) for z in starts)
         return min(found, key=lambda each: each.fit.order)
 
     def _starts(self, space: ContextSpace, values: Mapping[str, float]) -> Sequence[Array]:
@@ -223,7 +227,7 @@ class _Swap:
         starts = [same] if same else self.poorer.starts or [{}]
         return [space.clip(space.vector({**rest, **start})) for start in starts]
 
-    def rivals(self, step: Step) -> tuple[Candidate, ...]:
+    def rivals(self, step: AddedEffect) -> tuple[Candidate, ...]:
         """The step's rivals but for the poorer effect itself and those that are a richer kind of it, too."""
         name, site = self.poorer.effect.name, self.poorer.site
         near = (c for c in step.rivals if c.effect.site == site)
@@ -231,22 +235,22 @@ class _Swap:
         return tuple(c for c in step.rivals if c not in needless)
 
 
-def _ended_early(explained: Explained, goal: float) -> bool:
+def _ended_early(explained: FittedModel, goal: float) -> bool:
     """Whether a fit was given up because it would not reach its goal."""
     return bool(np.isfinite(goal)) and explained.fit.cost > goal
 
 
 def _without(
-    bench: Bench, base: Explained, steps: tuple[Step, ...], place: int, goal: float = np.inf
-) -> tuple[tuple[Step, ...], Explained]:
-    """The steps without one of them, and their base, the last model fitted as well as it can; see `explain`."""
+    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, goal: float = np.inf
+) -> tuple[tuple[AddedEffect, ...], FittedModel]:
+    """The steps without one of them, and their base, the last model fitted as well as it can; see `fit_and_score`."""
     fewer = stacked(bench, base, steps[:place], steps[place + 1 :], goal)
     return _as_good_as_it_can(bench, base, fewer, steps[-1].explained, goal)
 
 
 def _as_good_as_it_can(
-    bench: Bench, base: Explained, fewer: tuple[Step, ...], whole: Explained, goal: float
-) -> tuple[tuple[Step, ...], Explained]:
+    bench: Bench, base: FittedModel, fewer: tuple[AddedEffect, ...], whole: FittedModel, goal: float
+) -> tuple[tuple[AddedEffect, ...], FittedModel]:
     """Steps that lack one effect of a whole ladder, the last model fitted anew from where the whole ladder's ended."""
     last = fewer[-1].explained if fewer else base
     values = whole.values()

@@ -12,14 +12,14 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained, fitted_alone, scored
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_alone, scored
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.as_special_case import further, special_case
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
-from dr_lab.diagnosis.search.screen import Look, linear_gain, look
+from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
 from dr_lab.diagnosis.search.shortlist import shortlist
 from dr_lab.diagnosis.search.side_by_side import side_by_side
 from dr_lab.effects.effect import PlacedEffect
@@ -38,11 +38,11 @@ class Ranking(NamedTuple):
         candidates: most evidence first, equal evidence by fewest parameters.
     """
 
-    base: Explained
+    base: FittedModel
     candidates: tuple[Candidate, ...]
 
 
-def rank(bench: Bench, base: Explained, placed: Sequence[PlacedEffect], done: Callable[[str], None]) -> Ranking:
+def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: Callable[[str], None]) -> Ranking:
     """Rank candidates beside a fitted model; `done` is told each label.
 
     1. Each is linearised at absent and at its further starts, on a part of the windows (`Bench.screening`).
@@ -70,7 +70,7 @@ class _Contest:
     """One ranking under way."""
 
     def __init__(
-        self, bench: Bench, base: Explained, placed: Sequence[PlacedEffect], done: Callable[[str], None]
+        self, bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: Callable[[str], None]
     ) -> None:
         self.bench, self.base, self.placed, self.done = bench.beside(base), base, placed, done
         self.stop = Event()
@@ -103,7 +103,7 @@ class _Contest:
             self.done(self.placed[k].label)
         return found
 
-    def _fit_wave(self, wave: list[int], looks: Sequence[Look], found: dict[int, Candidate]) -> None:
+    def _fit_wave(self, wave: list[int], looks: Sequence[FirstLook], found: dict[int, Candidate]) -> None:
         """Fit some candidates, an effect behind its special case: it may have nothing to add to that."""
         wave.sort(key=lambda k: -len(self.placed[k].parameters))  # those that take longest begin
         cases = self._special_cases(wave, sorted({*wave, *found}))
@@ -152,14 +152,14 @@ class _Contest:
         part = self.base.fit.pick(self.bench.screened)
         return Fitter(self._replay(self.thin), self.bench.solver).run(part.z, part.delta, part.slopes)
 
-    def _ask_all_windows(self, promise: Array, looks: Sequence[Look]) -> None:
+    def _ask_all_windows(self, promise: Array, looks: Sequence[FirstLook]) -> None:
         """Look at all windows where few promise something, but not much; there chance counts as none."""
         if self.thin is self.bench or promise.max(initial=0.0) > self.bench.enough:
             return
         unsure = [int(k) for k in np.flatnonzero(promise >= self.bench.hope)]
         promise[unsure] = self._side_by_side(unsure, lambda k: self._promise_of_all(k, looks[k]))
 
-    def _promise_of_all(self, k: int, first: Look) -> float:
+    def _promise_of_all(self, k: int, first: FirstLook) -> float:
         """What a candidate promises on all windows where it promised most on few."""
         fitter, base = self._fitter(self.bench, self.placed[k]), self.base.fit
         count = len(self.placed[k].parameters)
@@ -167,7 +167,7 @@ class _Contest:
         (there,) = fitter.outlooks(z[None], base.delta, base.slopes)
         return self.bench.promise(linear_gain(fitter, there, base), base, count)
 
-    def _look(self, k: int) -> Look:
+    def _look(self, k: int) -> FirstLook:
         return look(self._fitter(self.thin, self.placed[k]), self.placed[k], self.start)
 
     def _fitter(self, bench: Bench, effect: PlacedEffect) -> Fitter:
@@ -177,7 +177,7 @@ class _Contest:
     def _replay(self, bench: Bench, *effects: PlacedEffect) -> Replay:
         return Replay(functools.reduce(Model.with_effect, effects, self.base.model), bench.fit, 1, self.stop)
 
-    def _beside(self, k: int, first: Look, poorer: Candidate) -> Candidate:
+    def _beside(self, k: int, first: FirstLook, poorer: Candidate) -> Candidate:
         """Fit a candidate from its special case, if that explains much and a linear step from there promises more."""
         effect, case, settings = self.placed[k], poorer.effect, self.bench.evidence
         if self.thin is self.bench or not supported(poorer.gain, len(case.parameters), settings):
@@ -194,7 +194,7 @@ class _Contest:
         beside = self.bench.beside(poorer.explained)
         return there.fit, beside.promise(there.gain, fit, extra) >= beside.hope
 
-    def _try(self, k: int, first: Look) -> Candidate:
+    def _try(self, k: int, first: FirstLook) -> Candidate:
         """Fit one candidate from the base's solution and from its further starts.
 
         A short run shows whether a start away from absent is worth going on from.
@@ -214,7 +214,7 @@ class _Contest:
             return self._candidate(effect, fit, first.identifiability, first.gain / base.cost)
         return self._rough_candidate(fitter, effect, fit, first)
 
-    def _rough_candidate(self, fitter: Fitter, effect: PlacedEffect, fit: Fit, first: Look) -> Candidate:
+    def _rough_candidate(self, fitter: Fitter, effect: PlacedEffect, fit: Fit, first: FirstLook) -> Candidate:
         explained = fitted_alone(fitter.replay, fit)
         gain = paired_gain(self.ground.held_out, explained.held_out, self.bench.evidence)
         return Candidate(effect, explained, gain, first.identifiability, first.gain / self.start.cost, final=False)
@@ -263,7 +263,7 @@ class _Contest:
     def _unfitted(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
         """A candidate that stays absent, where it is the base."""
         base = self.base
-        explained = Explained(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
+        explained = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
         gain = paired_gain(base.held_out, base.held_out, self.bench.evidence)
         return Candidate(effect, explained, gain, known, predicted, False, False)
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.search.candidate import Candidate
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 
 
-def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[Step, ...]:
+def reconsider(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...]) -> tuple[AddedEffect, ...]:
     """Try every rival of an earlier effect in its place, beside all that was added since.
 
     A rival that was added itself since then stands beside the effect, not in its place.
@@ -32,9 +32,9 @@ def reconsider(bench: Bench, base: Explained, steps: tuple[Step, ...]) -> tuple[
 
 
 def stacked(
-    bench: Bench, base: Explained, below: Sequence[Step], above: Sequence[Step], goal: float = np.inf
-) -> tuple[Step, ...]:
-    """Steps on top of others than they stood on, refitted where that matters; the last has a `goal`, see `explain`."""
+    bench: Bench, base: FittedModel, below: Sequence[AddedEffect], above: Sequence[AddedEffect], goal: float = np.inf
+) -> tuple[AddedEffect, ...]:
+    """Steps on top of others than they stood on, refitted where that matters; of its `goal` see `Fitter.run`."""
     found = list(below)
     for step in above:
         ground, wanted = found[-1].explained if found else base, goal if step is above[-1] else np.inf
@@ -42,23 +42,25 @@ def stacked(
     return tuple(found)
 
 
-def _without(steps: tuple[Step, ...], place: int, rival: Candidate) -> tuple[Step, ...]:
+def _without(steps: tuple[AddedEffect, ...], place: int, rival: Candidate) -> tuple[AddedEffect, ...]:
     kept = tuple(r for r in steps[place].rivals if r is not rival)
     return (*steps[:place], replace(steps[place], rivals=kept), *steps[place + 1 :])
 
 
-def _swap(bench: Bench, base: Explained, steps: Sequence[Step], place: int, rival: Candidate) -> tuple[Step, ...]:
+def _swap(
+    bench: Bench, base: FittedModel, steps: Sequence[AddedEffect], place: int, rival: Candidate
+) -> tuple[AddedEffect, ...]:
     """The steps with a rival at one place, later models refitted; what it replaced explains less and is dropped."""
     others = tuple(r for r in steps[place].rivals if r is not rival)
     swapped = replace(steps[place], explained=rival.explained, rivals=others)
     return stacked(bench, base, steps[:place], (swapped, *steps[place + 1 :]))
 
 
-def _on(bench: Bench, below: Explained, explained: Explained, goal: float) -> Explained:
+def _on(bench: Bench, below: FittedModel, explained: FittedModel, goal: float) -> FittedModel:
     """The last effect of a fitted model on top of another model; refitted where that is not what it stood on."""
     *others, last = explained.model.effects
     if [e.label for e in others] == [e.label for e in below.model.effects]:
         return explained
     model, values = below.model.with_effect(last), explained.values() | below.values()
     start = model.space.vector({name: value for name, value in values.items() if name in model.space.names})
-    return explain(bench, model, start, below.fit.delta, goal)
+    return fit_and_score(bench, model, start, below.fit.delta, goal)

@@ -12,7 +12,7 @@ from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class Look:
+class FirstLook:
     """One candidate, linearised at absent and at its further starts.
 
     Attributes:
@@ -30,7 +30,7 @@ class Look:
     gain: float
 
 
-def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> Look:
+def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> FirstLook:
     """Linearise a candidate beside a converged fit of the model without it.
 
     At absent the model is the base, so the base's residuals and slopes are the candidate's; elsewhere the slopes are
@@ -48,7 +48,7 @@ def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> Look:
     known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
     gains = [linear_gain(fitter, fit, base) for fit in fits]
     absent, best = replace(fits[0], slopes=base.slopes), int(np.argmax(gains))
-    return Look(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best])
+    return FirstLook(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best])
 
 
 def linear_gain(fitter: Fitter, fit: Fit, base: Fit) -> float:

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import cast
 
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.effects.effect import PlacedEffect
 
 
 @dataclass(frozen=True)
-class Step:
+class AddedEffect:
     """One effect that was added.
 
     Attributes:
@@ -19,7 +19,7 @@ class Step:
             it.
     """
 
-    explained: Explained
+    explained: FittedModel
     rivals: tuple[Candidate, ...]
     proven: bool = True
 

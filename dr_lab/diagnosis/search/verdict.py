@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
 
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import (
     Gain,
     at_floor,
@@ -46,7 +46,7 @@ class Verdict:
 
 
 def decide(
-    base: Explained, ranking: Sequence[Candidate], settings: EvidenceSettings, scored: str = "held-out logs"
+    base: FittedModel, ranking: Sequence[Candidate], settings: EvidenceSettings, scored: str = "held-out logs"
 ) -> Verdict:
     """Judge a ranking, most evidence first.
 
@@ -80,7 +80,7 @@ def _passes(
     return asked(candidate.gain, len(candidate.effect.parameters), settings)
 
 
-def _kind(base: Explained, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings) -> str:
+def _kind(base: FittedModel, group: Sequence[Candidate], status: Mapping[str, str], settings: EvidenceSettings) -> str:
     if group:
         return "named" if len(group) == 1 else "equivalent"
     if not at_floor(base.held_out, settings):
@@ -90,7 +90,7 @@ def _kind(base: Explained, group: Sequence[Candidate], status: Mapping[str, str]
 
 def _reason(
     kind: str,
-    base: Explained,
+    base: FittedModel,
     group: Sequence[Candidate],
     status: Mapping[str, str],
     settings: EvidenceSettings,
@@ -124,7 +124,7 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
     )
 
 
-def _worth(base: Explained, candidate: Candidate, settings: EvidenceSettings) -> str:
+def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) -> str:
     """What decides for a candidate, and beside it the mean χ², on which a single wild window weighs more."""
     gain, means = candidate.gain, (base.held_out.chi2, candidate.explained.held_out.chi2)
     needed = settings.threshold + settings.penalty * len(candidate.effect.parameters)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dr_lab.diagnosis.windows.windows import Samples, Windows
+from dr_lab.diagnosis.windows.windows import Windows, WindowSamples
 
 
 def until_known(windows: Windows) -> Windows:
@@ -23,6 +23,6 @@ def until_known(windows: Windows) -> Windows:
     return replace(windows, samples=samples, controls=windows.controls[:, :steps])
 
 
-def _fitted_alone(samples: Samples, last: float) -> Samples:
+def _fitted_alone(samples: WindowSamples, last: float) -> WindowSamples:
     """Without the samples that only score, whose times are drawn to where the simulation still reaches."""
     return replace(samples, time=np.minimum(samples.time, last), scored=np.logical_and(samples.scored, samples.fitted))

@@ -19,7 +19,7 @@ Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Samples:
+class WindowSamples:
     """Samples of one channel in w windows, padded to m columns.
 
     Attributes:
@@ -38,7 +38,7 @@ class Samples:
     fitted: Mask
     scored: Mask
 
-    def pick(self, rows: NDArray[np.intp]) -> "Samples":
+    def pick(self, rows: NDArray[np.intp]) -> "WindowSamples":
         """The samples of some windows."""
         kept = {name: getattr(self, name)[rows] for name in ("time", "value", "fitted", "scored")}
         return replace(self, **kept)
@@ -67,7 +67,7 @@ class Windows:
     log: NDArray[np.intp]
     logs: tuple[str, ...]
     begin: Array
-    samples: tuple[Samples, ...]
+    samples: tuple[WindowSamples, ...]
     controls: Array
     past: Array
     before: Before
@@ -244,7 +244,7 @@ def _all_samples(
     begins: Sequence[Array],
     measured: MeasurementSet,
     settings: WindowSettings,
-) -> tuple[Samples, ...]:
+) -> tuple[WindowSamples, ...]:
     """The samples of every channel in all windows."""
     samples = tuple(
         _samples(channel, logs, begins, measured.noise[channel.name], settings)
@@ -257,7 +257,7 @@ def _all_samples(
 
 def _samples(
     channel: Channel, logs: Sequence[Log], begins: Sequence[Array], noise: Noise, settings: WindowSettings
-) -> Samples:
+) -> WindowSamples:
     """Pad the samples of one channel in all windows to one width."""
     lead, signals = settings.margin + settings.run_in, [log.outputs[channel.name] for log in logs]
     first = np.cumsum([0, *map(len, signals)])  # of each log's samples among those of all
@@ -276,4 +276,4 @@ def _samples(
     known = column < middle - start
     scored = inside & ~known
     std = noise.std * (2.0 if channel.kind == "orientation" else 1.0)  # a turn by φ moves a unit quaternion by φ/2
-    return Samples(channel, std, time, value, known if settings.run_in > 0 else scored, scored)
+    return WindowSamples(channel, std, time, value, known if settings.run_in > 0 else scored, scored)

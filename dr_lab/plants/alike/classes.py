@@ -15,11 +15,11 @@ from dr_lab.plants.alike.lacking import lacking, lacking_with
 from dr_lab.plants.alike.regression import Regression
 from dr_lab.plants.alike.response import Signature, response
 from dr_lab.plants.alike.rival import Rival, lacked
-from dr_lab.plants.bench import Bench
 from dr_lab.plants.hidden.composite import Composite
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.hidden.no_effect import NoEffect
 from dr_lab.plants.hidden.several import Several
+from dr_lab.plants.rig import Rig
 from dr_lab.trajectory import Array
 
 _SHARE = 0.01  # of a free parameter; what it changes is linear
@@ -50,7 +50,7 @@ class Classes:
     parts: int
     grids: Grids
 
-    def of(self, bench: Bench, seed: int) -> dict[str, dict[str, int]]:
+    def of(self, bench: Rig, seed: int) -> dict[str, dict[str, int]]:
         """The class of every effect that is hidden: ``effect@site`` → number of parameters, 0 for the base."""
         parts = bench.hidden.parts if isinstance(bench.hidden, Composite) else (bench.hidden,)
         labels = [part.label for part in parts]
@@ -78,7 +78,7 @@ class Classes:
         )
 
 
-def _free(course: Course, bench: Bench, seed: int) -> Iterator[Array]:
+def _free(course: Course, bench: Rig, seed: int) -> Iterator[Array]:
     """What a unit of each free parameter, a share of its value, changes in what the base lacks."""
     command, true = course.mean_command(NoEffect()), bench.nominal.true_values(seed)
     base = lacking(course, course.machine, command)

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.errors import ConfigError
-from dr_lab.plants.bench import Bench
 from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.machine import Machine
 from dr_lab.plants.memory import SlowReading
 from dr_lab.plants.mujoco_machine import MujocoMachine
+from dr_lab.plants.rig import Rig
 from dr_lab.trajectory import Array
 
 _AT_REST = 1e-7  # rad/s or m/s; a joint that friction holds is slower by orders, one that moves faster
@@ -102,7 +102,7 @@ class Course:
         return np.clip(self.velocity / np.maximum(change, _AT_REST), -1.0, 1.0)
 
 
-def courses(bench: Bench, seed: int, settling: float, parts: int) -> Iterator[Course]:
+def courses(bench: Rig, seed: int, settling: float, parts: int) -> Iterator[Course]:
     """The logs of the machine that a seed stands for, one after the other.
 
     Args:

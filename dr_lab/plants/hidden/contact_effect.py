@@ -7,7 +7,7 @@ from dr_lab.plants.mujoco_machine import MujocoMachine
 from dr_lab.plants.pinocchio_machine import PinocchioMachine
 
 
-class ContactEffect(HiddenEffect):
+class HiddenContactEffect(HiddenEffect):
     """An effect of all contacts of a machine, at the body that touches the ground."""
 
     def touching(self, machine: Machine) -> MujocoMachine:

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.hidden.contact_effect import ContactEffect
+from dr_lab.plants.hidden.contact_effect import HiddenContactEffect
 from dr_lab.plants.machine import Machine
 
 
 @dataclass(frozen=True)
-class ContactFriction(ContactEffect):
+class ContactFriction(HiddenContactEffect):
     """|f_t| ≤ factor · μ f_n.
 
     Attributes:

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dr_lab.plants.hidden.contact_effect import ContactEffect
+from dr_lab.plants.hidden.contact_effect import HiddenContactEffect
 from dr_lab.plants.machine import Machine
 
 
 @dataclass(frozen=True)
-class ContactStiffness(ContactEffect):
+class ContactStiffness(HiddenContactEffect):
     """A penetration r that obeys r'' + 2 r'/T + r/(T ζ)² = 0, as MuJoCo's contacts do, with another T and ζ.
 
     Attributes:

@@ -6,7 +6,7 @@ import numpy as np
 import torch
 
 from dr_lab.algorithms.ppo.explicit_surrogate import ExplicitSurrogate
-from dr_lab.algorithms.ppo.surrogate import Samples, Surrogate
+from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate
 from dr_lab.algorithms.ppo.torchrl_surrogate import TorchRLSurrogate
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.gaussian_actor import GaussianActor
@@ -24,11 +24,11 @@ def surrogate(kind: type[Surrogate]) -> Surrogate:
     return kind(old_actor(), Critic(WIDTH, 1, [64, 64], "tanh"), clip=0.2, entropy_weight=0.01, critic_weight=0.5)
 
 
-def samples() -> Samples:
+def samples() -> PolicySamples:
     draw = partial(torch.randn, generator=torch.Generator().manual_seed(2))
     observation, action = draw(ROWS, WIDTH), draw(ROWS, ACTIONS)
     log_prob = old_actor().unit_log_prob(observation, action).detach() + 0.3 * draw(ROWS)
-    return Samples(observation, action, log_prob, 2.0 + 3.0 * draw(ROWS), draw(ROWS))
+    return PolicySamples(observation, action, log_prob, 2.0 + 3.0 * draw(ROWS), draw(ROWS))
 
 
 def test_values_and_gradients_equal_torchrl() -> None:

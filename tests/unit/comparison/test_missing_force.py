@@ -18,7 +18,7 @@ from diagnosis_machines import (
 
 from dr_lab.comparison.missing_force import missing_forces
 from dr_lab.comparison.study import prepare
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.trajectory import Array
 
 MASS, DAMPING = 0.5, 0.05
@@ -48,7 +48,7 @@ def found(*dampings: float) -> dict[str, Any]:
         1,
     )
     fits = [cast(Any, Fitted(np.array([MASS, damping]))) for damping in dampings]
-    (entry,) = missing_forces(study, [Explained(model, fit, nothing, nothing) for fit in fits])
+    (entry,) = missing_forces(study, [FittedModel(model, fit, nothing, nothing) for fit in fits])
     return entry
 
 

@@ -16,7 +16,7 @@ from diagnosis_machines import (
     windows_settings,
 )
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation, confirm
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.windows.windows import Windows
@@ -46,11 +46,11 @@ def test_status(apart: Comparison | None, worse: bool, status: str) -> None:
     assert Confirmation(apart, comparison(1.0, 0.0), worse).status == status
 
 
-def at(model: Model, bench: Bench, damping: float) -> Explained:
+def at(model: Model, bench: Bench, damping: float) -> FittedModel:
     """The model with a damping that is not fitted."""
     fixed = {"hinge.damping": {**FREE["hinge.damping"], "low": damping - 1e-9, "high": damping + 1e-9}}
     rubbed = PENDULUM.replace('damping="0.05"', f'damping="{damping}"')
-    return explain(bench, model_of(rubbed, fixed), np.array([damping]))
+    return fit_and_score(bench, model_of(rubbed, fixed), np.array([damping]))
 
 
 def test_what_predicts_worse_beyond_doubt_contradicts_and_what_predicts_better_does_not() -> None:

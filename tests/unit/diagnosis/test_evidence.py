@@ -33,7 +33,7 @@ SETTINGS = EvidenceSettings(
     penalty=2.0,
     floor=1.1,
     absorbed=1e-3,
-    told=0.2,
+    replacement_share=0.2,
     law=LawSettings(knots=4, factor=2.0, least_closed=0.7),
 )
 

@@ -7,14 +7,14 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.paired_gain import supported
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.ladder import Ladder, climb
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean, prune
 from dr_lab.diagnosis.search.restack import reconsider
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import Effect, place
 from dr_lab.physics.model import Model
@@ -42,7 +42,7 @@ def bench_of(logs: list[Log], model: Model, **asked: float) -> Bench:
 def climbed(logs: list[Log], *names: str, most: int = 3, asked: Mapping[str, float] = DEFAULT) -> Ladder:
     model = pendulum()
     bench, compiled = bench_of(logs, model, **asked), model.nominal()
-    base = explain(bench, model, model.space.nominal)
+    base = fit_and_score(bench, model, model.space.nominal)
     effects: dict[str, Effect] = {name: catalogue_effect(name) for name in names}
     scales = machine_scales(compiled, logs[:2], 0.03)
     return climb(bench, base, effects, scales, compiled, most=most, watch=lambda _: lambda _: None)
@@ -96,7 +96,7 @@ def test_where_the_fit_logs_score_no_model_has_logs_apart() -> None:
     model, logs = pendulum(), rubbing(0.05, 0.1)[:1]
     windows = windows_of(model, logs)
     bench = Bench(windows, windows, solver_settings(), evidence_settings(), 1)
-    base, compiled = explain(bench, model, model.space.nominal), model.nominal()
+    base, compiled = fit_and_score(bench, model, model.space.nominal), model.nominal()
     effects = {"constant_offset": catalogue_effect("constant_offset")}
     scales = machine_scales(compiled, logs, 0.03)
     ladder = climb(bench, base, effects, scales, compiled, most=0, watch=lambda _: lambda _: None)
@@ -116,7 +116,7 @@ def test_a_rival_that_is_added_later_is_no_rival_any_more() -> None:
     rival = next(c for c in ladder.rungs[0].ranking if c.effect.label == added)
     logs = rubbing(0.05, 0.1)
     bench = bench_of(logs, pendulum())
-    steps = reconsider(bench, ladder.base, (Step(first.explained, (rival,)), second))
+    steps = reconsider(bench, ladder.base, (AddedEffect(first.explained, (rival,)), second))
     assert steps[0].rivals == ()
     assert steps[-1] is second
 
@@ -130,8 +130,8 @@ def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
     kept, wrong, right = (found[name] for name in ("constant_offset", "quadratic_drag", "coulomb_friction"))
     # the drag came first, with friction as its rival; then the offset, with the delay as its rival
     second = explain_on(bench, wrong.explained, kept)
-    steps = (Step(wrong.explained, (right,)), Step(second, (found["actuator_delay"],)))
-    steps = (*steps, Step(explain_on(bench, second, found["actuator_delay"]), ()))
+    steps = (AddedEffect(wrong.explained, (right,)), AddedEffect(second, (found["actuator_delay"],)))
+    steps = (*steps, AddedEffect(explain_on(bench, second, found["actuator_delay"]), ()))
     better = reconsider(bench, ladder.base, steps)
     stacked = [[e.label for e in step.explained.model.effects] for step in better]
     assert stacked[0] == [right.effect.label]
@@ -141,9 +141,9 @@ def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
     assert better[0].rivals == better[1].rivals == ()
 
 
-def explain_on(bench: Bench, below: Explained, candidate: Candidate) -> Explained:
+def explain_on(bench: Bench, below: FittedModel, candidate: Candidate) -> FittedModel:
     model = below.model.with_effect(candidate.effect)
-    return explain(bench, model, np.append(below.fit.z, [p.nominal for p in candidate.effect.parameters]))
+    return fit_and_score(bench, model, np.append(below.fit.z, [p.nominal for p in candidate.effect.parameters]))
 
 
 def test_what_later_effects_made_superfluous_is_dropped() -> None:
@@ -155,7 +155,7 @@ def test_what_later_effects_made_superfluous_is_dropped() -> None:
         for name in ("quadratic_drag", "coulomb_friction", "constant_offset")
     )
     second = explain_on(bench, drag.explained, friction)
-    steps = tuple(Step(e, ()) for e in (drag.explained, second, explain_on(bench, second, offset)))
+    steps = tuple(AddedEffect(e, ()) for e in (drag.explained, second, explain_on(bench, second, offset)))
     kept, dropped = prune(bench, ladder.base, steps, supported)
     assert dropped == ("quadratic_drag@hinge",)
     assert [s.explained.model.effects[-1].label for s in kept] == ["coulomb_friction@hinge", "constant_offset@hinge"]
@@ -172,12 +172,12 @@ def test_asymmetric_friction_beside_a_tilt_that_was_missing_is_put_back_to_coulo
     true = model.with_effect(friction).with_effect(tilt)
     machine = true.compile(true.space.vector({f"{friction.label}.torque": 0.05, f"{tilt.label}.about_y": 0.04}))
     bench = bench_of([swinging(f"log_{k}", machine, k, seconds=2.0) for k in range(3)], model)
-    base = explain(bench, model, model.space.nominal)
+    base = fit_and_score(bench, model, model.space.nominal)
     first = model.with_effect(richer)
     begin = first.space.vector({f"{richer.label}.mean": 0.04})
-    skewed = explain(bench, first, begin)
-    second = explain(bench, first.with_effect(tilt), np.append(skewed.fit.z, 0.0), skewed.fit.delta)
-    found = lean(bench, base, (Step(skewed, ()), Step(second, ())), cases)
+    skewed = fit_and_score(bench, first, begin)
+    second = fit_and_score(bench, first.with_effect(tilt), np.append(skewed.fit.z, 0.0), skewed.fit.delta)
+    found = lean(bench, base, (AddedEffect(skewed, ()), AddedEffect(second, ())), cases)
     assert [s.effect.label for s in found.steps] == [friction.label, tilt.label]
     assert found.dropped == ()
     (back,) = found.put_back

@@ -9,13 +9,13 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect, hanging
 
-from dr_lab.diagnosis.evidence.bench import Bench, explain
+from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.free_inertia import free_inertia
 from dr_lab.diagnosis.search.free_law import curve
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.effect import place
 
 WIDTH = 0.3  # N·m, of the dead zone; the command goes up to 1 N·m
@@ -53,12 +53,12 @@ def judged(
     compiled, scales = model.nominal(), machine_scales(model.nominal(), logs[:2], 0.03)
     windows = windows_of(model, logs[:2]), windows_of(model, logs[2:])
     bench = Bench(*windows, solver_settings(), evidence_settings(), 1)
-    base = explain(bench, model, model.space.nominal)
+    base = fit_and_score(bench, model, model.space.nominal)
     placed = place(catalogue_effect(effect), compiled, site, scales)
     starts = [base.values() | dict(start) for start in ({}, *placed.starts)]
     extended = base.model.with_effect(placed)
-    fitted = (explain(bench, extended, extended.space.vector(start), base.fit.delta) for start in starts)
-    step = Step(min(fitted, key=lambda each: each.fit.order), ())
+    fitted = (fit_and_score(bench, extended, extended.space.vector(start), base.fit.delta) for start in starts)
+    step = AddedEffect(min(fitted, key=lambda each: each.fit.order), ())
     return Ladder((), base, (step,)), check_laws(bench, (step,), scales, compiled), bench
 
 

@@ -9,17 +9,17 @@ from effect_machines import block, placed
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.next_experiment import ExperimentSettings, Machine, propose
+from dr_lab.diagnosis.next_experiment import ExperimentMachine, ExperimentSettings, propose
 from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
 
 LIMIT = 6.0  # N
 WINDOWS = windows_settings(seconds=3.6)
-MACHINE = Machine(
+MACHINE = ExperimentMachine(
     start=np.zeros(1),
     limits={"drive": (-LIMIT, LIMIT)},
     noise={"rail.position": Noise(NOISE, "m", "given")},
@@ -29,10 +29,10 @@ MACHINE = Machine(
 )
 
 
-def fitted(effect: str, *values: float, site: str = "rail") -> Explained:
+def fitted(effect: str, *values: float, site: str = "rail") -> FittedModel:
     """A block on a rail with one effect at the given values."""
     model = block().with_effect(placed(block(), effect, site))
-    return Explained(model, cast(Any, SimpleNamespace(z=np.array(values))), cast(Any, None), cast(Any, None))
+    return FittedModel(model, cast(Any, SimpleNamespace(z=np.array(values))), cast(Any, None), cast(Any, None))
 
 
 def settings() -> ExperimentSettings:
@@ -87,7 +87,7 @@ def test_what_is_the_same_to_every_experiment_is_not_separated() -> None:
 
 
 def test_the_command_uses_a_range_that_is_not_symmetric() -> None:
-    machine = Machine(**{**vars(MACHINE), "limits": {"drive": (1.0, 3.0)}})
+    machine = ExperimentMachine(**{**vars(MACHINE), "limits": {"drive": (1.0, 3.0)}})
     found = propose(COULOMB, VISCOUS, machine, settings())
     assert found is not None
     value = found.commands["drive"].value

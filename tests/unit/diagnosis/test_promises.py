@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 
-from dr_lab.diagnosis.evidence.bench import Bench, beyond_doubt, explain
+from dr_lab.diagnosis.evidence.bench import Bench, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fit
 
 WINDOWS = windows_of(pendulum(), [swinging("a", pendulum().nominal(), 0)])
@@ -52,7 +52,7 @@ def test_no_cost_is_hoped_for_where_windows_diverge() -> None:
 
 def test_coloured_residuals_leave_more_room_for_doubt() -> None:
     model = pendulum()
-    found = explain(BENCH, model, model.space.nominal)
+    found = fit_and_score(BENCH, model, model.space.nominal)
     doubt = beyond_doubt(BENCH, found)
     enough = BENCH.evidence.enough_hope * BENCH.evidence.threshold
     assert doubt == pytest.approx(found.fit.cost * np.exp(enough * found.held_out.colour / BENCH.samples))

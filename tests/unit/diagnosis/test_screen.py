@@ -6,11 +6,11 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect, scales_of
 
-from dr_lab.diagnosis.evidence.bench import Bench, Explained, explain
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.rank import rank
-from dr_lab.diagnosis.search.screen import Look, look
+from dr_lab.diagnosis.search.screen import FirstLook, look
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
 
@@ -32,17 +32,17 @@ def drive(data: mujoco.MjData) -> None:
     data.qfrc_applied[0] = OFFSET * np.tanh(data.qvel[0] / 0.05)
 
 
-def bench_of(force: Callable[[mujoco.MjData], None] = push, **evidence: float) -> tuple[Bench, Explained]:
+def bench_of(force: Callable[[mujoco.MjData], None] = push, **evidence: float) -> tuple[Bench, FittedModel]:
     """A pendulum that a hidden force acts on, and the fit of the model without it."""
     model = pendulum()
     fit, held_out = (
         windows_of(model, [swinging(n, model.nominal(), seed, force=force)]) for n, seed in (("a", 0), ("b", 1))
     )
     bench = Bench(fit, held_out, solver_settings(), evidence_settings(**evidence), threads=1)
-    return bench, explain(bench, model, model.space.nominal)
+    return bench, fit_and_score(bench, model, model.space.nominal)
 
 
-def looked(bench: Bench, base: Explained, name: str, site: str) -> Look:
+def looked(bench: Bench, base: FittedModel, name: str, site: str) -> FirstLook:
     model = pendulum()
     effect = place(catalogue_effect(name), model.nominal(), site, scales_of(model, torque=0.5))
     return look(Fitter(Replay(model.with_effect(effect), bench.fit, 1), bench.solver), effect, base.fit)

@@ -5,7 +5,7 @@ import numpy as np
 from diagnosis_machines import evidence_settings, model_of
 from effect_machines import placed
 
-from dr_lab.diagnosis.evidence.bench import Explained
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.trade import Trade, trades
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.physics.model import Model
@@ -28,7 +28,7 @@ class KnownFit:
     equations: NormalEquations
 
 
-def fitted(effect: str, site: str, z: list[float], std: list[float]) -> Explained:
+def fitted(effect: str, site: str, z: list[float], std: list[float]) -> FittedModel:
     """The block with one effect, at values z known to standard deviations, both in the parameters' units."""
     plain: Model = model_of(BLOCK, PARAMETERS)
     model = plain.with_effect(placed(plain, effect, site))
@@ -45,7 +45,7 @@ def fitted(effect: str, site: str, z: list[float], std: list[float]) -> Explaine
         prior_gradient=np.zeros(count),
     )
     unknown = cast(Any, None)
-    return Explained(model, cast(Any, KnownFit(np.array(z), equations)), unknown, unknown)
+    return FittedModel(model, cast(Any, KnownFit(np.array(z), equations)), unknown, unknown)
 
 
 def test_what_lies_farther_apart_than_the_evidence_asks_is_told() -> None:

@@ -11,7 +11,7 @@ from diagnosis_machines import evidence_settings
 from effect_machines import block, placed
 
 from dr_lab.comparison.notes import put_back
-from dr_lab.diagnosis.evidence.bench import Bench, Explained
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, worth_a_trial
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.fit.identifiability import Identifiability
@@ -20,7 +20,7 @@ from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.pruning import PutBack
 from dr_lab.diagnosis.search.rank import Ranking
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
@@ -44,12 +44,12 @@ def score(excess: Array) -> Score:
     return Score(float(sums.sum() / counts.sum()), {}, {}, {}, sums, counts, np.zeros(WINDOWS, np.intp), 0)
 
 
-def explained(effects: Sequence[PlacedEffect], excess: Array) -> Explained:
+def explained(effects: Sequence[PlacedEffect], excess: Array) -> FittedModel:
     model, fit = SimpleNamespace(effects=tuple(effects)), SimpleNamespace(below=lambda _: 0.0)
-    return Explained(cast(Any, model), cast(Any, fit), cast(Any, None), score(excess))
+    return FittedModel(cast(Any, model), cast(Any, fit), cast(Any, None), score(excess))
 
 
-def effects_of(found: Explained) -> tuple[PlacedEffect, ...]:
+def effects_of(found: FittedModel) -> tuple[PlacedEffect, ...]:
     return cast(tuple[PlacedEffect, ...], found.model.effects)
 
 
@@ -64,34 +64,34 @@ class Machine:
     ) -> None:
         self.effects, self.left, self.known = effects, left, known or {}
 
-    def explain(self, effects: tuple[PlacedEffect, ...]) -> Explained:
+    def explain(self, effects: tuple[PlacedEffect, ...]) -> FittedModel:
         return explained(effects, self.left(effects))
 
     def candidates(self, model: Any, *_: object) -> SimpleNamespace:  # noqa: ANN401 (a model's double)
         return SimpleNamespace(placed=[e for e in self.effects if e not in model.effects], refused={})
 
-    def rank(self, _: Bench, base: Explained, placed: Sequence[PlacedEffect], __: object) -> Ranking:
+    def rank(self, _: Bench, base: FittedModel, placed: Sequence[PlacedEffect], __: object) -> Ranking:
         found = [candidate(base, self.explain((*effects_of(base), effect))) for effect in placed]
         return Ranking(base, tuple(sorted(found, key=lambda c: -c.gain.total)))
 
-    def on(self, _: Bench, below: Explained, above: Explained, __: float) -> Explained:
+    def on(self, _: Bench, below: FittedModel, above: FittedModel, __: float) -> FittedModel:
         return self.explain((*effects_of(below), effects_of(above)[-1]))
 
     def special_cases(self, richer: PlacedEffect, model: Any) -> list[PlacedEffect]:  # noqa: ANN401 (a model's double)
         free = (effect for effect in self.effects if effect not in model.effects)
         return [effect for effect in free if effect.effect.name in richer.effect.holds]
 
-    def known_of(self, _: Bench, found: Explained) -> ContextEstimate:
+    def known_of(self, _: Bench, found: FittedModel) -> ContextEstimate:
         """Parameters beyond doubt, but for those of which other values and standard deviations are known."""
         space = ContextSpace(tuple(p for effect in effects_of(found) for p in effect.parameters))
         known = [self.known.get(name, (1.0, 0.01)) for name in space.names]
         return ContextEstimate(space, np.array([value for value, _ in known]), np.diag([std**2 for _, std in known]))
 
-    def made(self, swap: Any, found: Explained) -> Explained:  # noqa: ANN401 (private)
+    def made(self, swap: Any, found: FittedModel) -> FittedModel:  # noqa: ANN401 (private)
         return self.explain(tuple(swap.poorer if e.label == swap.richer.label else e for e in effects_of(found)))
 
 
-def candidate(base: Explained, found: Explained) -> Candidate:
+def candidate(base: FittedModel, found: FittedModel) -> Candidate:
     """One whose place the free parameters can take, once there is an effect."""
     gain = paired_gain(base.held_out, found.held_out, SETTINGS)
     known = Identifiability(alone=1e6, beside=1.0) if effects_of(base) else Identifiability(alone=1e4, beside=1e3)
@@ -184,7 +184,7 @@ def test_what_is_in_doubt_falls_when_the_climb_is_over_not_before(monkeypatch: p
     alone, both = machine.explain((second,)).held_out, machine.explain((first, second)).held_out
     assert worth_a_trial(paired_gain(alone, both, SETTINGS), len(first.parameters), SETTINGS)
     assert not supported(paired_gain(alone, both, SETTINGS), len(first.parameters), SETTINGS)
-    steps = tuple(Step(machine.explain(effects), ()) for effects in ((first,), (first, second)))
+    steps = tuple(AddedEffect(machine.explain(effects), ()) for effects in ((first,), (first, second)))
     cases = SpecialCases({}, NOTHING, NOTHING)
     assert pruning.lean(BENCH, machine.explain(()), steps, cases).dropped == ()
     assert pruning.finished(BENCH, machine.explain(()), steps, cases).dropped == (first.label,)
@@ -251,7 +251,7 @@ def test_what_was_needed_beside_the_richer_effect_alone_falls_with_it(monkeypatc
 
     machine = Machine((SIMPLE, SKEW, SOFT, TILT), left, {ASYMMETRY: (0.0, 0.1)})
     prepare(machine, monkeypatch)
-    steps = tuple(Step(machine.explain((SKEW, SOFT, TILT)[:k]), ()) for k in (1, 2, 3))
+    steps = tuple(AddedEffect(machine.explain((SKEW, SOFT, TILT)[:k]), ()) for k in (1, 2, 3))
     found = pruning.lean(BENCH, machine.explain(()), steps, SpecialCases({}, NOTHING, NOTHING))
     assert [step.effect.label for step in found.steps] == labels([SIMPLE, TILT])
     assert found.dropped == (SOFT.label,)
@@ -274,7 +274,7 @@ def test_rivals_that_are_richer_kinds_of_what_is_put_back_are_none_any_more(monk
     prepare(machine, monkeypatch)
     base = machine.explain(())
     rivals = tuple(candidate(base, machine.explain((each,))) for each in (SIMPLE, RICH, SOFT))
-    steps = (Step(machine.explain((SKEW,)), rivals), Step(machine.explain((SKEW, TILT)), ()))
+    steps = (AddedEffect(machine.explain((SKEW,)), rivals), AddedEffect(machine.explain((SKEW, TILT)), ()))
     found = pruning.lean(BENCH, base, steps, SpecialCases({}, NOTHING, NOTHING))
     assert [rival.effect.label for rival in found.steps[0].rivals] == [SOFT.label]
 

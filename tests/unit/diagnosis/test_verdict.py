@@ -19,7 +19,7 @@ from pretended_rankings import (
 
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
-from dr_lab.diagnosis.search.step import Step
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
 
 
@@ -69,7 +69,7 @@ def test_what_explains_but_little_of_a_gap_is_not_named() -> None:
 def test_what_is_named_closes_most_of_the_gap(left: float, rivals: int, kind: str) -> None:
     base, last = model(20.0), model(left)
     rival = candidate(base, "constant_offset", left, CLEAR)
-    ladder = Ladder((), base, (Step(model(14.0), ()), Step(last, (rival,) * rivals)))
+    ladder = Ladder((), base, (AddedEffect(model(14.0), ()), AddedEffect(last, (rival,) * rivals)))
     assert ladder.verdict(SETTINGS) == kind
     closed = (base.held_out.chi2 - last.held_out.chi2) / (base.held_out.chi2 - 1)
     np.testing.assert_allclose(ladder.closed(SETTINGS), closed, rtol=0.05)
@@ -77,7 +77,7 @@ def test_what_is_named_closes_most_of_the_gap(left: float, rivals: int, kind: st
 
 def test_what_leaves_only_noise_is_named_however_small_the_gap_was() -> None:
     base, last = model(1.06), model(1.045)
-    ladder = Ladder((), base, (Step(last, ()),))
+    ladder = Ladder((), base, (AddedEffect(last, ()),))
     assert ladder.closed(SETTINGS) < SETTINGS.least_named
     assert ladder.verdict(SETTINGS) == "named"
 

@@ -21,14 +21,14 @@ from dr_lab.evaluators.evaluator import Evaluation, Subject
 from dr_lab.evaluators.real_vs_sim import RealVsSimEvaluator
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
-from dr_lab.plants.bench import Bench
+from dr_lab.plants.rig import Rig
 from dr_lab.recorders.episode import Episode
 from dr_lab.training.recorded import record
 
 STEPS = 40
 
 
-def bench(plant: str, *overrides: str) -> Bench:
+def bench(plant: str, *overrides: str) -> Rig:
     return instantiate(compose("record", [f"plant={plant}", *overrides]).source).plant
 
 
@@ -43,7 +43,7 @@ def subject(start: str = "[0.0,0.0]") -> Subject:
     return Subject("wave", found, wave, lambda *_: pytest.fail("no training is asked for"))
 
 
-def evaluated(plant: Bench, of: Subject, episodes: int = 1) -> Evaluation:
+def evaluated(plant: Rig, of: Subject, episodes: int = 1) -> Evaluation:
     evaluator = RealVsSimEvaluator(plant, machine=0, episodes=episodes, confidence=0.9, resamples=50, seed=0)
     found = evaluator.evaluate(of, Path(), lambda _: None)
     assert len(found.rows) == episodes

@@ -80,5 +80,5 @@ def test_recalled_simulations_go_on_as_if_never_stopped(effects: Sequence[str]) 
     moved(one)
     memory = one.memory
     expected = moved(one)
-    other.recall(memory)
+    other.restore(memory)
     np.testing.assert_array_equal(moved(other), expected)

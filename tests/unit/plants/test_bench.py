@@ -12,8 +12,8 @@ from omegaconf import OmegaConf
 
 from dr_lab.cli.compose import compose
 from dr_lab.errors import ConfigError, UnknownNameError
-from dr_lab.plants.bench import Bench, Recording
 from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.plants.rig import Rig, RigRecording
 from dr_lab.plants.truth import truth
 
 FOLDER = Path(__file__).parents[3] / "conf" / "plant" / "hidden"
@@ -22,17 +22,17 @@ HIDDEN = [option for option in EVERY if not option.startswith("general/")]  # th
 COUNT = 2 * np.pi / 2048
 
 
-def bench(*overrides: str, duration: float = 2.0, logs: int = 1) -> Bench:
-    made: Bench = instantiate(compose("record", overrides).plant, _convert_="all")
+def bench(*overrides: str, duration: float = 2.0, logs: int = 1) -> Rig:
+    made: Rig = instantiate(compose("record", overrides).plant, _convert_="all")
     return replace(made, duration=duration, peaks=made.peaks[:logs])
 
 
-def only(made: Bench, seed: int = 1) -> Recording:
+def only(made: Rig, seed: int = 1) -> RigRecording:
     (recording,) = made.recordings(seed)
     return recording
 
 
-def equal(first: Recording, second: Recording) -> bool:
+def equal(first: RigRecording, second: RigRecording) -> bool:
     return all(np.array_equal(a, vars(second)[name]) for name, a in vars(first).items())
 
 
@@ -152,7 +152,7 @@ def hidden(option: str) -> HiddenEffect:
 
 
 @cache
-def plain(machine: str) -> tuple[Bench, Recording]:
+def plain(machine: str) -> tuple[Rig, RigRecording]:
     made = bench(f"plant={machine}", "plant/instruments=exact", duration=0.6)
     return made, only(made)
 

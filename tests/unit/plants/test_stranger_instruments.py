@@ -8,9 +8,9 @@ from hydra.utils import instantiate
 from scipy.signal import welch
 
 from dr_lab.cli.compose import compose
-from dr_lab.plants.bench import Bench
 from dr_lab.plants.filtered_difference import FilteredDifference
 from dr_lab.plants.noise import CorrelatedNoise, LowPassedNoise, Noise, WhiteNoise
+from dr_lab.plants.rig import Rig
 
 RATE, COUNT, STD = 500.0, 200_000, 5e-4
 NOISES: Mapping[str, tuple[Noise, float]] = {  # with the corner of its spectrum in Hz, where half of the power is left
@@ -49,7 +49,7 @@ def test_filtered_differences_of_even_motion_settle_exponentially() -> None:
     np.testing.assert_allclose(velocity, expected, rtol=0, atol=1e-12)
 
 
-def bench(*overrides: str) -> Bench:
+def bench(*overrides: str) -> Rig:
     return instantiate(
         compose("record", ["plant=pendulum", "plant.duration=0.4", "plant.peaks=[2.0]", *overrides]).plant
     )

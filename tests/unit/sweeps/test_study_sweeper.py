@@ -18,7 +18,7 @@ from dr_lab.cli.folders import shipped
 from dr_lab.cli.hydra_node import check_hydra
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
 from dr_lab.sweeps.objective import objectives
-from dr_lab.sweeps.study import Study
+from dr_lab.sweeps.study import SweepStudy
 from dr_lab.sweeps.sweep import JOURNAL_FILE, SweepJob, add_jobs
 
 Sweep = Callable[..., int]
@@ -49,13 +49,13 @@ def test_proposals_do_not_depend_on_interruptions(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
 
     def search(folder: str, *, anew: bool) -> list[object]:
-        study = Study(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
+        study = SweepStudy(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
         for _ in range(5):
             if anew:
-                study = Study(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
+                study = SweepStudy(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
             proposal = study.propose()
             if anew:  # killed before anything came of it
-                study = Study(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
+                study = SweepStudy(tmp_path / folder, ["x"], ["minimize"], space, RandomSampler, seed=3)
                 assert study.unfinished() == [proposal]
             study.tell(proposal.number, [float(str(proposal.values["x"]))])
         return [study.best(), len(study)]
@@ -113,22 +113,24 @@ def test_unfit_studies_say_so(sweep: Sweep, tmp_path: Path, capsys: pytest.Captu
 
 def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:
     space = {"x": CategoricalDistribution(["1", "2"])}
-    Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0).propose()
+    SweepStudy(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0).propose()
     with pytest.raises(ConfigError, match="directions"):
-        Study(tmp_path, ["x"], ["maximize"], space, RandomSampler, seed=0)
+        SweepStudy(tmp_path, ["x"], ["maximize"], space, RandomSampler, seed=0)
     with pytest.raises(ConfigError, match="another search space"):
-        Study(tmp_path, ["x"], ["minimize"], {"x": CategoricalDistribution(["3"])}, RandomSampler, seed=0).unfinished()
+        SweepStudy(
+            tmp_path, ["x"], ["minimize"], {"x": CategoricalDistribution(["3"])}, RandomSampler, seed=0
+        ).unfinished()
 
 
 def test_another_objective_is_refused_once_a_trial_has_succeeded(tmp_path: Path) -> None:
     space = {"x": FloatDistribution(0.0, 1.0)}
-    typo = Study(tmp_path, ["scor"], ["minimize"], space, RandomSampler, seed=0)
+    typo = SweepStudy(tmp_path, ["scor"], ["minimize"], space, RandomSampler, seed=0)
     typo.tell(typo.propose().number, None)
-    study = Study(tmp_path, ["score"], ["minimize"], space, RandomSampler, seed=0)
+    study = SweepStudy(tmp_path, ["score"], ["minimize"], space, RandomSampler, seed=0)
     study.tell(study.propose().number, [1.0])
-    Study(tmp_path, ["score"], ["minimize"], space, RandomSampler, seed=0)
+    SweepStudy(tmp_path, ["score"], ["minimize"], space, RandomSampler, seed=0)
     with pytest.raises(ConfigError, match=r"objective=\['score'\], not \['other'\]"):
-        Study(tmp_path, ["other"], ["minimize"], space, RandomSampler, seed=0)
+        SweepStudy(tmp_path, ["other"], ["minimize"], space, RandomSampler, seed=0)
 
 
 def test_a_study_takes_no_jobs_but_its_own(sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -136,7 +138,7 @@ def test_a_study_takes_no_jobs_but_its_own(sweep: Sweep, tmp_path: Path, capsys:
     assert sweep(*typed, "hydra.sweeper.n_trials=1") == 0
     assert sweep("value=1") == 2
     assert "begun with hydra/sweeper=study, not resume" in capsys.readouterr().err
-    study = Study(swept, ["score"], ["minimize"], {"value": FloatDistribution(0.0, 6.0)}, RandomSampler, seed=0)
+    study = SweepStudy(swept, ["score"], ["minimize"], {"value": FloatDistribution(0.0, 6.0)}, RandomSampler, seed=0)
     assert study.propose().number == 1
     add_jobs(swept, "probe", "study", [SweepJob(1, "another", "1", ("value=9",))])
     assert sweep(*typed, "hydra.sweeper.n_trials=2") == 2
@@ -159,16 +161,16 @@ def test_a_study_of_before_goes_on_and_stays_one(
 
 def test_journal_that_a_full_disk_cut(tmp_path: Path) -> None:
     space = {"x": FloatDistribution(0.0, 1.0)}
-    study = Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0)
+    study = SweepStudy(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0)
     study.tell(study.propose().number, [1.0])
     with (tmp_path / JOURNAL_FILE).open("a", encoding="utf-8") as file:
         file.write('{"op_code":4,"wor')
     study.tell(study.propose().number, [2.0])  # by the same process or by one that ran meanwhile
     with (tmp_path / JOURNAL_FILE).open("a", encoding="utf-8") as file:
         file.write('{"op_code":4,"wor')
-    again = Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0)
+    again = SweepStudy(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0)
     again.tell(again.propose().number, [0.5])
-    found = Study(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0).best()
+    found = SweepStudy(tmp_path, ["x"], ["minimize"], space, RandomSampler, seed=0).best()
     assert [best.objectives for best in found] == [(0.5,)]
 
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 from pretended_cases import case_of, outcome_of, pretended
 
-from dr_lab.benchmark.case import CaseSet, Machine, expand
+from dr_lab.benchmark.case import BenchmarkMachine, CaseSet, expand
 from dr_lab.benchmark.pool import finished, keep, run_cases
 from dr_lab.errors import ConfigError, UnknownNameError
 
-CRANK = Machine(["plant=crank"], ["model=crank"], ["crank/spring"], [], ["crank/magnet"])
-WHEEL = Machine(["plant=wheel"], ["model=wheel"], ["wheel/drag"], ["wheel/two"], [])
+CRANK = BenchmarkMachine(["plant=crank"], ["model=crank"], ["crank/spring"], [], ["crank/magnet"])
+WHEEL = BenchmarkMachine(["plant=wheel"], ["model=wheel"], ["wheel/drag"], ["wheel/two"], [])
 MACHINES = {"crank": CRANK, "wheel": WHEEL}
 
 

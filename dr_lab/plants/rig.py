@@ -20,7 +20,7 @@ from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class Recording:
+class RigRecording:
     """One log of the bench, as its instruments saw it; host times are in s since 1970.
 
     Attributes:
@@ -43,7 +43,7 @@ class Recording:
 
 
 @dataclass(frozen=True)
-class Bench:
+class Rig:
     """A machine, what is hidden in it, how it is excited and what is seen of it.
 
     Attributes:
@@ -111,7 +111,7 @@ class Bench:
         """Names of the actuators."""
         return self.documented.actuators
 
-    def recordings(self, seed: int) -> Iterator[Recording]:
+    def recordings(self, seed: int) -> Iterator[RigRecording]:
         """The logs of the machine that a seed stands for, one after the other; each starts at rest."""
         machine = self.nominal.machine(self.nominal.true_values(seed))
         clock = self.clock(seed)
@@ -122,7 +122,7 @@ class Bench:
         """The robot's clock of the machine that a seed stands for."""
         return self.instruments.clock(self.epoch, stream(seed, "clock"))
 
-    def _record(self, machine: Machine, clock: RobotClock, seed: int, number: int) -> Recording:
+    def _record(self, machine: Machine, clock: RobotClock, seed: int, number: int) -> RigRecording:
         name, start = f"log_{number + 1}", self._start_of(number)
         sampled = start + self.instruments.sample_times(self.duration, stream(seed, name, "sample"))
         after, wish = self.asked(seed, number)
@@ -130,7 +130,7 @@ class Bench:
         issued = start + after
         tools, stamp = self.instruments, clock.read(sampled)
         position = self._encoded(position, stream(seed, name, "noise"))
-        return Recording(
+        return RigRecording(
             name=name,
             stamp=stamp,
             arrival=tools.arrival(sampled, stream(seed, name, "transport")),
