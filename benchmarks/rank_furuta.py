@@ -85,10 +85,8 @@ class Meter:
 
 def study_of(threads: int | None) -> tuple[Study, Mapping[str, Effect]]:
     """The demo's study and the catalogue."""
-    cfg = compose("diagnose", ["model=furuta", "measurements=furuta"])
-    keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
-    built = {key: instantiate(cfg[key], _convert_="all") for key in keys}
-    return prepare(**built, threads=threads), instantiate(cfg.effects, _convert_="all")
+    cfg = compose("diagnose", ["model=furuta", "measurements=furuta", f"threads={threads or 'null'}"])
+    return prepare(instantiate(cfg.comparison, _convert_="all")), instantiate(cfg.effects, _convert_="all")
 
 
 def chosen(study: Study, effects: Mapping[str, Effect], count: int) -> list[PlacedEffect]:

@@ -1,3 +1,19 @@
 """dr_lab: find why a simulator disagrees with its robot, fix it, and randomise around the rest."""
 
-__version__ = "0.1.0"
+from typing import TYPE_CHECKING
+
+from dr_lab.version import __version__
+
+if TYPE_CHECKING:
+    from dr_lab.notebook import NotebookComparison as Comparison
+
+__all__ = ["Comparison", "__version__"]
+
+
+def __getattr__(name: str) -> object:
+    """Import what notebooks use when it is first asked for, so that ``import dr_lab`` stays light."""
+    if name == "Comparison":
+        from dr_lab.notebook import NotebookComparison  # noqa: PLC0415  Hydra and MuJoCo take half a second
+
+        return NotebookComparison
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

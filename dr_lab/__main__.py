@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
-from dr_lab import __version__
 from dr_lab.cli.completion import FLAGS, complete
 from dr_lab.cli.folders import split_config_dir
 from dr_lab.cli.verbs import overview, verbs
 from dr_lab.errors import DrLabError, UnknownNameError
+from dr_lab.version import __version__
 
 FAILED = 2
 INTERRUPTED = 130

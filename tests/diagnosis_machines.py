@@ -10,6 +10,7 @@ import numpy as np
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
+from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.fit.replay import Replay
@@ -81,6 +82,17 @@ def model_check_settings(**changes: float) -> ModelCheckSettings:
 def fault_settings() -> FaultSettings:
     """The default rules for faulty logs."""
     return instantiate(_settings().faults, _convert_="all")
+
+
+def comparison_settings(**changes: Any) -> ComparisonSettings:  # noqa: ANN401 (of whichever setting)
+    """The default settings of a comparison on one thread, with changes."""
+    return replace(instantiate(_settings().comparison.settings, _convert_="all", threads=1), **changes)
+
+
+def short_comparison(model: Model, measurements: MeasurementSet, **changes: Any) -> Comparison:  # noqa: ANN401
+    """A model beside a few seconds of logs, with the default settings and changes."""
+    short = {"windows": windows_settings(seconds=2.4), "predicted": predicted_settings(seconds=2.4)}
+    return Comparison(model, measurements, comparison_settings(**short | changes))
 
 
 def model_of(xml: str, parameters: Mapping[str, Mapping[str, object]] | None = None) -> Model:

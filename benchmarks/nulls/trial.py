@@ -11,6 +11,7 @@ from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
@@ -30,7 +31,6 @@ from nulls.machines import MACHINES, Missing, Motions, move, split
 
 FITTED, HELD_OUT = 4, 2  # logs
 CANDIDATES = ("coulomb_friction", "quadratic_drag", "spring", "actuator_delay", "saturation", "constant_offset")
-_STUDY = ("model", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 _PILOT = 3.0  # noise standard deviations of model error at which its size is settled
 _TRIES = 3  # of the pilot
 _TOLD = 6  # windows of each further log: logs tell more than neighbouring windows
@@ -121,9 +121,13 @@ def _contract() -> DataContract:
 
 
 @cache
-def _settings() -> dict[str, Any]:
-    cfg = compose("diagnose", [])
-    return {key: instantiate(cfg[key], _convert_="all") for key in (*_STUDY[1:], "effects")}
+def _settings() -> ComparisonSettings:
+    return instantiate(compose("diagnose", ["threads=1"]).comparison.settings, _convert_="all")
+
+
+@cache
+def _effects() -> Mapping[str, Any]:
+    return instantiate(compose("diagnose", []).effects, _convert_="all")
 
 
 @cache
@@ -136,8 +140,8 @@ def _unit(machine: str, error: str) -> float:
         logs = _noiseless(motions)
         noise = {c: Noise(made.std, "rad", "given") for c in logs[0].outputs}
         measured = MeasurementSet("pilot", logs, (), noise, dict.fromkeys(logs[0].outputs, 0.1))
-        windows = cut(logs, measured, model.nominal(), settings["windows"])
-        bench = Bench(windows, windows, settings["solver"], settings["evidence"], threads=1)
+        windows = cut(logs, measured, model.nominal(), settings.windows)
+        bench = Bench(windows, windows, settings.solver, settings.evidence, threads=1)
         left = np.sqrt(fit_and_score(bench, model, model.space.nominal).held_out.chi2)
         factor *= _PILOT / float(left)
     return factor / _PILOT
@@ -150,14 +154,13 @@ def _noiseless(motions: Motions) -> tuple[Log, ...]:
 
 def _diagnosed(null: Null, measured: MeasurementSet, further: Sequence[Log]) -> dict[str, Any]:
     """The verdict and the fits of one set of logs."""
-    machine, settings = MACHINES[null.machine], _settings()
-    parts = {key: settings[key] for key in _STUDY[1:]}
-    study = prepare(machine.model(), measured, **parts, threads=1)
+    machine = MACHINES[null.machine]
+    study = prepare(Comparison(machine.model(), measured, _settings()))
     base = calibrate(study)
-    placed = _placed(study, settings["effects"], null.seed)
+    placed = _placed(study, _effects(), null.seed)
     ranking = rank(study.bench, base, placed, lambda label: None)
     verdict = decide(*ranking, study.bench.evidence, study.bench.scored)
-    told = replace(study.windows, seconds=_TOLD * study.windows.length * len(further))
+    told = replace(study.settings.windows, seconds=_TOLD * study.settings.windows.length * len(further))
     judged = _Judge(study, ranking.base, cut(further, measured, study.compiled, told))
     left = np.sqrt(np.mean([value**2 for value in ranking.base.held_out.rmse.values()])) / machine.std
     return {

@@ -17,17 +17,6 @@ Compose = Callable[[str, Sequence[str]], Mapping[str, Any]]
 
 EXACT = "exact"
 _AND = " + "  # between the labels of several hidden effects
-_STUDIED = (
-    "model",
-    "measurements",
-    "windows",
-    "predicted",
-    "solver",
-    "evidence",
-    "localise",
-    "model_check",
-    "faults",
-)
 
 
 @dataclass(frozen=True)
@@ -67,7 +56,7 @@ def observe_exactly(case: Case, compose: Compose, seen: Observed) -> Observed:
     """
     noise = seen.study.measurements.noise
     stds = ",".join(f"{channel}:{{noise_std:{float(each.std)!r}}}" for channel, each in noise.items())
-    length = seen.study.windows.length
+    length = seen.study.settings.windows.length
     overrides = [f"++measurements.outputs={{{stds}}}", f"windows.length={length!r}"]
     return _observed(case, compose, EXACT, overrides)
 
@@ -77,9 +66,10 @@ def _observed(case: Case, compose: Compose, instruments: str, overrides: Sequenc
         folder = Path(name)
         source = compose("record", case.recording(instruments))["source"]
         write_logs(source, case.seed, folder)
-        built = compose("diagnose", [*case.diagnose, f"measurements.logs=[{folder}/*.mcap]", *overrides])
+        logs = f"measurements.logs=[{folder}/*.mcap]"
+        built = compose("diagnose", [*case.diagnose, logs, *overrides, "threads=1"])
         truth = yaml.safe_load((folder / "truth.yaml").read_text(encoding="utf-8"))
-        study = prepare(**{key: built[key] for key in _STUDIED}, threads=1)
+        study = prepare(built["comparison"])
     # A machine that is its own model writes no hidden effect.
     hidden = truth.get("hidden", {"effect": "", "parameters": {}})
     truths = () if case.kind == "none" else tuple(hidden["effect"].split(_AND))

@@ -47,7 +47,9 @@ def compose_arguments(
     return arguments_of(verb, compose_from(again, Path(CONFIG_FILE).stem, overrides), folders)[1]
 
 
-def arguments_of(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[Callable[..., Any], dict[str, Any]]:
+def arguments_of(
+    verb: str, cfg: DictConfig, folders: Sequence[Path], given: Collection[str] = ()
+) -> tuple[Callable[..., Any], dict[str, Any]]:
     """A verb's function and the arguments that its configuration gives.
 
     Nothing is built before the whole configuration is found sound.
@@ -56,6 +58,7 @@ def arguments_of(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[C
         verb: its name.
         cfg: its composed configuration without Hydra's node.
         folders: configuration folders, first searched first.
+        given: keys that the caller has built already.
 
     Raises:
         ConfigError: the configuration cannot be run.
@@ -63,7 +66,7 @@ def arguments_of(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[C
     workflow, passed = checked(verb, cfg, folders)
     # One key at a time: what only feeds another key is built there, and only there. Building resolves interpolations in
     # place, which are still to be recorded as they are.
-    wanted = {str(key): value for key, value in copy.deepcopy(cfg).items() if key in passed}
+    wanted = {str(key): value for key, value in copy.deepcopy(cfg).items() if key in passed - {*given}}
     return workflow, {k: instantiate(v, _convert_="all") if OmegaConf.is_config(v) else v for k, v in wanted.items()}
 
 

@@ -11,9 +11,9 @@ from typing import Any
 import yaml
 from omegaconf import DictConfig, OmegaConf
 
-from dr_lab import __version__
 from dr_lab.cli.folders import PACKAGE
 from dr_lab.files import write_text
+from dr_lab.version import __version__
 
 CONFIG_FILE = "config.yaml"
 LIBRARIES = {"mujoco": "mujoco", "numpy": "numpy", "scipy": "scipy", "rerun": "rerun-sdk"}

@@ -81,7 +81,7 @@ def _better(before: Score, after: Score, evidence: EvidenceSettings) -> bool:
 def _first_explained(
     study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase
 ) -> tuple[Study, Ladder]:
-    lengths = study.windows.lengths
+    lengths = study.settings.windows.lengths
     first = (study, _ladder(study, effects, most, watch, phase))
     if _explained(*first):
         return first
@@ -114,9 +114,15 @@ def _explained(study: Study, ladder: Ladder) -> bool:
 
 def _with_windows(study: Study, length: float, tries: int) -> Study | None:
     """The study with longer windows; None where the logs have no room for them."""
-    evidence = study.bench.evidence
-    strict = replace(evidence, confidence=1 - (1 - evidence.confidence) / tries)
+    settings = study.settings
+    confidence = 1 - (1 - settings.evidence.confidence) / tries
     try:
-        return replace(study.asked, evidence=strict).study(study.windows.of_length(length))
+        return study.with_settings(
+            replace(
+                settings,
+                windows=settings.windows.of_length(length),
+                evidence=replace(settings.evidence, confidence=confidence),
+            )
+        )
     except DataError:
         return None

@@ -34,7 +34,7 @@ def deciding_experiment(
         start=study.compiled.qpos0,
         limits=limits,
         noise={name: study.measurements.noise[name] for name in study.measurements.fit[0].outputs},
-        windows=study.windows,
+        windows=study.settings.windows,
         solver=study.bench.solver,
         threads=study.bench.threads,
     )

@@ -55,7 +55,7 @@ def _windows(study: Study) -> dict[str, Any]:
     """How long and how many windows are."""
     bench = study.bench
     return {
-        "length": study.windows.length,
+        "length": study.settings.windows.length,
         "fit": len(bench.fit),
         "held_out": len(bench.held_out),
         "confirm": 0 if bench.confirms is None else len(bench.confirms),

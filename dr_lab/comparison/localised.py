@@ -18,7 +18,7 @@ def predicted_score(study: Study, model: Model, z: Array) -> Score:
 
 def failure(study: Study, model: Model, z: Array) -> dict[str, Any]:
     """Report entries on where the model fails on the held-out logs, or the fit logs where none is held out."""
-    prediction, settings = study.prediction, study.local
+    prediction, settings = study.settings.predicted, study.settings.localise
     replay, fit = study.fits(model, z, study.predicted)
     error = horizon_error(replay, fit, prediction.run_in, prediction.margin, settings.horizons)
     correlations = input_correlations(replay, fit, replay.commands, settings.lags)

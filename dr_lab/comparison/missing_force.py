@@ -34,7 +34,7 @@ def _entry(
     study: Study, replay: Replay, joint: str, first: dict[str, ResidualForce], last: dict[str, ResidualForce]
 ) -> dict[str, Any]:
     unit = "N" if replay.slides(joint) else "N·m"
-    settings, groups = study.local.formula, _groups(replay.windows)
+    settings, groups = study.settings.localise.formula, _groups(replay.windows)
     before = sparse_formula(first[joint].force, unit, _variables(replay, first), groups, settings)
     after = sparse_formula(last[joint].force, unit, _variables(replay, last), groups, settings)
     missing, left = _beyond_noise(first[joint]), _beyond_noise(last[joint])

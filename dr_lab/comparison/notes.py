@@ -94,7 +94,7 @@ def _put_back(one: PutBack) -> str:
 
 def _unit_note(study: Study) -> list[dict[str, Any]]:
     bench = study.bench
-    found = suspect_degrees(study.model, study.measurements, study.windows, bench.solver, bench.threads)
+    found = suspect_degrees(study.model, study.measurements, study.settings.windows, bench.solver, bench.threads)
     if found is None:
         return []
     names = ", ".join(found.channels)

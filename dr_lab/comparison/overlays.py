@@ -39,7 +39,7 @@ def shown_logs(study: Study, longest: float) -> tuple[Log, ...]:
 
 def play_log(study: Study, log: Log, models: Mapping[str, tuple[Model, Array]]) -> dict[str, Played]:
     """Play a log by role, in predicted windows that follow one another without a gap."""
-    settings = _one_after_another(study, study.prediction.length)
+    settings = _one_after_another(study, study.settings.predicted.length)
     windows = cut([log], study.measurements, study.compiled, settings)
     return {role: play(study, model, z, windows) for role, (model, z) in models.items()}
 
@@ -118,12 +118,12 @@ def _until(log: Log, end: float) -> Log:
 def _is_playable(study: Study, log: Log) -> bool:
     if not all(map(len, (*log.outputs.values(), *log.commands.values()))):
         return False
-    settings = _one_after_another(study, study.prediction.length)
+    settings = _one_after_another(study, study.settings.predicted.length)
     return len(window_begins(log, study.measurements.gaps, settings)) > 0
 
 
 def _one_after_another(study: Study, length: float) -> WindowSettings:
-    return replace(study.prediction.of_length(length), seconds=_EVERY_WINDOW)
+    return replace(study.settings.predicted.of_length(length), seconds=_EVERY_WINDOW)
 
 
 def _poses(
@@ -131,16 +131,16 @@ def _poses(
 ) -> tuple[Array, dict[str, tuple[Array, Array]]]:
     """Body poses of the measured and of each simulated robot at even times that windows cover."""
     model = study.compiled
-    lead = study.prediction.run_in + study.prediction.margin
+    lead = study.settings.predicted.run_in + study.settings.predicted.margin
     begin = next(iter(played.values())).replay.windows.begin
-    count = max(1, int(study.prediction.length * look.pose_rate))
+    count = max(1, int(study.settings.predicted.length * look.pose_rate))
     offsets = lead + np.arange(count) / look.pose_rate
     time = (begin[:, None] + offsets).ravel()
     measured = np.tile(model.qpos0, (len(time), 1))
     for channel in resolve(model, tuple(log.outputs)):
         if channel.kind == "position":
             measured[:, channel.address] = local_polynomial(
-                log.outputs[channel.name], time, study.windows.smoother
+                log.outputs[channel.name], time, study.settings.windows.smoother
             ).value
     poses = {MEASURED: _kinematics(model, model, measured)}
     for role, part in played.items():

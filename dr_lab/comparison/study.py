@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.fault_notes import say_faults
 from dr_lab.comparison.state_fits import StateFits
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
@@ -16,13 +17,12 @@ from dr_lab.diagnosis.checks.self_test import require_own_logs_explained
 from dr_lab.diagnosis.evidence.bench import Bench
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
-from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.scales import machine_scales, with_replay
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.localise import LocaliseSettings
-from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
+from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.folds import folds
 from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.effects.effect import Scales
@@ -37,56 +37,55 @@ class Study:
     """One model beside one set of logs.
 
     Attributes:
+        comparison: what was asked for.
         model: the model as given, with a finer step where its own moves an output.
         compiled: compiled at its nominal context.
-        measurements: the logs.
         bench: windows and settings on which models are compared.
         predicted: held-out windows whose start is known only from earlier samples.
         short: such windows that are so short that an error stays near the state that caused it.
         few: places of those short windows in which missing forces are looked at, evenly spread.
         fits: states of windows that were fitted for the report.
-        windows: how windows are cut.
-        prediction: how predicted windows are cut.
-        local: how the place of failure is looked for.
         scales: typical magnitudes of the machine.
         floor: error of the time step of the model as given.
         refinement: which step stands in its place, and why.
         own_chi2: χ² by channel of logs that the model made itself.
         faults: what the model shows to be wrong with the logs.
-        asked: what it is made of, so that it can be made with longer windows.
     """
 
+    comparison: Comparison
     model: Model
     compiled: mujoco.MjModel
-    measurements: MeasurementSet
     bench: Bench
     predicted: Windows
     short: Windows
     few: NDArray[np.intp]
     fits: StateFits
-    windows: WindowSettings
-    prediction: WindowSettings
-    local: LocaliseSettings
     scales: Scales
     floor: NumericalFloor
     refinement: Refinement
     own_chi2: Mapping[str, float]
     faults: tuple[Fault, ...]
-    asked: "Asked"
+
+    @property
+    def measurements(self) -> MeasurementSet:
+        """The logs."""
+        return self.comparison.measurements
+
+    @property
+    def settings(self) -> ComparisonSettings:
+        """How they are compared."""
+        return self.comparison.settings
+
+    def with_settings(self, settings: ComparisonSettings) -> "Study":
+        """The same model and logs, compared in another way.
+
+        Raises:
+            DataError: no log holds such a window.
+        """
+        return _study(replace(self.comparison, settings=settings), self.faults)
 
 
-def prepare(
-    model: Model,
-    measurements: MeasurementSet,
-    windows: WindowSettings,
-    predicted: WindowSettings,
-    solver: SolverSettings,
-    evidence: EvidenceSettings,
-    localise: LocaliseSettings,
-    model_check: ModelCheckSettings,
-    faults: FaultSettings,
-    threads: int | None,
-) -> Study:
+def prepare(comparison: Comparison) -> Study:
     """Cut the logs and measure scales and the numerical floor, and check the model.
 
     Where the model's step moves an output, what follows has a finer one, unless the calibrated model leaves no more
@@ -95,88 +94,67 @@ def prepare(
     says.
 
     Args:
-        model: the model as given.
-        measurements: the logs.
-        windows: how logs are cut.
-        predicted: how predicted windows are cut.
-        solver: settings of the fits.
-        evidence: when a gain counts.
-        localise: how the place of failure is looked for.
-        model_check: what is checked of the model before anything is blamed on the machine.
-        faults: when a log is said to be faulty.
-        threads: worker threads; None takes every core.
+        comparison: model, logs and settings.
 
     Raises:
         ConfigError: no log is there to fit on.
         ModelError: the model diverges in every window, or does not explain logs that it made itself.
     """
-    if not measurements.fit:
+    measured = comparison.measurements
+    if not measured.fit:
         raise ConfigError(
-            f"Measurements {measurements.name!r} name no log to fit on. Name at least one in measurements.fit."
+            f"Measurements {measured.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
-    suspected = suspect_faults(model, measurements, faults)
-    say_faults(suspected, measurements)
-    asked = Asked(model, measurements, predicted, solver, evidence, localise, model_check, suspected, threads)
-    return asked.study(windows)
+    suspected = suspect_faults(comparison.model, measured, comparison.settings.faults)
+    say_faults(suspected, measured)
+    return _study(comparison, suspected)
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What a study is made of, but for how its windows are cut."""
+def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
+    model, measured, settings = comparison.model, comparison.measurements, comparison.settings
+    count, windows = thread_count(settings.threads), settings.windows
+    resolution = _longest_wait(measured, faults)
+    scored = measured.held_out or measured.fit
+    floor = numerical_floor(model, scored, measured, windows, count)
+    refined = _refined(comparison, floor, resolution)
+    compiled = refined.model.nominal()
+    bench = _bench(refined.model, comparison, max(floor.step, resolution))
+    short = cut(scored, measured, compiled, _short(settings.predicted, settings.localise))
+    return Study(
+        comparison=comparison,
+        model=refined.model,
+        compiled=compiled,
+        bench=bench,
+        predicted=cut(scored, measured, compiled, settings.predicted),
+        short=short,
+        few=_spread(len(short), settings.localise.formula.windows),
+        fits=StateFits(settings.solver, count),
+        scales=_scales(refined.model, compiled, measured, windows.smoother, bench),
+        floor=floor,
+        refinement=refined,
+        own_chi2=require_own_logs_explained(refined.model, measured, windows, settings.solver, settings.model_check),
+        faults=faults,
+    )
 
-    model: Model
-    measurements: MeasurementSet
-    predicted: WindowSettings
-    solver: SolverSettings
-    evidence: EvidenceSettings
-    localise: LocaliseSettings
-    check: ModelCheckSettings
-    faults: tuple[Fault, ...]
-    threads: int | None
 
-    def study(self, windows: WindowSettings) -> Study:
-        """The study with these windows."""
-        measured, count = self.measurements, thread_count(self.threads)
-        scored = measured.held_out or measured.fit
-        floor = numerical_floor(self.model, scored, measured, windows, count)
-        refined = self._refined(windows, floor)
-        model, compiled = refined.model, refined.model.nominal()
-        bench = self._bench(model, windows, floor)
-        short = cut(scored, measured, compiled, _short(self.predicted, self.localise))
-        return Study(
-            model=model,
-            compiled=compiled,
-            measurements=measured,
-            bench=bench,
-            predicted=cut(scored, measured, compiled, self.predicted),
-            short=short,
-            few=_spread(len(short), self.localise.formula.windows),
-            fits=StateFits(self.solver, count),
-            windows=windows,
-            prediction=self.predicted,
-            local=self.localise,
-            scales=_scales(model, compiled, measured, windows.smoother, bench),
-            floor=floor,
-            refinement=refined,
-            own_chi2=require_own_logs_explained(model, measured, windows, self.solver, self.check),
-            faults=self.faults,
-            asked=self,
-        )
+def _bench(model: Model, comparison: Comparison, resolution: float) -> Bench:
+    """Windows on which models are compared; no delay below `resolution` in s is told from none."""
+    measured, settings, compiled = comparison.measurements, comparison.settings, model.nominal()
+    fit = cut(measured.fit, measured, compiled, settings.windows)
+    scored = cut(measured.held_out, measured, compiled, settings.windows) if measured.held_out else fit
+    chooses, confirms = (fit, None) if scored is fit else folds(scored)
+    threads = thread_count(settings.threads)
+    return Bench(fit, chooses, settings.solver, settings.evidence, threads, resolution, confirms)
 
-    def _bench(self, model: Model, windows: WindowSettings, floor: NumericalFloor) -> Bench:
-        measured, compiled = self.measurements, model.nominal()
-        fit = cut(measured.fit, measured, compiled, windows)
-        scored = cut(measured.held_out, measured, compiled, windows) if measured.held_out else fit
-        chooses, confirms = (fit, None) if scored is fit else folds(scored)
-        resolution = max(floor.step, _longest_wait(measured, self.faults))
-        return Bench(fit, chooses, self.solver, self.evidence, thread_count(self.threads), resolution, confirms)
 
-    def _refined(self, windows: WindowSettings, floor: NumericalFloor) -> Refinement:
-        """The model with a step that does not show, or as given where the logs ask for nothing else."""
-        measured, check, count = self.measurements, self.check, thread_count(self.threads)
-        if floor.largest > check.least_share and _explains(self.model, self._bench(self.model, windows, floor), check):
-            return unneeded(self.model, floor)
-        return refine(self.model, measured.held_out or measured.fit, measured, windows, check, floor, count)
+def _refined(comparison: Comparison, floor: NumericalFloor, wait: float) -> Refinement:
+    """The model with a step that does not show, or as given where the logs ask for nothing else."""
+    model, measured, settings = comparison.model, comparison.measurements, comparison.settings
+    check, count = settings.model_check, thread_count(settings.threads)
+    shows = floor.largest > check.least_share
+    if shows and _explains(model, _bench(model, comparison, max(floor.step, wait)), check):
+        return unneeded(model, floor)
+    return refine(model, measured.held_out or measured.fit, measured, settings.windows, check, floor, count)
 
 
 def _longest_wait(measured: MeasurementSet, suspected: Sequence[Fault]) -> float:

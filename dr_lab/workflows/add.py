@@ -6,39 +6,25 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.finish import Run
 from dr_lab.comparison.ladder_report import report_ladder
 from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import Study, prepare
-from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
-from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
-from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.effects.effect import Effect, PlacedEffect, place
 from dr_lab.errors import ConfigError
-from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
-from dr_lab.trajectory import MeasurementSet
 
 
 def add(
-    model: Model,
-    measurements: MeasurementSet,
+    comparison: Comparison,
     effects: Mapping[str, Effect],
     effect: Mapping[str, str | None],
-    windows: WindowSettings,
-    predicted: WindowSettings,
-    solver: SolverSettings,
-    evidence: EvidenceSettings,
-    localise: LocaliseSettings,
-    model_check: ModelCheckSettings,
-    faults: FaultSettings,
     recorder: Look,
-    threads: int | None,
     run_dir: Path,
 ) -> dict[str, Any]:
     """Add the given effects at the given site, in order, whatever the evidence; the report says what it is worth.
@@ -56,9 +42,7 @@ def add(
     """
     with screen() as told:
         told.phase("Cutting the logs into windows")
-        study = prepare(
-            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
-        )
+        study = prepare(comparison)
         placed = [_place(study, one, effect) for one in effects.values()]
         told.phase("Calibrating the model")
         ladder = Ladder((), calibrate(study), ())

@@ -5,57 +5,34 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.comparison.climbing import climbed
+from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.finish import Run
 from dr_lab.comparison.ladder_report import report_ladder
 from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import prepare
-from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
-from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
-from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import ConfigError
-from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
-from dr_lab.trajectory import MeasurementSet
 
 
 def close(
-    model: Model,
-    measurements: MeasurementSet,
+    comparison: Comparison,
     effects: Mapping[str, Effect],
-    windows: WindowSettings,
-    predicted: WindowSettings,
-    solver: SolverSettings,
-    evidence: EvidenceSettings,
-    localise: LocaliseSettings,
-    model_check: ModelCheckSettings,
-    faults: FaultSettings,
     next_experiment: ExperimentSettings,
     recorder: Look,
     most: int,
-    threads: int | None,
     run_dir: Path,
 ) -> dict[str, Any]:
     """Climb the ladder of models until the noise floor or until no effect is supported.
 
     Args:
-        model: the model as given.
-        measurements: the logs.
+        comparison: the model beside logs, and how they are compared.
         effects: the catalogue, by name.
-        windows: how logs are cut.
-        predicted: how predicted windows are cut.
-        solver: settings of the fits.
-        evidence: when a gain counts.
-        localise: how the place of failure is looked for.
-        model_check: what is checked of the model before anything is blamed on the machine.
-        faults: when a log is said to be faulty.
         next_experiment: which experiments are tried where logs cannot separate two effects.
         recorder: how the recording looks.
         most: most effects that are added; 0 ranks them, as `diagnose` does.
-        threads: worker threads; None takes every core.
         run_dir: the run folder.
 
     Returns:
@@ -69,8 +46,6 @@ def close(
     require_names(effects)
     with screen() as told:
         told.phase("Cutting the logs into windows")
-        study = prepare(
-            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
-        )
+        study = prepare(comparison)
         study, ladder = climbed(study, effects, most=most, watch=told.ranking, phase=told.phase)
         return report_ladder("close", study, ladder, Run(run_dir, recorder, told), next_experiment)

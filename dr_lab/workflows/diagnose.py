@@ -5,36 +5,22 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.comparison.climbing import climbed
+from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.finish import Run
 from dr_lab.comparison.ladder_report import report_ladder
 from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import prepare
-from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
-from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.next_experiment import ExperimentSettings
-from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
-from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
-from dr_lab.trajectory import MeasurementSet
 
 
 def diagnose(
-    model: Model,
-    measurements: MeasurementSet,
+    comparison: Comparison,
     effects: Mapping[str, Effect],
-    windows: WindowSettings,
-    predicted: WindowSettings,
-    solver: SolverSettings,
-    evidence: EvidenceSettings,
-    localise: LocaliseSettings,
-    model_check: ModelCheckSettings,
-    faults: FaultSettings,
     next_experiment: ExperimentSettings,
     recorder: Look,
-    threads: int | None,
     run_dir: Path,
 ) -> dict[str, Any]:
     """Fit every effect at every site beside the calibrated model and judge.
@@ -45,8 +31,6 @@ def diagnose(
     require_names(effects)
     with screen() as told:
         told.phase("Cutting the logs into windows")
-        study = prepare(
-            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
-        )
+        study = prepare(comparison)
         study, ladder = climbed(study, effects, most=0, watch=told.ranking, phase=told.phase)
         return report_ladder("diagnose", study, ladder, Run(run_dir, recorder, told), next_experiment)

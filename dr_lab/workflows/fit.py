@@ -5,33 +5,19 @@ from typing import Any
 
 from dr_lab.comparison import entries
 from dr_lab.comparison.calibrated import as_given, calibrate, describe
+from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.finish import Run, answer, finish
 from dr_lab.comparison.localised import failure
 from dr_lab.comparison.notes import fit_notes
 from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import prepare
-from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
-from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.localise import LocaliseSettings
-from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
-from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
-from dr_lab.trajectory import MeasurementSet
 
 
 def fit(
-    model: Model,
-    measurements: MeasurementSet,
-    windows: WindowSettings,
-    predicted: WindowSettings,
-    solver: SolverSettings,
-    evidence: EvidenceSettings,
-    localise: LocaliseSettings,
-    model_check: ModelCheckSettings,
-    faults: FaultSettings,
+    comparison: Comparison,
     recorder: Look,
-    threads: int | None,
     run_dir: Path,
 ) -> dict[str, Any]:
     """Fit the declared parameters: value ± std, scatter between logs (CV %), covariance, errors before and after.
@@ -42,9 +28,7 @@ def fit(
     with screen() as told:
         run = Run(run_dir, recorder, told)
         told.phase("Cutting the logs into windows")
-        study = prepare(
-            model, measurements, windows, predicted, solver, evidence, localise, model_check, faults, threads
-        )
+        study = prepare(comparison)
         told.phase("Calibrating the model")
         found = describe(study, calibrate(study))
         z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)
@@ -54,10 +38,10 @@ def fit(
             "verdict": None,
             "as_given": as_given(study)[1],
             "ladder": [found.rung],
-            "remaining": entries.remaining(score, evidence),
+            "remaining": entries.remaining(score, study.bench.evidence),
         }
         answer(report, run)
         told.phase("Looking where the model fails")
         report |= failure(study, study.model, z)
-        models = {BEFORE: (study.model, model.space.nominal), AFTER: (study.model, z)}
+        models = {BEFORE: (study.model, comparison.model.space.nominal), AFTER: (study.model, z)}
         return finish(study, report, models, run, found.estimate)

@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-LIGHT = ("cli", "diagnosis", "effects", "measurements", "physics", "plants", "recorders")
+LIGHT = ("cli", "comparison", "diagnosis", "effects", "measurements", "notebook", "physics", "plants", "recorders")
 VERBS = ("add", "benchmark", "close", "compare", "diagnose", "fit", "record", "view")
 CODE = """
 import importlib, pkgutil, sys

@@ -118,9 +118,8 @@ def test_while_nothing_has_begun(tmp_path: Path) -> None:
 
 
 def test_candidates_stop_at_their_next_simulation() -> None:
-    cfg = compose("diagnose", [*LOGS, "windows.seconds=7.2"])
-    keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
-    study = prepare(**{key: instantiate(cfg[key], _convert_="all") for key in keys}, threads=2)
+    cfg = compose("diagnose", [*LOGS, "windows.seconds=7.2", "threads=2"])
+    study = prepare(instantiate(cfg.comparison, _convert_="all"))
     base, effects = calibrate(study), instantiate(cfg.effects, _convert_="all")
     placed = candidates(study.model, effects, study.scales, study.compiled).placed
     stopped: list[float] = []

@@ -53,10 +53,8 @@ def plain(*folders: Path) -> dict[str, list[float]]:
 def demo() -> tuple[Study, dict[str, Effect]]:
     """The demo's logs, the first seconds of two of them."""
     cut = ["measurements.fit=['log_1[0:3]']", "measurements.held_out=['log_5[0:2]']", "windows.seconds=0.9"]
-    cfg = compose("close", cut)
-    keys = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
-    built = {key: instantiate(cfg[key], _convert_="all") for key in keys}
-    return prepare(**built, threads=2), instantiate(cfg.effects, _convert_="all")
+    cfg = compose("close", [*cut, "threads=2"])
+    return prepare(instantiate(cfg.comparison, _convert_="all")), instantiate(cfg.effects, _convert_="all")
 
 
 @pytest.fixture(scope="module")

@@ -21,14 +21,13 @@ HIDDEN = {
     "sensor_time_offset_pole": ("sensor_time_offset@pole.offset", 8e-3, 0.01),
     "base_tilt": ("base_tilt@world.about_x", 0.05, 0.02),
 }
-KEYS = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 
 
 def diagnosed(hidden: str, folder: Path, plant: list[str], overrides: list[str]) -> tuple[Study, Rung]:
     source = instantiate(compose("record", ["experiment=furuta_demo", f"plant/hidden={hidden}", *plant]).source)
     record(source, str(folder), 0, folder)
-    cfg = compose("diagnose", [f"measurements.logs=[{folder}/*.mcap]", *overrides])
-    study = prepare(**{key: instantiate(cfg[key], _convert_="all") for key in KEYS}, threads=1)
+    cfg = compose("diagnose", [f"measurements.logs=[{folder}/*.mcap]", "threads=1", *overrides])
+    study = prepare(instantiate(cfg.comparison, _convert_="all"))
     effects, silent = instantiate(cfg.effects, _convert_="all"), lambda _: lambda _: None
     ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=silent)
     return study, ladder.rungs[0]

@@ -6,7 +6,6 @@ large. A pendulum's joint holds more at rest than it brakes in motion: Coulomb a
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from scipy.integrate import OdeSolution, solve_ivp
 
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score
 from dr_lab.diagnosis.search.candidate import Candidate
@@ -25,7 +25,7 @@ from dr_lab.diagnosis.search.verdict import Verdict, decide
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
 from dr_lab.physics.model import Model
-from dr_lab.trajectory import Array, Log, Noise, Signal
+from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 from dr_lab.workflows.record import record
 
 DELAY, SECONDS, HOLD = 0.030, 6.0, 0.4
@@ -48,7 +48,6 @@ RIVALS = (
     "effect=[actuator_delay,actuator_lag,viscous_friction,coulomb_friction,stribeck_friction,torque_scale,armature,"
     "spring,constant_offset,payload,sensor_time_offset]"
 )
-KEYS = ("measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 
 
 def servo(begin: float, end: float, state: Array, asked: float) -> OdeSolution:
@@ -78,10 +77,9 @@ def late(seed: int) -> Log:
     return log_of(f"log_{seed}", outputs, Signal("servo", "rad", edges, target))
 
 
-def study_of(model: Model, cfg: DictConfig, **parts: Any) -> Study:  # noqa: ANN401 (parts of a study)
-    """Logs and settings of a composed diagnosis, some of its parts given."""
-    built = {key: instantiate(cfg[key], _convert_="all") for key in KEYS if key not in parts}
-    return prepare(model=model, **(built | parts), threads=1)
+def study_of(model: Model, measurements: MeasurementSet, cfg: DictConfig) -> Study:
+    """Model and logs with the settings of a composed diagnosis."""
+    return prepare(Comparison(model, measurements, instantiate(cfg.comparison.settings, _convert_="all", threads=1)))
 
 
 def judged(study: Study, base: FittedModel, cfg: DictConfig) -> tuple[Verdict, Candidate]:
@@ -100,7 +98,7 @@ def test_a_late_command_is_no_damping() -> None:
         "hinge.position": Noise(POSITION_NOISE, "rad", "given"),
         "hinge.velocity": Noise(VELOCITY_NOISE, "rad/s", "given"),
     }
-    study = study_of(model_of(SERVO, FREE), cfg, measurements=replace(measured(logs[:2], logs[2:]), noise=noise))
+    study = study_of(model_of(SERVO, FREE), replace(measured(logs[:2], logs[2:]), noise=noise), cfg)
     base = calibrate(study)
     assert base.fit.z[study.model.space.index("hinge.damping")] > 2 * DAMPING  # the trap
     verdict, best = judged(study, base, cfg)
@@ -120,7 +118,7 @@ def test_stribeck_friction_is_not_passed_as_coulomb_and_viscous_friction(tmp_pat
     split = ["measurements.fit=[log_1,log_2]", "measurements.held_out=[log_3]", "windows.seconds=4.8"]
     cfg = compose("diagnose", [RIVALS, "model=pendulum", "measurements=pendulum", logs, *split])
     plain = instantiate(cfg.model, _convert_="all")
-    study = study_of(plain, cfg)
+    study = study_of(plain, instantiate(cfg.measurements, _convert_="all"), cfg)
     effects = instantiate(cfg.effects, _convert_="all")
     passed = plain
     for name in ("viscous_friction", "coulomb_friction"):

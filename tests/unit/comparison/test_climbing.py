@@ -3,29 +3,19 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import pytest
-from diagnosis_machines import evidence_settings, windows_settings
+from diagnosis_machines import comparison_settings, evidence_settings, windows_settings
 
 from dr_lab.comparison import climbing
+from dr_lab.comparison.comparison import ComparisonSettings
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.search.ladder import Ladder
-from dr_lab.diagnosis.settings import EvidenceSettings, WindowSettings
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.errors import DataError
-
-
-@dataclass(frozen=True)
-class Asked:
-    evidence: EvidenceSettings
-    room: float
-
-    def study(self, windows: WindowSettings) -> Study:
-        if windows.length > self.room:
-            raise DataError("No log holds a window.")
-        return study(windows, self)
 
 
 @dataclass(frozen=True)
@@ -44,17 +34,23 @@ class Answer:
         return self
 
 
-def study(windows: WindowSettings, asked: Asked) -> Study:
-    @dataclass(frozen=True)
-    class Made:
-        windows: WindowSettings
-        asked: Asked
-        bench: Any
-        scales: Any = None
-        compiled: Any = None
+@dataclass(frozen=True)
+class Windowed:
+    """A study of logs that have room for windows of a certain length; only its settings are known."""
 
-    bench = cast(Any, type("Bench", (), {"evidence": asked.evidence}))
-    return cast(Study, Made(windows, asked, bench))
+    settings: ComparisonSettings
+    room: float
+    scales: None = None
+    compiled: None = None
+
+    @property
+    def bench(self) -> SimpleNamespace:
+        return SimpleNamespace(evidence=self.settings.evidence)
+
+    def with_settings(self, settings: ComparisonSettings) -> "Windowed":
+        if settings.windows.length > self.room:
+            raise DataError("No log holds a window.")
+        return replace(self, settings=settings)
 
 
 DIVERGES = float("inf")
@@ -84,11 +80,11 @@ def test_the_shortest_windows_that_explain_the_gap(
         return cast(Ladder, next(left))
 
     monkeypatch.setattr(climbing, "_ladder", climb)
-    asked = Asked(evidence_settings(confidence=0.97), room)
-    first = study(replace(windows_settings(), length=0.3, longest=2.7), asked)
+    windows, evidence = windows_settings(length=0.3, longest=2.7), evidence_settings(confidence=0.97)
+    first = cast(Study, Windowed(comparison_settings(windows=windows, evidence=evidence), room))
     found, ladder = climbing.climbed(first, {}, most=1, watch=lambda _: lambda _: None, phase=lambda _: None)
-    assert found.windows.length == pytest.approx(length)
-    assert ladder.verdict(asked.evidence) == kind
+    assert found.settings.windows.length == pytest.approx(length)
+    assert ladder.verdict(evidence) == kind
     assert confidence == pytest.approx([0.97, 0.99, 0.99][: len(confidence)])  # Bonferroni over three lengths
 
 

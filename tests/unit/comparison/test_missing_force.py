@@ -4,18 +4,13 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from diagnosis_machines import (
-    evidence_settings,
-    fault_settings,
-    localise_settings,
+    comparison_settings,
     measured,
-    model_check_settings,
     pendulum,
-    predicted_settings,
-    solver_settings,
     swinging,
-    windows_settings,
 )
 
+from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.missing_force import missing_forces
 from dr_lab.comparison.study import prepare
 from dr_lab.diagnosis.evidence.bench import FittedModel
@@ -35,18 +30,7 @@ def found(*dampings: float) -> dict[str, Any]:
     """The entry on the hinge for models with these dampings, the logs being those of a pendulum with `DAMPING`."""
     model, nothing = pendulum(), cast(Any, None)
     logs = [swinging(f"log_{k}", model.compile(np.array([MASS, DAMPING])), k) for k in range(4)]
-    study = prepare(
-        model,
-        measured(logs),
-        windows_settings(),
-        predicted_settings(),
-        solver_settings(),
-        evidence_settings(),
-        localise_settings(),
-        model_check_settings(),
-        fault_settings(),
-        1,
-    )
+    study = prepare(Comparison(model, measured(logs), comparison_settings()))
     fits = [cast(Any, Fitted(np.array([MASS, damping]))) for damping in dampings]
     (entry,) = missing_forces(study, [FittedModel(model, fit, nothing, nothing) for fit in fits])
     return entry

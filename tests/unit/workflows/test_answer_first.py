@@ -7,16 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 from diagnosis_machines import (
-    evidence_settings,
-    fault_settings,
     localise_settings,
     measured,
-    model_check_settings,
     pendulum,
-    predicted_settings,
-    solver_settings,
+    short_comparison,
     swinging,
-    windows_settings,
 )
 from effect_machines import catalogue_effect
 from hydra.utils import instantiate
@@ -25,7 +20,6 @@ from dr_lab.cli.compose import compose
 from dr_lab.comparison import finish, state_fits
 from dr_lab.comparison.state_fits import StateFits
 from dr_lab.comparison.study import prepare
-from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.add import add
 
@@ -35,19 +29,6 @@ TRUTH = np.array([0.6, 0.08])
 def data() -> MeasurementSet:
     logs = [swinging(f"log_{k}", pendulum().compile(TRUTH), k, seconds=2.0) for k in range(2)]
     return measured(logs[:1], logs[1:])
-
-
-def settings(localise: LocaliseSettings | None = None) -> dict[str, Any]:
-    return {
-        "windows": windows_settings(seconds=2.4),
-        "predicted": predicted_settings(seconds=2.4),
-        "solver": solver_settings(),
-        "evidence": evidence_settings(),
-        "localise": localise or localise_settings(),
-        "model_check": model_check_settings(),
-        "faults": fault_settings(),
-        "threads": 1,
-    }
 
 
 def test_the_answer_is_out_before_the_recordings_begin(
@@ -62,7 +43,7 @@ def test_the_answer_is_out_before_the_recordings_begin(
     monkeypatch.setattr(finish, "write_review", write_review)
     recorder = instantiate(compose("fit", []).recorder)
     effects = {"coulomb_friction": catalogue_effect("coulomb_friction")}
-    add(pendulum(), data(), effects, {"joint": "hinge"}, **settings(), recorder=recorder, run_dir=tmp_path)
+    add(short_comparison(pendulum(), data()), effects, {"joint": "hinge"}, recorder, tmp_path)
     places = [
         known.index(text)
         for text in (
@@ -85,7 +66,7 @@ def test_states_are_fitted_once_and_those_of_some_windows_are_among_those_of_all
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     model = pendulum()
-    study = prepare(model, data(), **settings())
+    study = prepare(short_comparison(model, data()))
     count, few = 0, study.few[::2]
 
     def counted(*arguments: Any) -> Any:  # noqa: ANN401 (whatever it is)
@@ -109,11 +90,11 @@ def test_states_are_fitted_once_and_those_of_some_windows_are_among_those_of_all
 
 
 def test_few_windows_are_spread_over_all() -> None:
-    study = prepare(pendulum(), data(), **settings())
+    study = prepare(short_comparison(pendulum(), data()))
     assert len(study.few) == len(study.short)  # as many as there are
     default = localise_settings()
     sparse = replace(default, formula=replace(default.formula, windows=5))
-    study = prepare(pendulum(), data(), **settings(sparse))
+    study = prepare(short_comparison(pendulum(), data(), localise=sparse))
     assert len(study.few) == 5
     assert (study.few[0], study.few[-1]) == (0, len(study.short) - 1)
     assert np.ptp(np.diff(study.few)) <= 1

@@ -11,20 +11,14 @@ import pytest
 from diagnosis_machines import (
     NOISE,
     dragged,
-    evidence_settings,
-    fault_settings,
-    localise_settings,
     log_of,
     measured,
-    model_check_settings,
     model_of,
     pendulum,
-    predicted_settings,
+    short_comparison,
     simulated,
     slow_then_fast,
-    solver_settings,
     swinging,
-    windows_settings,
 )
 from effect_machines import catalogue_effect
 from hydra.utils import instantiate
@@ -34,6 +28,7 @@ from dr_lab.cli.compose import compose
 from dr_lab.comparison.study import prepare
 from dr_lab.errors import DrLabError, ModelError
 from dr_lab.physics.model import Model
+from dr_lab.recorders.look import Look
 from dr_lab.trajectory import Log, MeasurementSet
 from dr_lab.workflows.add import add
 from dr_lab.workflows.fit import fit
@@ -48,28 +43,12 @@ BLIND = """<mujoco model="blind"><compiler angle="radian"/><option timestep="0.0
 DAMPING = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 0.5}}
 
 
-def settings(*look: str) -> dict[str, Any]:
-    return {
-        **study_settings(),
-        "recorder": instantiate(compose("fit", list(look)).recorder),
-    }
+def look(*overrides: str) -> Look:
+    return instantiate(compose("fit", list(overrides)).recorder)
 
 
-def study_settings() -> dict[str, Any]:
-    return {
-        "windows": windows_settings(seconds=2.4),
-        "predicted": predicted_settings(seconds=2.4),
-        "solver": solver_settings(),
-        "evidence": evidence_settings(),
-        "localise": localise_settings(),
-        "model_check": model_check_settings(),
-        "faults": fault_settings(),
-        "threads": 1,
-    }
-
-
-def fitted(model: Model, data: MeasurementSet, folder: Path, *look: str) -> dict[str, Any]:
-    return fit(model, data, **settings(*look), run_dir=folder)
+def fitted(model: Model, data: MeasurementSet, folder: Path, *recorder: str) -> dict[str, Any]:
+    return fit(short_comparison(model, data), look(*recorder), folder)
 
 
 def logs(seconds: float = 3.0) -> list[Log]:
@@ -111,12 +90,11 @@ def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> Non
 
 def test_nothing_is_called_held_out_where_nothing_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     report = add(
-        pendulum(),
-        measured([slow(log) for log in logs(1.5)]),
+        short_comparison(pendulum(), measured([slow(log) for log in logs(1.5)])),
         {"viscous_friction": catalogue_effect("viscous_friction")},
         {"joint": "hinge"},
-        **settings(),
-        run_dir=tmp_path,
+        look(),
+        tmp_path,
     )
     assert "on the fit logs" in report["reason"]
     (said,) = [note["message"] for note in report["notes"] if note["kind"] == "no_held_out"]
@@ -189,7 +167,7 @@ def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:
         channels = {"sensor.gyro": (motion["time"], read[:, :3]), "sensor.pose": (motion["time"], read[:, 3:])}
         found.append(log_of(f"log_{k}", channels))
     data = measured(found[:1], found[1:])
-    scales = prepare(model, data, **study_settings()).scales
+    scales = prepare(short_comparison(model, data)).scales
     assert (scales.unmeasured, scales.unknown) == ({"hinge"}, set())
     assert 1.0 < scales.speed["hinge"] < 4.0  # rad/s, of swings from 0.6 rad
     report = fitted(model, data, tmp_path)

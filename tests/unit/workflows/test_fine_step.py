@@ -10,16 +10,7 @@ from dr_lab.comparison.notes import study_notes
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Log
-from tests.diagnosis_machines import (
-    evidence_settings,
-    fault_settings,
-    localise_settings,
-    measured,
-    model_check_settings,
-    predicted_settings,
-    solver_settings,
-    windows_settings,
-)
+from tests.diagnosis_machines import measured, short_comparison
 from tests.element_machines import NOISE, machine, own_log
 
 FREE = {"rod.mass": {"target": "body.rod.mass", "unit": "kg", "low": 0.2, "high": 1.2}}
@@ -34,18 +25,7 @@ def study(friction: float) -> tuple[Model, Study]:
         true.option.timestep /= 8
     model = from_spec("servo", given.spec, FREE)
     logs = [own_log(Model("position", true, (), {}), seed, seconds=2.5) for seed in range(2)]
-    return model, prepare(
-        model,
-        measured([_thinned(log) for log in logs], noise=NOISE),
-        windows_settings(seconds=2.4),
-        predicted_settings(seconds=2.4),
-        solver_settings(),
-        evidence_settings(),
-        localise_settings(),
-        model_check_settings(),
-        fault_settings(),
-        1,
-    )
+    return model, prepare(short_comparison(model, measured([_thinned(log) for log in logs], noise=NOISE)))
 
 
 def _thinned(log: Log) -> Log:

@@ -1,0 +1,93 @@
+"""The comparing verbs in a notebook: a comparison loaded by the names of its parts, each verb a method."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dr_lab.cli.arguments import arguments_of
+from dr_lab.cli.compose import compose_from
+from dr_lab.cli.folders import shipped
+from dr_lab.comparison.comparison import Comparison
+from dr_lab.recorders.look import Look
+
+_OWN = ("comparison", "recorder")  # arguments of the verbs that do not come from their configuration
+
+
+@dataclass(frozen=True)
+class NotebookComparison(Comparison):
+    """A comparison whose verbs are methods; ``from dr_lab import Comparison`` gives this class.
+
+    Each verb does what `dr-lab` does on the command line: it writes a run folder, prints what it finds and returns the
+    report. `dataclasses.replace` puts another model, other logs or other settings in place of those that were loaded.
+
+    Attributes:
+        recorder: how recordings look.
+        config_folders: where configuration files are found, first searched first.
+    """
+
+    recorder: Look
+    config_folders: tuple[Path, ...]
+
+    @classmethod
+    def load(
+        cls, model: str, measurements: str, *overrides: str, config_dir: Path | None = None
+    ) -> "NotebookComparison":
+        """Load model and logs by name, with the default settings.
+
+        Args:
+            model: option of the group ``model``, e.g. ``"furuta"``.
+            measurements: option of the group ``measurements``.
+            overrides: as on the command line of ``dr-lab compare``, e.g. ``"windows.length=0.5"``.
+            config_dir: folder with the user's own groups, searched first.
+
+        Raises:
+            ConfigError: the configuration does not fit.
+            hydra.errors.ConfigCompositionException: an override names nothing.
+            DataError: the logs cannot be read.
+        """
+        folders = (*([] if config_dir is None else [config_dir.absolute()]), shipped())
+        cfg = compose_from(folders, "compare", [f"model={model}", f"measurements={measurements}", *overrides])
+        built = arguments_of("compare", cfg, folders)[1]
+        loaded: Comparison = built["comparison"]
+        return cls(loaded.model, loaded.measurements, loaded.settings, built["recorder"], folders)
+
+    def compare(self, run_dir: Path | None = None) -> dict[str, Any]:
+        """`dr_lab.workflows.compare.compare`; without `run_dir` results go to ``outputs/compare/<model>/<time>/``."""
+        return self._run("compare", run_dir)
+
+    def fit(self, run_dir: Path | None = None) -> dict[str, Any]:
+        """`dr_lab.workflows.fit.fit`; `run_dir` as in `compare`."""
+        return self._run("fit", run_dir)
+
+    def diagnose(self, effects: Sequence[str] = ("all",), run_dir: Path | None = None) -> dict[str, Any]:
+        """`dr_lab.workflows.diagnose.diagnose` of the named effects; `run_dir` as in `compare`."""
+        return self._run("diagnose", run_dir, _chosen(effects))
+
+    def add(self, effect: str, run_dir: Path | None = None, **site: str) -> dict[str, Any]:
+        """`dr_lab.workflows.add.add` of one effect, e.g. ``add("coulomb_friction", joint="arm")``.
+
+        Args:
+            effect: its name.
+            run_dir: as in `compare`.
+            site: one of ``joint``, ``actuator``, ``body``, ``sensor``, or none where the effect has a single site.
+        """
+        return self._run("add", run_dir, f"effect={effect}", *(f"effect.{kind}={name}" for kind, name in site.items()))
+
+    def close(
+        self, effects: Sequence[str] = ("all",), most: int | None = None, run_dir: Path | None = None
+    ) -> dict[str, Any]:
+        """`dr_lab.workflows.close.close` with the named effects, at most `most` of them; `run_dir` as in `compare`."""
+        return self._run("close", run_dir, _chosen(effects), *([] if most is None else [f"most={most}"]))
+
+    def _run(self, verb: str, run_dir: Path | None, *overrides: str) -> dict[str, Any]:
+        cfg = compose_from(self.config_folders, verb, overrides)
+        workflow, arguments = arguments_of(verb, cfg, self.config_folders, given=_OWN)
+        folder = run_dir or Path(cfg.outputs) / verb / self.model.name / time.strftime("%Y-%m-%d_%H-%M-%S")
+        folder.mkdir(parents=True, exist_ok=run_dir is not None)
+        return workflow(comparison=self, recorder=self.recorder, run_dir=folder, **arguments)
+
+
+def _chosen(effects: Sequence[str]) -> str:
+    return f"effect={effects[0]}" if len(effects) == 1 else f"effect=[{','.join(effects)}]"
