@@ -4,13 +4,13 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from dr_lab.cli.arguments import arguments_of
 from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.comparison.comparison import Comparison
 from dr_lab.recorders.look import Look
+from dr_lab.reports.gap import GapReport
 
 _OWN = ("comparison", "recorder")  # arguments of the verbs that do not come from their configuration
 
@@ -53,19 +53,19 @@ class NotebookComparison(Comparison):
         loaded: Comparison = built["comparison"]
         return cls(loaded.model, loaded.measurements, loaded.settings, built["recorder"], folders)
 
-    def compare(self, run_dir: Path | None = None) -> dict[str, Any]:
+    def compare(self, run_dir: Path | None = None) -> GapReport:
         """`dr_lab.workflows.compare.compare`; without `run_dir` results go to ``outputs/compare/<model>/<time>/``."""
         return self._run("compare", run_dir)
 
-    def fit(self, run_dir: Path | None = None) -> dict[str, Any]:
+    def fit(self, run_dir: Path | None = None) -> GapReport:
         """`dr_lab.workflows.fit.fit`; `run_dir` as in `compare`."""
         return self._run("fit", run_dir)
 
-    def diagnose(self, effects: Sequence[str] = ("all",), run_dir: Path | None = None) -> dict[str, Any]:
+    def diagnose(self, effects: Sequence[str] = ("all",), run_dir: Path | None = None) -> GapReport:
         """`dr_lab.workflows.diagnose.diagnose` of the named effects; `run_dir` as in `compare`."""
         return self._run("diagnose", run_dir, _chosen(effects))
 
-    def add(self, effect: str, run_dir: Path | None = None, **site: str) -> dict[str, Any]:
+    def add(self, effect: str, run_dir: Path | None = None, **site: str) -> GapReport:
         """`dr_lab.workflows.add.add` of one effect, e.g. ``add("coulomb_friction", joint="arm")``.
 
         Args:
@@ -77,11 +77,11 @@ class NotebookComparison(Comparison):
 
     def close(
         self, effects: Sequence[str] = ("all",), most: int | None = None, run_dir: Path | None = None
-    ) -> dict[str, Any]:
+    ) -> GapReport:
         """`dr_lab.workflows.close.close` with the named effects, at most `most` of them; `run_dir` as in `compare`."""
         return self._run("close", run_dir, _chosen(effects), *([] if most is None else [f"most={most}"]))
 
-    def _run(self, verb: str, run_dir: Path | None, *overrides: str) -> dict[str, Any]:
+    def _run(self, verb: str, run_dir: Path | None, *overrides: str) -> GapReport:
         cfg = compose_from(self.config_folders, verb, overrides)
         workflow, arguments = arguments_of(verb, cfg, self.config_folders, given=_OWN)
         folder = run_dir or Path(cfg.outputs) / verb / self.model.name / time.strftime("%Y-%m-%d_%H-%M-%S")

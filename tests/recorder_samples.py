@@ -51,6 +51,9 @@ _CLOSE: dict[str, Any] = {
     "measurements": "furuta",
     "verb": "close",
     "verdict": "named",
+    "run": "latest",
+    "logs": {"fit": ["swing_01", "swing_02"], "held_out": ["swing_05"]},
+    "windows": {"length": 0.3, "fit": 66, "held_out": 44, "confirm": 22},
     "noise": {
         "arm.position": {"std": 0.0015, "unit": "rad", "source": "estimated", "numerical": 2.1e-5},
         "pole.position": {"std": 0.0015, "unit": "rad", "source": "given", "numerical": 3.0e-5},
@@ -145,11 +148,18 @@ def close_report() -> dict[str, Any]:
 
 @pytest.fixture
 def compare_report(close_report: dict[str, Any]) -> dict[str, Any]:
-    kept = {key: close_report[key] for key in ("schema", "model", "noise", "where")} | {"verdict": None}
+    same = ("schema", "model", "measurements", "run", "logs", "windows", "noise", "where")
+    kept = {key: close_report[key] for key in same} | {"verdict": None, "notes": [], "clocks": {}}
     horizons = [
         {"horizon": h, "rmse": {"arm.position": 0.01 * h, "pole.position": 0.02 * h}} for h in (0.002, 0.3, 5.0)
     ]
-    return kept | {"verb": "compare", "ladder": [close_report["as_given"]], "horizons": horizons}
+    remaining = {"status": "unexplained", "chi2": 355.0}
+    return kept | {
+        "verb": "compare",
+        "ladder": [close_report["as_given"]],
+        "horizons": horizons,
+        "remaining": remaining,
+    }
 
 
 @pytest.fixture(scope="session")

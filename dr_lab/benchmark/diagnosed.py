@@ -50,7 +50,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
         fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
         chi2_base=ladder.base.held_out.chi2,
         chi2=last.held_out.chi2,
-        remaining=remaining(last.held_out, study.bench.evidence)["status"],
+        remaining=remaining(last.held_out, study.bench.evidence).status,
         cpu=cpu,
         wall=wall,
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dr_lab.benchmark.case import Case
-from dr_lab.reports.report import to_plain
+from dr_lab.reports.plain import to_plain
 
 BASE = "base"  # in a class: the model without the effect
 

@@ -1,7 +1,6 @@
 """A model fitted to the logs and what the report says of it."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 from dr_lab.comparison import entries
 from dr_lab.comparison.localised import predicted_score
@@ -9,6 +8,7 @@ from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.physics.context import ContextEstimate
+from dr_lab.reports.gap_entries import ParameterEntry, RungEntry
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Described:
 
     explained: FittedModel
     estimate: ContextEstimate
-    rung: dict[str, Any]
+    rung: RungEntry
 
 
 def calibrate(study: Study) -> FittedModel:
@@ -37,12 +37,12 @@ def describe(study: Study, explained: FittedModel) -> Described:
     predicted = predicted_score(study, explained.model, explained.fit.z)
     labels = [effect.label for effect in explained.model.effects]
     rung = entries.rung(labels, explained.held_out, predicted, table)
-    return Described(explained, estimate, {**rung, "fit": entries.fitted(explained.fit)})
+    return Described(explained, estimate, replace(rung, fit=entries.fitted(explained.fit)))
 
 
-def as_given(study: Study) -> tuple[Score, dict[str, Any]]:
+def as_given(study: Study) -> tuple[Score, RungEntry]:
     """Held-out score and ladder-like entry of the model before any fit."""
     z, bench = study.model.space.nominal, study.bench
     refitted = score_of(*study.fits(study.model, z, bench.held_out))
-    nominal = {p.name: {"value": p.nominal, "std": None, "unit": p.unit} for p in study.model.space.parameters}
+    nominal = {p.name: ParameterEntry(p.nominal, None, p.unit) for p in study.model.space.parameters}
     return refitted, entries.rung((), refitted, predicted_score(study, study.model, z), nominal)

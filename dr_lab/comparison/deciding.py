@@ -3,7 +3,6 @@
 import io
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.next_experiment import ExperimentMachine, ExperimentSettings, propose
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.files import write_text
+from dr_lab.reports.gap_entries import ExperimentEntry
 from dr_lab.trajectory import Signal
 
 FILE = "next_experiment.csv"
@@ -18,7 +18,7 @@ FILE = "next_experiment.csv"
 
 def deciding_experiment(
     study: Study, ladder: Ladder, settings: ExperimentSettings, run_dir: Path
-) -> dict[str, Any] | None:
+) -> ExperimentEntry | None:
     """Look for the experiment that separates the first added effect with rivals from the best of them.
 
     Writes ``next_experiment.csv``: column ``time_s`` and one column of held commands for each actuator.
@@ -42,14 +42,14 @@ def deciding_experiment(
     if found is None:
         return None
     write_text(run_dir / FILE, _table(found.commands))
-    return {
-        "separates": list(found.separates),
-        "sigma": found.sigma,
-        "needed": study.bench.evidence.threshold**0.5,
-        "excitation": found.excitation,
-        "duration": settings.duration,
-        "command_file": FILE,
-    }
+    return ExperimentEntry(
+        separates=tuple(found.separates),
+        sigma=found.sigma,
+        needed=study.bench.evidence.threshold**0.5,
+        excitation=found.excitation,
+        duration=settings.duration,
+        command_file=FILE,
+    )
 
 
 def _limits(study: Study) -> dict[str, tuple[float, float]]:

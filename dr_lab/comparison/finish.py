@@ -1,9 +1,8 @@
 """The end of every comparing verb: the run folder's files, and what is said on the screen."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
 
 from dr_lab.comparison.export import mjcf, write_context, write_model, write_rollout
 from dr_lab.comparison.fault_notes import KIND, faults_markdown
@@ -16,9 +15,12 @@ from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.recorders.review import write_review
+from dr_lab.reports.gap import GapReport
+from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.ladder import failing
 from dr_lab.reports.markdown import notes_list, report_markdown
-from dr_lab.reports.report import to_plain, write_report
+from dr_lab.reports.plain import finite
+from dr_lab.reports.report import write_report
 from dr_lab.reports.tables import ladder_table, parameter_table, ranking_summary
 from dr_lab.reports.verdict import verdict_markdown
 from dr_lab.trajectory import Array, Log
@@ -43,29 +45,29 @@ class Run:
     screen: Screen
 
 
-def answer(report: Mapping[str, Any], run: Run) -> None:
+def answer(report: GapReport, run: Run) -> None:
     """Print what was found, as soon as it is known: verdict, models, parameters and ranking.
 
     Args:
-        report: the report's entries on these; others may come later.
+        report: what is known of these; the rest may come later.
         run: where it is printed.
     """
-    known = cast(dict[str, Any], to_plain({**report}))
-    ranking = known.get("ranking", [])
+    known = finite(report)
+    ranking = known.judged.ranking
     others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
-    faults = faults_markdown(known.get("notes", []))
+    faults = faults_markdown(known.notes)
     parts = [faults, verdict_markdown(known), ladder_table(known), _parameters(known)]
-    parts.append(ranking_summary(ranking[:_SHOWN], known.get("verdict")) + others)
+    parts.append(ranking_summary(ranking[:_SHOWN], known.verdict) + others)
     run.screen.show(_paragraphs(parts))
 
 
 def finish(
     study: Study,
-    report: Mapping[str, Any],
+    report: GapReport,
     models: Mapping[str, tuple[Model, Array]],
     run: Run,
     estimate: ContextEstimate | None = None,
-) -> dict[str, Any]:
+) -> GapReport:
     """Write the run folder and print where the model fails and what must be known.
 
     Files: ``report.json``, ``report.md``, ``metrics.csv``, ``review.rrd``, ``simulated.mcap``; with an improved model
@@ -73,7 +75,7 @@ def finish(
 
     Args:
         study: model and logs.
-        report: the report's entries.
+        report: what was found.
         models: by role (``before``, ``after``) a model and its context.
         run: where the results go.
         estimate: the improved model's fitted context.
@@ -87,28 +89,27 @@ def finish(
     if estimate is not None:
         write_context(folder / "context.yaml", estimate)
     logs = shown_logs(study, look.longest)
-    plain = _plain(report, [*notes, *_shortened(study, logs, look.longest)], folder)
-    write_report(folder, plain)  # first, so that no fault of a recording costs the hours before it
+    written = _completed(report, [*notes, *_shortened(study, logs, look.longest)], folder)
+    write_report(folder, written)  # first, so that no fault of a recording costs the hours before it
     run.screen.phase("Writing the recordings")
     played, forces = [play_log(study, log, shown) for log in logs], missing(study, models)
     overlays = [overlay(study, log, p, forces, look) for log, p in zip(logs, played, strict=True)]
     if AFTER in shown and played:
         write_rollout(folder / "rollout.npz", played[0][AFTER])
-    write_review(folder / "review.rrd", plain, report_markdown(plain), overlays, study.compiled, look)
-    write_simulated(folder / "simulated.mcap", overlays, _attachments(folder, shown), _metadata(plain))
-    if told := _rest(plain):
+    write_review(folder / "review.rrd", written, report_markdown(written), overlays, study.compiled, look)
+    write_simulated(folder / "simulated.mcap", overlays, _attachments(folder, shown), _metadata(written))
+    if told := _rest(written):
         run.screen.show(told)
-    return plain
+    return written
 
 
-def _plain(report: Mapping[str, Any], notes: Sequence[Mapping[str, Any]], run_dir: Path) -> dict[str, Any]:
-    every = [*report.get("notes", []), *notes]
-    every.sort(key=lambda note: note["kind"] != KIND)
-    more = {"notes": every, "run": str(run_dir)}
-    return cast(dict[str, Any], to_plain({**report, **more}))
+def _completed(report: GapReport, notes: Sequence[NoteEntry], run_dir: Path) -> GapReport:
+    """The report as it is written: all notes, faults first, and only finite numbers."""
+    every = sorted([*report.notes, *notes], key=lambda note: note.kind != KIND)
+    return finite(replace(report, notes=tuple(every), run=str(run_dir)))
 
 
-def _shortened(study: Study, shown: Sequence[Log], longest: float) -> list[dict[str, Any]]:
+def _shortened(study: Study, shown: Sequence[Log], longest: float) -> list[NoteEntry]:
     """Notes on logs of which the recordings show the beginning alone, or nothing."""
     ends = {log.name: _end(log) for log in shown}
     notes = []
@@ -125,7 +126,7 @@ def _shortened(study: Study, shown: Sequence[Log], longest: float) -> list[dict[
             )
         else:
             continue
-        notes.append({"kind": "shown", "log": log.name, "message": message})
+        notes.append(NoteEntry(message, "shown", log=log.name))
     return notes
 
 
@@ -133,11 +134,11 @@ def _end(log: Log) -> float:
     return max(signal.time[-1] for signal in log.outputs.values())
 
 
-def _rest(report: Mapping[str, Any]) -> str:
+def _rest(report: GapReport) -> str:
     """Where the model fails, and notes."""
-    where = [f"- {r['signal']}, {r['region']}: {100 * r['share']:.0f} % of its error" for r in report.get("where", [])]
+    where = [f"- {r.signal}, {r.region}: {100 * (r.share or 0.0):.0f} % of its error" for r in report.failing.where]
     parts = [f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else ""]
-    notes = [note for note in report.get("notes", []) if note["kind"] != KIND]
+    notes = [note for note in report.notes if note.kind != KIND]
     left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
     parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")
     return _paragraphs(parts)
@@ -147,24 +148,24 @@ def _paragraphs(parts: Sequence[str]) -> str:
     return "\n\n".join(part for part in parts if part.strip())
 
 
-def _parameters(report: Mapping[str, Any]) -> str:
+def _parameters(report: GapReport) -> str:
     """The last model's parameters, those of effects first; none where nothing was fitted."""
-    last = report["ladder"][-1]
-    if not last.get("fit"):
+    last = report.ladder[-1]
+    if last.fit is None:
         return ""
-    found = sorted(last["parameters"].items(), key=lambda item: "@" not in item[0])
+    found = sorted(last.parameters.items(), key=lambda item: "@" not in item[0])
     left = f"\n\n… and {len(found) - _LISTED} more in report.md." if len(found) > _LISTED else ""
     return parameter_table(dict(found[:_LISTED])) + left
 
 
 def _export(
     models: Mapping[str, tuple[Model, Array]], run_dir: Path
-) -> tuple[dict[str, tuple[Model, Array]], list[dict[str, Any]]]:
+) -> tuple[dict[str, tuple[Model, Array]], list[NoteEntry]]:
     """Write the improved model, where there is one, and let the file take its place; notes on what the file lacks."""
     if AFTER not in models:
         return dict(models), []
     exported, beside = write_model(run_dir / "model.xml", *models[AFTER])
-    notes = [{"kind": "export", "message": sentence} for sentence in beside.sentences()]
+    notes = [NoteEntry(sentence, "export") for sentence in beside.sentences()]
     return {**models, AFTER: (exported, exported.space.nominal)}, notes
 
 
@@ -174,6 +175,6 @@ def _attachments(run_dir: Path, shown: Mapping[str, tuple[Model, Array]]) -> dic
     return {"model.xml": mjcf(*shown[BEFORE]).encode()} | {p.name: p.read_bytes() for p in found if p.is_file()}
 
 
-def _metadata(report: Mapping[str, Any]) -> dict[str, str]:
+def _metadata(report: GapReport) -> dict[str, str]:
     keys = ("schema", "verb", "model", "measurements", "verdict", "run")
-    return {key: str(report[key]) for key in keys if report.get(key)}
+    return {key: value for key in keys if (value := getattr(report, key))}

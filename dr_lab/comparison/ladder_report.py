@@ -1,7 +1,7 @@
 """Report of a ladder: models with falling error, the ranking that chose each, and what is left."""
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
 
 from dr_lab.comparison import entries, notes
 from dr_lab.comparison.calibrated import Described, as_given, describe
@@ -15,11 +15,13 @@ from dr_lab.diagnosis.next_experiment import ExperimentSettings
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.recorders.overlay import AFTER, BEFORE
+from dr_lab.reports.gap import GapReport, Judgement
+from dr_lab.reports.gap_entries import ExplainedEntry, JudgedRungEntry, NoteEntry
 
 
 def report_ladder(
     verb: str, study: Study, ladder: Ladder, run: Run, experiments: ExperimentSettings | None = None
-) -> dict[str, Any]:
+) -> GapReport:
     """Tell the answer of a verb that judges effects, then what belongs to it, and write the run.
 
     Args:
@@ -30,60 +32,69 @@ def report_ladder(
         experiments: which experiments are tried where rivals are left; None for none.
 
     Returns:
-        The report (schema dr_lab/gap/1).
+        The report as written.
     """
     run.screen.phase("Scoring the models of the ladder")
     described = [describe(study, explained) for explained in ladder.models]
     base, last = ladder.base, ladder.models[-1]
-    found = _answer(verb, study, ladder, described)
-    answer(found, run)
+    judgement = _judgement(study, ladder)
+    report = _answer(verb, study, ladder, described, judgement)
+    answer(report, run)
     run.screen.phase("Looking where the model fails and what it misses")
     failing = failure(study, base.model, base.fit.z)  # first, because what misses forces is among its windows
-    report = {**found, "missing_force": missing_forces(study, ladder.models), **failing}
-    report["next_experiment"] = None
+    judgement = replace(judgement, missing_force=missing_forces(study, ladder.models))
     if experiments is not None and any(step.rivals for step in ladder.steps):
         run.screen.phase("Looking for the experiment that would decide")
-        report["next_experiment"] = deciding_experiment(study, ladder, experiments, run.folder)
+        judgement = replace(judgement, next_experiment=deciding_experiment(study, ladder, experiments, run.folder))
     before = (base.model, base.fit.z) if last is not base else (study.model, study.model.space.nominal)
     shown = {BEFORE: before, AFTER: (last.model, last.fit.z)}
-    return finish(study, report, shown, run, described[-1].estimate)
+    found = replace(report, judgement=judgement, failure=failing)
+    return finish(study, found, shown, run, described[-1].estimate)
 
 
-def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Described]) -> dict[str, Any]:
-    last, first = ladder.models[-1], ladder.rungs[0]
-    header = entries.header(verb, study)
-    return {
-        **header,
-        "notes": [*notes.fit_notes(ladder.models), *header["notes"], *_ladder_notes(study, ladder)],
-        "verdict": _verdict(ladder, study.bench.evidence),
-        "confirmation": entries.confirmation(ladder.confirmation),
-        "gap_closed": ladder.closed(study.bench.evidence),
-        "explained": _explained(ladder.gained(study.bench.evidence)),
-        "reason": " ".join([_reason(study, first), *(law.sentence for law in ladder.laws if law.refuted)]),
-        "laws": entries.laws(ladder.laws),
-        "as_given": as_given(study)[1],
-        "ladder": [
-            {**d.rung, "rivals": [c.effect.label for c in rivals]}
-            for d, rivals in zip(described, [(), *(step.rivals for step in ladder.steps)], strict=True)
-        ],
-        "ranking": entries.ranking(study, first.ranking, first.verdict),
-        "rungs": [_rung(study, rung) for rung in ladder.rungs],
-        "remaining": entries.remaining(last.held_out, study.bench.evidence),
-        "worst_direction": entries.worst_direction(last),
-    }
+def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Described], judgement: Judgement) -> GapReport:
+    rivals = [(), *(step.rivals for step in ladder.steps)]
+    models = [
+        replace(d.rung, rivals=tuple(c.effect.label for c in beside))
+        for d, beside in zip(described, rivals, strict=True)
+    ]
+    report = entries.begun(verb, study, models, ladder.models[-1].held_out)
+    return replace(
+        report,
+        notes=(*notes.fit_notes(ladder.models), *report.notes, *_ladder_notes(study, ladder)),
+        verdict=_verdict(ladder, study.bench.evidence),
+        as_given=as_given(study)[1],
+        judgement=judgement,
+    )
 
 
-def _explained(gain: Gain) -> dict[str, Any]:
+def _judgement(study: Study, ladder: Ladder) -> Judgement:
+    """What is known before anybody looks where the model fails."""
+    first, evidence = ladder.rungs[0], study.bench.evidence
+    return Judgement(
+        confirmation=entries.confirmation(ladder.confirmation),
+        gap_closed=ladder.closed(evidence),
+        explained=_explained(ladder.gained(evidence)),
+        reason=" ".join([_reason(study, first), *(law.sentence for law in ladder.laws if law.refuted)]),
+        laws=entries.laws(ladder.laws),
+        ranking=entries.ranking(study, first.ranking, first.verdict),
+        rungs=tuple(_rung(study, rung) for rung in ladder.rungs),
+        worst_direction=entries.worst_direction(ladder.models[-1]),
+    )
+
+
+def _explained(gain: Gain) -> ExplainedEntry:
     """Share of the calibrated model's error that the added effects remove, its interval, and the gap closed by channel.
 
     The error is what its χ² is above noise, in a typical window; None where there is none.
     """
-    shares = {"share": gain.share, "low": gain.low, "high": gain.high}
-    told = {name: min(share / gain.error, 1.0) if gain.error > 0 else None for name, share in shares.items()}
-    return {**told, "channels": dict(gain.channels)}
+    share, low, high = (
+        min(value / gain.error, 1.0) if gain.error > 0 else None for value in (gain.share, gain.low, gain.high)
+    )
+    return ExplainedEntry(share, low, high, dict(gain.channels))
 
 
-def _ladder_notes(study: Study, ladder: Ladder) -> list[dict[str, Any]]:
+def _ladder_notes(study: Study, ladder: Ladder) -> list[NoteEntry]:
     changed = [*notes.dropped(ladder.dropped), *notes.put_back(ladder.put_back)]
     return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *changed]
 
@@ -104,13 +115,13 @@ def _reason(study: Study, rung: Rung) -> str:
     return " ".join([rung.verdict.reason, *told])
 
 
-def _rung(study: Study, rung: Rung) -> dict[str, Any]:
-    return {
-        "effects": [effect.label for effect in rung.base.model.effects],
-        "verdict": rung.verdict.kind,
-        "chosen": list(rung.verdict.effects),
-        "on_trial": list(rung.verdict.trial),
-        "absorbed_by_parameters": list(rung.verdict.absorbed),
-        "reason": _reason(study, rung),
-        "ranking": entries.ranking(study, rung.ranking, rung.verdict),
-    }
+def _rung(study: Study, rung: Rung) -> JudgedRungEntry:
+    return JudgedRungEntry(
+        effects=tuple(effect.label for effect in rung.base.model.effects),
+        verdict=rung.verdict.kind,
+        chosen=tuple(rung.verdict.effects),
+        on_trial=tuple(rung.verdict.trial),
+        absorbed_by_parameters=tuple(rung.verdict.absorbed),
+        reason=_reason(study, rung),
+        ranking=entries.ranking(study, rung.ranking, rung.verdict),
+    )

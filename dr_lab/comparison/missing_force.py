@@ -1,7 +1,6 @@
 """The report's entry on missing forces: how much the effects explain, how much anything could, and a formula."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +11,12 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.missing_force.force_formula import Formula, Variable, mean_square, sparse_formula
 from dr_lab.diagnosis.missing_force.residual_force import ResidualForce
 from dr_lab.diagnosis.windows.windows import Windows
+from dr_lab.reports.gap_entries import ForceFormulaEntry, MissingForceEntry, TermEntry
 
 _PARTS = 8  # of the data, at least
 
 
-def missing_forces(study: Study, models: Sequence[FittedModel]) -> list[dict[str, Any]]:
+def missing_forces(study: Study, models: Sequence[FittedModel]) -> tuple[MissingForceEntry, ...]:
     """Joint by joint: missing force of the first and the last model, and what is left to explain.
 
     Sizes are those beyond ``noise``, the root mean square that the measurements' noise alone gives the first model's
@@ -27,29 +27,29 @@ def missing_forces(study: Study, models: Sequence[FittedModel]) -> list[dict[str
     first, last = (study.fits.forces(m.model, m.fit.z, study.short, study.few) for m in (models[0], models[-1]))
     replay = Replay(models[-1].model, study.short.pick(study.few), study.bench.threads)
     known = [joint for joint, part in first.items() if np.isfinite(part.force).any()]
-    return [_entry(study, replay, joint, first, last) for joint in known]
+    return tuple(_entry(study, replay, joint, first, last) for joint in known)
 
 
 def _entry(
     study: Study, replay: Replay, joint: str, first: dict[str, ResidualForce], last: dict[str, ResidualForce]
-) -> dict[str, Any]:
+) -> MissingForceEntry:
     unit = "N" if replay.slides(joint) else "N·m"
     settings, groups = study.settings.localise.formula, _groups(replay.windows)
     before = sparse_formula(first[joint].force, unit, _variables(replay, first), groups, settings)
     after = sparse_formula(last[joint].force, unit, _variables(replay, last), groups, settings)
     missing, left = _beyond_noise(first[joint]), _beyond_noise(last[joint])
     reached = before.ceiling * mean_square(first[joint].force) if before else None
-    return {
-        "joint": joint,
-        "windows": int(np.isfinite(first[joint].force).sum()),
-        "unit": unit,
-        "rms_first": missing**0.5,
-        "rms_last": left**0.5,
-        "noise": _noise(first[joint]) ** 0.5,
-        "explained": 1.0 - left / missing if missing > 0 else 0.0,
-        "ceiling": min(reached / missing, 1.0) if reached is not None and missing > 0 else None,
-        "left": _left(after),
-    }
+    return MissingForceEntry(
+        joint=joint,
+        windows=int(np.isfinite(first[joint].force).sum()),
+        unit=unit,
+        rms_first=missing**0.5,
+        rms_last=left**0.5,
+        noise=_noise(first[joint]) ** 0.5,
+        explained=1.0 - left / missing if missing > 0 else 0.0,
+        ceiling=min(reached / missing, 1.0) if reached is not None and missing > 0 else None,
+        left=_left(after),
+    )
 
 
 def _beyond_noise(part: ResidualForce) -> float:
@@ -62,14 +62,11 @@ def _noise(part: ResidualForce) -> float:
     return mean_square(np.where(np.isfinite(part.force), part.noise, np.nan))
 
 
-def _left(formula: Formula | None) -> dict[str, Any] | None:
+def _left(formula: Formula | None) -> ForceFormulaEntry | None:
     if formula is None:
         return None
-    terms = [
-        {"term": term, "coefficient": value, "unit": formula.units[term]}
-        for term, value in formula.coefficients.items()
-    ]
-    return {"ceiling": formula.ceiling, "share": formula.share, "terms": terms}
+    terms = tuple(TermEntry(term, value, formula.units[term]) for term, value in formula.coefficients.items())
+    return ForceFormulaEntry(formula.ceiling, formula.share, terms)
 
 
 def _variables(replay: Replay, forces: dict[str, ResidualForce]) -> list[Variable]:

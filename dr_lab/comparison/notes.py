@@ -1,7 +1,6 @@
 """Notes of a report: what its reader must know of data, fits and candidates."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -13,10 +12,11 @@ from dr_lab.diagnosis.faults.unit_suspicion import suspect_degrees
 from dr_lab.diagnosis.search.pruning import PutBack
 from dr_lab.diagnosis.windows.channels import unmeasured_joints
 from dr_lab.diagnosis.windows.commands import silent_actuators
+from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import MeasurementSet
 
 
-def study_notes(study: Study) -> list[dict[str, Any]]:
+def study_notes(study: Study) -> list[NoteEntry]:
     """Notes on the data and the model, before anything is fitted."""
     return [
         *fault_notes(study.faults, study.measurements),
@@ -28,7 +28,7 @@ def study_notes(study: Study) -> list[dict[str, Any]]:
     ]
 
 
-def fit_notes(models: Sequence[FittedModel]) -> list[dict[str, Any]]:
+def fit_notes(models: Sequence[FittedModel]) -> list[NoteEntry]:
     """Notes on fits of a ladder's models that lack windows or did not converge."""
     notes = []
     for model in models:
@@ -37,14 +37,14 @@ def fit_notes(models: Sequence[FittedModel]) -> list[dict[str, Any]]:
         name = f"The fit with {effects[-1].label}" if effects else "The calibration"
         if lost:
             told = f"{name} lacks {lost} of {len(fit.infeasible)} windows, whose simulation diverges."
-            notes.append({"kind": "infeasible_windows", "message": f"{told} Its parameters hold for the others alone."})
+            notes.append(NoteEntry(f"{told} Its parameters hold for the others alone.", "infeasible_windows"))
         if not fit.converged:
             told = f"{name} did not converge in {fit.iterations} steps: its parameters may not be the best."
-            notes.append({"kind": "not_converged", "message": f"{told} Raise solver.iterations, or begin nearer."})
+            notes.append(NoteEntry(f"{told} Raise solver.iterations, or begin nearer.", "not_converged"))
     return notes
 
 
-def few_blocks(bench: Bench) -> list[dict[str, Any]]:
+def few_blocks(bench: Bench) -> list[NoteEntry]:
     """Note that the windows are too few for an interval of any difference between models."""
     apart = [bench.fit.log + bench.held_out.log.max(initial=0) + 1] if bench.apart else []
     count = block_count(np.concatenate([bench.held_out.log, *apart]), bench.evidence)
@@ -57,33 +57,33 @@ def few_blocks(bench: Bench) -> list[dict[str, Any]]:
         f"window and closes {100 * bench.evidence.least_named:g} % of the gap (evidence.least_named): do not trust it "
         "far. Record more, hold out more logs or cut shorter windows (windows.length)."
     )
-    return [{"kind": "few_blocks", "message": message, "count": count}]
+    return [NoteEntry(message, "few_blocks", count=count)]
 
 
-def refused(reasons: Mapping[str, str]) -> list[dict[str, Any]]:
+def refused(reasons: Mapping[str, str]) -> list[NoteEntry]:
     """Notes on effects that were not tried, one for each reason.
 
     Args:
         reasons: why, by ``effect@site``.
     """
     return [
-        {"kind": "not_tried", "message": f"Not tried: {', '.join(k for k in reasons if reasons[k] == why)}. {why}"}
+        NoteEntry(f"Not tried: {', '.join(k for k in reasons if reasons[k] == why)}. {why}", "not_tried")
         for why in dict.fromkeys(reasons.values())
     ]
 
 
-def dropped(labels: Sequence[str]) -> list[dict[str, Any]]:
+def dropped(labels: Sequence[str]) -> list[NoteEntry]:
     """Notes on effects that were added and not kept."""
     told = (
         "was added, and dropped again: beside the effects that stay, the logs do not ask for it beyond doubt, or the "
         "model predicts no better with it."
     )
-    return [{"kind": "dropped", "message": f"{label} {told}"} for label in labels]
+    return [NoteEntry(f"{label} {told}", "dropped") for label in labels]
 
 
-def put_back(found: Sequence[PutBack]) -> list[dict[str, Any]]:
+def put_back(found: Sequence[PutBack]) -> list[NoteEntry]:
     """Notes on effects in whose place a special case of them stands."""
-    return [{"kind": "put_back", "message": _put_back(one)} for one in found]
+    return [NoteEntry(_put_back(one), "put_back") for one in found]
 
 
 def _put_back(one: PutBack) -> str:
@@ -92,7 +92,7 @@ def _put_back(one: PutBack) -> str:
     return f"{one.richer} was put back to {one.poorer}: its further parameters {held} ({values})."
 
 
-def _unit_note(study: Study) -> list[dict[str, Any]]:
+def _unit_note(study: Study) -> list[NoteEntry]:
     bench = study.bench
     found = suspect_degrees(study.model, study.measurements, study.settings.windows, bench.solver, bench.threads)
     if found is None:
@@ -102,15 +102,15 @@ def _unit_note(study: Study) -> list[dict[str, Any]]:
         f"{names} in radians, as declared, leave χ² {found.chi2:.3g}; read as degrees {found.chi2_degrees:.3g}: the "
         "factor 57.3 = 180/π is suspected. Write unit: deg if the numbers are degrees."
     )
-    return [{"kind": "unit", "message": message}]
+    return [NoteEntry(message, "unit")]
 
 
-def _step_note(study: Study) -> list[dict[str, Any]]:
+def _step_note(study: Study) -> list[NoteEntry]:
     message = study.refinement.message
-    return [{"kind": "time_step", "signal": study.floor.worst, "message": message}] if message else []
+    return [NoteEntry(message, "time_step", signal=study.floor.worst)] if message else []
 
 
-def _silent_notes(study: Study) -> list[dict[str, Any]]:
+def _silent_notes(study: Study) -> list[NoteEntry]:
     """What the model has and the measurements do not name."""
     logs = (*study.measurements.fit, *study.measurements.held_out)
     sent, shown = (", ".join(signals) or "none" for signals in (logs[0].commands, logs[0].outputs))
@@ -120,26 +120,26 @@ def _silent_notes(study: Study) -> list[dict[str, Any]]:
             f"No command is measured for {', '.join(actuators)}: simulated with the control 0. Measured commands: "
             f"{sent}. If it was driven, name its channel in measurements.commands."
         )
-        notes.append({"kind": "no_command", "message": message})
+        notes.append(NoteEntry(message, "no_command"))
     if joints := unmeasured_joints(study.compiled, tuple(logs[0].outputs)):
         message = (
             f"No position or velocity is measured of joint {', '.join(joints)}: what it does is guessed from the other "
             f"channels. Measured: {shown}. If a log holds it, name its channel in measurements.outputs."
         )
-        notes.append({"kind": "no_output", "message": message})
+        notes.append(NoteEntry(message, "no_output"))
     return notes
 
 
-def _split_note(measured: MeasurementSet) -> list[dict[str, Any]]:
+def _split_note(measured: MeasurementSet) -> list[NoteEntry]:
     if measured.held_out:
         return []
     message = "No log is held out: all scores are on the fit logs, which flatter what is fitted to them."
-    return [{"kind": "no_held_out", "message": message}]
+    return [NoteEntry(message, "no_held_out")]
 
 
-def _data_notes(measured: MeasurementSet) -> list[dict[str, Any]]:
+def _data_notes(measured: MeasurementSet) -> list[NoteEntry]:
     return [
-        {"log": log.name, "kind": note.kind, "signal": note.signal, "message": note.message, "count": note.count}
+        NoteEntry(note.message, note.kind, log.name, note.signal, count=note.count)
         for log in (*measured.fit, *measured.held_out)
         for note in log.notes
         if note.kind != KIND

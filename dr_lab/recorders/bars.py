@@ -1,8 +1,7 @@
 """Labelled rows with a bar, a dot and an interval each: the ranking of effects and the ladder of models."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,8 @@ from dr_lab.recorders.chart import Axis, Canvas, Chart, decade_axis, linear_axis
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import SIMULATED
 from dr_lab.recorders.shape import Colour
-from dr_lab.reports.ladder import LadderModel, candidate_name, status
+from dr_lab.reports.gap_entries import CandidateEntry
+from dr_lab.reports.ladder import LadderModel, status
 from dr_lab.reports.quantity import number
 
 # Canvas units a row: a line of text above its bar, whose place is given as a share of the row from below.
@@ -34,7 +34,7 @@ class _Row:
     colour: Colour
 
 
-def ranking_canvas(ranking: Sequence[Mapping[str, Any]]) -> Canvas:
+def ranking_canvas(ranking: Sequence[CandidateEntry]) -> Canvas:
     """Measures of the chart that `log_ranking` draws."""
     return _canvas(min(len(ranking), _MOST), _RANKED)
 
@@ -44,14 +44,14 @@ def ladder_canvas(ladder: Sequence[LadderModel]) -> Canvas:
     return _canvas(len(ladder), 0)
 
 
-def log_ranking(root: Branch, ranking: Sequence[Mapping[str, Any]], look: Look) -> None:
+def log_ranking(root: Branch, ranking: Sequence[CandidateEntry], look: Look) -> None:
     """Draw the best candidates: the share of χ² that each removes, with its interval."""
     colours = {"named": "after", "equivalent": "before"}
     rows = [
         _Row(
-            f"{candidate_name(row)} · χ² {number(row['held_out_chi2'])}",
-            _as_percent(row["gain"]),
-            None if None in row["gain_ci"] else (_as_percent(row["gain_ci"][0]), _as_percent(row["gain_ci"][1])),
+            f"{row.label} · χ² {number(row.held_out_chi2)}",
+            _as_percent(row.gain),
+            None if None in row.gain_ci else (_as_percent(row.gain_ci[0]), _as_percent(row.gain_ci[1])),
             look.colour(colours.get(status(row, None), "noise")),
         )
         for row in ranking[:_MOST]
@@ -71,7 +71,7 @@ def log_ladder(root: Branch, ladder: Sequence[LadderModel], pair: Sequence[Ladde
         look: colours.
     """
     colours = {step.name: role for step, role in zip(pair, SIMULATED, strict=False)}
-    chi2 = [step.held_out["chi2"] for step in ladder]
+    chi2 = [step.held_out.chi2 for step in ladder]
     known = [value for value in chi2 if value]
     axis = decade_axis("χ² (1 = noise floor)", min([1.0, *known]), max([10.0, *known]) * 1.2)
     rows = [

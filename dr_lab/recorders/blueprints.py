@@ -1,7 +1,6 @@
 """The layout of `review.rrd`: which views there are, on which page, and from where the robot is seen."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -14,6 +13,7 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE, MEASURED, SIMULATED, Overlay
 from dr_lab.recorders.scatter import CANVAS
 from dr_lab.recorders.scene import moving_corners, thin
+from dr_lab.reports.gap import GapReport
 from dr_lab.reports.ladder import scored, steps
 from dr_lab.trajectory import Array
 
@@ -24,7 +24,7 @@ _RANKING = "Ranking on {} (blue: named, orange: equivalent, grey: neither; white
 
 
 def review_blueprint(
-    report: Mapping[str, Any], overlays: Sequence[Overlay], geometry: mujoco.MjModel, look: Look
+    report: GapReport, overlays: Sequence[Overlay], geometry: mujoco.MjModel, look: Look
 ) -> rrb.Blueprint:
     """Pages: overview, signals, residual against velocity, ranking, report; a page has one tab a log.
 
@@ -39,7 +39,7 @@ def review_blueprint(
         _page("Overview", {overlay.log: _overview(report, overlay, geometry, look) for overlay in overlays}),
         _page("Signals", {overlay.log: _signals(overlay) for overlay in overlays}),
         _page("Residual and velocity", {overlay.log: _scatters(overlay) for overlay in with_joints}),
-        _ranking(report) if report.get("ranking") else None,
+        _ranking(report) if report.judged.ranking else None,
         rrb.TextDocumentView(origin="report", name="Report"),
     ]
     return rrb.Blueprint(
@@ -77,7 +77,7 @@ def _page(name: str, logs: Mapping[str, rrb.Container]) -> rrb.Container | None:
     return rrb.Tabs(*(rrb.Vertical(content, name=log) for log, content in logs.items()), name=name)
 
 
-def _overview(report: Mapping[str, Any], overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> rrb.Container:
+def _overview(report: GapReport, overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> rrb.Container:
     text = rrb.TextDocumentView(origin="verdict", name="Verdict")
     below = rrb.Horizontal(text, _ladder(report), column_shares=[5, 4]) if len(steps(report)) > 1 else text
     robots = _robots(overlay, geometry, look)
@@ -178,13 +178,13 @@ def _scatters(overlay: Overlay) -> rrb.Container:
     return rrb.Grid(*views)
 
 
-def _ladder(report: Mapping[str, Any]) -> rrb.Spatial2DView:
+def _ladder(report: GapReport) -> rrb.Spatial2DView:
     return ladder_canvas(steps(report)).view(
         ["diagnosis", "ladder"], f"Ladder: error of each model on {scored(report)}"
     )
 
 
-def _ranking(report: Mapping[str, Any]) -> rrb.Container:
-    chart = ranking_canvas(report["ranking"]).view(["diagnosis", "ranking"], _RANKING.format(scored(report)))
+def _ranking(report: GapReport) -> rrb.Container:
+    chart = ranking_canvas(report.judged.ranking).view(["diagnosis", "ranking"], _RANKING.format(scored(report)))
     table = rrb.TextDocumentView(origin="diagnosis/ranking_table", name="Candidates")
     return rrb.Horizontal(chart, table, column_shares=[5, 6], name="Ranking")

@@ -1,8 +1,7 @@
 """`review.rrd`: the recording that a person opens to see where a model fails and what the effect changes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import rerun as rr
@@ -17,6 +16,7 @@ from dr_lab.recorders.scatter import log_scatter
 from dr_lab.recorders.scene import log_bodies, log_surroundings, send_poses, thin
 from dr_lab.recorders.shape import Paint
 from dr_lab.recorders.signals import log_commands, log_residuals, log_signals
+from dr_lab.reports.gap import GapReport
 from dr_lab.reports.ladder import before_after, steps
 from dr_lab.reports.tables import error_table, ranking_table
 from dr_lab.reports.verdict import verdict_markdown
@@ -27,7 +27,7 @@ APPLICATION = "dr_lab_gap"
 
 def write_review(
     path: Path,
-    report: Mapping[str, Any],
+    report: GapReport,
     report_md: str,
     overlays: Sequence[Overlay],
     geometry: mujoco.MjModel,
@@ -41,7 +41,7 @@ def write_review(
 
     Args:
         path: the file, by custom ``review.rrd``.
-        report: as in `gap.schema.json`.
+        report: what was found.
         report_md: the page made from it.
         overlays: the scored logs; the first is shown on opening, the others have tabs.
         geometry: the model whose bodies the poses belong to.
@@ -56,11 +56,11 @@ def write_review(
             _log_overlay(root, overlay, geometry, look)
 
 
-def _name(report: Mapping[str, Any]) -> str:
-    return " · ".join(str(report[key]) for key in ("model", "verb", "verdict") if report.get(key))
+def _name(report: GapReport) -> str:
+    return " · ".join(name for name in (report.model, report.verb, report.verdict) if name)
 
 
-def _log_report(root: Branch, report: Mapping[str, Any], report_md: str, look: Look) -> None:
+def _log_report(root: Branch, report: GapReport, report_md: str, look: Look) -> None:
     verdict = f"#### {verdict_markdown(report)}\n\n{error_table(report)}\n"
     _log_text(root / "verdict", verdict)
     _log_text(root / "report", report_md)
@@ -68,9 +68,9 @@ def _log_report(root: Branch, report: Mapping[str, Any], report_md: str, look: L
     ladder = steps(report)
     if len(ladder) > 1:
         log_ladder(diagnosis / "ladder", ladder, before_after(report), look)
-    if report.get("ranking"):
-        log_ranking(diagnosis / "ranking", report["ranking"], look)
-        _log_text(diagnosis / "ranking_table", ranking_table(report["ranking"], report.get("verdict")))
+    if ranking := report.judged.ranking:
+        log_ranking(diagnosis / "ranking", ranking, look)
+        _log_text(diagnosis / "ranking_table", ranking_table(ranking, report.verdict))
 
 
 def _log_text(place: Branch, text: str) -> None:

@@ -1,8 +1,9 @@
 """The models of a report in the order of their making, and what each is called."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+
+from dr_lab.reports.gap import GapReport
+from dr_lab.reports.gap_entries import CandidateEntry, ErrorsEntry, Parameters
 
 # Verdicts of a report that name no effect, although the ranking of one of its models may have a best one.
 _NAMING_NONE = ("unexplained", "none", "not_excited")
@@ -15,40 +16,39 @@ class LadderModel:
     Attributes:
         name: what it is, or what it has beyond the model before it, e.g. ``+ coulomb_friction@arm``.
         effects: labels of all its effects.
-        held_out: its errors on held-out logs, or on those that `scored` says, as in `gap.schema.json`.
-        parameters: its parameters, likewise.
+        held_out: its errors on held-out logs, or on those that `scored` says.
+        parameters: its parameters.
     """
 
     name: str
     effects: tuple[str, ...]
-    held_out: Mapping[str, Any]
-    parameters: Mapping[str, Any]
+    held_out: ErrorsEntry
+    parameters: Parameters
 
 
-def steps(report: Mapping[str, Any]) -> list[LadderModel]:
+def steps(report: GapReport) -> list[LadderModel]:
     """The models from the one given to the last: as given (where the report has it apart), calibrated, with effects."""
-    rungs = [report["as_given"], *report["ladder"]] if "as_given" in report else report["ladder"]
+    rungs = report.ladder if report.as_given is None else (report.as_given, *report.ladder)
     made: list[LadderModel] = []
     for rung in rungs:
-        effects = tuple(rung["effects"])
         before = made[-1].effects if made else ()
-        new = [f"+ {effect}" for effect in effects if effect not in before]
+        new = [f"+ {effect}" for effect in rung.effects if effect not in before]
         plain = "calibrated" if made else "model as given"
-        made.append(LadderModel(" ".join(new) or plain, effects, rung["held_out"], rung["parameters"]))
+        made.append(LadderModel(" ".join(new) or plain, rung.effects, rung.held_out, rung.parameters))
     return made
 
 
-def failing(report: Mapping[str, Any]) -> str:
+def failing(report: GapReport) -> str:
     """The model whose places of failure, horizons and correlations a report tells: the first of its ladder."""
-    return "calibrated model" if "as_given" in report else "model as given"
+    return "model as given" if report.as_given is None else "calibrated model"
 
 
-def scored(report: Mapping[str, Any]) -> str:
+def scored(report: GapReport) -> str:
     """Which logs the errors of a report are from: ``held-out logs``, or ``fit logs`` where none is held out."""
-    return "held-out logs" if report.get("logs", {}).get("held_out", True) else "fit logs"
+    return "held-out logs" if report.logs.held_out else "fit logs"
 
 
-def before_after(report: Mapping[str, Any]) -> list[LadderModel]:
+def before_after(report: GapReport) -> list[LadderModel]:
     """The two models that a report sets side by side, or the only one.
 
     After is the last of the ladder. Before is the ladder's first, which is calibrated, so that the difference is the
@@ -57,12 +57,7 @@ def before_after(report: Mapping[str, Any]) -> list[LadderModel]:
     made = steps(report)
     if len(made) == 1:
         return made
-    return [made[-len(report["ladder"])] if len(report["ladder"]) > 1 else made[0], made[-1]]
-
-
-def candidate_name(row: Mapping[str, Any]) -> str:
-    """Name of a candidate of the ranking, ``effect@site``."""
-    return f"{row['effect']}@{row['site']}"
+    return [made[-len(report.ladder)] if len(report.ladder) > 1 else made[0], made[-1]]
 
 
 def judged(word: str, verdict: str | None) -> str:
@@ -70,10 +65,10 @@ def judged(word: str, verdict: str | None) -> str:
     return "best, not named" if word == "named" and verdict in _NAMING_NONE else word.replace("_", " ")
 
 
-def status(row: Mapping[str, Any], verdict: str | None) -> str:
+def status(row: CandidateEntry, verdict: str | None) -> str:
     """Status of a candidate in words; one whose place free parameters take is not among the rivals of the verdict."""
-    if row.get("absorbed_by_parameters") and row["status"] == "equivalent":
+    if row.absorbed_by_parameters and row.status == "equivalent":
         return "absorbed"
-    if row["status"] == "rejected" and not row.get("fitted", True):
+    if row.status == "rejected" and not row.fitted:
         return "not fitted"
-    return judged(row["status"], verdict)
+    return judged(row.status, verdict)

@@ -2,16 +2,15 @@
 
 import csv
 import io
-from collections.abc import Mapping
-from typing import Any
 
+from dr_lab.reports.gap import GapReport
 from dr_lab.reports.ladder import steps
 
 _OF_A_MODEL = ("chi2", "chi2_predicted")
 _OF_A_CHANNEL = ("rmse", "rmse_predicted", "nrmse", "fit_percent")
 
 
-def metrics_csv(report: Mapping[str, Any]) -> str:
+def metrics_csv(report: GapReport) -> str:
     """One row a model and channel, models in the order of their making.
 
     Columns: ``model`` as the report calls it, ``effects`` that it holds, ``channel`` and its ``unit``; χ² per sample of
@@ -19,14 +18,14 @@ def metrics_csv(report: Mapping[str, Any]) -> str:
     channel ``rmse`` and ``rmse_predicted`` in its unit, ``nrmse`` and ``fit_percent``. What is not known is empty.
 
     Args:
-        report: keys as in `gap.schema.json`.
+        report: what was found.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["model", "effects", "channel", "unit", *_OF_A_MODEL, *_OF_A_CHANNEL])
     for step in steps(report):
-        common = [step.held_out.get(key) for key in _OF_A_MODEL]
-        for channel, noise in report["noise"].items():
-            own = [(step.held_out.get(key) or {}).get(channel) for key in _OF_A_CHANNEL]
-            writer.writerow([step.name, " ".join(step.effects), channel, noise["unit"], *common, *own])
+        common = [getattr(step.held_out, key) for key in _OF_A_MODEL]
+        for channel, noise in report.noise.items():
+            own = [getattr(step.held_out, key).get(channel) for key in _OF_A_CHANNEL]
+            writer.writerow([step.name, " ".join(step.effects), channel, noise.unit, *common, *own])
     return text.getvalue()

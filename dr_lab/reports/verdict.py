@@ -1,32 +1,32 @@
 """The verdict of a report in two sentences."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Sequence
 
-from dr_lab.reports.ladder import candidate_name, scored, status, steps
+from dr_lab.reports.gap import GapReport
+from dr_lab.reports.ladder import scored, status, steps
 from dr_lab.reports.quantity import number, percent
 
 
-def verdict_markdown(report: Mapping[str, Any]) -> str:
+def verdict_markdown(report: GapReport) -> str:
     """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
     worse = _worse(report)
-    calibrated = not report.get("verdict") and not report["ladder"][-1]["effects"]
+    calibrated = not report.verdict and not report.ladder[-1].effects
     answer = (worse, _found(report), _share(report), _fall(report), _confirmed(report))
     told = [worse] if worse and calibrated else answer
     return " ".join(part for part in (*told, _remaining(report)) if part)
 
 
-def _worse(report: Mapping[str, Any]) -> str:
+def _worse(report: GapReport) -> str:
     """That the last model predicts worse than the one given: by χ² as printed, beyond the noise, in as many windows."""
     first, last = (step.held_out for step in (steps(report)[0], steps(report)[-1]))
-    chi2 = [math.inf if held_out["chi2"] is None else held_out["chi2"] for held_out in (first, last)]
+    chi2 = [math.inf if held_out.chi2 is None else held_out.chi2 for held_out in (first, last)]
     shown = [number(value) for value in chi2]
-    at_floor = report.get("remaining", {}).get("status") == "at_floor"
-    fewer = last.get("infeasible_windows", 0) < first.get("infeasible_windows", 0)
+    at_floor = report.remaining.status == "at_floor"
+    fewer = last.infeasible_windows < first.infeasible_windows
     if chi2[1] <= chi2[0] or shown[0] == shown[1] or at_floor or fewer:
         return ""
-    effects = report["ladder"][-1]["effects"]
+    effects = report.ladder[-1].effects
     name = f"The model with {_listed(effects)}" if effects else "The calibrated model"
     return (
         f"**{name} predicts the {scored(report)} worse than the model as given: χ² {' → '.join(shown)}. "
@@ -34,39 +34,39 @@ def _worse(report: Mapping[str, Any]) -> str:
     )
 
 
-def _found(report: Mapping[str, Any]) -> str:
+def _found(report: GapReport) -> str:
     sentences = {
-        "named": _named(report["ladder"][-1]["effects"] or _with_status(report, "named")),
+        "named": _named(report.ladder[-1].effects or _with_status(report, "named")),
         "equivalent": _equivalent(report),
         "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
         "unexplained": _unexplained(report),
         "none": "**No missing effect:** the logs support no effect beyond the plain model.",
     }
-    added = report["ladder"][-1]["effects"]
+    added = report.ladder[-1].effects
     done = "**Calibrated on the logs.**" if len(steps(report)) > 1 else "**Measured against the model.**"
-    return sentences.get(report.get("verdict") or "", f"**Added:** {_listed(added)}." if added else done)
+    return sentences.get(report.verdict or "", f"**Added:** {_listed(added)}." if added else done)
 
 
-def _named(effects: list[str]) -> str:
+def _named(effects: Sequence[str]) -> str:
     return f"**The missing {'effects are' if len(effects) > 1 else 'effect is'} named:** {_listed(effects)}."
 
 
-def _unexplained(report: Mapping[str, Any]) -> str:
+def _unexplained(report: GapReport) -> str:
     """That nothing explains the gap, and how much of it closes all the same, or by which law that is not meant."""
-    added = report["ladder"][-1]["effects"]
+    added = report.ladder[-1].effects
     if not added:
         return "**Unexplained:** a gap remains that no effect of the catalogue explains."
-    told = [law["told"] for law in report.get("laws", []) if law["refuted"]]
+    told = [law.told for law in report.judged.laws if law.refuted]
     if told:
         return f"**Unexplained:** {' '.join(told)}"
     closes = "closes" if len(added) == 1 else "together close"
-    share = percent(report.get("gap_closed"))
+    share = percent(report.judged.gap_closed)
     return f"**Unexplained:** {_listed(added)} {closes} {share} of a typical window's gap, too little to be the cause."
 
 
-def _equivalent(report: Mapping[str, Any]) -> str:
+def _equivalent(report: GapReport) -> str:
     """Which effects stand alone, and which ones the logs cannot tell apart."""
-    added = [(rung["effects"][-1], rung.get("rivals", [])) for rung in report["ladder"] if rung["effects"]]
+    added = [(rung.effects[-1], rung.rivals or ()) for rung in report.ladder if rung.effects]
     alone = [effect for effect, rivals in added if not rivals]
     groups = [_listed([effect, *rivals]) for effect, rivals in added if rivals]
     told = "; ".join(groups) or _listed(_with_status(report, "equivalent")) or "the best candidates"
@@ -74,72 +74,70 @@ def _equivalent(report: Mapping[str, Any]) -> str:
     return f"{named}**Equivalent effects:** these logs cannot tell apart {told}."
 
 
-def _fall(report: Mapping[str, Any]) -> str:
+def _fall(report: GapReport) -> str:
     """χ² of each model on the scored logs, and of the named candidate where it was not added yet."""
-    errors = [f"{number(step.held_out['chi2'])} ({step.name})" for step in steps(report)]
-    if not report["ladder"][-1]["effects"]:
-        named = [row for row in report.get("ranking", []) if status(row, report.get("verdict")) == "named"]
-        errors += [f"{number(row['held_out_chi2'])} (+ {candidate_name(row)})" for row in named]
+    errors = [f"{number(step.held_out.chi2)} ({step.name})" for step in steps(report)]
+    if not report.ladder[-1].effects:
+        named = [row for row in report.judged.ranking if status(row, report.verdict) == "named"]
+        errors += [f"{number(row.held_out_chi2)} (+ {row.label})" for row in named]
     # Longer ladders have their own table; the sentence keeps the ends and the calibrated model, which effects improve.
     told = errors if len(errors) <= 3 else [*errors[:2], "…", errors[-1]]
     return f"χ² on {scored(report)}: {' → '.join(told)}; 1 is the noise floor."
 
 
-def _confirmed(report: Mapping[str, Any]) -> str:
+def _confirmed(report: GapReport) -> str:
     """What the windows say that chose nothing."""
-    found = report.get("confirmation")
-    if not found:
+    found = report.judged.confirmation
+    if found is None:
         return ""
-    if found["predicted_worse"]:
+    if found.predicted_worse:
         return "**The calibrated model predicts the logs better: what was added bends the fitted starts alone.**"
-    if not found["windows"]:
+    if found.gain is None:
         return ""
-    where = f"{found['windows']} windows that chose nothing"
-    closed = f"{percent(found['gap_closed'])} of a typical window's gap closes there"
+    where = f"{found.windows} windows that chose nothing"
+    closed = f"{percent(found.gain.gap_closed)} of a typical window's gap closes there"
     told = {
         "confirmed": f"On {where} the same is found: {closed}.",
         "undecided": f"On {where} the same shows, but they are too few to be sure: {closed}.",
         "contradicted": f"**{where} contradict that: {closed}. Do not trust what was added.**",
     }
-    return told[found["status"]]
+    return told[found.status]
 
 
-def _remaining(report: Mapping[str, Any]) -> str:
-    remaining = report.get("remaining")
-    if not remaining:
-        return ""
-    times = f"{number(remaining['chi2'] ** 0.5, 2)} times" if remaining["chi2"] is not None else "far above"
-    if remaining["status"] == "at_floor" and remaining.get("coloured"):
+def _remaining(report: GapReport) -> str:
+    remaining = report.remaining
+    times = f"{number(remaining.chi2**0.5, 2)} times" if remaining.chi2 is not None else "far above"
+    if remaining.status == "at_floor" and remaining.coloured:
         return f"What remains, {times} the sensors' white noise, is too rough and too even for a force: coloured noise."
-    if remaining["status"] == "at_floor":
+    if remaining.status == "at_floor":
         return "What remains is noise."
-    told = f"What remains (χ² {number(remaining['chi2'])}) is above the noise floor and not explained"
-    return f"{told} by anything in the catalogue: {times} the sensors' noise." if report.get("ranking") else f"{told}."
+    told = f"What remains (χ² {number(remaining.chi2)}) is above the noise floor and not explained"
+    return f"{told} by anything in the catalogue: {times} the sensors' noise." if report.judged.ranking else f"{told}."
 
 
-def _share(report: Mapping[str, Any]) -> str:
+def _share(report: GapReport) -> str:
     """How much of what the calibrated model misses the added effects explain, and the prediction that gained most."""
-    explained, first = report.get("explained"), report["ladder"][0]
-    added = len(report["ladder"]) > 1 and not first["effects"]
-    if not explained or not added or explained["share"] is None or explained["share"] <= 0:
+    explained, first, last = report.judged.explained, report.ladder[0], report.ladder[-1]
+    added = len(report.ladder) > 1 and not first.effects
+    if not added or explained.share is None or explained.share <= 0:
         return ""
-    low, high = explained["low"], explained["high"]
+    low, high = explained.low, explained.high
     interval = f" ({percent(low)} … {percent(high)})" if low is not None and high is not None else ""
-    words = "explain" if len(report["ladder"][-1]["effects"]) > 1 else "explains"
-    errors = [rung["held_out"].get("rmse_predicted") or {} for rung in (first, report["ladder"][-1])]
-    fallen = {name: error / errors[1][name] for name, error in errors[0].items() if error and errors[1].get(name)}
+    words = "explain" if len(last.effects) > 1 else "explains"
+    errors = [rung.held_out.rmse_predicted for rung in (first, last)]
+    fallen = {name: error / after for name, error in errors[0].items() if error and (after := errors[1].get(name))}
     told = ""
     if fallen:
         name = max(fallen, key=lambda each: fallen[each])
-        unit = report["noise"].get(name, {}).get("unit", "")
+        unit = report.noise[name].unit if name in report.noise else ""
         told = f", `{name}` predicted to {number(errors[0][name], 3)} → {number(errors[1][name], 3)} {unit} RMS"
     subject = "Together they" if words == "explain" else "It"
-    return f"{subject} {words} {percent(explained['share'])}{interval} of what the calibrated model misses{told}."
+    return f"{subject} {words} {percent(explained.share)}{interval} of what the calibrated model misses{told}."
 
 
-def _with_status(report: Mapping[str, Any], status: str) -> list[str]:
-    return [candidate_name(row) for row in report.get("ranking", []) if row["status"] == status]
+def _with_status(report: GapReport, status: str) -> list[str]:
+    return [row.label for row in report.judged.ranking if row.status == status]
 
 
-def _listed(names: list[str]) -> str:
+def _listed(names: Sequence[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.comparison import Comparison
@@ -18,6 +17,7 @@ from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.effects.effect import Effect, PlacedEffect, place
 from dr_lab.errors import ConfigError
 from dr_lab.recorders.look import Look
+from dr_lab.reports.gap import GapReport
 
 
 def add(
@@ -26,7 +26,7 @@ def add(
     effect: Mapping[str, str | None],
     recorder: Look,
     run_dir: Path,
-) -> dict[str, Any]:
+) -> GapReport:
     """Add the given effects at the given site, in order, whatever the evidence; the report says what it is worth.
 
     `effect` says where they sit: exactly one of ``joint``, ``actuator``, ``body``, ``sensor`` is set, or none where an

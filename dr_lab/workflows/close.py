@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from dr_lab.comparison.climbing import climbed
 from dr_lab.comparison.comparison import Comparison
@@ -15,6 +14,7 @@ from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import ConfigError
 from dr_lab.recorders.look import Look
+from dr_lab.reports.gap import GapReport
 
 
 def close(
@@ -24,7 +24,7 @@ def close(
     recorder: Look,
     most: int,
     run_dir: Path,
-) -> dict[str, Any]:
+) -> GapReport:
     """Climb the ladder of models until the noise floor or until no effect is supported.
 
     Args:

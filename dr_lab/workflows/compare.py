@@ -1,7 +1,7 @@
 """Verb `compare`: measured beside simulated, and where the model fails."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from dr_lab.comparison import entries
 from dr_lab.comparison.calibrated import as_given
@@ -12,13 +12,14 @@ from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import prepare
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import BEFORE
+from dr_lab.reports.gap import GapReport
 
 
 def compare(
     comparison: Comparison,
     recorder: Look,
     run_dir: Path,
-) -> dict[str, Any]:
+) -> GapReport:
     """Compare the model as given with its held-out logs, or the fit logs where none is held out.
 
     Nothing is fitted but the windows' start states.
@@ -32,13 +33,8 @@ def compare(
         study = prepare(comparison)
         told.phase("Comparing the model with the logs")
         z, (score, rung) = comparison.model.space.nominal, as_given(study)
-        report = {
-            **entries.header("compare", study),
-            "verdict": None,
-            "ladder": [rung],
-            "remaining": entries.remaining(score, study.bench.evidence),
-        }
+        report = entries.begun("compare", study, [rung], score)
         answer(report, run)
         told.phase("Looking where the model fails")
-        report |= failure(study, study.model, z)
+        report = replace(report, failure=failure(study, study.model, z))
         return finish(study, report, {BEFORE: (study.model, z)}, run)

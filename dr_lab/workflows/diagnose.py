@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from dr_lab.comparison.climbing import climbed
 from dr_lab.comparison.comparison import Comparison
@@ -14,6 +13,7 @@ from dr_lab.diagnosis.next_experiment import ExperimentSettings
 from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
 from dr_lab.recorders.look import Look
+from dr_lab.reports.gap import GapReport
 
 
 def diagnose(
@@ -22,7 +22,7 @@ def diagnose(
     next_experiment: ExperimentSettings,
     recorder: Look,
     run_dir: Path,
-) -> dict[str, Any]:
+) -> GapReport:
     """Fit every effect at every site beside the calibrated model and judge.
 
     Returns:

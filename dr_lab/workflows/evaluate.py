@@ -23,8 +23,8 @@ from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Su
 from dr_lab.files import write_text
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.reports.plain import to_plain
 from dr_lab.reports.quantity import number, titled
-from dr_lab.reports.report import to_plain
 from dr_lab.reports.tables import table
 from dr_lab.training.checkpoint import load
 from dr_lab.training.episodes import described, keep_episodes, play_episodes

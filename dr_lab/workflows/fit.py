@@ -1,7 +1,7 @@
 """Verb `fit`: calibrate the plain model, no effect added."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from dr_lab.comparison import entries
 from dr_lab.comparison.calibrated import as_given, calibrate, describe
@@ -13,13 +13,14 @@ from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import prepare
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
+from dr_lab.reports.gap import GapReport
 
 
 def fit(
     comparison: Comparison,
     recorder: Look,
     run_dir: Path,
-) -> dict[str, Any]:
+) -> GapReport:
     """Fit the declared parameters: value ± std, scatter between logs (CV %), covariance, errors before and after.
 
     Returns:
@@ -31,17 +32,11 @@ def fit(
         study = prepare(comparison)
         told.phase("Calibrating the model")
         found = describe(study, calibrate(study))
-        z, score, header = found.explained.fit.z, found.explained.held_out, entries.header("fit", study)
-        report = {
-            **header,
-            "notes": [*fit_notes([found.explained]), *header["notes"]],
-            "verdict": None,
-            "as_given": as_given(study)[1],
-            "ladder": [found.rung],
-            "remaining": entries.remaining(score, study.bench.evidence),
-        }
+        z, report = found.explained.fit.z, entries.begun("fit", study, [found.rung], found.explained.held_out)
+        notes = (*fit_notes([found.explained]), *report.notes)
+        report = replace(report, notes=notes, as_given=as_given(study)[1])
         answer(report, run)
         told.phase("Looking where the model fails")
-        report |= failure(study, study.model, z)
+        report = replace(report, failure=failure(study, study.model, z))
         models = {BEFORE: (study.model, comparison.model.space.nominal), AFTER: (study.model, z)}
         return finish(study, report, models, run, found.estimate)

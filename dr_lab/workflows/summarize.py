@@ -12,7 +12,7 @@ from rich.markdown import Markdown
 from dr_lab.files import write_text
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
-from dr_lab.reports.report import to_plain
+from dr_lab.reports.plain import to_plain
 from dr_lab.summaries.doubts import divided_runs, missing_figures, repeated_runs, require_known
 from dr_lab.summaries.exhaustive import exhaustive
 from dr_lab.summaries.groups import (

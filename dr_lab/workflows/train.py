@@ -21,8 +21,8 @@ from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training import Curve
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.reports.plain import to_plain
 from dr_lab.reports.quantity import number
-from dr_lab.reports.report import to_plain
 from dr_lab.sweeps.progress import tell
 from dr_lab.training.episode_log import Finished
 from dr_lab.training.episodes import described, keep_episodes, play_episodes

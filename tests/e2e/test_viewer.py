@@ -24,7 +24,9 @@ from dr_lab.recorders.rerun_process import viewer_binary
 from dr_lab.recorders.review import write_review
 from dr_lab.recorders.viewer import find_recording, open_viewer, screenshot, show
 from dr_lab.recorders.web_viewer import served
+from dr_lab.reports.gap import GapReport
 from dr_lab.reports.markdown import report_markdown
+from dr_lab.reports.plain import from_plain
 
 pytestmark = pytest.mark.viewer
 
@@ -42,7 +44,8 @@ def recording(
 ) -> Path:
     monkeypatch.setenv("RERUN_STRICT", "1")
     path = tmp_path / "review.rrd"
-    write_review(path, close_report, report_markdown(close_report), [overlay], furuta, look)
+    report = from_plain(GapReport, close_report)
+    write_review(path, report, report_markdown(report), [overlay], furuta, look)
     return path
 
 

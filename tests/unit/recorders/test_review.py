@@ -16,10 +16,16 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import Overlay
 from dr_lab.recorders.review import write_review
 from dr_lab.recorders.signals import residual
+from dr_lab.reports.gap import GapReport
 from dr_lab.reports.markdown import report_markdown
+from dr_lab.reports.plain import from_plain
 from dr_lab.trajectory import Signal
 
 _LOG = "/swing\\:2"
+
+
+def gap(report: dict[str, Any]) -> GapReport:
+    return from_plain(GapReport, report)
 
 
 @pytest.fixture(autouse=True)
@@ -31,7 +37,7 @@ def test_close_recording_has_everything_on_its_clock(
     tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, furuta: mujoco.MjModel, look: Look
 ) -> None:
     path = tmp_path / "review.rrd"
-    write_review(path, close_report, report_markdown(close_report), [overlay], furuta, look)
+    write_review(path, gap(close_report), report_markdown(gap(close_report)), [overlay], furuta, look)
     found = read_recording(path)
     for part in ("world/real/pole", "world/sim_before/pole", "world/sim_after/pole"):
         assert {f"{_LOG}/{part}/rod_2", f"{_LOG}/{part}/geom_5"} < found.keys(), part
@@ -51,7 +57,7 @@ def test_close_recording_has_everything_on_its_clock(
     for entity in ("command/motor", "scatter/arm/before", "scatter/pole/after_mean"):
         assert f"{_LOG}/{entity}" in found
     assert {"/verdict", "/report", "/diagnosis/ranking/row_05_bar", "/diagnosis/ladder/row_02_label"} < found.keys()
-    assert found["/report"]["TextDocument:text"][0][0] == report_markdown(close_report)
+    assert found["/report"]["TextDocument:text"][0][0] == report_markdown(gap(close_report))
 
 
 def test_held_commands_last_until_the_end_of_the_log(
@@ -59,7 +65,12 @@ def test_held_commands_last_until_the_end_of_the_log(
 ) -> None:
     short = Signal("motor", "V", np.array([0.0, 1.0]), np.array([0.5, 2.0]))
     write_review(
-        tmp_path / "a.rrd", close_report, "", [dataclasses.replace(overlay, commands={"motor": short})], furuta, look
+        tmp_path / "a.rrd",
+        gap(close_report),
+        "",
+        [dataclasses.replace(overlay, commands={"motor": short})],
+        furuta,
+        look,
     )
     command = read_recording(tmp_path / "a.rrd")[f"{_LOG}/command/motor"]
     assert np.ravel(command["Scalars:scalars"]).tolist() == [0.5, 2.0, 2.0]
@@ -76,7 +87,9 @@ def test_compare_has_no_after_and_no_ranking(
     compared = dataclasses.replace(
         overlay, poses=before_only(overlay.poses), simulated=before_only(overlay.simulated), residual_velocity=joints
     )
-    write_review(tmp_path / "a.rrd", compare_report, report_markdown(compare_report), [compared], furuta, look)
+    write_review(
+        tmp_path / "a.rrd", gap(compare_report), report_markdown(gap(compare_report)), [compared], furuta, look
+    )
     found = read_recording(tmp_path / "a.rrd")
     assert f"{_LOG}/scatter/arm/before" in found
     assert not [path for path in found if "after" in path or "diagnosis" in path]
@@ -86,24 +99,24 @@ def test_two_logs_lie_side_by_side_and_none_is_a_report(
     tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, furuta: mujoco.MjModel, look: Look
 ) -> None:
     second = dataclasses.replace(overlay, log="other log/1", poses={}, residual_velocity={}, commands={})
-    write_review(tmp_path / "two.rrd", close_report, "", [overlay, second], furuta, look)
+    write_review(tmp_path / "two.rrd", gap(close_report), "", [overlay, second], furuta, look)
     found = read_recording(tmp_path / "two.rrd")
     assert "/other\\ log\\/1/signal/arm.position/measured" in found
     assert f"{_LOG}/signal/arm.position/measured" in found
-    write_review(tmp_path / "none.rrd", close_report, "# text", [], furuta, look)
+    write_review(tmp_path / "none.rrd", gap(close_report), "# text", [], furuta, look)
     assert "/report" in read_recording(tmp_path / "none.rrd")
 
 
 def test_failure_leaves_no_file(
     tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, furuta: mujoco.MjModel, look: Look
 ) -> None:
-    del close_report["ranking"][0]["gain"]
-    with pytest.raises(KeyError, match="gain"):
-        write_review(tmp_path / "a.rrd", close_report, "", [overlay], furuta, look)
+    close_report["ranking"][0]["gain_ci"] = []
+    with pytest.raises(IndexError, match="out of range"):
+        write_review(tmp_path / "a.rrd", gap(close_report), "", [overlay], furuta, look)
     assert os.listdir(tmp_path) == []
     (tmp_path / "file").touch()
     with pytest.raises(DrLabError, match="Cannot write"):
-        write_review(tmp_path / "file" / "a.rrd", close_report, "", [overlay], furuta, look)
+        write_review(tmp_path / "file" / "a.rrd", gap(close_report), "", [overlay], furuta, look)
 
 
 def test_residual_of_an_orientation_is_the_turn_between_them() -> None:

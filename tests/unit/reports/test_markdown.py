@@ -4,8 +4,15 @@ from typing import Any
 import pytest
 from markdown_it import MarkdownIt
 
+from dr_lab.reports.gap import GapReport
+from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.markdown import notes_list, report_markdown
+from dr_lab.reports.plain import from_plain
 from dr_lab.reports.tables import ranking_summary
+
+
+def page(report: dict[str, Any]) -> str:
+    return report_markdown(from_plain(GapReport, report))
 
 
 def _cells(text: str, first: str) -> list[str]:
@@ -15,7 +22,7 @@ def _cells(text: str, first: str) -> list[str]:
 
 
 def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None:
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert (
         "**The missing effect is named:** `coulomb_friction@arm`. χ² on held-out logs: 355 (model as given) → 213.4"
         in text
@@ -52,40 +59,43 @@ def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None
 def test_each_verdict_has_its_sentence(close_report: dict[str, Any], verdict: str | None, words: str) -> None:
     close_report["verdict"] = verdict
     close_report["ladder"][1]["rivals"] = ["stribeck_friction@arm"]
-    assert words in report_markdown(close_report)
+    assert words in page(close_report)
 
 
 def test_effects_that_close_too_little_are_not_the_cause(close_report: dict[str, Any]) -> None:
     close_report |= {"verdict": "unexplained", "gap_closed": 0.47}
     told = "**Unexplained:** `coulomb_friction@arm` closes 47 % of a typical window's gap, too little to be the cause."
-    assert told in report_markdown(close_report)
+    assert told in page(close_report)
     close_report["ladder"] = close_report["ladder"][:1]
-    assert "**Unexplained:** a gap remains that no effect of the catalogue explains." in report_markdown(close_report)
+    assert "**Unexplained:** a gap remains that no effect of the catalogue explains." in page(close_report)
 
 
 def test_an_effect_with_another_law_is_the_nearest_and_not_the_cause(close_report: dict[str, Any]) -> None:
     told = "dead_zone@motor is the nearest of the catalogue, but its law is not the machine's."
-    close_report |= {"verdict": "unexplained", "laws": [{"refuted": True, "told": told}]}
-    assert f"**Unexplained:** {told}" in report_markdown(close_report)
+    close_report |= {
+        "verdict": "unexplained",
+        "laws": [{"effect": "dead_zone@motor", "argument": "command", "explains": 0.9, "refuted": True, "told": told}],
+    }
+    assert f"**Unexplained:** {told}" in page(close_report)
 
 
 @pytest.mark.parametrize("verdict", ["unexplained", "none", "not_excited"])
 def test_nothing_is_called_named_where_the_verdict_names_nothing(close_report: dict[str, Any], verdict: str) -> None:
     close_report["verdict"] = verdict
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert _cells(text, "1")[1:3] == ["`coulomb_friction@arm`", "best, not named"]
     assert "- best, not named: coulomb_friction@arm lowers" in text
-    assert "best, not named" in ranking_summary(close_report["ranking"], verdict)
+    assert "best, not named" in ranking_summary(from_plain(GapReport, close_report).judged.ranking, verdict)
     assert " named" not in text.replace("not named", "")
     close_report["ladder"] = close_report["ladder"][:1]
-    assert "(+ " not in report_markdown(close_report)  # a candidate that was dropped again
+    assert "(+ " not in page(close_report)  # a candidate that was dropped again
 
 
 def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_report: dict[str, Any]) -> None:
     first = close_report["ladder"][1]
     second = first | {"effects": ["coulomb_friction@arm", "payload@pole"], "rivals": ["armature@pole"]}
     close_report |= {"verdict": "equivalent", "ladder": [*close_report["ladder"], second]}
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert "The missing effect is named:** `coulomb_friction@arm`." in text
     assert "cannot tell apart `payload@pole`, `armature@pole`" in text
 
@@ -93,30 +103,30 @@ def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_repor
 def test_several_effects_are_named_in_the_plural(close_report: dict[str, Any]) -> None:
     second = close_report["ladder"][1] | {"effects": ["coulomb_friction@arm", "payload@pole"]}
     close_report["ladder"] = [*close_report["ladder"], second]
-    assert "**The missing effects are named:** `coulomb_friction@arm`, `payload@pole`." in report_markdown(close_report)
+    assert "**The missing effects are named:** `coulomb_friction@arm`, `payload@pole`." in page(close_report)
 
 
 def test_the_places_of_failure_say_of_which_model(close_report: dict[str, Any]) -> None:
-    assert "## Where the calibrated model fails" in report_markdown(close_report)
+    assert "## Where the calibrated model fails" in page(close_report)
     del close_report["as_given"]
-    assert "## Where the model as given fails" in report_markdown(close_report)
+    assert "## Where the model as given fails" in page(close_report)
 
 
 def test_diagnose_without_an_added_rung_shows_the_candidate(close_report: dict[str, Any]) -> None:
     close_report["ladder"] = close_report["ladder"][:1]
-    assert "213.4 (calibrated) → 1.004 (+ coulomb_friction@arm)" in report_markdown(close_report)
+    assert "213.4 (calibrated) → 1.004 (+ coulomb_friction@arm)" in page(close_report)
 
 
 def test_unexplained_rest_is_told_apart_from_the_verdict(close_report: dict[str, Any]) -> None:
     close_report["remaining"] = {"status": "unexplained", "chi2": 3.21}
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert "The missing effect is named" in text
     assert "What remains (χ² 3.21) is above the noise floor" in text
 
 
 def test_calibration_alone_is_set_beside_the_model_as_given(close_report: dict[str, Any]) -> None:
     fit = close_report | {"verb": "fit", "verdict": None, "ladder": close_report["ladder"][:1], "ranking": []}
-    text = report_markdown(fit)
+    text = page(fit)
     assert "**Calibrated on the logs.** χ² on held-out logs: 355 (model as given) → 213.4 (calibrated)" in text
     assert _cells(text, "`arm.position`")[3:7] == ["0.0611", "0.0412", "0.0712", "0.0512"]
 
@@ -137,7 +147,7 @@ def calibrated_to(report: dict[str, Any], chi2: float | None, status: str = "une
         "remaining": {"status": status, "chi2": chi2},
     }
     report["as_given"]["held_out"] |= more
-    return report_markdown(report | fit).splitlines()[2]
+    return page(report | fit).splitlines()[2]
 
 
 def test_a_calibration_that_predicts_worse_says_so_first(close_report: dict[str, Any]) -> None:
@@ -165,15 +175,15 @@ def test_what_is_no_worse_is_not_called_so(
 def test_effects_beside_a_bad_calibration_are_told_after_that_the_model_got_worse(close_report: dict[str, Any]) -> None:
     close_report["ladder"][1]["held_out"]["chi2"] = 400.0
     close_report |= {"verdict": "unexplained", "remaining": {"status": "unexplained", "chi2": 400.0}}
-    line = report_markdown(close_report).splitlines()[2]
+    line = page(close_report).splitlines()[2]
     assert line.startswith("**The model with `coulomb_friction@arm` predicts the held-out logs worse than the model as")
     assert "χ² 355 → 400. Do not use it.** **Unexplained:** `coulomb_friction@arm` closes" in line
 
 
 def test_errors_on_fit_logs_are_not_called_held_out(close_report: dict[str, Any]) -> None:
     close_report["rungs"] = []
-    assert "held-out" in report_markdown(close_report | {"logs": {"fit": ["a"], "held_out": ["b"]}})
-    text = report_markdown(close_report | {"logs": {"fit": ["a", "b"], "held_out": []}})
+    assert "held-out" in page(close_report | {"logs": {"fit": ["a"], "held_out": ["b"]}})
+    text = page(close_report | {"logs": {"fit": ["a", "b"], "held_out": []}})
     assert "χ² on fit logs: 355 (model as given)" in text
     assert "## Error by channel, on fit logs" in text
     assert "held-out" not in text.lower()
@@ -182,20 +192,20 @@ def test_errors_on_fit_logs_are_not_called_held_out(close_report: dict[str, Any]
 def test_long_ladders_are_told_by_their_ends(close_report: dict[str, Any]) -> None:
     effects = ["coulomb_friction@arm", "payload@pole"]
     close_report["ladder"].append(close_report["ladder"][1] | {"effects": effects})
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert "355 (model as given) → 213.4 (calibrated) → … → 1.003 (+ payload@pole); 1 is" in text
     assert "named:** `coulomb_friction@arm`, `payload@pole`." in text
 
 
 def test_diverged_windows_are_counted(close_report: dict[str, Any]) -> None:
     close_report["ladder"][0]["held_out"]["infeasible_windows"] = 3
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert _cells(text, "calibrated")[-1] == "3"
     assert _cells(text, "+ coulomb_friction@arm")[-1] == "0"
 
 
 def test_compare_report_has_no_empty_section(compare_report: dict[str, Any]) -> None:
-    text = report_markdown(compare_report)
+    text = page(compare_report)
     assert "Candidates" not in text
     assert "## Notes" not in text
     assert _cells(text, "0.3 s") == ["0.3 s", "0.003", "0.006"]
@@ -204,7 +214,7 @@ def test_compare_report_has_no_empty_section(compare_report: dict[str, Any]) -> 
 
 def test_many_channels_keep_the_ladder_narrow(close_report: dict[str, Any]) -> None:
     close_report["noise"] |= {f"j{i}.position": {"std": 0.1, "unit": "rad", "source": "given"} for i in range(4)}
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert _cells(text, "model as given") == ["model as given", "355"]
     assert _cells(text, "`j3.position`")[3] == "–"
 
@@ -212,7 +222,7 @@ def test_many_channels_keep_the_ladder_narrow(close_report: dict[str, Any]) -> N
 def test_tables_parse_with_bars_in_names(close_report: dict[str, Any]) -> None:
     close_report["ladder"][1]["parameters"]["a|b"] = {"value": 1.0, "std": None, "unit": ""}
     close_report["ladder"][1]["parameters"]["pole.mass"]["cv_percent"] = 3.4
-    html = MarkdownIt("commonmark").enable("table").render(report_markdown(close_report))
+    html = MarkdownIt("commonmark").enable("table").render(page(close_report))
     assert '<td style="text-align:left"><code>a|b</code></td>' in html
     assert "3.4 %" in html
 
@@ -221,27 +231,27 @@ def test_a_value_at_its_bound_has_no_interval(close_report: dict[str, Any]) -> N
     row, own = close_report["ladder"][1]["parameters"], close_report["ranking"][0]["parameters"]
     row["pole.mass"] |= {"value": 0.2, "at_bound": True}
     own["coulomb_friction@arm.torque"] |= {"value": 0.0, "at_bound": True}
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert _cells(text, "`pole.mass`")[1] == "0.2 kg, at its bound"
     assert _cells(text, "1")[5] == "torque 0 N·m, at its bound"
 
 
 def test_an_experiment_that_decides_nothing_is_not_recommended(close_report: dict[str, Any]) -> None:
     close_report["next_experiment"] |= {"sigma": 0.25, "needed": 5.0}
-    text = report_markdown(close_report)
+    text = page(close_report)
     assert "Play `next_experiment.csv`" not in text
     assert "No command that was tried separates `coulomb_friction@arm` from `stribeck_friction@arm`" in text
 
 
 def test_what_free_parameters_absorb_is_no_rival(close_report: dict[str, Any]) -> None:
     close_report["ranking"][1] |= {"status": "equivalent", "absorbed_by_parameters": True}
-    assert _cells(report_markdown(close_report), "2")[2] == "absorbed"
+    assert _cells(page(close_report), "2")[2] == "absorbed"
 
 
 def test_a_note_names_its_signal_once() -> None:
     notes = [
-        {"log": "a", "signal": "arm.position", "message": "arm.position: 4 samples came out of order and were sorted."},
-        {"log": "a", "signal": "", "message": "a.csv ends within a row."},
+        NoteEntry("arm.position: 4 samples came out of order and were sorted.", "disorder", "a", "arm.position"),
+        NoteEntry("a.csv ends within a row.", "cut", "a", ""),
     ]
     told = notes_list(notes).splitlines()
     assert told == [

@@ -4,7 +4,6 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -29,6 +28,7 @@ from dr_lab.comparison.study import prepare
 from dr_lab.errors import DrLabError, ModelError
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
+from dr_lab.reports.gap import GapReport
 from dr_lab.trajectory import Log, MeasurementSet
 from dr_lab.workflows.add import add
 from dr_lab.workflows.fit import fit
@@ -47,7 +47,7 @@ def look(*overrides: str) -> Look:
     return instantiate(compose("fit", list(overrides)).recorder)
 
 
-def fitted(model: Model, data: MeasurementSet, folder: Path, *recorder: str) -> dict[str, Any]:
+def fitted(model: Model, data: MeasurementSet, folder: Path, *recorder: str) -> GapReport:
     return fit(short_comparison(model, data), look(*recorder), folder)
 
 
@@ -76,16 +76,18 @@ CASES: dict[str, Callable[[], MeasurementSet]] = {
 @pytest.mark.parametrize("case", CASES)
 def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> None:
     report = fitted(pendulum(), CASES[case](), tmp_path)
-    assert 0.3 < report["ladder"][0]["held_out"]["chi2"] < 2.0
-    values = report["ladder"][0]["parameters"]
-    assert values["rod.mass"]["value"] == pytest.approx(TRUTH[0], rel=0.05)
-    assert set(values["rod.mass"]["per_log"]) <= {"log_0", "log_1"}
-    ended = report["ladder"][0]["fit"]
-    assert (ended["converged"], ended["infeasible_windows"]) == (True, 0)
-    assert not {"infeasible_windows", "not_converged"} & {note["kind"] for note in report["notes"]}
+    assert 0.3 < (report.ladder[0].held_out.chi2 or 0.0) < 2.0
+    values = report.ladder[0].parameters
+    assert values["rod.mass"].value == pytest.approx(TRUTH[0], rel=0.05)
+    scatter, ended = values["rod.mass"].scatter, report.ladder[0].fit
+    assert scatter is not None
+    assert set(scatter.per_log) <= {"log_0", "log_1"}
+    assert ended is not None
+    assert (ended.converged, ended.infeasible_windows) == (True, 0)
+    assert not {"infeasible_windows", "not_converged"} & {note.kind for note in report.notes}
     assert (tmp_path / "report.json").is_file()
     assert (tmp_path / "review.rrd").is_file()
-    assert not {"no_command", "no_output"} & {note["kind"] for note in report["notes"]}
+    assert not {"no_command", "no_output"} & {note.kind for note in report.notes}
 
 
 def test_nothing_is_called_held_out_where_nothing_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,8 +98,8 @@ def test_nothing_is_called_held_out_where_nothing_is(tmp_path: Path, capsys: pyt
         look(),
         tmp_path,
     )
-    assert "on the fit logs" in report["reason"]
-    (said,) = [note["message"] for note in report["notes"] if note["kind"] == "no_held_out"]
+    assert "on the fit logs" in report.judged.reason
+    (said,) = [note.message for note in report.notes if note.kind == "no_held_out"]
     shown = str(read_recording(tmp_path / "review.rrd"))
     for text in (capsys.readouterr().out, (tmp_path / "report.md").read_text(), shown):
         told = " ".join(text.split())
@@ -107,8 +109,8 @@ def test_nothing_is_called_held_out_where_nothing_is(tmp_path: Path, capsys: pyt
 
 def test_of_a_long_log_the_beginning_is_shown_and_the_note_says_so(tmp_path: Path) -> None:
     report = fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path, "recorder.longest=1.0")
-    (note,) = [note for note in report["notes"] if note["kind"] == "shown"]
-    assert (note["log"], note["message"][:45]) == ("log_1", "The recordings show it up to 1 s of 3 s; reco")
+    (note,) = [note for note in report.notes if note.kind == "shown"]
+    assert (note.log, note.message[:45]) == ("log_1", "The recordings show it up to 1 s of 3 s; reco")
     path = read_recording(tmp_path / "review.rrd")["/log_1/signal/hinge.position/measured"]
     assert max(path["t"]) == pytest.approx(1.0)
 
@@ -119,17 +121,17 @@ def test_where_commands_begin_after_what_is_shown_the_first_window_on_is_shown(t
     kept = command.time >= 1.5
     late = replace(late, commands={command.name: replace(command, time=command.time[kept], value=command.value[kept])})
     report = fitted(pendulum(), measured(logs()[:1], [late]), tmp_path, "recorder.longest=1.0")
-    (note,) = [note for note in report["notes"] if note["kind"] == "shown"]
-    assert note["message"].startswith("The recordings show it up to 3 s of 3 s;")
+    (note,) = [note for note in report.notes if note.kind == "shown"]
+    assert note.message.startswith("The recordings show it up to 3 s of 3 s;")
     path = read_recording(tmp_path / "review.rrd")["/log_1/signal/hinge.position/measured"]
     assert max(path["t"]) == pytest.approx(2.56, abs=0.003)  # 1.5 s + 0.06 s of commands before the first window + 1 s
 
 
 def test_a_log_too_long_for_any_window_that_may_be_shown_is_left_out_and_the_report_stands(tmp_path: Path) -> None:
     report = fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path, "recorder.longest=0.2")
-    (note,) = [note for note in report["notes"] if note["kind"] == "shown"]
-    assert note["log"] == "log_1"
-    assert "leave it out: it holds no gapless window within recorder.longest=0.2 s" in note["message"]
+    (note,) = [note for note in report.notes if note.kind == "shown"]
+    assert note.log == "log_1"
+    assert "leave it out: it holds no gapless window within recorder.longest=0.2 s" in note.message
     assert {"report.json", "review.rrd", "simulated.mcap", "model.xml"} <= {path.name for path in tmp_path.iterdir()}
 
 
@@ -150,7 +152,7 @@ def test_actuators_and_joints_that_no_channel_shows_are_told(tmp_path: Path) -> 
     motion = simulated(model.compile(np.array([0.08])), None, 2.0, qpos=[0.6])
     read = motion["sensordata"][:, :3] + NOISE * np.random.default_rng(0).normal(size=(1000, 3))
     data = measured([log_of("log_0", {"sensor.gyro": (motion["time"], read)})])
-    notes = {note["kind"]: note["message"] for note in fitted(model, data, tmp_path)["notes"]}
+    notes = {note.kind: note.message for note in fitted(model, data, tmp_path).notes}
     assert (
         "No command is measured for fan: simulated with the control 0. Measured commands: none." in notes["no_command"]
     )
@@ -171,9 +173,9 @@ def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:
     assert (scales.unmeasured, scales.unknown) == ({"hinge"}, set())
     assert 1.0 < scales.speed["hinge"] < 4.0  # rad/s, of swings from 0.6 rad
     report = fitted(model, data, tmp_path)
-    assert report["ladder"][0]["held_out"]["chi2"] == pytest.approx(1.0, abs=0.1)
-    assert report["ladder"][0]["parameters"]["hinge.damping"]["value"] == pytest.approx(0.08, rel=0.03)
-    assert report["where"] == []
+    assert report.ladder[0].held_out.chi2 == pytest.approx(1.0, abs=0.1)
+    assert report.ladder[0].parameters["hinge.damping"].value == pytest.approx(0.08, rel=0.03)
+    assert report.failing.where == ()
 
 
 def test_windows_that_diverge_are_counted_in_the_report_and_told(
@@ -181,10 +183,11 @@ def test_windows_that_diverge_are_counted_in_the_report_and_told(
 ) -> None:
     data = measured([slow_then_fast("log_0", 0)], [slow_then_fast("log_1", 1)])
     report = fitted(dragged(0.005, high=0.006), data, tmp_path)
-    ended = report["ladder"][0]["fit"]
-    assert 0 < ended["infeasible_windows"] < ended["windows"]
-    assert not ended["converged"]
-    told = f"The calibration lacks {ended['infeasible_windows']} of {ended['windows']} windows"
+    ended = report.ladder[0].fit
+    assert ended is not None
+    assert 0 < ended.infeasible_windows < ended.windows
+    assert not ended.converged
+    told = f"The calibration lacks {ended.infeasible_windows} of {ended.windows} windows"
     for text in (capsys.readouterr().out, (tmp_path / "report.md").read_text()):
         assert told in " ".join(text.split())
         assert "The calibration did not converge in" in " ".join(text.split())
@@ -195,7 +198,7 @@ def test_a_parameter_that_ends_at_its_bound_is_marked_on_the_screen(
 ) -> None:
     heavy = [swinging(f"log_{k}", pendulum().compile(np.array([1.9, 0.08])), k, seconds=1.5) for k in range(2)]
     report = fitted(pendulum(), measured(heavy[:1], heavy[1:]), tmp_path)
-    at_bound = {name: row["at_bound"] for name, row in report["ladder"][0]["parameters"].items()}
+    at_bound = {name: row.at_bound for name, row in report.ladder[0].parameters.items()}
     assert at_bound == {"rod.mass": True, "hinge.damping": False}
     assert re.search(r"rod\.mass +1\.5 kg, at its bound", capsys.readouterr().out)
 

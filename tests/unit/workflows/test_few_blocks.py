@@ -16,10 +16,10 @@ def test_too_few_windows_are_told(windows: int, fitted: int, told: str | None) -
     held_out, fit = of(windows), of(max(fitted, 1))
     bench = SimpleNamespace(held_out=held_out, fit=fit, apart=fitted > 0, evidence=evidence_settings())
     notes = few_blocks(cast(Any, bench))
-    assert [note["count"] for note in notes] == ([windows + fitted] if told else [])
+    assert [note.count for note in notes] == ([windows + fitted] if told else [])
     for note in notes:
-        assert str(told) in note["message"]
-        assert "evidence.least_compared" in note["message"]
+        assert str(told) in note.message
+        assert "evidence.least_compared" in note.message
 
 
 def of(count: int) -> Windows:

@@ -42,8 +42,8 @@ def test_logs_of_the_very_model_keep_its_step() -> None:
     assert found.floor.largest > 0.2
     assert found.model is model
     assert found.bench.timing_resolution == 0.002
-    (note,) = (note for note in study_notes(found) if note["kind"] == "time_step")
-    assert "leaves no more than noise with it" in note["message"]
+    (note,) = (note for note in study_notes(found) if note.kind == "time_step")
+    assert "leaves no more than noise with it" in note.message
 
 
 def test_a_gap_is_looked_at_with_a_step_that_does_not_show(tmp_path: Path) -> None:
@@ -52,8 +52,8 @@ def test_a_gap_is_looked_at_with_a_step_that_does_not_show(tmp_path: Path) -> No
     assert found.refinement.left <= 0.2 < found.refinement.share
     assert found.bench.timing_resolution == 0.002
     assert found.bench.fit.step == found.compiled.opt.timestep
-    (note,) = (note for note in study_notes(found) if note["kind"] == "time_step")
-    assert "in its place" in note["message"]
+    (note,) = (note for note in study_notes(found) if note.kind == "time_step")
+    assert "in its place" in note.message
     write_model(tmp_path / "model.xml", found.model, found.model.space.nominal)
     again = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
     assert again.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
