@@ -8,9 +8,8 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
-from dr_lab.effects.command_filter import Advance, Driver, column_of, filtered
+from dr_lab.effects.command_filter import Advance, DynamicFilter
 from dr_lab.effects.effect import Scales
-from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -18,7 +17,7 @@ _SHORTEST = np.finfo(np.float64).tiny  # s; in place of zero, by which nothing c
 
 
 @dataclass(frozen=True)
-class ActuatorLag(ActuatorEffect):
+class ActuatorLag(ActuatorEffect, DynamicFilter):
     """A driver's filter, a coil's inductance or a valve: the command arrives through a first-order lag.
 
     tau y' = u − y, and y takes the command's place. Exact for a command u that is held through a step h:
@@ -56,31 +55,14 @@ class ActuatorLag(ActuatorEffect):
         del model, site, scales
         return (Parameter("tau", "s", 0.0, 0.0, self.longest),)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the commands bring it."""
+    def advance(self, values: Mapping[str, Array], step: float) -> Advance:
+        """Average and end of a step, exact for a command that is held through it."""
+        tau = values["tau"]
+        end = np.exp(-step / np.maximum(tau, _SHORTEST))
+        mean = tau / step * (1.0 - end)
 
-    def command(
-        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
-    ) -> Array:
-        """Step averages behind the lag."""
-        if actuator != site:
-            return series
-        tau = values["tau"][..., 0]
-        return filtered(series, len(tau), _lagging(tau, option.timestep))
+        def lagging(level: Array, asked: Array) -> tuple[Array, Array]:
+            gap = level - asked
+            return asked + mean * gap, asked + end * gap
 
-    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """The lag, step by step."""
-        advance = _lagging(values["tau"], compiled.opt.timestep)
-        return (Driver(column_of(compiled, site), advance),)
-
-
-def _lagging(tau: Array, step: float) -> Advance:
-    """Average and end of a step, exact for a command that is held through it."""
-    end = np.exp(-step / np.maximum(tau, _SHORTEST))
-    mean = tau / step * (1.0 - end)
-
-    def advance(level: Array, asked: Array) -> tuple[Array, Array]:
-        gap = level - asked
-        return asked + mean * gap, asked + end * gap
-
-    return advance
+        return lagging

@@ -10,11 +10,12 @@ import numpy as np
 
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import fluid_forces, inverse_forces
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class AirDrag(Effect):
+class AirDrag(Effect, SpecEdit):
     """Air, or another medium, that slows all links, each by its size and speed.
 
     MuJoCo's fluid forces with the medium's density rho. Bodies count as the boxes that have their inertia, with

@@ -10,11 +10,12 @@ from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import add_passive_force, joint_of, slides
 from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class AsymmetricFriction(DryFrictionEffect):
+class AsymmetricFriction(DryFrictionEffect, SpecEdit):
     """Dry friction of a screw, seal or worm gear that runs more easily in one direction than in the other.
 
     tau = −tau_m (1 + s) while v > 0, tau = tau_m (1 − s) while v < 0, anything between them at rest: tau_m as MuJoCo's

@@ -11,6 +11,7 @@ from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_drive import JointDrive
 from dr_lab.effects.joint_effect import slides
 from dr_lab.effects.motor_side import MotorSide, MotorSideEffect
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -21,7 +22,7 @@ _SETTLING = 6.0 - np.sqrt(32.0)
 
 
 @dataclass(frozen=True)
-class Backlash(MotorSideEffect):
+class Backlash(MotorSideEffect, ForceLaw):
     """Teeth that part when the torque that they pass on turns round, and meet again across the gap.
 
     The distance δ of the motor before the link stays within ± gap/2. In between nothing is passed on: the link moves
@@ -66,13 +67,10 @@ class Backlash(MotorSideEffect):
         gap = Parameter("gap", "m" if slides(model, site) else "rad", 0.0, 0.0, high)
         return gap, self.rotor(model, site)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the motor moves between the steps."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor in its gap."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return (_Parting(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed),)
+        return _Parting(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Small and larger gaps."""

@@ -11,6 +11,7 @@ import numpy as np
 from dr_lab.effects.body_effect import body_of, moving_bodies, with_inertial
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import inverse_forces
+from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -18,7 +19,7 @@ _AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
-class CentreOfMassOffset(Effect):
+class CentreOfMassOffset(Effect, SpecPreparation, SpecEdit):
     """The centre of mass of a link lies elsewhere: cables, screws and bearings that the drawing leaves out.
 
     c → c + (x, y, z) in the body's frame; mass and inertia about the centre stay, so that about a joint's axis at the

@@ -9,11 +9,12 @@ import mujoco
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, add_passive_force, joint_of, slides
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class Cogging(JointEffect):
+class Cogging(JointEffect, SpecEdit):
     """The pull of permanent magnets towards the iron teeth of the stator, or a gear that runs out of true.
 
     tau(q) = A sin(n q) + B cos(n q) = C sin(n q + phi), C = √(A² + B²), tan(phi) = B/A: MuJoCo's ``dcmotor`` without

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 
 from dr_lab.effects.joint_effect import JointEffect, joint_of
+from dr_lab.physics.effect_parts import SpecPreparation
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class DryFriction:
 
 
 @dataclass(frozen=True)
-class DryFrictionEffect(JointEffect):
+class DryFrictionEffect(JointEffect, SpecPreparation):
     """An effect whose force is the friction-loss constraint of its joint.
 
     Attributes:

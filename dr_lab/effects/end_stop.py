@@ -10,11 +10,12 @@ import numpy as np
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
 from dr_lab.errors import ModelError
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class EndStop(JointEffect):
+class EndStop(JointEffect, SpecEdit):
     """A bumper, a cable or a housing that ends the joint's travel sooner than the model says.
 
     lower ≤ q ≤ upper: MuJoCo's joint limit, with the stiffness and damping of the joint's ``solreflimit``. At nominal

@@ -10,6 +10,7 @@ import numpy as np
 from dr_lab.effects.contact_pairs import meeting
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.errors import ModelError
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 _AXES = ("about_x", "about_y")
@@ -17,7 +18,7 @@ _STILL = 1e-9  # m/s for a unit velocity of a joint; rounding
 
 
 @dataclass(frozen=True)
-class FloorSlope(Effect):
+class FloorSlope(Effect, SpecEdit):
     """A plane that is turned about the world's x and y through its own origin, while gravity stays.
 
     n' = exp([r]×) n with r = (r_x, r_y, 0), n the plane's normal.

@@ -11,6 +11,7 @@ from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_drive import JointDrive
 from dr_lab.effects.joint_effect import slides
 from dr_lab.effects.motor_side import MotorSide, MotorSideEffect
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -19,7 +20,7 @@ _STIFFEST = 1e-6  # steps; the shortest period that rounding lets the closed for
 
 
 @dataclass(frozen=True)
-class JointElasticity(MotorSideEffect):
+class JointElasticity(MotorSideEffect, ForceLaw):
     """Two inertias with a spring in between: motor and link swing against each other.
 
     T = (δ + eta δ')/C with the distance δ of the motor before the link; J δ'' = tau_m − T − J q'', and the link, which
@@ -75,13 +76,10 @@ class JointElasticity(MotorSideEffect):
             Parameter("retardation", "s", nominal, low, far),
         )
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the motor moves between the steps."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor on its spring."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return (_Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"]),)
+        return _Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"])
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Springs from stiff to soft."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -16,7 +17,7 @@ _SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
 
 
 @dataclass(frozen=True)
-class Payload(Effect):
+class Payload(Effect, SpecEdit):
     """A point mass fixed to a moving body, on the line from the body's joint to its centre of mass.
 
     It is a body of its own (``payload@<body>``, without joint, inertia zero about itself) at

@@ -10,11 +10,12 @@ from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import add_passive_force, joint_of, slides
 from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class StribeckFriction(DryFrictionEffect):
+class StribeckFriction(DryFrictionEffect, SpecEdit):
     """Dry friction that drops from static to kinetic as the joint starts to move; viscous friction is separate.
 
     tau(v) = −sign(v) (tau_c + tau_e exp(−(v/v_s)²)) while sliding, |tau| ≤ tau_c + tau_e at rest.
