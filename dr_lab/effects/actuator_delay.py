@@ -20,13 +20,16 @@ from dr_lab.trajectory import Array
 class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
     """Bus, driver and controller latency between a command's stamp and its force.
 
-    force(t) computed from u(t − delay). MuJoCo keeps the commands of the last steps and reads them with linear
-    interpolation. At the start of a step, which is where first-order integrators read, that is exactly the step's
-    average of the late command. RK4 also reads in the middle and at the end, as if the step's command had been given
-    at its start and not held through it: half a step early, for which the compiled delay makes up.
-    MuJoCo cannot read the command of the running step. A shorter delay (below one step, with RK4 below one and a half)
-    is left to `filtered`, which makes the response continuous down to absent. A history of the same length is
-    compiled in at every value.
+    force(t) computed from u(t − delay). MuJoCo keeps the commands of the last steps and interpolates them linearly:
+
+    1. First-order integrators read at the start of a step. What they read is exactly the step's average of the late
+       command.
+    2. RK4 also reads in the middle and at the end, as if the step's command had been given at its start and not held
+       through it. On average that is half a step early, for which the compiled delay makes up.
+    3. MuJoCo cannot read the command of the running step. A delay below one step (one and a half with RK4) is left to
+       `filtered`, which makes the response continuous down to absent.
+
+    A history of the same length is compiled in at every value.
 
     Parameters (nominal = absent): delay [s], within [0, longest].
     Limits: actuators with one command and no delay of their own; an exported MJCF file lacks the short delays.

@@ -23,13 +23,15 @@ class ActuatorLag(ActuatorEffect, DynamicFilter):
     tau y' = u − y, and y takes the command's place. Exact for a command u that is held through a step h:
     y(h) = u + (y(0) − u) exp(−h/tau), with the average u + (y(0) − u) (tau/h) (1 − exp(−h/tau)) through the step.
 
-    MuJoCo's ``filterexact`` is not used. It is exact with first-order integrators alone, which read it at the step's
-    start, half a step late; RK4 takes linear stages of it, which overshoot by h/tau (steps of 2 ms: 4 % off at a tau of
-    10 ms, 24 % at 2 ms, unstable at 0.5 ms), so that absent would be out of reach. And its activation at a window's
-    start would be one more unknown, where here the commands of before tell it.
+    MuJoCo's ``filterexact`` is not used, for three reasons:
+
+    1. First-order integrators, with which it is exact, read it at the step's start, half a step late.
+    2. RK4 takes linear stages of it, which overshoot by h/tau (steps of 2 ms: 4 % off at a tau of 10 ms, 24 % at 2 ms,
+       unstable at 0.5 ms). Absent would be out of reach.
+    3. Its activation at a window's start would be one more unknown. Here the earlier commands tell it.
 
     Parameters (nominal = absent): tau ≥ 0 [s].
-    Limits: actuators with one command; the windows' past must be some five tau, before which the lag is at rest.
+    Limits: actuators with one command; the windows' past must cover some five tau, before which the lag is at rest.
     Source: Franklin, Powell and Workman, Digital Control of Dynamic Systems (zero-order hold equivalents).
 
     Attributes:

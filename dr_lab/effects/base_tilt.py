@@ -30,7 +30,7 @@ class BaseTilt(Effect, SpecEdit):
 
     Attributes:
         largest: bound of either angle [rad].
-        sensitive: share of the force of a gravity in the worst direction from which on an angle counts as felt.
+        sensitive: an angle counts as felt above this share of the force of a gravity in the worst direction.
         poses: number of poses at which that is looked for.
     """
 

@@ -22,8 +22,8 @@ _AXES = ("x", "y", "z")
 class CentreOfMassOffset(Effect, SpecPreparation, SpecEdit):
     """The centre of mass of a link lies elsewhere: cables, screws and bearings that the drawing leaves out.
 
-    c → c + (x, y, z) in the body's frame; mass and inertia about the centre stay, so that about a joint's axis at the
-    distance r the inertia m r² moves along (Steiner). Inertias that follow from geoms are written out as <inertial>.
+    c → c + (x, y, z) in the body's frame. Mass and inertia about the centre stay; about a joint's axis at the distance
+    r the inertia m r² changes with r (Steiner). Inertias that follow from geoms are written out as <inertial>.
 
     Parameters (nominal = absent): x, y, z [m]; each only where it changes a generalised force of the model to first
     order (a pendulum does not feel its centre move along its hinge).
@@ -34,7 +34,7 @@ class CentreOfMassOffset(Effect, SpecPreparation, SpecEdit):
 
     Attributes:
         factor: bound of each offset, in units of the body's largest radius of gyration about its centre.
-        sensitive: share of the forces for an equally large offset from which on a direction counts as felt.
+        sensitive: a direction counts as felt above this share of the force that an equally large offset has in any.
         poses: number of states in which that is looked for.
     """
 

@@ -13,7 +13,7 @@ from dr_lab.physics.effect_parts import CommandFilter, ForceLaw, SensorTransform
 from dr_lab.physics.model import Value
 from dr_lab.physics.parameter import Parameter
 
-# from the joint outwards; of effects that data cannot separate, the first is tried first
+# From the joint outwards. Of effects that data cannot separate, the one of the earliest family is tried first.
 FAMILIES = ("friction", "transmission", "actuator", "inertia", "environment", "sensing", "open")
 
 
@@ -24,7 +24,7 @@ _ACTING = (SpecEdit, SensorTransform, CommandFilter, ForceLaw)
 class Scales:
     """Typical magnitudes of the machine in its logs; they give an effect's bounds their size.
 
-    Of joints that no channel measures they are those of the nominal model, as it moves in the logs.
+    For a joint that no channel measures they are those of the nominal model's motion in the logs.
 
     Attributes:
         lowest: lowest position by joint, rad or m.
@@ -33,7 +33,7 @@ class Scales:
         torque: RMS generalised force needed for the measured motion by joint, N·m or N.
         command: largest |command| by actuator, in the command's unit.
         unmeasured: joints of which no channel tells the position.
-        unknown: joints of which neither a channel nor the nominal model's motion tells anything.
+        unknown: joints of which neither a channel nor the nominal model's motion tells a magnitude.
     """
 
     lowest: Mapping[str, float]
@@ -50,7 +50,7 @@ class Scales:
         return {joint: self.highest[joint] - lowest for joint, lowest in self.lowest.items()}
 
     def assuming(self, magnitude: float) -> "Scales":
-        """The scales if every joint that nothing is known of had the same magnitude, in SI units, in all respects."""
+        """The scales with one magnitude, in SI units, assumed for all that is not known of the unknown joints."""
         assumed = dict.fromkeys(self.unknown, magnitude)
         reached = {joint: self.lowest[joint] + magnitude for joint in self.unknown}
         return replace(
@@ -74,12 +74,12 @@ class Effect(ABC):
         law: one line of physics.
         fingerprint: what the residual looks like when the effect is missing.
         confused_with: names of effects that given data may not separate from it.
-        holds: names of effects that it acts as, at the same site, for some values of its parameters, and how.
-        shapes: short names of parameters that act only where another parameter of it is away from absent.
+        holds: its special cases: effects that it acts as, at the same site, for some values of its parameters, and how.
+        shapes: short names of the parameters that act only while another one is away from absent.
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
-        argument: what the law is a function of, where a free law of that can be fitted in its place: ``command`` of the
-            actuator, ``position`` of the joint, ``inertia`` of the body and of those beyond it; empty where it cannot.
-        patience: times as many iterations as others get that a start away from absent needs to show its worth.
+        argument: what the law is a function of, if a free law of the same argument can check it: ``command`` of the
+            actuator, ``position`` of the joint, ``inertia`` of the body and of those beyond it; otherwise empty.
+        patience: factor on the number of iterations after which a start away from absent is judged.
     """
 
     name: ClassVar[str]

@@ -22,7 +22,7 @@ class EndStop(JointEffect, SpecEdit):
     the stops lie a little beyond the measured travel, where nothing runs into them.
 
     Parameters (nominal = absent): upper and lower [rad, slide: m], places of the stops. No slope at absent (fits start
-    with a stop just inside the travel); stops that have changed places are infeasible.
+    with a stop just inside the travel); stops that have passed one another are infeasible.
     Limits: hinge and slide joints without a limit, which are measured and move in the logs.
     Source: MuJoCo 4.0, XML reference, joint/range and joint/solreflimit.
 

@@ -23,8 +23,8 @@ class FloorSlope(Effect, SpecEdit):
 
     n' = exp([r]×) n with r = (r_x, r_y, 0), n the plane's normal.
 
-    Parameters (nominal = absent): about_x, about_y [rad]; each only where what touches the plane can move the way in
-    which it tips the normal (a planar machine in x and z does not feel a turn about x).
+    Parameters (nominal = absent): about_x, about_y [rad]; each only if a body that touches the plane can move in the
+    direction in which the angle tips the normal (a planar machine in x and z does not feel a turn about x).
     Limits: planes fixed to the world that something can touch; where the robot's frame tilts along, it is a base tilt.
     Source: Rodrigues' rotation formula; MuJoCo geom/plane.
 

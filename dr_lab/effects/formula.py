@@ -26,7 +26,7 @@ class Formula(JointEffect, ForceLaw):
 
     tau = f(q, v, u, t; parameters), held through each step at the state in its middle.
 
-    Parameters: the user's; the force must vanish at their nominal values, where a parameter of a factor is 0.
+    Parameters: the user's. The force must vanish at their nominal values, so the nominal value of a factor is 0.
     Limits: hinge and slide joints; u is the command of the first actuator at the joint, 0 without one; t is in s on the
     log's clock. A stiff formula wants a small step. A value that is not a number counts as a simulation that diverges.
 

@@ -31,7 +31,7 @@ class InertiaError(Effect, SpecEdit):
     Attributes:
         low: smallest f.
         high: largest f.
-        sensitive: share of the forces of inertia and gravity from which on a body's inertia counts as felt.
+        sensitive: a body's inertia counts as felt above this share of the forces of inertia and gravity.
         poses: number of states in which that is looked for.
     """
 

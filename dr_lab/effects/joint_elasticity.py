@@ -28,13 +28,13 @@ class JointElasticity(MotorSideEffect, ForceLaw):
     the motor is rigid with its link: the model itself.
 
     Each step is the exact solution for its mean tau_m and q'', so that no stiffness is too high for it. Before a
-    window's start the motor follows the measured motion and commands of ``windows.memory`` seconds, from its balance;
-    oscillations that outlast those, or are too fast for the smoothed measurement, begin wrong.
+    window's start the motor follows the measured motion and commands of ``windows.memory`` seconds, from its balance.
+    An oscillation that lasts longer, or is too fast for the smoothed measurement, begins wrong.
 
     Parameters (nominal = absent): compliance C ≥ 0 [rad/(N·m), slide: m/N]; rotor J > 0 [kg·m², slide: kg] and
     retardation eta > 0 [s], which act only where C > 0 (fits start away from absent).
     Limits: driven hinge and slide joints whose encoder sits at the link; the motor's back-EMF and friction stay with
-    the link; only J C tells itself where the logs hold nothing near the resonance.
+    the link; logs without anything near the resonance tell only the product J C.
     Source: Spong, Modeling and control of elastic joint robots, ASME J. Dyn. Sys. Meas. Control 109 (1987), whose
     rotor turns about the joint's axis without gyroscopic coupling; damping after Kelvin and Voigt.
 

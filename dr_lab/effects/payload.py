@@ -27,8 +27,8 @@ class Payload(Effect, SpecEdit):
 
     Parameters (nominal = absent): mass m ≥ 0 [kg]; distance [m] ≥ 0, which acts only where m > 0 (fits start away from
     absent) and is left out where the body never turns.
-    Limits: where the link's mass, centre and inertia are free too, only the sums m, m·distance, m·distance² of both can
-    be told; models that let MuJoCo ignore <inertial> are refused.
+    Limits: if the link's mass, centre and inertia are free too, only the sums of m, m·distance and m·distance² over
+    link and payload can be told; models that let MuJoCo ignore <inertial> are refused.
     Raises: ModelError if the model's compiler has inertiafromgeom="true".
     Source: parallel-axis theorem; MuJoCo body/inertial.
 

@@ -24,8 +24,8 @@ class RateLimit(ActuatorEffect, DynamicFilter):
 
     Parameters (nominal = absent): inverse_rate i ≥ 0 [s per unit of the command].
     Limits: actuators with one command; symmetric; before the windows' past it is at rest. Acts on step averages, so a
-    jump within a step counts as two lesser ones. Every jump shows it, but a command without jumps only if it is steeper
-    than 1/i: fits start at several limits.
+    jump within a step counts as two lesser ones. Every jump shows it; a command without jumps shows it only if it is
+    steeper than 1/i, so fits start at several limits.
     MuJoCo's ``slewmax`` is not used: it limits position setpoints alone, and its activation at a window's start
     would be one more unknown.
     Source: Duda, Journal of Guidance, Control, and Dynamics 20 (1997), 581-587.

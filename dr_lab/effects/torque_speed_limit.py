@@ -24,8 +24,8 @@ _FORCE_ALONE = (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_NONE
 class TorqueSpeedLimit(ActuatorEffect, ForceLaw):
     """The line from stall torque to no-load speed of a motor behind a torque controller, whose voltage runs out.
 
-    −(1 + n v) ≤ i F ≤ 1 − n v, with i = 1/F_stall and n = 1/v_free: against the motion more than the stall torque is
-    at hand, with the motion less, beyond v_free none. Written as a bound of the command before every step.
+    −(1 + n v) ≤ i F ≤ 1 − n v, with i = 1/F_stall and n = 1/v_free. Against the motion the motor can give more than its
+    stall torque, with the motion less, and beyond v_free nothing. The law bounds the command before every step.
 
     Parameters (nominal = absent): inverse stall torque i ≥ 0 [1/(N·m), 1/N], inverse no-load speed n ≥ 0 [s/rad, s/m],
     which act only where i > 0 and the limit is reached (fits start away from absent).

@@ -18,8 +18,8 @@ from dr_lab.trajectory import Array
 class VoltageSag(ActuatorEffect, StaticFilter):
     """A battery's or a cable's resistance: the supply drops in proportion to the load, and the drive with it.
 
-    u → u (1 − c |u|); k = c u_max of the supply is lost at the largest command u_max. The parameter is c and not k,
-    so that its value holds for other logs too.
+    u → u (1 − c |u|). At the largest command u_max the share k = c u_max of the supply is lost. The parameter is c and
+    not k, so that its value holds for other logs too.
 
     Parameters (nominal = absent): slope c ≥ 0 [1/unit of the command].
     Limits: actuators with one command, whose zero is no load; the load is taken as proportional to the command

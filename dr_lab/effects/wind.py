@@ -31,7 +31,7 @@ class Wind(Effect, SpecEdit):
 
     Attributes:
         strongest: how far either speed may lie from the model's own [m/s].
-        sensitive: share of the force of an equally strong wind in the worst direction from which on one counts as felt.
+        sensitive: a direction counts as felt above this share of the force of an equal wind in the worst direction.
         poses: number of states in which that is looked for.
     """
 
