@@ -27,8 +27,8 @@ class DrivenModel(Model):
         return (*filters, *super().laws(z, models))
 
 
-def driven(model: Model) -> DrivenModel:
-    """The model as a policy drives it.
+def stepwise(model: Model) -> DrivenModel:
+    """The model as a policy drives it: its command filters act between the steps.
 
     Effects at sensors have no part: a task reads the state itself. Their parameters stay in the context, for a run's
     distribution to remain whole.
@@ -44,8 +44,8 @@ def driven(model: Model) -> DrivenModel:
     values, series = model.values(model.space.nominal[None]), np.zeros((1, 1, 2))
     for effect, part in model.having(CommandFilter):
         local = {name: value[:, None, None] for name, value in effect.local(values).items()}
-        stepwise = isinstance(part, StepwiseFilter)
-        if not stepwise and part.filtered(local, series, model.spec.option) is not series:
+        known = isinstance(part, StepwiseFilter)
+        if not known and part.filtered(local, series, model.spec.option) is not series:
             raise ModelError(
                 f"Effect {effect.label!r} of model {model.name!r} transforms the commands of {effect.site} and "
                 "has no driver that does so step by step. Fit the model without it, so that other effects take "

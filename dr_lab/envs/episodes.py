@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.envs.drivers import driven
+from dr_lab.envs.drivers import stepwise
 from dr_lab.envs.task import Change, Fields, Task, required_bounds
 from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
@@ -96,7 +96,7 @@ class Episodes:
         threads: int | None = None,
     ) -> None:
         self.model, self.task, self.source = model, task, source
-        self.simulator = Simulator(driven(model), nsim, threads, persistent=_FORCES in task.reads)
+        self.simulator = Simulator(stepwise(model), nsim, threads, persistent=_FORCES in task.reads)
         compiled = self.simulator.compiled
         self.low, self.high = required_bounds(task, compiled)
         self.seconds = task.frame_skip * float(compiled.opt.timestep)
