@@ -14,7 +14,8 @@ from hydra.errors import (
 )
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
-from dr_lab.cli.compose import WHOLE_GROUP, choices, compose_with_hydra, misplaced, nested_options, options
+from dr_lab.cli.compose import choices, compose_with_hydra
+from dr_lab.cli.groups import nested_options, options
 from dr_lab.cli.overrides import RefusedKey, refused_key
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
@@ -157,9 +158,6 @@ def _missing_option(error: MissingConfigException, folders: Sequence[Path]) -> s
     listed = re.search(r"^Available options in '([^']+)'", str(error), re.MULTILINE)
     group = listed[1] if listed else file.rpartition("/")[0]
     option = file.removeprefix(f"{group}/")
-    faults = misplaced(options(group, folders)) if option == WHOLE_GROUP else {}
-    if faults:
-        return next(iter(faults.values()))
     available = [*(error.options or options(group, folders)), *nested_options(group, folders)]
     if not group or not available:
         return str(error).splitlines()[0]

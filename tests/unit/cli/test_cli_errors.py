@@ -17,7 +17,7 @@ Capture = pytest.CaptureFixture[str]
 
 SAYS = {
     ("model=swin",): ["no model 'swin'", "Did you mean 'swing'?", "broken, door, swing"],
-    ("effect=[wind,rst]",): ["no effect 'rst'", "Did you mean 'rust'?", "rust, wind"],
+    ("effect=[wind,rst]",): ["no effect 'rst'", "Did you mean 'rust'?", "all, rust, wind"],
     ("experiment=nigth",): ["no experiment 'nigth'", "Did you mean 'night'?"],
     ("horzon=2",): ["'horzon'", "Did you mean 'horizon'?", "Available: effect, effects, experiment, horizon"],
     ("model.nmae=x",): ["'model.nmae'", "Did you mean 'model.name'?"],
@@ -88,7 +88,7 @@ def test_says_what_is_wrong(dr_lab: CommandLine, capsys: Capture, arguments: tup
 def test_mandatory_group(dr_lab: CommandLine, capsys: Capture) -> None:
     assert dr_lab("add") == 2
     assert capsys.readouterr().err == (
-        "dr-lab add: No effect is chosen. Give one: dr-lab add effect=NAME. Available: rust, wind.\n"
+        "dr-lab add: No effect is chosen. Give one: dr-lab add effect=NAME. Available: all, rust, wind.\n"
     )
 
 
