@@ -97,12 +97,13 @@ def compose_from(folders: Sequence[Path], verb: str, overrides: Sequence[str]) -
 @contextmanager
 def _beside_a_job() -> Iterator[None]:
     """Let a job that Hydra runs compose another configuration: Hydra allows one composer at a time."""
-    place = GlobalHydra.instance()
-    running, place.hydra = place.hydra, None
+    running = GlobalHydra.instance().hydra
+    GlobalHydra.instance().clear()
     try:
         yield
     finally:
-        place.hydra = running
+        if running is not None:
+            GlobalHydra.instance().initialize(running)  # another instance, which the composer left
 
 
 def compose_with_hydra(config_name: str, overrides: Sequence[str], folders: Sequence[Path]) -> DictConfig:
