@@ -14,6 +14,7 @@ from dr_lab.diagnosis.search.ladder import Rung, climb
 from dr_lab.workflows.record import record
 
 FEW = ("coulomb_friction", "actuator_delay", "sensor_time_offset", "base_tilt")
+MORE = ("stribeck_friction_arm", "spring_arm", "saturation", "quadratic_drag_arm")
 # hidden → parameter that tells it, its true value, and how exactly six short logs must tell it
 HIDDEN = {
     "furuta/coulomb_friction_arm": ("coulomb_friction@arm.torque", 2e-3, 0.02),
@@ -21,7 +22,6 @@ HIDDEN = {
     "furuta/sensor_time_offset_pole": ("sensor_time_offset@pole.offset", 8e-3, 0.01),
     "furuta/base_tilt": ("base_tilt@world.about_x", 0.05, 0.02),
 }
-MORE = ("stribeck_friction_arm", "spring_arm", "saturation", "quadratic_drag_arm")
 KEYS = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 
 
