@@ -60,7 +60,7 @@ class GaussianActor(Actor):
 
     def log_prob(self, observation: Tensor, action: Tensor) -> Tensor:
         """Log π(a|o) of actions (…, nu), shape (…)."""
-        return self.unit_log_prob(self.normaliser(observation), self.unit(action)) - self.reach.log().sum()
+        return self.unit_log_prob(self.normaliser(observation), self.unit(action)) - self.reach.log().sum(-1)
 
     def unit_log_prob(self, observation: Tensor, unit: Tensor) -> Tensor:
         """Log π(u|o) of actions scaled to ±1, for observations that are normalised already."""
