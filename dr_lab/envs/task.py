@@ -61,7 +61,7 @@ class Task(ABC):
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel")
 
     def __post_init__(self) -> None:
-        require_numbers(self, "task", least={"frame_skip": 1, "time_limit": 1})
+        require_numbers(self, "env.task", least={"frame_skip": 1, "time_limit": 1})
 
     def action_bounds(self, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """Lowest and highest action, shape (nu,), in the actuators' unit: their control range unless said otherwise."""
