@@ -4,7 +4,7 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -87,7 +87,7 @@ def _tell_of_nothing_left(played: int, frames: int, resume: str) -> None:
 def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
     trainer = training.trainer
     try:
-        with training.collector, _progress(plan.frames, trainer.frames) as show:
+        with closing(trainer), _progress(plan.frames, trainer.frames) as show:
 
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
                 if any(True for _ in training.randomizer.parameters()):
