@@ -32,6 +32,7 @@ class LeanCollector(Collector):
         }
         shape = (steps, episodes.nsim)
         self._now = {key: np.empty((*shape, k), np.float32) for key, k in width.items()}
+        self._now["proposal"] = np.empty(shape, np.int64)
         self._next = {
             "observation": np.empty_like(self._now["observation"]),
             "reward": np.empty((*shape, 1), np.float32),
@@ -59,13 +60,14 @@ class LeanCollector(Collector):
             {key: torch.from_numpy(array).transpose(0, 1).contiguous() for key, array in arrays.items()}
             for arrays in (self._now, self._next)
         )
-        then["context"] = now["context"]  # an episode keeps its context
+        then["context"], then["proposal"] = now["context"], now["proposal"]  # an episode keeps its context
         return TensorDict({**now, "next": TensorDict(then, batch_size=shape)}, batch_size=shape)
 
     def _step(self, t: int) -> None:
         episodes, now, then = self._episodes, self._now, self._next
         observation = single(episodes.observation)
         now["observation"][t], now["context"][t] = observation.numpy(), episodes.contexts
+        now["proposal"][t] = episodes.proposals
         now["action"][t] = self._policy(observation).numpy()
         outcome = episodes.step(now["action"][t])
         then["observation"][t] = outcome.observation

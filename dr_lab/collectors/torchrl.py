@@ -10,7 +10,7 @@ from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.trajectory import Array
 
-KEPT = ("observation", "context", "action", "next")
+KEPT = ("observation", "context", "proposal", "action", "next")
 
 
 class TorchRLCollector(Collector):

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import Simulator
+from dr_lab.randomizers.context_source import UNKEYED, ContextSource, Proposals
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
@@ -22,14 +23,6 @@ _FORCES = "cfrc_ext"
 
 Starts = tuple[Array, Array]
 """Positions (k, nq) and velocities (k, nv) with which episodes begin."""
-
-
-class ContextSource(Protocol):
-    """Where the contexts of new episodes come from; every randomizer is one."""
-
-    def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
-        """One context from each stream, shape (len(rngs), n)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -78,6 +71,7 @@ class Episodes:
     Attributes:
         observation: what the policy sees now, shape (n, o).
         contexts: z of the running episodes, shape (n, parameters).
+        proposals: which proposal of the source each of these is, shape (n,).
         infeasible: number of episodes that ended because their context was infeasible.
 
     Raises:
@@ -110,11 +104,13 @@ class Episodes:
             self._fields[_FORCES] = self._forces.values
         self._qpos, self._qvel = self.simulator.batch.bind("qpos"), self.simulator.batch.bind("qvel")
         self._streams = [stream(seed, "episode", slot) for slot in range(nsim)]
+        self._slots = np.arange(nsim)  # among all that train, some of which others may play
         self._given: Array | None = None
         self._steps, self._returns = np.zeros(nsim, np.intp), np.zeros(nsim)
         self._failed = np.zeros(nsim, bool)  # ended as infeasible and not begun anew
         self.infeasible = 0
         self.contexts = np.tile(model.space.nominal, (nsim, 1))
+        self.proposals = np.full(nsim, UNKEYED, np.int64)
         self._marker = task.marker(self._fields)
         self.observation = self._seen(self._fields, self.contexts)
         self.begin(np.arange(nsim))
@@ -143,8 +139,9 @@ class Episodes:
             starts: what they begin with, row by row; None lets the task draw it from each slot's stream.
         """
         streams = [self._streams[row] for row in rows]
-        self.contexts = self.contexts.copy()  # what was handed out stays as it was
-        self.contexts[rows] = self._draw(streams, rows)
+        drawn = self._draw(streams, rows)
+        self.contexts, self.proposals = self.contexts.copy(), self.proposals.copy()  # what was handed out stays
+        self.contexts[rows], self.proposals[rows] = drawn.z, drawn.keys
         self.simulator.set_contexts(self.contexts[rows], rows)
         self.simulator.reset(rows)
         if starts is not None:
@@ -191,6 +188,8 @@ class Episodes:
         return {
             "simulator": self.simulator.memory,
             "contexts": self.contexts,
+            "proposals": self.proposals,
+            "slots": self._slots,
             "given": self._given,
             "steps": self._steps.copy(),
             "returns": self._returns.copy(),
@@ -203,6 +202,7 @@ class Episodes:
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Go on where the `state_dict` of episodes of the same machine and task was taken."""
         self.contexts, self._given = state["contexts"], state["given"]
+        self.proposals, self._slots = state["proposals"], state["slots"]
         self.simulator.set_contexts(self.contexts)
         self.simulator.restore(state["simulator"])
         self._steps[:], self._returns[:] = state["steps"], state["returns"]
@@ -212,10 +212,11 @@ class Episodes:
         for rng, remembered in zip(self._streams, state["streams"], strict=True):
             rng.bit_generator.state = remembered
 
-    def _draw(self, streams: Sequence[np.random.Generator], rows: Rows) -> Array:
-        if self._given is not None:
-            return self._given[rows]
-        return self.model.space.nominal[None] if self.source is None else self.source.sample(streams)
+    def _draw(self, streams: Sequence[np.random.Generator], rows: Rows) -> Proposals:
+        if self._given is None and self.source is not None:
+            return self.source.propose(streams, self._slots[rows])
+        z = np.tile(self.model.space.nominal, (len(rows), 1)) if self._given is None else self._given[rows]
+        return Proposals(z, np.full(len(rows), UNKEYED, np.int64))
 
     def _diverged(self) -> Flags:
         slow = np.abs(self._qvel).max(axis=1, initial=0.0) < self._speed_limit  # NaN is not

@@ -10,9 +10,10 @@ from torch import Tensor
 from torchrl.data import Binary, Bounded, Composite, Unbounded
 from torchrl.envs import EnvBase
 
-from dr_lab.envs.episodes import ContextSource, Episodes, StepOutcome
+from dr_lab.envs.episodes import Episodes, StepOutcome
 from dr_lab.envs.task import Task
 from dr_lab.physics.model import Model
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
 
 _DONE = ("done", "terminated", "truncated")
@@ -22,9 +23,10 @@ _FLAGS = (*_DONE, "infeasible")
 class MujocoEnv(EnvBase):
     """n episodes of a task as one TorchRL environment of batch size [n].
 
-    Keys: ``observation`` (n, o) and ``context`` (n, parameters; SI units) of float32, ``action`` (n, nu) in the
-    actuators' unit, ``reward`` (n, 1), ``done``, ``terminated``, ``truncated``, ``infeasible`` (n, 1). A reset of some
-    slots touches no other. See `Episodes` for contexts, streams and what infeasible contexts lead to.
+    Keys: ``observation`` (n, o) and ``context`` (n, parameters; SI units) of float32, ``proposal`` (n,) of contexts'
+    source, ``action`` (n, nu) in the actuators' unit, ``reward`` (n, 1), ``done``, ``terminated``, ``truncated``,
+    ``infeasible`` (n, 1). A reset of some slots touches no other. See `Episodes` for contexts, streams and what
+    infeasible contexts lead to.
 
     Args:
         model: the machine.
@@ -68,7 +70,7 @@ class MujocoEnv(EnvBase):
         )
         self._make_specs()
         self._never = torch.zeros(slots, 1, dtype=torch.bool)
-        self._context = single(self.episodes.contexts)
+        self._remember_contexts()
 
     def set_contexts(self, z: Array | None) -> None:
         """Let slot i begin every further episode with z[i], shape (n, parameters); None draws them again."""
@@ -76,7 +78,7 @@ class MujocoEnv(EnvBase):
 
     def current(self) -> TensorDict:
         """What the policy sees now of the running episodes."""
-        root = {"observation": single(self.episodes.observation), "context": self._context}
+        root = {"observation": single(self.episodes.observation), **self._contexts}
         return self._tensordict({**root, **dict.fromkeys(_FLAGS, self._never)})
 
     def state_dict(self, *args: Any, **kwargs: Any) -> dict[str, Any]:  # noqa: ANN401 (torch's signature)
@@ -93,7 +95,7 @@ class MujocoEnv(EnvBase):
         """Go on where an equal environment's `state_dict` was taken."""
         del args, kwargs
         self.episodes.load_state_dict(state_dict)
-        self._context = single(self.episodes.contexts)
+        self._remember_contexts()
 
     def _make_specs(self) -> None:
         episodes = self.episodes
@@ -102,6 +104,7 @@ class MujocoEnv(EnvBase):
         self.observation_spec = Composite(
             observation=Unbounded(torch.Size((n, width)), dtype=torch.float32),
             context=Unbounded(torch.Size(episodes.contexts.shape), dtype=torch.float32),
+            proposal=Unbounded(torch.Size((n,)), dtype=torch.int64),
             infeasible=Binary(shape=one, dtype=torch.bool),  # beside done, which TorchRL would take as another end
             shape=(n,),
         )
@@ -129,17 +132,22 @@ class MujocoEnv(EnvBase):
         if len(ended):
             self._begin(ended)
             return tensordict, self.current()
-        kept = {"observation": after.get("observation"), "context": self._context}
+        kept = {"observation": after.get("observation"), **self._contexts}
         return tensordict, self._tensordict({**kept, **dict.fromkeys(_FLAGS, self._never)})
 
     def _begin(self, rows: np.ndarray) -> None:
         self.episodes.begin(rows)
-        self._context = single(self.episodes.contexts)
+        self._remember_contexts()
+
+    def _remember_contexts(self) -> None:
+        """As tensors, which stay the same from step to step."""
+        episodes = self.episodes
+        self._contexts = {"context": single(episodes.contexts), "proposal": torch.from_numpy(episodes.proposals)}
 
     def _after(self, outcome: StepOutcome) -> TensorDict:
         values = {
             "observation": single(outcome.observation),
-            "context": self._context,
+            **self._contexts,
             "reward": single(outcome.reward[:, None]),
             **{flag: torch.from_numpy(getattr(outcome, flag)[:, None]) for flag in _FLAGS},
         }

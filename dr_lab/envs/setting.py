@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass
 
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.envs.task import Task
 from dr_lab.errors import require_numbers
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import Model
+from dr_lab.randomizers.context_source import ContextSource
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,10 +17,10 @@ from rich.progress import Progress as Bar
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.distribution_learners.none import NoLearner
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
 from dr_lab.files import write_text
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 from dr_lab.reports.quantity import number, titled

@@ -90,7 +90,7 @@ def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) ->
         with closing(trainer), _progress(plan.frames, trainer.frames) as show:
 
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
-                if any(True for _ in training.randomizer.parameters()):
+                if training.learner.learns:
                     snapshots.take(int(figures["iteration"]))
                 if trainer.due:
                     write_text(run_dir / "metrics.csv", metrics_csv(trainer.history))

@@ -14,7 +14,6 @@ from block_on_rail import BlockOnRail, constant
 from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.setting import Setting
 from dr_lab.envs.task import Change, Fields
 from dr_lab.errors import ConfigError
@@ -25,6 +24,7 @@ from dr_lab.evaluators.returns import ReturnsEvaluator
 from dr_lab.evaluators.statistics import iqm_interval, worst_decile
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import from_spec
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.training.trainer import Trainer
 from dr_lab.trajectory import Array
