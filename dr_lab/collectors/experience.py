@@ -7,7 +7,7 @@ from tensordict import TensorDict
 
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.play import play
-from dr_lab.envs.episodes import Episodes, Starts
+from dr_lab.envs.slots import EpisodeSlots, Starts
 from dr_lab.trajectory import Array
 
 
@@ -22,7 +22,7 @@ class Experience:
         episodes: slots of the whole episodes.
     """
 
-    def __init__(self, collector: Collector, policy: Policy, episodes: Episodes) -> None:
+    def __init__(self, collector: Collector, policy: Policy, episodes: EpisodeSlots) -> None:
         self.policy = policy
         self._collector, self._episodes = collector, episodes
         self._listeners: list[Callable[[TensorDict], None]] = []

@@ -8,7 +8,7 @@ import torch
 from tensordict import TensorDict
 
 from dr_lab.collectors.collector import Collector, Policy
-from dr_lab.envs.mujoco_env import MujocoEnv, single
+from dr_lab.envs.batched_env import BatchedEnv, single
 from dr_lab.trajectory import Array
 
 
@@ -21,7 +21,7 @@ class LeanCollector(Collector):
         steps: control steps of each episode slot in a batch.
     """
 
-    def __init__(self, env: MujocoEnv, policy: Policy, steps: int) -> None:
+    def __init__(self, env: BatchedEnv, policy: Policy, steps: int) -> None:
         super().__init__(policy)
         self._episodes, self._steps = env.episodes, steps
         episodes = self._episodes
@@ -31,7 +31,7 @@ class LeanCollector(Collector):
             "action": len(episodes.low),
         }
         shape = (steps, episodes.nsim)
-        self._now = {key: np.empty((*shape, k), np.float32) for key, k in width.items()}
+        self._now: dict[str, np.ndarray] = {k: np.empty((*shape, w), np.float32) for k, w in width.items()}
         self._now["proposal"] = np.empty(shape, np.int64)
         self._next = {
             "observation": np.empty_like(self._now["observation"]),

@@ -1,14 +1,13 @@
 """Episodes of one task that run side by side, each with its own context, in NumPy."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dr_lab.envs.drivers import stepwise
-from dr_lab.envs.task import Change, Fields, Task, required_bounds
+from dr_lab.envs.slots import Flags, Rows, Starts, StepOutcome
+from dr_lab.envs.task import Change, Fields, Task, Values, context_space, required_bounds
 from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
@@ -17,40 +16,13 @@ from dr_lab.randomizers.context_source import UNKEYED, ContextSource, Proposals
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
-Flags = NDArray[np.bool_]
-Rows = NDArray[np.intp]
 _FORCES = "cfrc_ext"
-
-Starts = tuple[Array, Array]
-"""Positions (k, nq) and velocities (k, nv) with which episodes begin."""
-
-
-@dataclass(frozen=True)
-class StepOutcome:
-    """What one control step of n episodes led to.
-
-    Attributes:
-        observation: what the policy sees now, shape (n, o); of an episode that ended, the last it saw.
-        reward: shape (n,).
-        terminated: the episode came to its end, shape (n,).
-        truncated: it was cut by the time limit, shape (n,).
-        infeasible: it came to its end because its context is infeasible, shape (n,).
-    """
-
-    observation: Array
-    reward: Array
-    terminated: Flags
-    truncated: Flags
-    infeasible: Flags
-
-    @property
-    def done(self) -> Flags:
-        """Where the next step needs a new episode, shape (n,)."""
-        return self.terminated | self.truncated
 
 
 class Episodes:
     """n episodes on one `Simulator`; each slot draws its contexts and starts from a random stream of its own.
+
+    Fulfils `EpisodeSlots`.
 
     An infeasible context (it does not compile, or the simulation diverges) ends the episode. Its return is then at most
     `infeasible_return`: the last reward R − Σr takes off what was earned beyond it, and is 0 where less was earned, so
@@ -58,7 +30,7 @@ class Episodes:
     `speed_limit`: MuJoCo itself notices steps later, when rewards and observations have grown by orders of magnitude.
 
     Args:
-        model: the machine, whose parameters make up the context z.
+        model: the machine, whose parameters and those of the task make up the context z.
         task: what it is to do.
         source: where contexts are drawn from; None keeps every episode at the nominal context.
         nsim: n.
@@ -69,6 +41,7 @@ class Episodes:
         threads: C threads; None takes every core this process may use.
 
     Attributes:
+        space: the context.
         observation: what the policy sees now, shape (n, o).
         contexts: z of the running episodes, shape (n, parameters).
         proposals: which proposal of the source each of these is, shape (n,).
@@ -93,6 +66,7 @@ class Episodes:
         threads: int | None = None,
     ) -> None:
         self.model, self.task, self.source = model, task, source
+        self.space = context_space(model, task)
         self.simulator = Simulator(stepwise(model), nsim, threads, persistent=_FORCES in task.reads)
         compiled = self.simulator.compiled
         self.low, self.high = required_bounds(task, compiled)
@@ -109,7 +83,7 @@ class Episodes:
         self._steps, self._returns = np.zeros(nsim, np.intp), np.zeros(nsim)
         self._failed = np.zeros(nsim, bool)  # ended as infeasible and not begun anew
         self.infeasible = 0
-        self.contexts = np.tile(model.space.nominal, (nsim, 1))
+        self.contexts = np.tile(self.space.nominal, (nsim, 1))
         self.proposals = np.full(nsim, UNKEYED, np.int64)
         self._marker = task.marker(self._fields)
         self.observation = self._seen(self._fields, self.contexts)
@@ -142,7 +116,7 @@ class Episodes:
         drawn = self._draw(streams, rows)
         self.contexts, self.proposals = self.contexts.copy(), self.proposals.copy()  # what was handed out stays
         self.contexts[rows], self.proposals[rows] = drawn.z, drawn.keys
-        self.simulator.set_contexts(self.contexts[rows], rows)
+        self.simulator.set_contexts(self._of_machine(self.contexts[rows]), rows)
         self.simulator.reset(rows)
         if starts is not None:
             self._qpos[rows], self._qvel[rows] = starts
@@ -168,10 +142,10 @@ class Episodes:
         self.simulator.step(action, self.task.frame_skip)
         if self._forces is not None:
             self._forces.update()
-        fields = self._fields
+        fields, values = self._fields, self._by_name(self.contexts)
         observation, marker = self._seen(fields, self.contexts), self.task.marker(fields)
-        terminated = self.task.terminated(fields)
-        reward = self.task.reward(Change(self._marker, marker, fields, terminated, action, self.seconds))
+        terminated = self.task.terminated(fields, values)
+        reward = self.task.reward(Change(self._marker, marker, fields, values, terminated, action, self.seconds))
         failed = self._failed | self._diverged()
         if failed.any():
             self.infeasible += int((failed & ~self._failed).sum())
@@ -203,7 +177,7 @@ class Episodes:
         """Go on where the `state_dict` of episodes of the same machine and task was taken."""
         self.contexts, self._given = state["contexts"], state["given"]
         self.proposals, self._slots = state["proposals"], state["slots"]
-        self.simulator.set_contexts(self.contexts)
+        self.simulator.set_contexts(self._of_machine(self.contexts))
         self.simulator.restore(state["simulator"])
         self._steps[:], self._returns[:] = state["steps"], state["returns"]
         self._marker, self.observation = state["marker"].copy(), state["observation"].copy()
@@ -215,7 +189,7 @@ class Episodes:
     def _draw(self, streams: Sequence[np.random.Generator], rows: Rows) -> Proposals:
         if self._given is None and self.source is not None:
             return self.source.propose(streams, self._slots[rows])
-        z = np.tile(self.model.space.nominal, (len(rows), 1)) if self._given is None else self._given[rows]
+        z = np.tile(self.space.nominal, (len(rows), 1)) if self._given is None else self._given[rows]
         return Proposals(z, np.full(len(rows), UNKEYED, np.int64))
 
     def _diverged(self) -> Flags:
@@ -223,5 +197,11 @@ class Episodes:
         return self.simulator.infeasible | ~slow
 
     def _seen(self, fields: Fields, contexts: Array) -> Array:
-        seen = self.task.observe(fields)
-        return np.concatenate([seen, self.model.space.to_unit(contexts)], axis=1) if self._show_context else seen
+        seen = self.task.observe(fields, self._by_name(contexts))
+        return np.concatenate([seen, self.space.to_unit(contexts)], axis=1) if self._show_context else seen
+
+    def _of_machine(self, z: Array) -> Array:
+        return z[:, : len(self.model.space.names)]
+
+    def _by_name(self, z: Array) -> Values:
+        return {name: z[:, i] for i, name in enumerate(self.space.names)}

@@ -8,10 +8,11 @@ import mujoco
 import numpy as np
 import torch
 
-from dr_lab.envs.task import Change, Task
+from dr_lab.envs.task import Change, Task, Values
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
 from dr_lab.evaluators.statistics import iqm_interval
+from dr_lab.physics.context import ContextSpace
 from dr_lab.plants.machine import Vector
 from dr_lab.plants.operator import Experiment
 from dr_lab.plants.rig import Rig
@@ -165,7 +166,8 @@ class RealVsSimEvaluator(Evaluator):
         states, actions = track(experiment, _controller(subject, twin))
         joints, degrees = len(plant.joints), states.shape[1] // 2
         qpos, qvel = states[:, :joints], states[:, degrees : degrees + joints]
-        reward = rewards(task, qpos, qvel, actions, seconds)
+        values = values_at_nominal(subject.setting.space)
+        reward = rewards(task, values, qpos, qvel, actions, seconds)
         last = len(reward)
         return replace(
             twin,
@@ -176,7 +178,7 @@ class RealVsSimEvaluator(Evaluator):
             qvel=qvel[: last + 1],
             action=actions[:last],
             reward=reward,
-            ended="terminated" if task.terminated(_fields(qpos[[last]], qvel[[last]])).any() else "truncated",
+            ended="terminated" if task.terminated(_fields(qpos[[last]], qvel[[last]]), values).any() else "truncated",
         )
 
 
@@ -184,11 +186,13 @@ def _controller(subject: Subject, twin: Episode) -> Callable[[int, Vector, Vecto
     """What the policy does in a state of the plant."""
     setting, task, space = subject.setting, subject.setting.task, subject.setting.space
     low, high = task.action_bounds(twin.geometry)
+    values = values_at_nominal(space)
     told = space.to_unit(space.nominal)[None] if setting.show_context else np.empty((1, 0))
 
     def controller(instant: int, position: Vector, velocity: Vector) -> Vector:
         del instant
-        seen = np.concatenate([task.observe(_fields(np.array([position]), np.array([velocity]))), told], axis=1)
+        fields = _fields(np.array([position]), np.array([velocity]))
+        seen = np.concatenate([task.observe(fields, values), told], axis=1)
         with torch.no_grad():
             action = subject.policy(torch.from_numpy(seen.astype(np.float32)))
         return np.clip(action.double().numpy()[0], low, high).tolist()
@@ -196,19 +200,25 @@ def _controller(subject: Subject, twin: Episode) -> Callable[[int, Vector, Vecto
     return controller
 
 
-def rewards(task: Task, qpos: Array, qvel: Array, actions: Array, seconds: float) -> Array:
+def values_at_nominal(space: ContextSpace) -> Values:
+    """The nominal context of a single state, by name."""
+    return {p.name: np.array([p.nominal]) for p in space.parameters}
+
+
+def rewards(task: Task, values: Values, qpos: Array, qvel: Array, actions: Array, seconds: float) -> Array:
     """Reward of each control step of a trajectory up to where the task ends it, shape (≤ t,).
 
     Args:
         task: what rewards.
+        values: the context.
         qpos: positions before the first and after every control step, shape (t + 1, nq).
         qvel: velocities, shape (t + 1, nv).
         actions: shape (t, nu).
         seconds: length of a control step.
     """
     before, after = _fields(qpos[:-1], qvel[:-1]), _fields(qpos[1:], qvel[1:])
-    terminated = task.terminated(after)
-    change = Change(task.marker(before), task.marker(after), after, terminated, actions, seconds)
+    terminated = task.terminated(after, values)
+    change = Change(task.marker(before), task.marker(after), after, values, terminated, actions, seconds)
     ended = np.flatnonzero(terminated)
     return task.reward(change)[: ended[0] + 1 if len(ended) else len(actions)]
 

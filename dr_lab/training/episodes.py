@@ -43,7 +43,7 @@ def keep_episodes(run_dir: Path, setting: Setting, episodes: Sequence[Episode]) 
     """Write ``episodes.mcap`` with the nominal model and the run's configuration in it, if there are episodes."""
     if not episodes:
         return
-    attachments = {"model.xml": mjcf(setting.model, setting.space.nominal).encode()}
+    attachments = {"model.xml": mjcf(setting.model, setting.model.space.nominal).encode()}
     config = run_dir / "config.yaml"
     if config.is_file():
         attachments[config.name] = config.read_bytes()

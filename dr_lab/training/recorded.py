@@ -10,7 +10,8 @@ from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import play
-from dr_lab.envs.episodes import Episodes, Starts
+from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.slots import Starts
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model
 from dr_lab.recorders.episode import Episode
@@ -36,11 +37,11 @@ def record(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None =
 def _recorded(episodes: Episodes, course: TensorDict, z: Array, name: str) -> Episode:
     """One episode out of what was played."""
     course = cast(TensorDict, course[: int(course["mask"].sum())])
-    parameters = episodes.model.space.parameters
+    parameters = episodes.space.parameters
     return Episode(
         name=name,
         context={p.name: (float(value), p.unit) for p, value in zip(parameters, z, strict=True)},
-        geometry=_geometry(episodes.model, z),
+        geometry=_geometry(episodes.model, z[: len(episodes.model.space.names)]),
         time=np.arange(len(course) + 1, dtype=np.float64) * episodes.seconds,
         qpos=_before_and_after(course, "qpos"),
         qvel=_before_and_after(course, "qvel"),

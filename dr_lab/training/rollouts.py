@@ -2,7 +2,7 @@
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import play, undiscounted
-from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.trajectory import Array
 
 
@@ -14,7 +14,7 @@ class PolicyRollouts:
         policy: what acts.
     """
 
-    def __init__(self, episodes: Episodes, policy: Policy) -> None:
+    def __init__(self, episodes: EpisodeSlots, policy: Policy) -> None:
         self._episodes = episodes
         self._policy = policy
 

@@ -15,7 +15,7 @@ from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.setting import Setting
-from dr_lab.envs.task import Change, Fields
+from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.evaluator import Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
@@ -39,7 +39,8 @@ MASS = {"block.mass": {"target": "body.block.mass", "unit": "kg", "low": 0.5, "h
 class Push(BlockOnRail):
     """The mean velocity of every step is rewarded."""
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
+        del values
         return np.concatenate([fields["qpos"], fields["qvel"]], axis=1)
 
     def marker(self, fields: Fields) -> Array:
