@@ -26,6 +26,7 @@ from dr_lab.recorders.training_review import TrainingRecord, write_training_revi
 from dr_lab.reports.quantity import number, titled
 from dr_lab.reports.report import to_plain
 from dr_lab.reports.tables import table
+from dr_lab.training.beginning import go_on_from
 from dr_lab.training.checkpoint import load
 from dr_lab.training.episodes import described, keep_episodes, play_episodes
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
@@ -128,10 +129,7 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
     def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
         further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
         fresh = further.assemble(None)
-        fresh.algorithm.load_state_dict(state)
-        fresh.algorithm.explore_anew(seed)
-        fresh.algorithm.begin_schedules()
-        fresh.algorithm.forget_episodes()  # those of the training run ended with it
+        go_on_from(fresh.algorithm, state, seed)
         return fresh.trainer, fresh.algorithm.deployed
 
     return Subject(folder.name, plan.env, training.algorithm.deployed, again, threads, training.randomizer)
