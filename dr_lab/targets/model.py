@@ -17,7 +17,7 @@ from dr_lab.envs.batched_env import single
 from dr_lab.envs.setting import Setting
 from dr_lab.envs.slots import Starts
 from dr_lab.seeding import derived_seed
-from dr_lab.targets.target import Drive, Target
+from dr_lab.targets.target import Drive, Target, require_drive
 from dr_lab.trajectory import Array
 
 
@@ -45,17 +45,17 @@ class ModelTarget(Target):
         self._z, self._seed = self._setting.space.vector(values), derived_seed(seed, "target")
         self._told = single(setting.space.to_unit(setting.space.nominal)) if setting.show_context else None
 
-    def play(self, drive: Drive, starts: Starts | None, count: int) -> TensorDict:
+    def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:
         """All episodes side by side."""
         env = self._setting.make(None, count, self._seed)
         self._seed = derived_seed(self._seed, "next")  # so that starts differ from call to call
-        recited = isinstance(drive, np.ndarray)
-        policy = _Recited(drive) if recited else _Told(drive, self._told)
+        acts = require_drive(drive)
+        policy = _Recited(acts) if isinstance(acts, np.ndarray) else _Told(acts, self._told)
         played = play(env.episodes, policy, np.tile(self._z, (count, 1)), starts)
         bounds = torch.from_numpy(env.episodes.low), torch.from_numpy(env.episodes.high)
         played["action"] = cast(Tensor, played["action"]).double().clamp(*bounds)
-        if recited:
-            played = _cut(played, drive.shape[1])
+        if isinstance(acts, np.ndarray):
+            played = _cut(played, acts.shape[1])
         if self._told is not None:
             for key in ("observation", ("next", "observation")):
                 played[key] = _joined(cast(Tensor, played[key]), self._told)

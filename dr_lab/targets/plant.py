@@ -16,7 +16,7 @@ from dr_lab.plants.operator import Experiment
 from dr_lab.plants.rig import Rig
 from dr_lab.plants.tracking import track
 from dr_lab.seeding import stream
-from dr_lab.targets.target import Drive, Target
+from dr_lab.targets.target import Drive, Target, require_drive
 from dr_lab.targets.task_view import TaskView
 from dr_lab.trajectory import Array
 
@@ -42,18 +42,18 @@ class PlantTarget(Target):
         self._machine = plant.nominal.machine(plant.nominal.true_values(machine))
         self._stream = stream(seed, "target")
 
-    def play(self, drive: Drive, starts: Starts | None, count: int) -> TensorDict:
+    def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:
         """Episode after episode; a start that is not given is the task's."""
-        courses = []
+        acts, courses = require_drive(drive), []
         for index in range(count):
             if starts is None:
                 start = self._setting.task.start(self._stream, self._compiled)
             else:
                 start = starts[0][index], starts[1][index]
-            if isinstance(drive, np.ndarray):
-                courses.append(self._play(_recited(drive[index]), len(drive[index]), *start))
+            if isinstance(acts, np.ndarray):
+                courses.append(self._play(_recited(acts[index]), len(acts[index]), *start))
             else:
-                courses.append(self._play(self._closed(drive), self._view.steps, *start))
+                courses.append(self._play(self._closed(acts), self._view.steps, *start))
         return pad_sequence(courses)
 
     def _play(self, drive: Callable[[int, Array, Array], Array], steps: int, qpos: Array, qvel: Array) -> TensorDict:

@@ -6,10 +6,22 @@ from tensordict import TensorDict
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.slots import Starts
+from dr_lab.errors import ConfigError
 from dr_lab.trajectory import Array
 
 Drive = Policy | Array
 """A policy, or commands of each episode, shape (count, steps, nu), in the actuators' unit."""
+
+
+def require_drive(drive: Drive | None) -> Drive:
+    """What acts on a machine that does not move by itself.
+
+    Raises:
+        ConfigError: nothing does.
+    """
+    if drive is None:
+        raise ConfigError("This target has no commands of its own. Give a policy or commands, or take target=logs.")
+    return drive
 
 
 class Target(ABC):
@@ -21,11 +33,12 @@ class Target(ABC):
     """
 
     @abstractmethod
-    def play(self, drive: Drive, starts: Starts | None, count: int) -> TensorDict:
+    def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:
         """Drive the machine for whole episodes.
 
         Args:
-            drive: what acts. Commands are cut off at the actuators' bounds, and an episode ends after the last.
+            drive: what acts. Commands are cut off at the actuators' bounds, and an episode ends after the last. None:
+                what the machine was commanded when it was recorded, which only logs know.
             starts: positions (count, nq) and velocities (count, nv); None takes those of the machine.
             count: number of episodes.
 

@@ -12,7 +12,8 @@ from hydra.utils import instantiate
 from settings import setting
 from torch import Tensor
 
-from dr_lab.cli.compose import compose
+from dr_lab.cli.compose import compose, options
+from dr_lab.cli.folders import shipped
 from dr_lab.collectors.play import play
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import UnknownNameError
@@ -99,7 +100,7 @@ def test_an_effect_that_does_not_exist_is_told() -> None:
         hidden({"rusty_hinge@arm.torque": 1.0})(furuta())
 
 
-@pytest.mark.parametrize("name", ["model", "plant"])
+@pytest.mark.parametrize("name", options("target", (shipped(),)))
 def test_every_target_is_composed_with_the_evaluator(name: str) -> None:
     made = instantiate(compose("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={name}"]).evaluator)
     assert isinstance(made.target(furuta()), Target)
