@@ -6,7 +6,7 @@ from settings import setting
 
 from dr_lab.errors import ConfigError
 from dr_lab.targets.logs import LogsTarget
-from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
+from dr_lab.trajectory import Log, MeasurementSet, Signal
 
 STEP, STEPS = 0.01, 60  # s, of the task
 
@@ -30,7 +30,7 @@ def test_a_log_comes_back_as_an_episode() -> None:
     assert played["mask"].sum(1).tolist() == [STEPS, 30]  # pyright: ignore[reportOptionalMemberAccess]
     at = STEP * np.arange(STEPS)
     qpos = np.column_stack([0.3 * np.sin(5 * at), at - at**2])
-    qvel: Array = np.column_stack([1.5 * np.cos(5 * at), 1.0 - 2.0 * at])
+    qvel = np.column_stack([1.5 * np.cos(5 * at), 1.0 - 2.0 * at])
     np.testing.assert_allclose(played["qpos"][0], qpos, atol=1e-5)
     np.testing.assert_allclose(played["qvel"][0], qvel, atol=1e-3)
     np.testing.assert_allclose(played["next", "qpos"][1, :29], qpos[1:30], atol=1e-5)
@@ -40,14 +40,12 @@ def test_a_log_comes_back_as_an_episode() -> None:
 
 def test_it_cannot_be_driven() -> None:
     with pytest.raises(ConfigError, match="cannot be driven"):
-        target(log("a", 1.0)).play(lambda seen: seen[:, :1], None, 1)
-    with pytest.raises(ConfigError, match="2 episodes .* has 1 logs"):
+        target(log("a", 1.0)).play(lambda observation: observation[:, :1], None, 1)
+    with pytest.raises(ConfigError, match=r"2 episodes .* has 1 logs"):
         target(log("a", 1.0)).play(None, None, 2)
 
 
 def test_measurements_of_another_machine_are_refused() -> None:
     other = Log("other", {"pendulum.position": log("a", 1.0).outputs["arm.position"]}, {})
-    with pytest.raises(
-        ConfigError, match=r"Log other of target=logs has pendulum.position; expected arm.position, pole"
-    ):
+    with pytest.raises(ConfigError, match=r"Log other of .* has pendulum\.position; expected arm\.position, pole"):
         target(other)
