@@ -3,6 +3,8 @@
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
 
+MOST_LISTED = 60  # names that a message lists one by one
+
 
 class DrLabError(Exception):
     """Base of every error that a user can cause and mend; the command line prints it without a traceback."""
@@ -22,10 +24,16 @@ class UnknownNameError(DrLabError):
         names = sorted(available)
         close = difflib.get_close_matches(given, names, n=1)
         hint = f" Did you mean {close[0]!r}?" if close else ""
-        listed = ", ".join(names) if names else "none"
-        super().__init__(f"There is no {kind} {given!r} in {where}.{hint} Available: {listed}.")
+        super().__init__(f"There is no {kind} {given!r} in {where}.{hint} Available: {_listed(names)}.")
         self.given = given
         self.available = tuple(names)
+
+
+def _listed(names: Sequence[str]) -> str:
+    """All names; where they are many, those of a folder in one."""
+    if len(names) > MOST_LISTED:
+        names = list(dict.fromkeys(f"{name.partition('/')[0]}/…" if "/" in name else name for name in names))
+    return ", ".join(names) or "none"
 
 
 class DataError(DrLabError):

@@ -8,13 +8,14 @@ import mujoco
 import numpy as np
 from hydra.utils import instantiate
 
+from dr_lab.cli.groups import every
 from dr_lab.effects.effect import Effect, PlacedEffect, Scales, place
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
 
 CONF = Path(__file__).parents[1] / "conf"
-NAMES = tuple(sorted(p.stem for p in (CONF / "effect").glob("*.yaml") if ": ???" not in p.read_text(encoding="utf-8")))
+NAMES = tuple(every("effect", (CONF,)))
 
 
 @cache

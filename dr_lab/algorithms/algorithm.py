@@ -8,7 +8,7 @@ from typing import Any
 import torch
 from tensordict import TensorDict
 
-from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.collector import Policy, SeededPolicy
 from dr_lab.collectors.experience import Experience
 from dr_lab.seeding import derived_seed
 from dr_lab.trajectory import Array
@@ -90,10 +90,12 @@ class Algorithm(ABC):
         Args:
             seed: of them, so that what goes on from one state with several seeds does so independently.
         """
-        for name, drawing in {"algorithm": self, **self.policies}.items():
-            generator = getattr(drawing, "generator", None)  # what draws from torch's has none of its own
-            if isinstance(generator, torch.Generator):
-                generator.manual_seed(derived_seed(seed, "explore_anew", name))
+        own = getattr(self, "generator", None)  # what draws from torch's has none of its own
+        if isinstance(own, torch.Generator):
+            own.manual_seed(derived_seed(seed, "explore_anew", "algorithm"))
+        for name, policy in self.policies.items():
+            if isinstance(policy, SeededPolicy):
+                policy.reseed(derived_seed(seed, "explore_anew", name))
 
     @abstractmethod
     def state_dict(self) -> dict[str, Any]:

@@ -12,7 +12,8 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.check import check
-from dr_lab.cli.compose import compose_from, misplaced, options, register_resolvers
+from dr_lab.cli.compose import compose_from, register_resolvers
+from dr_lab.cli.groups import misplaced, options
 from dr_lab.cli.provenance import CONFIG_FILE
 from dr_lab.errors import ConfigError
 

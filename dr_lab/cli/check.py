@@ -5,6 +5,7 @@ import inspect
 import types
 import typing
 from collections.abc import Callable, Collection, Iterator, Mapping
+from itertools import chain
 from typing import Any
 
 from omegaconf import DictConfig, OmegaConf
@@ -13,7 +14,7 @@ from typeguard import CollectionCheckStrategy, TypeCheckError, check_type
 from dr_lab.cli.expected import expected
 from dr_lab.cli.place import Place, interpolated
 from dr_lab.cli.targets import locate
-from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
 
 INSTRUCTIONS = ("_target_", "_args_", "_convert_", "_partial_", "_recursive_")
 PLAIN = (bool, int, float, str, type(None), Any)
@@ -24,7 +25,7 @@ CONTAINERS = (list, dict, collections.abc.Sequence, collections.abc.Mapping, typ
 def check(
     cfg: DictConfig, workflow: Callable[..., Any], verb: str, supplied: Collection[str], unused: Collection[str] = ()
 ) -> None:
-    """Check the whole of a job's configuration.
+    """Check the whole of a job's configuration, and tell all that is wrong at once.
 
     Args:
         cfg: the composed configuration without Hydra's node.
@@ -47,8 +48,7 @@ def check(
         raise ConfigError(f"The configuration of {verb} is a {type(values).__name__}, expected keys with values.")
     plain = {str(key): value for key, value in values.items() if key not in unused}
     top = Place(sources=interpolated(cfg))
-    _check_call(plain, workflow, f"dr-lab {verb}", top, supplied)
-    check_targets(plain, top)
+    _tell(chain(_in_call(plain, workflow, f"dr-lab {verb}", top, supplied), _in_targets(plain, top)))
 
 
 def _missing(value: object, path: str) -> Iterator[str]:
@@ -74,43 +74,64 @@ def check_targets(value: object, place: Place) -> None:
         ConfigError: a value is missing or of the wrong type, or a target cannot be built.
         UnknownNameError: a key is no parameter of what it configures.
     """
+    _tell(_in_targets(value, place))
+
+
+def _tell(faults: Iterator[tuple[Place, DrLabError]]) -> None:
+    """Raise what is wrong, each key once: a value that several others take is wrong in one place."""
+    by_place: dict[str, DrLabError] = {}
+    for place, fault in faults:
+        by_place.setdefault(place.key, fault)
+    if len(by_place) > 1:
+        raise ConfigError("\n".join(map(str, by_place.values())))
+    for fault in by_place.values():
+        raise fault
+
+
+def _in_targets(value: object, place: Place) -> Iterator[tuple[Place, DrLabError]]:
+    """What is wrong with the targets below a value."""
     if isinstance(value, Mapping):
         if "_target_" in value:
-            _check_target(value, place)
+            yield from _in_target(value, place)
         for key, child in value.items():
-            check_targets(child, place.below(key))
+            yield from _in_targets(child, place.below(key))
     elif isinstance(value, list):
         for index, child in enumerate(value):
-            check_targets(child, place.item(index))
+            yield from _in_targets(child, place.item(index))
 
 
-def _check_target(node: Mapping[str, Any], place: Place) -> None:
+def _in_target(node: Mapping[str, Any], place: Place) -> Iterator[tuple[Place, DrLabError]]:
     target = node["_target_"]
-    function = locate(str(target), str(place))
+    try:
+        function = locate(str(target), str(place))
+    except DrLabError as fault:
+        yield place, fault
+        return
     arguments = {key: value for key, value in node.items() if key not in INSTRUCTIONS}
     incomplete = node.get("_partial_", False) or "_args_" in node
     supplied = _parameters(function) if incomplete else ()
-    _check_call(arguments, function, str(target), place, supplied)
+    yield from _in_call(arguments, function, str(target), place, supplied)
 
 
-def _check_call(
+def _in_call(
     arguments: Mapping[str, Any], function: Callable[..., Any], name: str, place: Place, supplied: Collection[str]
-) -> None:
-    """Check keyword arguments against a signature: none unknown, none missing, plain ones of the right type."""
+) -> Iterator[tuple[Place, DrLabError]]:
+    """What is wrong with keyword arguments by a signature: some unknown, some missing, plain ones of the wrong type."""
     parameters = _parameters(function)
     named = {k: p for k, p in parameters.items() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)}
     open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     keys = [key for key in named if key not in supplied or key in arguments]
     for key, value in arguments.items():
         if key in named:
-            _check_type(value, named[key].annotation, place.below(key), name)
+            yield from _in_value(value, named[key].annotation, place.below(key), name)
         elif not open_ended:
-            raise UnknownNameError("key", f"{place.below(key)}", [f"{place.below(k)}" for k in keys], name)
+            there = place.below(key)
+            yield there, UnknownNameError("key", f"{there}", [f"{place.below(k)}" for k in keys], name)
     lacking = [k for k in keys if k not in arguments and named[k].default is inspect.Parameter.empty]
     if lacking:
         listed = ", ".join(str(place.below(key)) for key in lacking)
         group = f" Keys of one that is complete: --cfg job -p {place.key.partition('.')[0]}." if place.key else ""
-        raise ConfigError(f"{name} needs {listed}; the configuration has no such key.{group}")
+        yield place, ConfigError(f"{name} needs {listed}; the configuration has no such key.{group}")
 
 
 def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
@@ -120,24 +141,33 @@ def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]
         return inspect.signature(function).parameters
 
 
-def _check_type(value: object, hint: object, place: Place, name: str) -> None:
+def _in_value(value: object, hint: object, place: Place, name: str) -> Iterator[tuple[Place, DrLabError]]:
+    """What is wrong with a value by its type hint."""
     if isinstance(value, Mapping) and "_target_" in value:
-        _check_class(str(value["_target_"]), hint, place, name)
-        return
-    if isinstance(value, Mapping) and _objects(hint) is not None:
+        fault = _of_class(str(value["_target_"]), hint, place, name)
+    elif isinstance(value, Mapping) and _objects(hint) is not None:
         for child, content in value.items():
-            _check_type(content, _objects(hint), place.below(child), name)
+            yield from _in_value(content, _objects(hint), place.below(child), name)
         return
-    if _has_target(value):
+    elif _has_target(value):
         return
-    if not _is_plain(hint):
-        _check_object(value, hint, place, name)
-        return
-    if not _fits(value, hint):
-        given = "null" if value is None else repr(value)
-        whole = isinstance(value, float) and value.is_integer() and _fits(int(value), hint)
-        remedy = f" Write {place}={value:.0f}." if whole else ""
-        raise ConfigError(f"{place} is {given}; {name} expects {expected(hint)}.{remedy}")
+    elif not _is_plain(hint):
+        fault = _of_object(value, hint, place, name)
+    else:
+        fault = None if _fits(value, hint) else _of_plain(value, hint, place)
+    if fault is not None:
+        yield place, ConfigError(fault)
+
+
+def _of_plain(value: object, hint: object, place: Place) -> str:
+    """What to say of a value of the wrong type, with what was probably meant."""
+    given = "null" if value is None else repr(value)
+    remedy = ""
+    if isinstance(value, float) and value.is_integer() and _fits(int(value), hint):
+        remedy = f" Write {place}={value:.0f}."
+    elif isinstance(value, str) and _fits([value], hint):
+        remedy = f" Write '{place}=[{value}]'."
+    return f"{place} is {given}; expected {expected(hint)}.{remedy}"
 
 
 def _fits(value: object, hint: object) -> bool:
@@ -158,22 +188,27 @@ def _objects(hint: object) -> object:
     return values if inspect.isclass(values) and values is not object and not _is_plain(values) else None
 
 
-def _check_class(target: str, hint: object, place: Place, name: str) -> None:
-    """Check that what a `_target_` builds is what is expected, where both are classes that say so."""
-    built = locate(target, str(place))
+def _of_class(target: str, hint: object, place: Place, name: str) -> str | None:
+    """What is wrong with what a `_target_` builds, where it and what is expected are classes that say so."""
+    try:
+        built = locate(target, str(place))
+    except DrLabError as fault:
+        return str(fault)
     if not inspect.isclass(built) or not inspect.isclass(hint) or typing.get_origin(hint) is not None:
-        return
-    if not getattr(hint, "_is_protocol", False) and not issubclass(built, hint):
-        raise ConfigError(f"{place}: _target_ {target!r} is no {hint.__name__}, which {name} expects there.")
+        return None
+    if getattr(hint, "_is_protocol", False) or issubclass(built, hint):
+        return None
+    return f"{place}: _target_ {target!r} is no {hint.__name__}, which {name} expects there."
 
 
-def _check_object(value: object, hint: object, place: Place, name: str) -> None:
-    """Check a value that should have been built from a `_target_`, but names none."""
-    if inspect.isclass(hint) and hint is not inspect.Parameter.empty and isinstance(value, YAML):
-        raise ConfigError(
-            f"{place} names no class: its yaml lacks the line _target_: package.module.Name, from which {name} expects "
-            f"{_a(hint.__name__)}."
-        )
+def _of_object(value: object, hint: object, place: Place, name: str) -> str | None:
+    """What is wrong with a value that should have been built from a `_target_`, but names none."""
+    if not inspect.isclass(hint) or hint is inspect.Parameter.empty or not isinstance(value, YAML):
+        return None
+    return (
+        f"{place} names no class: its yaml lacks the line _target_: package.module.Name, from which {name} expects "
+        f"{_a(hint.__name__)}."
+    )
 
 
 def _a(noun: str) -> str:

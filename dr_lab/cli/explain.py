@@ -14,7 +14,10 @@ from hydra.errors import (
 )
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
-from dr_lab.cli.compose import WHOLE_GROUP, choices, compose_with_hydra, misplaced, nested_options, options
+from dr_lab.cli.compose import choices, compose_with_hydra
+from dr_lab.cli.experiments import GROUP as EXPERIMENT
+from dr_lab.cli.experiments import experiments
+from dr_lab.cli.groups import nested_options, options
 from dr_lab.cli.overrides import RefusedKey, refused_key
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
@@ -54,7 +57,7 @@ def _mendable(error: Exception, verb: str, folders: Sequence[Path]) -> str | Non
     if isinstance(error, HydraException | OmegaConfBaseException):
         return _composition(str(error), verb, folders) or _configuration(error, verb, folders)
     if isinstance(error, ValueError) and _raised_by_hydra(error):
-        return str(error)
+        return _refused(str(error))
     if isinstance(error, OSError) and error.filename is not None:
         return _file_error(error)
     return None
@@ -76,6 +79,13 @@ def _raised_by_hydra(error: Exception) -> bool:
     """Whether Hydra's own code raised it, as it does for flags that exclude one another."""
     frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
     return bool(frames) and str(frames[-1].f_globals.get("__name__")).startswith("hydra.")
+
+
+def _refused(text: str) -> str:
+    """What Hydra refuses with a plain ValueError, in our words where its own speak of Python."""
+    if text.startswith("Config group override must be"):
+        return "A group takes the name of one of its options, or a list of names; leave a group out with '~group'."
+    return text
 
 
 def _chain(error: BaseException | None) -> Iterator[BaseException]:
@@ -114,9 +124,9 @@ def _instantiation(error: InstantiationException) -> str:
 def _configuration(error: Exception, verb: str, folders: Sequence[Path]) -> str:
     """A fault that Hydra or OmegaConf found while composing."""
     if isinstance(error, OverrideParseException):
-        return _unreadable(str(error.override))
+        return _unreadable(str(error.override), verb)
     if isinstance(error, MissingConfigException):
-        return _missing_option(error, folders)
+        return _missing_option(error, verb, folders)
     refused = refused_key(error)
     if refused is not None:
         return str(_unknown_key(refused, error, verb, folders))
@@ -132,6 +142,13 @@ def _composition(text: str, verb: str, folders: Sequence[Path]) -> str | None:
     if needed is not None:
         available = ", ".join(options(needed[1], folders))
         return f"No {needed[1]} is chosen. Give one: dr-lab {verb} {needed[1]}=NAME. Available: {available}."
+    several = re.match(r"Ambiguous value for argument '([^=]+)=(.+)'\n", text)
+    if several is not None:
+        key, value = several.groups()
+        return (
+            f"{key}={value} gives several values. As a list: '{key}=[{value}]'. One job for each: add -m (--multirun). "
+            f"As one text: \"{key}='{value}'\"."
+        )
     foreign = re.match(r"In 'experiment/([^']+)': Could not override '([^']+)'", text)
     if foreign is None:
         return None
@@ -140,10 +157,12 @@ def _composition(text: str, verb: str, folders: Sequence[Path]) -> str | None:
     return f"Experiment {foreign[1]!r} is not one of dr-lab {verb}, which has no group {foreign[2]!r}.{own}"
 
 
-def _unreadable(override: str) -> str:
+def _unreadable(override: str, verb: str) -> str:
     """An override that Hydra's grammar does not hold; shows how the shell and Hydra get the value whole."""
     key, equals, value = override.partition("=")
-    if not equals or not key or not value or value[0] in "{[\"'=":
+    if not equals:
+        return f"Cannot read {override!r}; expected key=value, without spaces. The keys: dr-lab {verb} --help."
+    if not key or not value or value[0] in "{[\"'=":
         return (
             f"Cannot read {override!r}; expected key=value. Quote a text that holds spaces, commas, brackets or other "
             "signs, once for the shell and once for Hydra: 'key=\"text\"'."
@@ -151,15 +170,20 @@ def _unreadable(override: str) -> str:
     return f"Cannot read {override!r}. Quote the value, once for the shell and once for Hydra: '{key}=\"{value}\"'."
 
 
-def _missing_option(error: MissingConfigException, folders: Sequence[Path]) -> str:
+def _missing_option(error: MissingConfigException, verb: str, folders: Sequence[Path]) -> str:
     """An option that its group does not have; Hydra lists the others only where a single one was chosen."""
     file = error.missing_cfg_file or ""
     listed = re.search(r"^Available options in '([^']+)'", str(error), re.MULTILINE)
     group = listed[1] if listed else file.rpartition("/")[0]
     option = file.removeprefix(f"{group}/")
-    faults = misplaced(options(group, folders)) if option == WHOLE_GROUP else {}
-    if faults:
-        return next(iter(faults.values()))
+    if Path(option).suffix:
+        return (
+            f"{group}={option} names a file; expected an option. For one of your own, write FOLDER/{group}/NAME.yaml "
+            f"and give --config-dir FOLDER {group}=NAME. Those that there are: dr-lab {verb} --help."
+        )
+    if group == EXPERIMENT:
+        known = experiments(choices(compose_with_hydra(verb, [], folders)), folders)
+        return str(UnknownNameError(group, option, known, f"dr-lab {verb}"))
     available = [*(error.options or options(group, folders)), *nested_options(group, folders)]
     if not group or not available:
         return str(error).splitlines()[0]

@@ -19,7 +19,7 @@ def require_known_flags(arguments: Sequence[str], verb: str) -> None:
         UnknownNameError: a flag that does not exist.
         ConfigError: a flag lacks its value or has a wrong one.
     """
-    parser = get_args_parser()
+    parser = get_args_parser()  # not public, but what hydra.main reads flags with
     flags = [flag for action in parser._actions for flag in action.option_strings if flag.startswith("--")]
 
     def refuse(message: str) -> NoReturn:

@@ -9,7 +9,10 @@ from pathlib import Path
 import yaml
 from omegaconf import DictConfig, OmegaConf
 
-from dr_lab.cli.compose import WHOLE_GROUP, choices, combines, compose_with_hydra, nested_options, options
+from dr_lab.cli.compose import choices, compose_with_hydra
+from dr_lab.cli.experiments import GROUP as EXPERIMENT
+from dr_lab.cli.experiments import experiments
+from dr_lab.cli.groups import nested_options, options, side_by_side
 from dr_lab.cli.place import interpolated
 from dr_lab.cli.verbs import description, summary
 
@@ -41,8 +44,10 @@ def verb_help(verb: str, overrides: Sequence[str], folders: Sequence[Path]) -> s
     lines = [f"dr-lab {verb} [group=option ...] [key=value ...]", "", f"  {first}"]
     lines += [f"  {line}".rstrip() for line in examples]
     lines += ["", "Groups"]
-    for group, chosen in choices(cfg).items():
-        lines += _group(group, chosen, folders)
+    groups = choices(cfg)
+    for group, chosen in groups.items():
+        files = experiments(groups, folders) if group == EXPERIMENT else options(group, folders)
+        lines += _group(group, chosen, files, nested_options(group, folders))
     lines += ["", "Keys (those of a group: --cfg job)", *_keys(cfg, root, folders)]
     if "now:" in str(OmegaConf.to_container(cfg.hydra.run, resolve=False)):
         model = "<model>/" if "model" in cfg else ""
@@ -50,18 +55,18 @@ def verb_help(verb: str, overrides: Sequence[str], folders: Sequence[Path]) -> s
     return "\n".join([*lines, "", FLAGS])
 
 
-def _group(group: str, chosen: str | None, folders: Sequence[Path]) -> Iterator[str]:
+def _group(group: str, chosen: str | None, files: dict[str, Path], nested: Sequence[str]) -> Iterator[str]:
     """A group's choice, then one line for every option where there is something to choose."""
-    files, nested = options(group, folders), nested_options(group, folders)
-    several = combines(files)
-    hint = f"   several at once: {group}=[a,b]" if several else ""
+    if not files and not nested:
+        return
+    together = side_by_side(files)
+    hint = f"   several at once: {group}=[a,b]" if together else ""
     yield f"  {group}={'null' if chosen is None else chosen}{hint}"
     if list(files) == [chosen] and not nested:
         return
-    texts = {WHOLE_GROUP: "every one of them"} if several else {}
-    texts |= {name: _SENTENCE_END.split(summary(path))[0].removesuffix(".") for name, path in files.items()}
+    texts = {name: _SENTENCE_END.split(summary(path))[0].removesuffix(".") for name, path in files.items()}
     width = max(map(len, texts), default=0) + 2
-    for name, text in texts.items():
+    for name, text in sorted(texts.items(), key=lambda option: option[0] in together):  # that of all of them first
         line = f"      {name:<{width}}{text}".rstrip()
         yield line if len(line) <= WIDTH else f"{line[: WIDTH - 2].rpartition(' ')[0]} …"
     for folder, names in itertools.groupby(nested, lambda name: name.rpartition("/")[0]):

@@ -29,14 +29,47 @@ class StochasticPolicy(Protocol):
         ...
 
 
+@runtime_checkable
+class SeededPolicy(Protocol):
+    """A policy that draws from random numbers of its own; others draw from torch's.
+
+    Attributes:
+        generator: of them, by which a collector seeds its workers.
+    """
+
+    generator: torch.Generator
+
+    def reseed(self, seed: int) -> None:
+        """Draw by the random numbers of this seed from here on."""
+        ...
+
+
+@runtime_checkable
+class PoliciesBySlot(Protocol):
+    """Policies that share the slots equally, each acting for its own."""
+
+    def refresh(self) -> None:
+        """Act as the policies are now."""
+        ...
+
+    def policy_of_slot(self, slots: int) -> Tensor:
+        """Number of the policy that acts for each slot, int64, shape (slots,)."""
+        ...
+
+    def of_worker(self, worker: int, workers: int) -> Policy:
+        """The policies of the slots that one of several workers plays, each of which plays an equal share."""
+        ...
+
+
 class Collector(ABC):
     """An endless iterator over batches of experience, collected with the policy as it is then.
 
     A batch has size [n, steps], time along the second dimension, and the keys ``observation``, ``context``,
     ``proposal`` (n, steps; which proposal of their source the contexts are), ``action``, ``action_log_prob`` (n, steps)
-    where the policy is stochastic, and under ``next`` ``observation``, ``context``, ``proposal``, ``reward``, ``done``,
-    ``terminated``, ``truncated``, ``infeasible`` (the context is, which terminates). Where an episode ended,
-    ``("next", "observation")`` is its own last observation, and the row after it begins another.
+    where the policy is stochastic, ``policy`` (n, steps; int64) where several share the slots, and under ``next``
+    ``observation``, ``context``, ``proposal``, ``reward``, ``done``, ``terminated``, ``truncated``, ``infeasible`` (the
+    context is, which terminates). Where an episode ended, ``("next", "observation")`` is its own last observation, and
+    the row after it begins another.
     """
 
     def __iter__(self) -> Iterator[TensorDict]:
@@ -45,10 +78,16 @@ class Collector(ABC):
 
     def __next__(self) -> TensorDict:
         """The next batch, which is the caller's own."""
+        policy = self._policy
         with torch.no_grad(), _one_thread():
+            if isinstance(policy, PoliciesBySlot):
+                policy.refresh()
             batch = self._collect()
-            if isinstance(self._policy, StochasticPolicy):
-                batch.set("action_log_prob", self._policy.log_prob(batch["observation"], batch["action"]))
+            if isinstance(policy, PoliciesBySlot):
+                slots, steps = batch.shape
+                batch.set("policy", policy.policy_of_slot(slots)[:, None].repeat(1, steps))
+            if isinstance(policy, StochasticPolicy):
+                batch.set("action_log_prob", policy.log_prob(batch["observation"], batch["action"]))
         return batch
 
     def __enter__(self) -> Self:

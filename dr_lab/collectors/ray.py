@@ -15,7 +15,7 @@ from tensordict import TensorDict
 from tensordict.nn import TensorDictModule
 from torchrl.collectors.distributed import RayCollector as TorchRLRayCollector
 
-from dr_lab.collectors.collector import Collector, Policy
+from dr_lab.collectors.collector import Collector, PoliciesBySlot, Policy, SeededPolicy
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.collectors.torchrl import KEPT
 from dr_lab.envs.mujoco_env import MujocoEnv
@@ -31,7 +31,7 @@ class RayCollector(Collector):
     Slots keep their random streams, so that contexts and starts are those of the other collectors. The noise of a
     stochastic policy is drawn on each worker, from a seed that this side's random numbers give anew for every batch: a
     run can be repeated and resumed exactly, and differs from one with another number of workers. p(z) is sent with the
-    policy before each batch.
+    policy before each batch. Of several policies that share the slots, a worker gets those of its own.
 
     Args:
         env: the episodes as they begin; they go on at the workers.
@@ -45,7 +45,7 @@ class RayCollector(Collector):
         patience: for an answer from that cluster [s].
 
     Raises:
-        ConfigError: the workers cannot share the episodes equally.
+        ConfigError: the workers cannot share the episodes or the policies equally.
     """
 
     def __init__(
@@ -68,6 +68,9 @@ class RayCollector(Collector):
                 f"collector.workers is {workers}, which does not divide {env.episodes.nsim} episodes. "
                 "Change one of them: collector.workers=… episodes=…"
             )
+        if isinstance(policy, PoliciesBySlot):
+            policy.policy_of_slot(env.episodes.nsim)
+        _dealt(policy, workers)
         self._ray: TorchRLRayCollector | None = None
         self._batches: Iterator[TensorDict] = iter(())
 
@@ -98,9 +101,11 @@ class RayCollector(Collector):
 
     def _collect(self) -> TensorDict:
         ray = self._begin() if self._ray is None else self._ray
-        seeds = torch.randint(2**62, (self.workers,), generator=_generator(self._policy)).tolist()
+        own = self._policy.generator if isinstance(self._policy, SeededPolicy) else None
+        seeds = torch.randint(2**62, (self.workers,), generator=own).tolist()
         source = self._env.episodes.source
-        ray.map_fn("renew", [(self._policy, source, seed) for seed in seeds])
+        policies = _dealt(self._policy, self.workers)
+        ray.map_fn("renew", [(policy, source, seed) for policy, seed in zip(policies, seeds, strict=True)])
         with warnings.catch_warnings():
             # The policy has just been sent, together with p(z), which TorchRL's own schemes would not take along.
             warnings.filterwarnings("ignore", "RayCollector iteration started before weight sync")
@@ -129,7 +134,7 @@ class RayCollector(Collector):
         here = {"num_cpus": self.workers * self.cores} if self.address == HERE else {}  # a cluster knows its own
         return TorchRLRayCollector(
             [cast(Callable[[], MujocoEnv], make)] * self.workers,
-            TensorDictModule(self._policy, ["observation"], ["action"]),
+            TensorDictModule(_dealt(self._policy, self.workers)[0], ["observation"], ["action"]),  # tried out by each
             trust_policy=True,
             frames_per_batch=self._steps * episodes.nsim,
             total_frames=sys.maxsize,
@@ -169,7 +174,10 @@ class Worker(torchrl.collectors.Collector):
         """Play on with another policy, contexts from another source, and the noise of this seed."""
         self.policy.module = policy
         self._played.episodes.source = source
-        (_generator(policy) or torch.default_generator).manual_seed(seed)
+        if isinstance(policy, SeededPolicy):
+            policy.reseed(seed)
+        else:
+            torch.default_generator.manual_seed(seed)
 
     @property
     def _played(self) -> MujocoEnv:
@@ -181,6 +189,8 @@ def _make(setting: Mapping[str, Any], slots: int, cores: int) -> MujocoEnv:
     return instantiate(setting, _convert_="all").make(None, slots, 0, cores)
 
 
-def _generator(policy: Policy) -> torch.Generator | None:
-    """The policy's own random numbers; None where it draws from torch's."""
-    return getattr(policy, "generator", None)
+def _dealt(policy: Policy, workers: int) -> list[Policy]:
+    """What acts at each worker."""
+    if isinstance(policy, PoliciesBySlot):
+        return [policy.of_worker(worker, workers) for worker in range(workers)]
+    return [policy] * workers

@@ -1,7 +1,7 @@
 """The improved model as plain MJCF, and the rollout that it reproduces."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -14,13 +14,11 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import Windows
+from dr_lab.effects.effect import PlacedEffect
 from dr_lab.files import atomic, write_text
 from dr_lab.physics.compiling import written
-from dr_lab.physics.context import ContextEstimate
-from dr_lab.physics.law import Law
-from dr_lab.physics.model import Model, ModelEffect
-from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.signal import Reading
+from dr_lab.physics.context import ContextEstimate, ContextSpace
+from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 
@@ -43,68 +41,38 @@ class Played:
 
 
 @dataclass(frozen=True)
-class ExportRemainder:
-    """What one context needs that MJCF cannot express; fulfils `physics.model.ModelEffect`.
+class ExportedModel(Model):
+    """A model read back from its file, at the one context that the file was written at.
+
+    Its spec holds what MJCF can express of the effects; their other parts act beside it.
 
     Attributes:
-        effects: the model's effects.
-        values: the context, by parameter name.
-        option: the model's options.
-        label: what stands for it among effects.
-        parameters: none, the values are fixed.
+        fixed: the context, by parameter name.
     """
 
-    effects: tuple[ModelEffect, ...]
-    values: Mapping[str, float]
-    option: mujoco.MjOption
-    label: str = "beside_model.xml"
-    parameters: tuple[Parameter, ...] = ()
-
-    def prepare(self, spec: mujoco.MjSpec) -> None:
-        """Nothing, as `edit`."""
-
-    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
-        """Nothing: the physics is in the file."""
-
-    def reading(self, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
-        """What the effects' sensors report of a channel."""
-        del values
-        for effect in self.effects:
-            read = effect.reading(self._columns, channel, read, begin)
-        return read
-
-    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
-        """What the effects make of an actuator's commands."""
-        del values
-        for effect in self.effects:
-            series = effect.command(self._columns, actuator, series, option)
-        return series
-
-    def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """What the effects' drivers do with commands, the same in all simulations."""
-        del values
-        fixed = {name: np.array([value]) for name, value in self.values.items()}
-        return tuple(law for effect in self.effects for law in effect.drivers(fixed, compiled))
-
-    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
-        """What acts from step to step, the same in all simulations."""
-        del values
-        fixed = {name: np.array([value]) for name, value in self.values.items()}
-        return tuple(law for effect in self.effects for law in effect.force_laws(fixed, models))
-
-    def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
-        """What the file lacks, in one line."""
-        del values, option
-        return "; ".join(self.sentences())
-
-    def sentences(self) -> list[str]:
-        """What the file lacks, effect by effect."""
-        missing = (effect.lacking(self.values, self.option) for effect in self.effects)
-        return [f"model.xml cannot say: {each}." for each in missing if each]
+    fixed: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def _columns(self) -> dict[str, Array]:
-        return {name: np.full((1, 1, 1), value) for name, value in self.values.items()}
+    def space(self) -> ContextSpace:
+        """No parameter: the values are fixed."""
+        return ContextSpace(())
+
+    def spec_at(self, z: Array) -> mujoco.MjSpec:
+        """Fresh copy of the file's spec."""
+        del z
+        return self.spec.copy()
+
+    def values(self, z: Array) -> dict[str, Array]:
+        """The fixed values, the same in all contexts, shape (1,)."""
+        del z
+        return {name: np.array([value]) for name, value in self.fixed.items()}
+
+
+def inexpressible(model: Model, z: Array) -> list[str]:
+    """What MJCF cannot express of the model at context z, in a sentence for each effect."""
+    values, placed = model.space.mapping(z), [each for each in model.effects if isinstance(each, PlacedEffect)]
+    missing = (each.effect.lacking(each.site, each.local(values), model.spec.option) for each in placed)
+    return [f"model.xml cannot say: {each}." for each in missing if each]
 
 
 def mjcf(model: Model, z: Array) -> str:
@@ -114,20 +82,19 @@ def mjcf(model: Model, z: Array) -> str:
     return written(spec)
 
 
-def write_model(path: Path, model: Model, z: Array) -> tuple[Model, ExportRemainder]:
+def write_model(path: Path, model: Model, z: Array) -> tuple[ExportedModel, list[str]]:
     """Write the model at context z as MJCF and read it back.
 
     MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back.
 
     Returns:
-        The model read back, without parameters, and what it needs beside the file, which is among its effects.
+        The model read back, beside whose spec the effects act if the file lacks anything, and what the file lacks.
     """
-    beside = ExportRemainder(model.effects, model.space.mapping(z), model.spec.option)
-    comments = "".join(f"<!-- {sentence} -->\n" for sentence in beside.sentences())
+    missing = inexpressible(model, z)
+    comments = "".join(f"<!-- {sentence} -->\n" for sentence in missing)
     write_text(path, comments + mjcf(model, z))
-    return Model(
-        model.name, mujoco.MjSpec.from_file(str(path)), (), {}, (beside,) if beside.sentences() else ()
-    ), beside
+    effects, read = model.effects if missing else (), mujoco.MjSpec.from_file(str(path))
+    return ExportedModel(model.name, read, (), {}, effects, model.space.mapping(z)), missing
 
 
 def _keep_assets(spec: mujoco.MjSpec) -> None:

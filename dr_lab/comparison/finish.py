@@ -163,8 +163,8 @@ def _export(
     """Write the improved model, where there is one, and let the file take its place; notes on what the file lacks."""
     if AFTER not in models:
         return dict(models), []
-    exported, beside = write_model(run_dir / "model.xml", *models[AFTER])
-    notes = [{"kind": "export", "message": sentence} for sentence in beside.sentences()]
+    exported, missing = write_model(run_dir / "model.xml", *models[AFTER])
+    notes = [{"kind": "export", "message": sentence} for sentence in missing]
     return {**models, AFTER: (exported, exported.space.nominal)}, notes
 
 

@@ -156,6 +156,7 @@ class EvidenceSettings:
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
         least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.
+        least_clusters: number of logs, fitted ones among them, from which on the scatter between them bounds evidence.
         least_compared: number of blocks of windows below which no interval of a difference is known.
         resamples: number of bootstrap resamples of a fit's parameters.
         gain_resamples: the same of a paired gain, whose interval of few blocks needs rare percentiles.
@@ -187,6 +188,7 @@ class EvidenceSettings:
     block: int
     least_blocks: int
     least_trusted: int
+    least_clusters: int
     least_compared: int
     resamples: int
     gain_resamples: int
@@ -203,7 +205,16 @@ class EvidenceSettings:
 
     def __post_init__(self) -> None:
         least: dict[str, float] = dict.fromkeys(
-            ("most_fits", "screen_windows", "block", "least_blocks", "least_trusted", "resamples", "gain_resamples"),
+            (
+                "most_fits",
+                "screen_windows",
+                "block",
+                "least_blocks",
+                "least_trusted",
+                "least_clusters",
+                "resamples",
+                "gain_resamples",
+            ),
             1.0,
         )
         least["least_compared"] = 2.0

@@ -11,21 +11,25 @@ import numpy as np
 from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
 from dr_lab.effects.effect import Scales
 from dr_lab.errors import ModelError
+from dr_lab.physics.effect_parts import CommandFilter, SpecEdit
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class ActuatorDelay(ActuatorEffect):
+class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
     """Bus, driver and controller latency between a command's stamp and its force.
 
-    force(t) computed from u(t − delay). MuJoCo keeps the commands of the last steps and reads them with linear
-    interpolation. At the start of a step, which is where first-order integrators read, that is exactly the step's
-    average of the late command. RK4 also reads in the middle and at the end, as if the step's command had been given
-    at its start and not held through it: half a step early, for which the compiled delay makes up.
-    MuJoCo cannot read the command of the running step. A shorter delay (below one step, with RK4 below one and a half)
-    is left to `command`, which makes the response continuous down to absent. A history of the same length is
-    compiled in at every value.
+    force(t) computed from u(t − delay). MuJoCo keeps the commands of the last steps and interpolates them linearly:
+
+    1. First-order integrators read at the start of a step. What they read is exactly the step's average of the late
+       command.
+    2. RK4 also reads in the middle and at the end, as if the step's command had been given at its start and not held
+       through it. On average that is half a step early, for which the compiled delay makes up.
+    3. MuJoCo cannot read the command of the running step. A delay below one step (one and a half with RK4) is left to
+       `filtered`, which makes the response continuous down to absent.
+
+    A history of the same length is compiled in at every value.
 
     Parameters (nominal = absent): delay [s], within [0, longest].
     Limits: actuators with one command and no delay of their own; an exported MJCF file lacks the short delays.
@@ -65,12 +69,10 @@ class ActuatorDelay(ActuatorEffect):
         actuator.interp = 1  # linear
         actuator.delay = values["delay"] + early if values["delay"] >= _shortest(spec.option) else 0.0
 
-    def command(
-        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
-    ) -> Array:
+    def filtered(self, values: Mapping[str, Array], series: Array, option: mujoco.MjOption) -> Array:
         """Commands late by a delay that is too short for MuJoCo; m + f steps late is (1 − f) u_{k−m} + f u_{k−m−1}."""
         short = values["delay"] < _shortest(option)
-        if actuator != site or not short.any():
+        if not short.any():
             return series
         whole, share = np.divmod(np.where(short, values["delay"], 0.0) / option.timestep, 1.0)
         every = np.broadcast_to(series, np.broadcast_shapes(series.shape, whole.shape))

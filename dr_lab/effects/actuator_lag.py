@@ -8,9 +8,8 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
-from dr_lab.effects.command_filter import Advance, Driver, column_of, filtered
+from dr_lab.effects.command_filter import Advance, DynamicFilter
 from dr_lab.effects.effect import Scales
-from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -18,19 +17,21 @@ _SHORTEST = np.finfo(np.float64).tiny  # s; in place of zero, by which nothing c
 
 
 @dataclass(frozen=True)
-class ActuatorLag(ActuatorEffect):
+class ActuatorLag(ActuatorEffect, DynamicFilter):
     """A driver's filter, a coil's inductance or a valve: the command arrives through a first-order lag.
 
     tau y' = u − y, and y takes the command's place. Exact for a command u that is held through a step h:
     y(h) = u + (y(0) − u) exp(−h/tau), with the average u + (y(0) − u) (tau/h) (1 − exp(−h/tau)) through the step.
 
-    MuJoCo's ``filterexact`` is not used. It is exact with first-order integrators alone, which read it at the step's
-    start, half a step late; RK4 takes linear stages of it, which overshoot by h/tau (steps of 2 ms: 4 % off at a tau of
-    10 ms, 24 % at 2 ms, unstable at 0.5 ms), so that absent would be out of reach. And its activation at a window's
-    start would be one more unknown, where here the commands of before tell it.
+    MuJoCo's ``filterexact`` is not used, for three reasons:
+
+    1. First-order integrators, with which it is exact, read it at the step's start, half a step late.
+    2. RK4 takes linear stages of it, which overshoot by h/tau (steps of 2 ms: 4 % off at a tau of 10 ms, 24 % at 2 ms,
+       unstable at 0.5 ms). Absent would be out of reach.
+    3. Its activation at a window's start would be one more unknown. Here the earlier commands tell it.
 
     Parameters (nominal = absent): tau ≥ 0 [s].
-    Limits: actuators with one command; the windows' past must be some five tau, before which the lag is at rest.
+    Limits: actuators with one command; the windows' past must cover some five tau, before which the lag is at rest.
     Source: Franklin, Powell and Workman, Digital Control of Dynamic Systems (zero-order hold equivalents).
 
     Attributes:
@@ -56,31 +57,14 @@ class ActuatorLag(ActuatorEffect):
         del model, site, scales
         return (Parameter("tau", "s", 0.0, 0.0, self.longest),)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the commands bring it."""
+    def advance(self, values: Mapping[str, Array], step: float) -> Advance:
+        """Average and end of a step, exact for a command that is held through it."""
+        tau = values["tau"]
+        end = np.exp(-step / np.maximum(tau, _SHORTEST))
+        mean = tau / step * (1.0 - end)
 
-    def command(
-        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
-    ) -> Array:
-        """Step averages behind the lag."""
-        if actuator != site:
-            return series
-        tau = values["tau"][..., 0]
-        return filtered(series, len(tau), _lagging(tau, option.timestep))
+        def lagging(level: Array, asked: Array) -> tuple[Array, Array]:
+            gap = level - asked
+            return asked + mean * gap, asked + end * gap
 
-    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """The lag, step by step."""
-        advance = _lagging(values["tau"], compiled.opt.timestep)
-        return (Driver(column_of(compiled, site), advance),)
-
-
-def _lagging(tau: Array, step: float) -> Advance:
-    """Average and end of a step, exact for a command that is held through it."""
-    end = np.exp(-step / np.maximum(tau, _SHORTEST))
-    mean = tau / step * (1.0 - end)
-
-    def advance(level: Array, asked: Array) -> tuple[Array, Array]:
-        gap = level - asked
-        return asked + mean * gap, asked + end * gap
-
-    return advance
+        return lagging

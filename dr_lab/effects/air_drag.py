@@ -10,26 +10,27 @@ import numpy as np
 
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import fluid_forces, inverse_forces
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class AirDrag(Effect):
+class AirDrag(Effect, SpecEdit):
     """Air, or another medium, that slows all links, each by its size and speed.
 
-    MuJoCo's fluid forces with the medium's density rho. Bodies count as the boxes that have their inertia, with
-    half-lengths r, in the box's axes i (j and k the other two): f_i = −2 rho r_j r_k |v_i| v_i,
-    g_i = −½ rho r_i (r_j⁴ + r_k⁴) |w_i| w_i; geoms with ``fluidshape="ellipsoid"`` as ellipsoids.
+    MuJoCo's fluid forces with the medium's density rho. A body counts as the box that has its inertia, with
+    half-lengths r. Along the box's axis i, j and k being the other two, f_i = −2 rho r_j r_k |v_i| v_i and
+    g_i = −½ rho r_i (r_j⁴ + r_k⁴) |w_i| w_i. A geom with ``fluidshape="ellipsoid"`` counts as an ellipsoid.
 
     Parameters (nominal = absent): density rho ≥ 0 [kg/m³], absent = the model's own.
-    Limits: models in which some body that moves has a size; the box stands for the link's shape and its drag
-    coefficient of 1 for the true one, so rho is the density of air only as far as they are right (an inertia that
-    was put in as a round number makes a wrong box).
+    Limits: models in which some moving body has a size. The box stands for the link's shape, and its drag coefficient
+    of 1 for the true one. So rho is the density of air only as far as these are right; an inertia that was given as a
+    round number makes a wrong box.
     Source: MuJoCo 4.0, computation chapter ("Fluid forces"), option/density.
 
     Attributes:
         most: how far the density may lie above the model's own [kg/m³].
-        sensitive: share of the forces of inertia and gravity from which on the medium counts as felt.
+        sensitive: the medium counts as felt above this share of the forces of inertia and gravity.
         poses: number of states in which a force is looked for.
     """
 

@@ -8,11 +8,12 @@ import mujoco
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class Armature(JointEffect):
+class Armature(JointEffect, SpecEdit):
     """A motor's rotor and gears: inertia of the joint itself, without weight and without coupling to other joints.
 
     tau = −J q̈, added to the joint's own armature; a rotor behind a gear of ratio N counts N² times.

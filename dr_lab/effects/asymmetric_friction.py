@@ -10,16 +10,18 @@ from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import add_passive_force, joint_of, slides
 from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class AsymmetricFriction(DryFrictionEffect):
+class AsymmetricFriction(DryFrictionEffect, SpecEdit):
     """Dry friction of a screw, seal or worm gear that runs more easily in one direction than in the other.
 
-    tau = −tau_m (1 + s) while v > 0, tau = tau_m (1 − s) while v < 0, anything between them at rest: tau_m as MuJoCo's
-    ``frictionloss``, made hard by `DryFriction`, and the constant force −s tau_m of an actuator without command
-    (``asymmetric_friction@<joint>``). The asymmetry is a share of the mean, so that friction never drives the joint.
+    tau = −tau_m (1 + s) while v > 0, tau = tau_m (1 − s) while v < 0, and anything between them at rest. The mean tau_m
+    is MuJoCo's ``frictionloss``, made hard by `DryFriction`; an actuator without command
+    (``asymmetric_friction@<joint>``) adds the constant force −s tau_m. The asymmetry is a share of the mean, so that
+    friction never drives the joint.
 
     Parameters (nominal = absent): mean tau_m ≥ 0 [N·m, slide: N]; asymmetry s within ±1, which acts only where
     tau_m > 0 (fits start away from absent).

@@ -11,6 +11,7 @@ from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_drive import JointDrive
 from dr_lab.effects.joint_effect import slides
 from dr_lab.effects.motor_side import MotorSide, MotorSideEffect
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -21,19 +22,19 @@ _SETTLING = 6.0 - np.sqrt(32.0)
 
 
 @dataclass(frozen=True)
-class Backlash(MotorSideEffect):
+class Backlash(MotorSideEffect, ForceLaw):
     """Teeth that part when the torque that they pass on turns round, and meet again across the gap.
 
     The distance δ of the motor before the link stays within ± gap/2. In between nothing is passed on: the link moves
     freely, the motor alone under its torque, J (δ'' + q'') = tau_m. At a wall, without rebound, both move as one for as
     long as the motor presses against it: the model itself. Walls act within some three steps of the simulation.
-    Before a window's start the motor follows the measured motion and commands of ``windows.memory`` seconds, from the
-    wall against which it presses.
+    Before a window's start the motor follows the measured motion and commands of ``windows.memory`` seconds. It begins
+    at the wall against which it presses.
 
     Parameters (nominal = absent): gap ≥ 0 [rad, slide: m]; rotor J > 0 [kg·m², slide: kg], which acts only where there
     is a gap (fits start away from absent).
-    Limits: driven hinge and slide joints whose encoder sits at the link, which sees J/(J + J_link) of the play; no
-    friction of the motor itself; of a gap that is crossed within a few samples only that product is known.
+    Limits: driven hinge and slide joints whose encoder sits at the link; no friction of the motor itself. The link sees
+    J/(J + J_link) of the gap; if the gap is crossed within a few samples, only that product is known.
     Source: Nordin and Gutman, Controlling mechanical systems with backlash — a survey, Automatica 38 (2002), section 2
     (two inertias, stiff shaft).
 
@@ -41,8 +42,8 @@ class Backlash(MotorSideEffect):
         factor: largest gap, share of the joint's range in the logs.
         largest: bound of the gap for joints that turn far [rad or m].
         least_range: smallest range that is believed [rad or m].
-        closed: largest gap that is crossed without a free flight, in some three steps; so a gap that closes goes over
-            into none, which one that is left for single steps would not [rad or m].
+        closed: gap up to which the motor crosses without a free flight, in some three steps [rad or m]. So a gap that
+            closes turns into none continuously; with free flights of single steps it would not.
         start_gaps: gaps of the fits that start away from absent, shares of the largest.
     """
 
@@ -66,13 +67,10 @@ class Backlash(MotorSideEffect):
         gap = Parameter("gap", "m" if slides(model, site) else "rad", 0.0, 0.0, high)
         return gap, self.rotor(model, site)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the motor moves between the steps."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor in its gap."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return (_Parting(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed),)
+        return _Parting(drive, step, values["rotor"], 0.5 * values["gap"], 0.5 * self.closed)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Small and larger gaps."""

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.effect import Effect, Scales
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -16,7 +17,7 @@ _AXES = {"about_x": (1.0, 0.0, 0.0), "about_y": (0.0, 1.0, 0.0)}
 
 
 @dataclass(frozen=True)
-class BaseTilt(Effect):
+class BaseTilt(Effect, SpecEdit):
     """The base, and with it the world frame, is turned against gravity.
 
     A base that is turned by the rotation vector r = (r_x, r_y, 0) sees g' = exp(−[r]×) g: for a turn about x,
@@ -29,7 +30,7 @@ class BaseTilt(Effect):
 
     Attributes:
         largest: bound of either angle [rad].
-        sensitive: share of the force of a gravity in the worst direction from which on an angle counts as felt.
+        sensitive: an angle counts as felt above this share of the force of a gravity in the worst direction.
         poses: number of poses at which that is looked for.
     """
 

@@ -52,7 +52,7 @@ def candidates(model: Model, effects: Mapping[str, Effect], scales: Scales, comp
 
 @dataclass(frozen=True)
 class SpecialCases:
-    """The effects of a catalogue that another one acts as, at its site.
+    """The special cases of effects: poorer ones of a catalogue, at the same site.
 
     Attributes:
         effects: the catalogue, by name.
@@ -65,7 +65,7 @@ class SpecialCases:
     compiled: mujoco.MjModel
 
     def of(self, richer: PlacedEffect, model: Model) -> tuple[PlacedEffect, ...]:
-        """Those that can act at its site of a model, which does not hold them there yet."""
+        """Those of an effect that can act at its site of a model and that the model does not hold there yet."""
         held = {name: self.effects[name] for name in richer.effect.holds if name in self.effects}
         found = candidates(model, held, self.scales, self.compiled).placed
         return tuple(poorer for poorer in found if poorer.site == richer.site)

@@ -11,6 +11,7 @@ import numpy as np
 from dr_lab.effects.body_effect import body_of, moving_bodies, with_inertial
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import inverse_forces
+from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -18,11 +19,11 @@ _AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
-class CentreOfMassOffset(Effect):
+class CentreOfMassOffset(Effect, SpecPreparation, SpecEdit):
     """The centre of mass of a link lies elsewhere: cables, screws and bearings that the drawing leaves out.
 
-    c → c + (x, y, z) in the body's frame; mass and inertia about the centre stay, so that about a joint's axis at the
-    distance r the inertia m r² moves along (Steiner). Inertias that follow from geoms are written out as <inertial>.
+    c → c + (x, y, z) in the body's frame. Mass and inertia about the centre stay; about a joint's axis at the distance
+    r the inertia m r² changes with r (Steiner). Inertias that follow from geoms are written out as <inertial>.
 
     Parameters (nominal = absent): x, y, z [m]; each only where it changes a generalised force of the model to first
     order (a pendulum does not feel its centre move along its hinge).
@@ -33,7 +34,7 @@ class CentreOfMassOffset(Effect):
 
     Attributes:
         factor: bound of each offset, in units of the body's largest radius of gyration about its centre.
-        sensitive: share of the forces for an equally large offset from which on a direction counts as felt.
+        sensitive: a direction counts as felt above this share of the force that an equally large offset has in any.
         poses: number of states in which that is looked for.
     """
 

@@ -9,18 +9,19 @@ import mujoco
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, add_passive_force, joint_of, slides
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class Cogging(JointEffect):
+class Cogging(JointEffect, SpecEdit):
     """The pull of permanent magnets towards the iron teeth of the stator, or a gear that runs out of true.
 
     tau(q) = A sin(n q) + B cos(n q) = C sin(n q + phi), C = √(A² + B²), tan(phi) = B/A: MuJoCo's ``dcmotor`` without
     input and current, of which only the cogging torque is left (``cogging@<joint>``).
 
-    Parameters (nominal = absent): sine A, cosine B [N·m]. The number of periods n is none: the error as a function of
-    n has a valley at every harmonic, so a fit would stay near whichever n it began at.
+    Parameters (nominal = absent): sine A, cosine B [N·m]. The number of periods n is no parameter: the error as a
+    function of n has a valley at every harmonic, so a fit would stay near the n at which it began.
     Limits: hinge joints; one harmonic per effect; steps of time that resolve n q̇.
     Source: Hanselman, Brushless Permanent Magnet Motor Design (2003), chapter 9 (n is the least common multiple of
     slots and poles); MuJoCo 4.0, XML reference, actuator/dcmotor/cogging.

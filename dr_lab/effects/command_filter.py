@@ -1,12 +1,14 @@
-"""Commands through a driver that keeps one number from step to step."""
+"""Command filters whose law is written once: for a recorded series, and step by step for a policy."""
 
-from collections.abc import Callable
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.physics.effect_parts import StepwiseFilter
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.trajectory import Array
 
@@ -14,27 +16,67 @@ Advance = Callable[[Array, Array], tuple[Array, Array]]
 """Output at a step's start and the step's command to the step's average output and the output at its end."""
 
 
-def filtered(series: Array, contexts: int, advance: Advance) -> Array:
-    """Step averages of a driver's output; at the first known command it is taken to be at rest.
+class StaticFilter(StepwiseFilter):
+    """A filter without memory: its output is a function of the step's command alone."""
 
-    Args:
-        series: step averages of the commands, shape (c or 1, w, s).
-        contexts: c.
-        advance: one step of all contexts and windows, on arrays of shape (c or 1, w).
+    @abstractmethod
+    def output(self, values: Mapping[str, Array], asked: Array) -> Array:
+        """What becomes of commands; the values broadcast with them."""
 
-    Returns:
-        Step averages of the output, shape (c, w, s).
+    def filtered(self, values: Mapping[str, Array], series: Array, option: mujoco.MjOption) -> Array:
+        """All steps at once."""
+        del option
+        return self.output(values, series)
+
+    def driver(self, values: Mapping[str, Array], column: int, step: float) -> Law:
+        """One step after the other."""
+        del step
+        return StaticDriver(column, lambda asked: self.output(values, asked))
+
+
+class DynamicFilter(StepwiseFilter):
+    """A filter that keeps one number from step to step: its output at the end of the last one."""
+
+    @abstractmethod
+    def advance(self, values: Mapping[str, Array], step: float) -> Advance:
+        """The law of one step of length `step` in s; the values broadcast with commands and outputs."""
+
+    def filtered(self, values: Mapping[str, Array], series: Array, option: mujoco.MjOption) -> Array:
+        """Step averages of the output; at the first known command the filter is taken to be at rest."""
+        rows = {name: value[..., 0] for name, value in values.items()}
+        advance, contexts = self.advance(rows, option.timestep), max(len(row) for row in rows.values())
+        averages = np.empty((contexts, *series.shape[1:]))
+        level = series[:, :, 0]
+        for step in range(series.shape[2]):
+            averages[:, :, step], level = advance(level, series[:, :, step])
+        return averages
+
+    def driver(self, values: Mapping[str, Array], column: int, step: float) -> Law:
+        """The same, one command at a time."""
+        return DynamicDriver(column, self.advance(values, step))
+
+
+@dataclass(frozen=True)
+class StaticDriver(Law):
+    """A filter without memory in n simulations.
+
+    Attributes:
+        column: of the command in the controls.
+        output: commands of all simulations to outputs, shape (n,) both.
     """
-    averages = np.empty((contexts, *series.shape[1:]))
-    level = series[:, :, 0]
-    for step in range(series.shape[2]):
-        averages[:, :, step], level = advance(level, series[:, :, step])
-    return averages
+
+    column: int
+    output: Callable[[Array], Array]
+
+    def act(self, moment: Moment, influence: Influence) -> None:
+        """Let the output take the command's place."""
+        del moment
+        influence.control[:, self.column] = self.output(influence.control[:, self.column])
 
 
 @dataclass
-class Driver(Law):
-    """The same for commands that are not known ahead, in n simulations.
+class DynamicDriver(Law):
+    """A filter that keeps one number, in n simulations.
 
     Attributes:
         column: of the command in the controls.
@@ -67,8 +109,3 @@ class Driver(Law):
     def remember(self, memory: Array) -> None:
         """Go on from the `memory` of an equal driver."""
         self.level = memory[:, 0].copy() if memory.shape[1] else np.empty(0)
-
-
-def column_of(compiled: mujoco.MjModel, actuator: str) -> int:
-    """Column of an actuator's only command in the controls."""
-    return int(compiled.actuator_ctrladr[compiled.actuator(actuator).id])

@@ -8,11 +8,12 @@ import mujoco
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, add_passive_force, joint_of, slides
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class ConstantOffset(JointEffect):
+class ConstantOffset(JointEffect, SpecEdit):
     """An amplifier's offset, a counterweight or a constant-force spring.
 
     tau = tau_0, whatever the state: an actuator without command whose bias is tau_0. It adds an actuator to the model

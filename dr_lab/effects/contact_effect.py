@@ -10,8 +10,9 @@ from dr_lab.effects.effect import Effect
 class ContactEffect(Effect):
     """An effect that sits at a moving body whose geoms may touch others: a foot, a wheel, a finger.
 
-    Contacts take their parameters from both geoms, by maxima, means and priorities, so that a change of one geom may
-    change nothing, or other bodies' contacts. The contacts of the body become explicit pairs, which stand alone.
+    A contact takes its parameters from both geoms, by maxima, means and priorities. A change of one geom may therefore
+    change nothing, or change other bodies' contacts. So the body's contacts become explicit pairs, each with parameters
+    of its own.
     """
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:

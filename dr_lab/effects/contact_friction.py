@@ -10,13 +10,14 @@ import numpy as np
 from dr_lab.effects.contact_effect import ContactEffect
 from dr_lab.effects.contact_pairs import dimension, explicit_pairs, meeting
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 _SLIDING = 3  # from this dimension of a contact on it resists sliding
 
 
 @dataclass(frozen=True)
-class ContactFriction(ContactEffect):
+class ContactFriction(ContactEffect, SpecEdit):
     """A body that slides more or less easily over what it touches.
 
     |f_t| ≤ s mu f_n: the sliding coefficients mu of all contacts of the body times a factor; torsional and rolling

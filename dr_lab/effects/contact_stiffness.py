@@ -9,11 +9,12 @@ import mujoco
 from dr_lab.effects.contact_effect import ContactEffect
 from dr_lab.effects.contact_pairs import explicit_pairs, meeting, reference
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class ContactStiffness(ContactEffect):
+class ContactStiffness(ContactEffect, SpecEdit):
     """A softer, harder, livelier or deader contact of a body with what it touches.
 
     MuJoCo lets the penetration r of a contact behave as r'' + 2 r'/T + r/(T zeta)² = 0, with time constant T and

@@ -9,11 +9,12 @@ import mujoco
 from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import joint_of, slides
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class CoulombFriction(DryFrictionEffect):
+class CoulombFriction(DryFrictionEffect, SpecEdit):
     """Dry friction: constant against the motion, and up to the same size against any force while at rest.
 
     tau = −tau_c sign(v) while sliding, |tau| ≤ tau_c at rest; MuJoCo's ``frictionloss``, made hard by `DryFriction`

@@ -8,15 +8,14 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
-from dr_lab.effects.command_filter import Driver, column_of
+from dr_lab.effects.command_filter import StaticFilter
 from dr_lab.effects.effect import Scales
-from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class DeadZone(ActuatorEffect):
+class DeadZone(ActuatorEffect, StaticFilter):
     """A driver's dead time, a valve's overlap or a brush's voltage drop: what is asked for first does nothing.
 
     u → sign(u) max(|u| − d, 0).
@@ -49,20 +48,6 @@ class DeadZone(ActuatorEffect):
         largest = max(scales.command.get(site, 0.0), self.least)
         return (Parameter("width", "command", 0.0, 0.0, self.widest * largest),)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: MuJoCo has no such element."""
-
-    def command(
-        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
-    ) -> Array:
+    def output(self, values: Mapping[str, Array], asked: Array) -> Array:
         """Commands less the width, towards zero."""
-        del option
-        return _beyond(series, values["width"]) if actuator == site else series
-
-    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """The same at every step."""
-        return (Driver(column_of(compiled, site), lambda _, asked: (_beyond(asked, values["width"]), asked)),)
-
-
-def _beyond(command: Array, width: Array) -> Array:
-    return np.sign(command) * np.maximum(np.abs(command) - width, 0.0)
+        return np.sign(asked) * np.maximum(np.abs(asked) - values["width"], 0.0)

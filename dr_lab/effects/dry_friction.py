@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 
 from dr_lab.effects.joint_effect import JointEffect, joint_of
+from dr_lab.physics.effect_parts import SpecPreparation
 
 
 @dataclass(frozen=True)
@@ -15,9 +16,10 @@ class DryFriction:
     The constraint applies −sign(v)·loss while sliding; held at rest it lets the speed decay as v' = (1−d) a₀ − d b v,
     a₀ being the acceleration without friction. MuJoCo's defaults (d = 0.9 … 0.95, b = 105/s) creep at
     v = (1−d) a₀/(d b), which costs 1 mrad in 0.3 s. Here d is close to 1 and b is as high as the integrator allows:
-    b·timestep = 1 would stop a joint dead within a step of a first-order integrator, and the start velocity of a
-    window would lose its influence, so it keeps a third of its speed; the fourth-order stages of RK4 keep at least
-    27 % (near b·timestep = 1.6) and turn unstable at 2.8.
+
+    1. With first-order integrators b·timestep = 1 would stop a joint dead within a step, and the start velocity of a
+       window would lose its influence. So b is lower, and a joint keeps a third of its speed.
+    2. With RK4 a joint keeps at least 27 % (near b·timestep = 1.6); from 2.8 on the constraint is unstable.
 
     Source: MuJoCo 4.0, computation chapter ("Friction loss") and modeling chapter (solver parameters).
 
@@ -46,7 +48,7 @@ class DryFriction:
 
 
 @dataclass(frozen=True)
-class DryFrictionEffect(JointEffect):
+class DryFrictionEffect(JointEffect, SpecPreparation):
     """An effect whose force is the friction-loss constraint of its joint.
 
     Attributes:

@@ -1,30 +1,30 @@
 """The contract of an effect: where it can sit, its parameters, and how it edits a fresh spec."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 import mujoco
 
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.errors import ModelError, UnknownNameError
-from dr_lab.physics.law import Law
+from dr_lab.physics.effect_parts import CommandFilter, ForceLaw, SensorTransform, SpecEdit
+from dr_lab.physics.model import Value
 from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.signal import Reading
-from dr_lab.trajectory import Array
 
-_Value = TypeVar("_Value", float, Array)
-
-# from the joint outwards; of effects that data cannot separate, the first is tried first
+# From the joint outwards. Of effects that data cannot separate, the one of the earliest family is tried first.
 FAMILIES = ("friction", "transmission", "actuator", "inertia", "environment", "sensing", "open")
+
+
+_ACTING = (SpecEdit, SensorTransform, CommandFilter, ForceLaw)
 
 
 @dataclass(frozen=True)
 class Scales:
     """Typical magnitudes of the machine in its logs; they give an effect's bounds their size.
 
-    Of joints that no channel measures they are those of the nominal model, as it moves in the logs.
+    For a joint that no channel measures they are those of the nominal model's motion in the logs.
 
     Attributes:
         lowest: lowest position by joint, rad or m.
@@ -33,7 +33,7 @@ class Scales:
         torque: RMS generalised force needed for the measured motion by joint, N·m or N.
         command: largest |command| by actuator, in the command's unit.
         unmeasured: joints of which no channel tells the position.
-        unknown: joints of which neither a channel nor the nominal model's motion tells anything.
+        unknown: joints of which neither a channel nor the nominal model's motion tells a magnitude.
     """
 
     lowest: Mapping[str, float]
@@ -50,7 +50,7 @@ class Scales:
         return {joint: self.highest[joint] - lowest for joint, lowest in self.lowest.items()}
 
     def assuming(self, magnitude: float) -> "Scales":
-        """The scales if every joint that nothing is known of had the same magnitude, in SI units, in all respects."""
+        """The scales with one magnitude, in SI units, assumed for all that is not known of the unknown joints."""
         assumed = dict.fromkeys(self.unknown, magnitude)
         reached = {joint: self.lowest[joint] + magnitude for joint in self.unknown}
         return replace(
@@ -64,8 +64,9 @@ class Scales:
 class Effect(ABC):
     """One physical phenomenon that a model may lack.
 
-    An implementation says in its docstring the law, the formula with units, the limits and the source, and fills the
-    class attributes. Its parameters are zero effect at nominal, where the simulated output has a usable slope.
+    An implementation also derives from the parts of `physics.effect_parts` in which it acts. Its docstring says the
+    law, the formula with units, the limits and the source, and it fills the class attributes. At the nominal values of
+    its parameters it is absent, and the simulated output has a usable slope there.
 
     Attributes:
         name: the catalogue's name, equal to the file's and the yaml's.
@@ -73,12 +74,12 @@ class Effect(ABC):
         law: one line of physics.
         fingerprint: what the residual looks like when the effect is missing.
         confused_with: names of effects that given data may not separate from it.
-        holds: names of effects that it acts as, at the same site, for some values of its parameters, and how.
-        shapes: short names of parameters that act only where another parameter of it is away from absent.
+        holds: its special cases: effects that it acts as, at the same site, for some values of its parameters, and how.
+        shapes: short names of the parameters that act only while another one is away from absent.
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
-        argument: what the law is a function of, where a free law of that can be fitted in its place: ``command`` of the
-            actuator, ``position`` of the joint, ``inertia`` of the body and of those beyond it; empty where it cannot.
-        patience: times as many iterations as others get that a start away from absent needs to show its worth.
+        argument: what the law is a function of, if a free law of the same argument can check it: ``command`` of the
+            actuator, ``position`` of the joint, ``inertia`` of the body and of those beyond it; otherwise empty.
+        patience: factor on the number of iterations after which a start away from absent is judged.
     """
 
     name: ClassVar[str]
@@ -99,72 +100,6 @@ class Effect(ABC):
     @abstractmethod
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Parameters at a site, with short names, nominal = absent and bounds scaled to the machine."""
-
-    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
-        """Write into a fresh spec at its nominal values what the effect needs there in every context.
-
-        Raises:
-            ModelError: it cannot act at this site of this model.
-        """
-        del spec, site
-
-    @abstractmethod
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Write the effect into a fresh spec; `values` by short parameter name.
-
-        Raises:
-            ModelError: it cannot act at this site of this model, at no value, absent included.
-        """
-
-    def reading(self, site: str, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
-        """What a sensor reports of a channel; `read` itself for channels that the effect does not touch.
-
-        Args:
-            site: the element the effect sits at.
-            values: by short parameter name, shape (c, 1, 1).
-            channel: ``"<joint>.position"``, ``"<joint>.velocity"`` or ``"sensor.<name>"``.
-            read: what the sensor would report without the effect.
-            begin: s on the log's clock at which the windows start, shape (w, 1).
-        """
-        del site, values, channel, begin
-        return read
-
-    def command(
-        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
-    ) -> Array:
-        """What becomes of an actuator's commands beside the edit; `series` itself where the effect leaves them.
-
-        Args:
-            site: the element the effect sits at.
-            values: by short parameter name, shape (c, 1, 1).
-            actuator: the actuator's name.
-            series: step averages of the commands, the past included, shape (c or 1, w, s).
-            option: the model's options, which hold the step.
-        """
-        del site, values, actuator, option
-        return series
-
-    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """What `command` does, step by step, for commands that are not known ahead.
-
-        Args:
-            site: the element the effect sits at.
-            values: by short parameter name, one for each simulation, shape (n,).
-            compiled: the compiled model with the effect.
-        """
-        del site, values, compiled
-        return ()
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
-        """What acts from step to step beside the edit, where MJCF has no element for it.
-
-        Args:
-            site: the element the effect sits at.
-            values: by short parameter name, one for each simulation, shape (n,).
-            models: the compiled model of each simulation, with all effects at its context; the layout is the same.
-        """
-        del site, values, models
-        return ()
 
     def lacking(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """What an exported MJCF file lacks of the effect at these values, empty if nothing."""
@@ -205,35 +140,8 @@ class PlacedEffect:
         shapes = {f"{self.label}.{name}" for name in self.effect.shapes}
         return {p.name: p.nominal for p in self.parameters if p.name not in shapes}
 
-    def prepare(self, spec: mujoco.MjSpec) -> None:
-        """Write into a fresh spec at its nominal values what the effect needs in every context."""
-        self.effect.prepare(spec, self.site)
-
-    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
-        """Write the effect into a fresh spec; `values` by full name."""
-        self.effect.edit(spec, self.site, self._short(values))
-
-    def reading(self, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
-        """What a sensor reports of a channel; `values` by full name."""
-        return self.effect.reading(self.site, self._short(values), channel, read, begin)
-
-    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
-        """What becomes of an actuator's commands; `values` by full name."""
-        return self.effect.command(self.site, self._short(values), actuator, series, option)
-
-    def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """What `command` does, step by step; `values` by full name."""
-        return self.effect.drivers(self.site, self._short(values), compiled)
-
-    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
-        """What acts from step to step; `values` by full name."""
-        return self.effect.force_laws(self.site, self._short(values), models)
-
-    def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
-        """What an exported MJCF file lacks of the effect; `values` by full name."""
-        return self.effect.lacking(self.site, self._short(values), option)
-
-    def _short(self, values: Mapping[str, _Value]) -> dict[str, _Value]:
+    def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
+        """The effect's own values by short name, out of a context's by full name."""
         prefix = f"{self.label}."
         return {p.name.removeprefix(prefix): values[p.name] for p in self.parameters}
 
@@ -243,11 +151,15 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
 
     Raises:
         UnknownNameError: the effect cannot sit there; the message lists where it can.
-        ModelError: the effect declares no parameter, or the size of its bounds is not known.
+        ModelError: the effect acts in no part of the physics or declares no parameter, or the size of its bounds is not
+            known.
     """
     sites = effect.sites(model)
     if site not in sites:
         raise UnknownNameError(f"site for {effect.name}", site, sites, "the model")
+    if not isinstance(effect, _ACTING):
+        names = ", ".join(part.__name__ for part in _ACTING)
+        raise ModelError(f"Effect {effect.name!r} does nothing. Derive {type(effect).__name__} from one of {names}.")
     short = effect.parameters(model, site, scales)
     if not short:
         raise ModelError(f"Effect {effect.name!r} declares no parameter at {site!r}.")

@@ -10,18 +10,19 @@ import numpy as np
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
 from dr_lab.errors import ModelError
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class EndStop(JointEffect):
+class EndStop(JointEffect, SpecEdit):
     """A bumper, a cable or a housing that ends the joint's travel sooner than the model says.
 
     lower ≤ q ≤ upper: MuJoCo's joint limit, with the stiffness and damping of the joint's ``solreflimit``. At nominal
     the stops lie a little beyond the measured travel, where nothing runs into them.
 
     Parameters (nominal = absent): upper and lower [rad, slide: m], places of the stops. No slope at absent (fits start
-    with a stop just inside the travel); stops that have changed places are infeasible.
+    with a stop just inside the travel); stops that have passed one another are infeasible.
     Limits: hinge and slide joints without a limit, which are measured and move in the logs.
     Source: MuJoCo 4.0, XML reference, joint/range and joint/solreflimit.
 

@@ -10,6 +10,7 @@ import numpy as np
 from dr_lab.effects.contact_pairs import meeting
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.errors import ModelError
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 _AXES = ("about_x", "about_y")
@@ -17,13 +18,13 @@ _STILL = 1e-9  # m/s for a unit velocity of a joint; rounding
 
 
 @dataclass(frozen=True)
-class FloorSlope(Effect):
+class FloorSlope(Effect, SpecEdit):
     """A plane that is turned about the world's x and y through its own origin, while gravity stays.
 
     n' = exp([r]×) n with r = (r_x, r_y, 0), n the plane's normal.
 
-    Parameters (nominal = absent): about_x, about_y [rad]; each only where what touches the plane can move the way in
-    which it tips the normal (a planar machine in x and z does not feel a turn about x).
+    Parameters (nominal = absent): about_x, about_y [rad]; each only if a body that touches the plane can move in the
+    direction in which the angle tips the normal (a planar machine in x and z does not feel a turn about x).
     Limits: planes fixed to the world that something can touch; where the robot's frame tilts along, it is a base tilt.
     Source: Rodrigues' rotation formula; MuJoCo geom/plane.
 

@@ -11,6 +11,7 @@ from dr_lab.effects.effect import Scales
 from dr_lab.effects.expression import Expression
 from dr_lab.effects.joint_effect import JointEffect
 from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -20,12 +21,12 @@ _KEYS = ("unit", "nominal", "low", "high")
 
 
 @dataclass(frozen=True)
-class Formula(JointEffect):
+class Formula(JointEffect, ForceLaw):
     """The user's own force at a joint: an expression of position, velocity, command and time with named parameters.
 
     tau = f(q, v, u, t; parameters), held through each step at the state in its middle.
 
-    Parameters: the user's; the force must vanish at their nominal values, where a parameter of a factor is 0.
+    Parameters: the user's. The force must vanish at their nominal values, so the nominal value of a factor is 0.
     Limits: hinge and slide joints; u is the command of the first actuator at the joint, 0 without one; t is in s on the
     log's clock. A stiff formula wants a small step. A value that is not a number counts as a simulation that diverges.
 
@@ -75,10 +76,7 @@ class Formula(JointEffect):
             for name, e in self.free.items()
         )
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the force comes before every step."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The force of each step."""
         compiled = models[0]
         joint = compiled.joint(site)
@@ -86,7 +84,7 @@ class Formula(JointEffect):
             (compiled.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (compiled.actuator_trnid[:, 0] == joint.id)
         )
         column = int(compiled.actuator_ctrladr[at[0]]) if len(at) and compiled.actuator_ctrlnum[at[0]] else None
-        return (_Written(int(joint.qposadr[0]), int(joint.dofadr[0]), column, self._read(), values),)
+        return _Written(int(joint.qposadr[0]), int(joint.dofadr[0]), column, self._read(), values)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """The user's starts; parameters that one leaves out are at nominal."""

@@ -9,11 +9,12 @@ import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class GainError(ActuatorEffect):
+class GainError(ActuatorEffect, SpecEdit):
     """A controller that pulls more or less towards its target: F = s kp (u − q) − kv q'.
 
     Parameters (nominal = absent): factor s of kp > 0, 1 = absent. The damping kv and the force limit stay.

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, slides
 from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class Hysteresis(JointEffect):
+class Hysteresis(JointEffect, ForceLaw):
     """Elasto-plastic resistance of cables, harmonic drives and preloaded bearings: a spring that yields.
 
     tau = −tau_y b/x_y; the displacement b follows the joint within ±x_y: b' = v, but 0 where that would leave ±x_y.
@@ -66,12 +67,9 @@ class Hysteresis(JointEffect):
         low, nominal, far = (share * moved for share in self.displacements)
         return (Parameter("torque", torque, 0.0, 0.0, high), Parameter("displacement", angle, nominal, low, far))
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the force comes before every step."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The force of each step."""
-        return (_Yielding(int(models[0].joint(site).dofadr[0]), values["torque"], values["displacement"]),)
+        return _Yielding(int(models[0].joint(site).dofadr[0]), values["torque"], values["displacement"])
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Little resistance that yields after several ways."""

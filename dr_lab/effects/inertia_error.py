@@ -11,11 +11,12 @@ import numpy as np
 from dr_lab.effects.body_effect import moving_bodies, with_inertial
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import inverse_forces
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class InertiaError(Effect):
+class InertiaError(Effect, SpecEdit):
     """A link's inertia about its centre of mass is off by a factor; its mass and centre are right.
 
     I → f I, the whole tensor, so that its axes and its physical consistency stay. Inertias that follow from geoms are
@@ -30,7 +31,7 @@ class InertiaError(Effect):
     Attributes:
         low: smallest f.
         high: largest f.
-        sensitive: share of the forces of inertia and gravity from which on a body's inertia counts as felt.
+        sensitive: a body's inertia counts as felt above this share of the forces of inertia and gravity.
         poses: number of states in which that is looked for.
     """
 

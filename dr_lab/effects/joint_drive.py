@@ -17,8 +17,11 @@ _STEP = 1e-4  # of controls, rad, m, rad/s and m/s; actuators are affine but for
 class JointDrive:
     """tau = constant + by_control · u + by_position q + by_velocity v, which every memoryless actuator follows.
 
-    Limits of controls and forces are not in it, nor is what delays and activations hold back: a late command counts
-    from the moment it is given. Forces without a command that are bounded or cog follow no such line and are left out.
+    Three things are left out:
+
+    1. limits of controls and forces;
+    2. delays and activations: a late command counts from the moment it is given;
+    3. forces without a command that are bounded or cog, which follow no such line.
 
     Attributes:
         address: of the joint's position in qpos.

@@ -54,8 +54,8 @@ def add_passive_force(spec: mujoco.MjSpec, joint: str, name: str) -> Any:  # noq
     """Add an actuator without any command, whose force on a joint is biasprm · (1, position, velocity).
 
     MuJoCo knows command-free actuators as a gain type of ``dcmotor`` (``input="none"``); with an affine bias nothing
-    of a motor is left, and neither ``ctrl`` nor ``act`` grows. What the model's default class says of actuators does
-    not hold for it. Source: MuJoCo 4.0, XML reference, actuator/general/biastype and actuator/dcmotor/input.
+    of a motor is left, and neither ``ctrl`` nor ``act`` grows. The model's default class for actuators does not apply
+    to it. Source: MuJoCo 4.0, XML reference, actuator/general/biastype and actuator/dcmotor/input.
     """
     actuator = spec.add_actuator()
     actuator.name = name

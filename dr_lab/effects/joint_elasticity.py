@@ -11,6 +11,7 @@ from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_drive import JointDrive
 from dr_lab.effects.joint_effect import slides
 from dr_lab.effects.motor_side import MotorSide, MotorSideEffect
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -19,7 +20,7 @@ _STIFFEST = 1e-6  # steps; the shortest period that rounding lets the closed for
 
 
 @dataclass(frozen=True)
-class JointElasticity(MotorSideEffect):
+class JointElasticity(MotorSideEffect, ForceLaw):
     """Two inertias with a spring in between: motor and link swing against each other.
 
     T = (δ + eta δ')/C with the distance δ of the motor before the link; J δ'' = tau_m − T − J q'', and the link, which
@@ -27,13 +28,13 @@ class JointElasticity(MotorSideEffect):
     the motor is rigid with its link: the model itself.
 
     Each step is the exact solution for its mean tau_m and q'', so that no stiffness is too high for it. Before a
-    window's start the motor follows the measured motion and commands of ``windows.memory`` seconds, from its balance;
-    oscillations that outlast those, or are too fast for the smoothed measurement, begin wrong.
+    window's start the motor follows the measured motion and commands of ``windows.memory`` seconds, from its balance.
+    An oscillation that lasts longer, or is too fast for the smoothed measurement, begins wrong.
 
     Parameters (nominal = absent): compliance C ≥ 0 [rad/(N·m), slide: m/N]; rotor J > 0 [kg·m², slide: kg] and
     retardation eta > 0 [s], which act only where C > 0 (fits start away from absent).
     Limits: driven hinge and slide joints whose encoder sits at the link; the motor's back-EMF and friction stay with
-    the link; only J C tells itself where the logs hold nothing near the resonance.
+    the link; logs without anything near the resonance tell only the product J C.
     Source: Spong, Modeling and control of elastic joint robots, ASME J. Dyn. Sys. Meas. Control 109 (1987), whose
     rotor turns about the joint's axis without gyroscopic coupling; damping after Kelvin and Voigt.
 
@@ -75,13 +76,10 @@ class JointElasticity(MotorSideEffect):
             Parameter("retardation", "s", nominal, low, far),
         )
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the motor moves between the steps."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor on its spring."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return (_Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"]),)
+        return _Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"])
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Springs from stiff to soft."""

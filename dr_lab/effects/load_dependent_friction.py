@@ -10,13 +10,14 @@ import numpy as np
 from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import driven
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class LoadDependentFriction(DryFrictionEffect):
+class LoadDependentFriction(DryFrictionEffect, ForceLaw):
     """Dry friction between loaded teeth: proportional to what the motor and the outside press onto the gear.
 
     |tau| ≤ K |tau_m − tau_e|, against the motion: tau_m the actuators' torque at the joint, tau_e the outside's, which
@@ -52,12 +53,9 @@ class LoadDependentFriction(DryFrictionEffect):
         del model, site, scales
         return (Parameter("share", "1", 0.0, 0.0, self.most),)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the friction loss comes before every step."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The friction loss of each step."""
-        return (_Loaded(int(models[0].joint(site).dofadr[0]), values["share"]),)
+        return _Loaded(int(models[0].joint(site).dofadr[0]), values["share"])
 
 
 @dataclass(frozen=True)

@@ -50,11 +50,13 @@ class MotorSideEffect(JointEffect):
 class MotorSide(Law):
     """The rotor of n simulations, as seen from the link.
 
-    With the rotor glued to it the link would feel all of tau_m and carry J. What it feels differs by −J δ''. Through
-    one step tau_m and q'' are taken for constant; then the change of the rate δ' is kick + share h (tau_m − J q'')/J,
-    with what a law of its own says of both. Its part with q'' takes inertia off the joint, so that the coupling is
-    implicit and stays stable for rotors that outweigh their link; the rest is an applied force. What tau_m turns out to
-    have been (a clipped or late command) is made up for in the next step.
+    With the rotor glued to it the link would feel all of tau_m and carry J. What it feels differs by −J δ'':
+
+    1. Through one step tau_m and q'' are taken as constant. The change of the rate δ' is then
+       kick + share h (tau_m − J q'')/J; `plan` says what kick and share are.
+    2. The part with q'' takes inertia off the joint. So the coupling is implicit, and it stays stable for a rotor that
+       outweighs its link. The rest is an applied force.
+    3. If tau_m turns out to have been another (a clipped or late command), the next step makes up for the difference.
 
     Attributes:
         drive: what the joint's actuators give.
@@ -83,7 +85,7 @@ class MotorSide(Law):
 
     @abstractmethod
     def plan(self, load: Array) -> tuple[Array, Array]:
-        """Share and kick of the coming step, which bears about this load, shapes (n,) or (1,)."""
+        """Share and kick of the coming step, which is expected to bear this load, shapes (n,) or (1,)."""
 
     @abstractmethod
     def advance(self, load: Array) -> None:

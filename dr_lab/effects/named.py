@@ -1,4 +1,4 @@
-"""Effects that the names of a context's parameters speak of."""
+"""Effects found by the names of their parameters in a context."""
 
 from collections.abc import Iterable, Mapping
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -16,7 +17,7 @@ _SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
 
 
 @dataclass(frozen=True)
-class Payload(Effect):
+class Payload(Effect, SpecEdit):
     """A point mass fixed to a moving body, on the line from the body's joint to its centre of mass.
 
     It is a body of its own (``payload@<body>``, without joint, inertia zero about itself) at
@@ -26,8 +27,8 @@ class Payload(Effect):
 
     Parameters (nominal = absent): mass m ≥ 0 [kg]; distance [m] ≥ 0, which acts only where m > 0 (fits start away from
     absent) and is left out where the body never turns.
-    Limits: where the link's mass, centre and inertia are free too, only the sums m, m·distance, m·distance² of both can
-    be told; models that let MuJoCo ignore <inertial> are refused.
+    Limits: if the link's mass, centre and inertia are free too, only the sums of m, m·distance and m·distance² over
+    link and payload can be told; models that let MuJoCo ignore <inertial> are refused.
     Raises: ModelError if the model's compiler has inertiafromgeom="true".
     Source: parallel-axis theorem; MuJoCo body/inertial.
 

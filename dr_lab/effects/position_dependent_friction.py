@@ -11,13 +11,14 @@ from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import slides
 from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class PositionDependentFriction(DryFrictionEffect):
+class PositionDependentFriction(DryFrictionEffect, ForceLaw):
     """Dry friction of a bent shaft, an eccentric gear or a worn bearing: once in a turn it is largest.
 
     |tau| ≤ tau_m max(0, 1 + a sin(q) + b cos(q)), against the motion. Written into MuJoCo's ``frictionloss`` before
@@ -63,14 +64,11 @@ class PositionDependentFriction(DryFrictionEffect):
         shares = (Parameter(phase, "1", 0.0, -1.0, 1.0) for phase in ("sine", "cosine"))
         return (Parameter("mean", "N·m", 0.0, 0.0, high), *shares)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the friction loss comes before every step."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The friction loss of each step."""
         joint = models[0].joint(site)
         phases = (values["mean"], values["sine"], values["cosine"])
-        return (_Uneven(int(joint.qposadr[0]), int(joint.dofadr[0]), *phases),)
+        return _Uneven(int(joint.qposadr[0]), int(joint.dofadr[0]), *phases)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Little friction, largest at several places."""

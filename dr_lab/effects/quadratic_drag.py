@@ -8,11 +8,12 @@ import mujoco
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class QuadraticDrag(JointEffect):
+class QuadraticDrag(JointEffect, SpecEdit):
     """Air or fluid that a link pushes aside.
 
     tau(v) = −c v |v|, added to the second coefficient of the joint's damping polynomial.

@@ -8,15 +8,14 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
-from dr_lab.effects.command_filter import Advance, Driver, column_of, filtered
+from dr_lab.effects.command_filter import Advance, DynamicFilter
 from dr_lab.effects.effect import Scales
-from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class RateLimit(ActuatorEffect):
+class RateLimit(ActuatorEffect, DynamicFilter):
     """A driver's ramp or a hydraulic valve: the command takes its time over every change.
 
     |y'| ≤ 1/i on the way from y to the command u, where it stops. Through a step h in which u is held, y goes
@@ -25,8 +24,8 @@ class RateLimit(ActuatorEffect):
 
     Parameters (nominal = absent): inverse_rate i ≥ 0 [s per unit of the command].
     Limits: actuators with one command; symmetric; before the windows' past it is at rest. Acts on step averages, so a
-    jump within a step counts as two lesser ones. Every jump shows it, but a command without jumps only if it is steeper
-    than 1/i: fits start at several limits.
+    jump within a step counts as two lesser ones. Every jump shows it; a command without jumps shows it only if it is
+    steeper than 1/i, so fits start at several limits.
     MuJoCo's ``slewmax`` is not used: it limits position setpoints alone, and its activation at a window's start
     would be one more unknown.
     Source: Duda, Journal of Guidance, Control, and Dynamics 20 (1997), 581-587.
@@ -54,37 +53,20 @@ class RateLimit(ActuatorEffect):
         largest = max(scales.command.get(site, 0.0), self.least)
         return (Parameter("inverse_rate", "s/command", 0.0, 0.0, self.slowest / largest),)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the commands bring it."""
+    def advance(self, values: Mapping[str, Array], step: float) -> Advance:
+        """Average and end of a step through which a command is held."""
+        inverse = values["inverse_rate"]
 
-    def command(
-        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
-    ) -> Array:
-        """Step averages behind the limit."""
-        if actuator != site:
-            return series
-        inverse = values["inverse_rate"][..., 0]
-        return filtered(series, len(inverse), _limited(inverse, option.timestep))
+        def limited(level: Array, asked: Array) -> tuple[Array, Array]:
+            gap = asked - level
+            time = inverse * np.abs(gap)
+            share = step / np.maximum(time, step)
+            end = asked - (1.0 - share) * gap
+            return end - share * gap * np.minimum(time, step) / (2.0 * step), end
 
-    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """The limit, step by step."""
-        advance = _limited(values["inverse_rate"], compiled.opt.timestep)
-        return (Driver(column_of(compiled, site), advance),)
+        return limited
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Limits within the commands of the logs."""
         (inverse,) = parameters
         return tuple({"inverse_rate": inverse.high * time / self.slowest} for time in self.start_times)
-
-
-def _limited(inverse: Array, step: float) -> Advance:
-    """Average and end of a step through which a command is held."""
-
-    def advance(level: Array, asked: Array) -> tuple[Array, Array]:
-        gap = asked - level
-        time = inverse * np.abs(gap)
-        share = step / np.maximum(time, step)
-        end = asked - (1.0 - share) * gap
-        return end - share * gap * np.minimum(time, step) / (2.0 * step), end
-
-    return advance

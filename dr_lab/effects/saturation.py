@@ -8,11 +8,12 @@ import mujoco
 
 from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class Saturation(ActuatorEffect):
+class Saturation(ActuatorEffect, SpecEdit):
     """A supply or driver that cannot give more than a limit.
 
     u → clip(u, −1/i, 1/i), within the actuator's own control range. The parameter is the inverse of the limit, so that

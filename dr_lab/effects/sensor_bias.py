@@ -20,8 +20,8 @@ class SensorBias(ScalarSensorEffect):
     reading = q + b, for a joint's position or for one sensor; a joint's velocity does not show it.
 
     Parameters (nominal = absent): bias b [rad, slide: m, sensor: unit of the reading].
-    Limits: one number (no vector, no orientation), constant over all logs. A joint on which nothing depends on the
-    position (no gravity, spring or other joint) does not show it either: the start states take it up.
+    Limits: one number (no vector, no orientation), constant over all logs. A joint on whose position nothing depends
+    (no gravity, spring or other joint) does not show it: the start states take it up.
     Source: Hollerbach, Khalil and Gautier, Springer Handbook of Robotics (2016), chapter 6 (joint offsets).
 
     Attributes:

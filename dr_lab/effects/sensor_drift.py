@@ -21,8 +21,8 @@ class SensorDrift(ScalarSensorEffect):
     reading(t) = q(t) + r t with t on the log's clock; the velocity of the same encoder reads r too much.
 
     Parameters (nominal = absent): rate r [rad/s, slide: m/s, sensor: unit of the reading per s].
-    Limits: one number (no vector, no orientation); zero where the log's clock is zero and of the same rate in all
-    logs. A zero that is off from the first is a `sensor_bias` besides.
+    Limits: one number (no vector, no orientation). The drift is zero at time zero of a log's clock and has the same
+    rate in all logs; a zero that is wrong from the beginning is a `sensor_bias` besides.
     Source: Fraden, Handbook of Modern Sensors, 5th edition (2016), chapter 3 (drift).
 
     Attributes:

@@ -1,22 +1,18 @@
 """What effects at a measured channel have in common."""
 
-from collections.abc import Mapping
-
 import mujoco
 
 from dr_lab.effects.joint_effect import JointEffect
+from dr_lab.physics.effect_parts import SensorTransform
 
 
-class SensorEffect(JointEffect):
+class SensorEffect(JointEffect, SensorTransform):
     """An effect between a motion and its record: at a joint's encoder or at one sensor; the physics is untouched."""
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the hinge and slide joints, and ``sensor.<name>`` for every named sensor."""
         sensors = (model.sensor(i).name for i in range(model.nsensor))
         return (*super().sites(model), *(f"sensor.{name}" for name in sensors if name))
-
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the physics is untouched."""
 
 
 def measures(channel: str, site: str) -> bool:

@@ -22,9 +22,9 @@ class SensorScale(ScalarSensorEffect):
     sensor.
 
     Parameters (nominal = absent): excess s [1].
-    Limits: one number (no vector, no orientation); about the zero of the reading, so a zero that is off as well is a
-    `sensor_bias` besides. Where everything is linear in the motion, the same as a drive of 1 + s times the force. The
-    start of a window is found from its reading by rounds that leave an error of s⁴, which bounds s.
+    Limits: one number (no vector, no orientation). It scales about the zero of the reading; a zero that is wrong as
+    well is a `sensor_bias` besides. If everything is linear in the motion, a drive with 1 + s times the force looks the
+    same. The start of a window is found from its reading by iterations that leave an error of s⁴; this bounds s.
     Source: Hollerbach, Khalil and Gautier, Springer Handbook of Robotics (2016), chapter 6 (gains of the sensors).
 
     Attributes:

@@ -1,4 +1,4 @@
-"""When an effect acts as another, poorer one of the catalogue at the same site."""
+"""How one effect contains another, poorer one of the catalogue at the same site."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,13 +6,12 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class SpecialCase:
-    """How a poorer effect is held by a richer one; parameters by their short names.
+    """How a richer effect becomes a poorer one; parameters by their short names.
 
     Attributes:
-        further: the richer effect's parameters that the poorer one does not have; with all of them at zero, or in the
-            limit towards it, the richer effect acts as the poorer one.
-        same: the richer effect's parameters that are the poorer one's, by the richer one's names; empty where they are
-            not the same quantity.
+        further: the parameters that only the richer effect has. With all of them at zero, or in the limit towards zero,
+            it acts as the poorer one.
+        same: the parameters that both have, the richer one's name → the poorer one's; empty if the quantities differ.
     """
 
     further: tuple[str, ...]

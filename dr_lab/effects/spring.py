@@ -10,13 +10,14 @@ from numpy.polynomial import Polynomial
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 Start = Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class Spring(JointEffect):
+class Spring(JointEffect, SpecEdit):
     """A cable, hose or spring that pulls the joint to a rest position.
 
     tau(q) = −k (q − q_r). Together with the joint's own spring f(x) = a x + b x² + c x³, x = q − q₀, this is again a

@@ -10,17 +10,18 @@ from dr_lab.effects.dry_friction import DryFrictionEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import add_passive_force, joint_of, slides
 from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class StribeckFriction(DryFrictionEffect):
+class StribeckFriction(DryFrictionEffect, SpecEdit):
     """Dry friction that drops from static to kinetic as the joint starts to move; viscous friction is separate.
 
     tau(v) = −sign(v) (tau_c + tau_e exp(−(v/v_s)²)) while sliding, |tau| ≤ tau_c + tau_e at rest.
-    Here friction loss tau_c + tau_e, less forces along the motion that are proportional to speed and clipped: their
-    sum Σ share_i min(|v|/(width_i v_s), 1) stands for the drop 1 − exp(−(v/v_s)²). They are actuators without command
-    (``stribeck_friction@<joint>.<i>``), present at every value; there is no hidden state.
+    It is written as a friction loss tau_c + tau_e, less forces along the motion that are proportional to speed and
+    clipped. Their sum Σ share_i min(|v|/(width_i v_s), 1) stands for the drop 1 − exp(−(v/v_s)²). They are actuators
+    without command (``stribeck_friction@<joint>.<i>``), present at every value; there is no hidden state.
     MuJoCo's own LuGre friction is not used: with RK4 its bristles diverge, with implicitfast its error is four times
     larger (notes in the yaml), and its damping kicks the joint at the start of every simulation.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
 from dr_lab.effects.effect import Scales
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 _AFFINE_GAIN = (mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtGain.mjGAIN_AFFINE)
@@ -16,7 +17,7 @@ _AFFINE_BIAS = (mujoco.mjtBias.mjBIAS_NONE, mujoco.mjtBias.mjBIAS_AFFINE)
 
 
 @dataclass(frozen=True)
-class TorqueScale(ActuatorEffect):
+class TorqueScale(ActuatorEffect, SpecEdit):
     """A weaker magnet, a gear's loss or a wrong unit: the actuator's whole force times a factor.
 
     F = s F_model, force limit included. Affine actuators: gain and bias times s. DC motors, F = K (u − K v)/R: R/s,

@@ -11,6 +11,7 @@ from dr_lab.effects.actuator_effect import ActuatorEffect
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.compiled_contexts import distinct
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -20,11 +21,11 @@ _FORCE_ALONE = (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_NONE
 
 
 @dataclass(frozen=True)
-class TorqueSpeedLimit(ActuatorEffect):
+class TorqueSpeedLimit(ActuatorEffect, ForceLaw):
     """The line from stall torque to no-load speed of a motor behind a torque controller, whose voltage runs out.
 
-    −(1 + n v) ≤ i F ≤ 1 − n v, with i = 1/F_stall and n = 1/v_free: against the motion more than the stall torque is
-    at hand, with the motion less, beyond v_free none. Written as a bound of the command before every step.
+    −(1 + n v) ≤ i F ≤ 1 − n v, with i = 1/F_stall and n = 1/v_free. Against the motion the motor can give more than its
+    stall torque, with the motion less, and beyond v_free nothing. The law bounds the command before every step.
 
     Parameters (nominal = absent): inverse stall torque i ≥ 0 [1/(N·m), 1/N], inverse no-load speed n ≥ 0 [s/rad, s/m],
     which act only where i > 0 and the limit is reached (fits start away from absent).
@@ -71,10 +72,7 @@ class TorqueSpeedLimit(ActuatorEffect):
             Parameter("inverse_speed", units[1], 0.0, 0.0, self.fastest / speed),
         )
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: the bound comes before every step."""
-
-    def force_laws(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The bound of each step."""
         unique, which = distinct(models)
         row = unique[0].actuator(site).id
@@ -82,7 +80,7 @@ class TorqueSpeedLimit(ActuatorEffect):
         column = int(unique[0].actuator_ctrladr[row])
         drives = np.array([(model.actuator_gainprm[row, 0], model.actuator_gear[row, 0]) for model in unique])
         gain, gear = drives[which].T
-        return (_Bounded(column, dof, gain, gear, values["inverse_stall"], values["inverse_speed"]),)
+        return _Bounded(column, dof, gain, gear, values["inverse_stall"], values["inverse_speed"])
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Limits that the logs reach at high speed."""

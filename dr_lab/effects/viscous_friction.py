@@ -8,11 +8,12 @@ import mujoco
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class ViscousFriction(JointEffect):
+class ViscousFriction(JointEffect, SpecEdit):
     """Lubricant, bearing seals and eddy currents: a force against the motion that grows with speed.
 
     tau(v) = −c v, added to the joint's own linear damping.

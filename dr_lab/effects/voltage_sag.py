@@ -8,19 +8,18 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
-from dr_lab.effects.command_filter import Driver, column_of
+from dr_lab.effects.command_filter import StaticFilter
 from dr_lab.effects.effect import Scales
-from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class VoltageSag(ActuatorEffect):
+class VoltageSag(ActuatorEffect, StaticFilter):
     """A battery's or a cable's resistance: the supply drops in proportion to the load, and the drive with it.
 
-    u → u (1 − c |u|); k = c u_max of the supply is lost at the largest command u_max. The parameter is c and not k,
-    so that its value holds for other logs too.
+    u → u (1 − c |u|). At the largest command u_max the share k = c u_max of the supply is lost. The parameter is c and
+    not k, so that its value holds for other logs too.
 
     Parameters (nominal = absent): slope c ≥ 0 [1/unit of the command].
     Limits: actuators with one command, whose zero is no load; the load is taken as proportional to the command
@@ -49,20 +48,6 @@ class VoltageSag(ActuatorEffect):
         largest = max(scales.command.get(site, 0.0), self.least)
         return (Parameter("slope", "1/command", 0.0, 0.0, self.deepest / largest),)
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Nothing: MuJoCo has no such element."""
-
-    def command(
-        self, site: str, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption
-    ) -> Array:
+    def output(self, values: Mapping[str, Array], asked: Array) -> Array:
         """Commands less what the supply loses."""
-        del option
-        return _sagging(series, values["slope"]) if actuator == site else series
-
-    def drivers(self, site: str, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """The same at every step."""
-        return (Driver(column_of(compiled, site), lambda _, asked: (_sagging(asked, values["slope"]), asked)),)
-
-
-def _sagging(command: Array, slope: Array) -> Array:
-    return command * (1.0 - slope * np.abs(command))
+        return asked * (1.0 - values["slope"] * np.abs(asked))

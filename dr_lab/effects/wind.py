@@ -10,6 +10,7 @@ import numpy as np
 
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import fluid_forces
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -18,7 +19,7 @@ _LEVEL = _AXES[:2]
 
 
 @dataclass(frozen=True)
-class Wind(Effect):
+class Wind(Effect, SpecEdit):
     """A steady, level wind: every link moves through the medium with its velocity less the wind's.
 
     v → v − (x, y, 0) in MuJoCo's fluid forces, in the axes of the world.
@@ -30,7 +31,7 @@ class Wind(Effect):
 
     Attributes:
         strongest: how far either speed may lie from the model's own [m/s].
-        sensitive: share of the force of an equally strong wind in the worst direction from which on one counts as felt.
+        sensitive: a direction counts as felt above this share of the force of an equal wind in the worst direction.
         poses: number of states in which that is looked for.
     """
 

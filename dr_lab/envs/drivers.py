@@ -1,46 +1,34 @@
 """What a policy's commands go through before they reach the physics."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
 from dr_lab.errors import ModelError
+from dr_lab.physics.effect_parts import CommandFilter, StepwiseFilter
 from dr_lab.physics.law import Law
-from dr_lab.physics.model import Model, ModelEffect
-from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.silent_effect import SilentEffect
+from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class Drivers(SilentEffect):
-    """The drivers of a model's effects as a first effect, so that all else finds commands as they leave them.
+class DrivenModel(Model):
+    """A model that is stepped without knowing what comes: its command filters act between the steps."""
 
-    Fulfils `physics.model.ModelEffect`.
-
-    Attributes:
-        effects: the model's effects.
-        label: what stands for them among effects.
-        parameters: none beside those of the effects.
-    """
-
-    effects: tuple[ModelEffect, ...]
-    label: str = "drivers"
-    parameters: tuple[Parameter, ...] = ()
-
-    def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """The drivers, in order of the effects."""
-        return tuple(law for effect in self.effects for law in effect.drivers(values, compiled))
-
-    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
-        """The drivers, as laws between steps."""
-        return self.drivers(values, models[0])
+    def laws(self, z: Array, models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+        """The filters, so that all else finds commands as they leave them; then the laws of the model."""
+        values, compiled = self.values(z), models[0]
+        filters = tuple(
+            part.driver(effect.local(values), _column(compiled, effect.site), compiled.opt.timestep)
+            for effect, part in self.having(StepwiseFilter)
+        )
+        return (*filters, *super().laws(z, models))
 
 
-def stepwise(model: Model) -> Model:
-    """The model as a policy drives it, which steps without knowing what comes: drivers act between the steps.
+def stepwise(model: Model) -> DrivenModel:
+    """The model as a policy drives it: its command filters act between the steps.
 
     Effects at sensors have no part: a task reads the state itself. Their parameters stay in the context, for a run's
     distribution to remain whole.
@@ -49,22 +37,23 @@ def stepwise(model: Model) -> Model:
         model: the machine.
 
     Raises:
-        ModelError: an effect transforms commands and has no driver for it. The nominal context is judged: an actuator's
-            delay acts as MuJoCo's own from one and a half physics steps on, and one that is drawn below that is none.
+        ModelError: an effect filters commands and cannot do so step by step. The nominal context is judged: an
+            actuator's delay acts as MuJoCo's own from one and a half physics steps on, and one that is drawn below that
+            is none.
     """
-    compiled = model.nominal()
-    actuators = [compiled.actuator(i).name for i in range(compiled.nactuator)]
-    driven = False
-    for effect in model.effects:
-        alone = replace(model, effects=(effect,))
-        z, series = alone.space.nominal[None], np.zeros((1, 1, 2))
-        changed = [a for a in actuators if alone.command(z, a, series) is not series]
-        found = bool(effect.drivers({name: z[:, i] for i, name in enumerate(alone.space.names)}, compiled))
-        driven = driven or found
-        if changed and not found:
+    values, series = model.values(model.space.nominal[None]), np.zeros((1, 1, 2))
+    for effect, part in model.having(CommandFilter):
+        local = {name: value[:, None, None] for name, value in effect.local(values).items()}
+        known = isinstance(part, StepwiseFilter)
+        if not known and part.filtered(local, series, model.spec.option) is not series:
             raise ModelError(
-                f"Effect {effect.label!r} of model {model.name!r} transforms the commands of {', '.join(changed)} and "
+                f"Effect {effect.label!r} of model {model.name!r} transforms the commands of {effect.site} and "
                 "has no driver that does so step by step. Fit the model without it, so that other effects take "
                 "its place: dr-lab close effect=[…]."
             )
-    return replace(model, effects=(Drivers(model.effects), *model.effects)) if driven else model
+    return DrivenModel(model.name, model.spec, model.declared, model.targets, model.effects)
+
+
+def _column(compiled: mujoco.MjModel, actuator: str) -> int:
+    """Column of an actuator's only command in the controls."""
+    return int(compiled.actuator_ctrladr[compiled.actuator(actuator).id])

@@ -70,7 +70,7 @@ class Task(ABC):
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel")
 
     def __post_init__(self) -> None:
-        require_numbers(self, "task", least={"frame_skip": 1, "time_limit": 1})
+        require_numbers(self, "env.task", least={"frame_skip": 1, "time_limit": 1})
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

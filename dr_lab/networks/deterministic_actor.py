@@ -1,35 +1,28 @@
 """A deterministic policy, with noise while it explores."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from dr_lab.errors import require_numbers
-from dr_lab.networks.mlp import MLP, Activation
+from dr_lab.networks.actor import Actor
+from dr_lab.networks.mlp import Activation
 from dr_lab.networks.normaliser import Normaliser
 from dr_lab.trajectory import Array
 
 
-class DeterministicActor(nn.Module):
+class DeterministicActor(Actor):
     """a = c + r·tanh(f(o)), where c ± r are the bounds of the action.
 
-    Args:
-        observation: width of observations.
-        low: lowest action, shape (nu,).
-        high: highest action, shape (nu,).
-        seed: of weights and noise.
-        normaliser: makes a normaliser for a width of observations.
-        hidden: widths of the hidden layers.
-        activation: between them.
+    Attributes: as `Actor`, whose network is f.
+
+    Args: as `Actor`, and
         noise: standard deviation of the noise while exploring, for actions scaled to ±1.
 
     Raises:
         ConfigError: a number is out of its range.
     """
-
-    centre: Tensor
-    reach: Tensor
 
     def __init__(
         self,
@@ -42,20 +35,15 @@ class DeterministicActor(nn.Module):
         activation: Activation,
         noise: float,
     ) -> None:
-        super().__init__()
+        super().__init__(observation, low, high, seed, normaliser, hidden, activation)
         self.noise = noise
         require_numbers(self, "algorithm.actor", least={"noise": 0.0})
-        self.generator = torch.Generator().manual_seed(seed)
-        self.normaliser = normaliser(observation)
-        self.body = MLP(observation, hidden, len(low), activation, last_gain=0.01, generator=self.generator)
-        self.register_buffer("centre", torch.as_tensor((low + high) / 2, dtype=torch.float32))
-        self.register_buffer("reach", torch.as_tensor((high - low) / 2, dtype=torch.float32))
 
     @torch.no_grad()
-    def forward(self, observation: Tensor) -> Tensor:
-        """An exploring action (n, nu) for observations (n, o), within the bounds."""
+    def act(self, observation: Tensor, noise: Tensor) -> Tensor:
+        """The exploring action (…, nu), within the bounds, to which noise (…, nu) of N(0, 1) leads."""
         unit = self.body(self.normaliser(observation)).tanh()
-        unit += self.noise * torch.empty_like(unit).normal_(generator=self.generator)
+        unit += self.noise * noise
         return self.centre + self.reach * unit.clamp_(-1.0, 1.0)
 
     @torch.no_grad()
@@ -63,14 +51,11 @@ class DeterministicActor(nn.Module):
         """The action without noise, which is what is deployed."""
         return self.centre + self.reach * self.body(self.normaliser(observation)).tanh()
 
-    def unit(self, action: Tensor) -> Tensor:
-        """(a − c)/r."""
-        return (action - self.centre) / self.reach
+    def unit_action(self, parameters: Mapping[str, Tensor], observation: Tensor) -> Tensor:
+        """The action (…, nu) scaled to ±1 under other parameters than its own; nothing else enters.
 
-    def get_extra_state(self) -> Tensor:
-        """State of the random numbers."""
-        return self.generator.get_state()
-
-    def set_extra_state(self, state: Tensor) -> None:
-        """Go on with these random numbers."""
-        self.generator.set_state(state)
+        Args:
+            parameters: as ``dict(actor.named_parameters())`` names and shapes them.
+            observation: normalised already, shape (…, o).
+        """
+        return self.output(parameters, observation).tanh()

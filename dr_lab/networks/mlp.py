@@ -79,7 +79,7 @@ class MLP(nn.Module):
         layers = [x]
         last, activate = len(self._names) - 1, _ACTIVATIONS[self._activation]
         for k, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
-            linear = nn.functional.linear(layers[-1], weight, bias)
+            linear = _affine(layers[-1], weight, bias)
             layers.append(linear if k == last else activate(linear))
         return layers
 
@@ -100,3 +100,10 @@ class MLP(nn.Module):
             torch.sum(slope, 0, out=biases[k])
             if k:
                 slope = _BACKWARD[self._activation](torch.mm(slope, every[k]), layers[k])
+
+
+def _affine(x: Tensor, weight: Tensor, bias: Tensor) -> Tensor:
+    """W x + b; of N networks at once where W is (N, outputs, inputs), b (N, 1, outputs) and x (N, rows, inputs)."""
+    if weight.dim() == 2:
+        return nn.functional.linear(x, weight, bias)
+    return torch.baddbmm(bias, x, weight.mT)

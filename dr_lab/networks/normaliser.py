@@ -56,7 +56,7 @@ class RunningNormaliser(Normaliser):
     def __init__(self, size: int, clip: float) -> None:
         super().__init__()
         self.clip = clip
-        require_numbers(self, "normaliser", positive=("clip",))
+        require_numbers(self, "algorithm.actor.normaliser", positive=("clip",))
         self.register_buffer("count", torch.zeros((), dtype=torch.float64))
         self.register_buffer("mean", torch.zeros(size, dtype=torch.float64))
         self.register_buffer("variance", torch.ones(size, dtype=torch.float64))

@@ -7,6 +7,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
+from dr_lab.physics.few import in_calls
 from dr_lab.physics.model import Model
 from dr_lab.physics.target import FieldEdit
 from dr_lab.trajectory import Array
@@ -74,7 +75,8 @@ class FieldContexts:
         if impossible.any():
             self._write(batch, np.tile(self._nominal, (impossible.sum(), 1)), ids[impossible])
         if self.needs_constants:
-            batch.set_const(ids)
+            for each in in_calls(batch, ids):
+                batch.set_const(each)
         return impossible
 
     def _write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> None:

@@ -1,9 +1,9 @@
 """A machine's model: MJCF, declared parameters and effects, compiled freshly for any context."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import mujoco
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.effect_parts import CommandFilter, ForceLaw, SensorTransform, SpecEdit, SpecPreparation
 from dr_lab.physics.inertias import written_out
 from dr_lab.physics.law import Law
 from dr_lab.physics.naming import name_elements
@@ -20,11 +21,14 @@ from dr_lab.physics.signal import Reading
 from dr_lab.physics.target import Target
 from dr_lab.trajectory import Array
 
+Value = TypeVar("Value", float, Array)
+_Part = TypeVar("_Part")
+
 _KEYS = ("target", "unit", "low", "high")
 
 
 class ModelEffect(Protocol):
-    """What a model asks of a placed effect: its parameters, its edit of a fresh spec and its signal transforms."""
+    """An effect at a site of a model, as a model sees it."""
 
     @property
     def label(self) -> str:
@@ -32,55 +36,22 @@ class ModelEffect(Protocol):
         ...
 
     @property
+    def site(self) -> str:
+        """The element that it sits at."""
+        ...
+
+    @property
+    def effect(self) -> object:
+        """What acts there; its base classes of `effect_parts` say in which parts of the physics."""
+        ...
+
+    @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The effect's parameters, nominal = absent."""
         ...
 
-    def prepare(self, spec: mujoco.MjSpec) -> None:
-        """Write into a fresh spec at its nominal values what the effect needs in every context."""
-        ...
-
-    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
-        """Write the effect into a fresh spec; `values` by parameter name."""
-        ...
-
-    def reading(self, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
-        """What a sensor reports of a channel; `read` itself where the effect does not touch it.
-
-        Args:
-            values: values by parameter name, shape (c, 1, 1).
-            channel: the channel's name.
-            read: what the sensor would report without the effect.
-            begin: s on the log's clock at which the windows start, shape (w, 1).
-        """
-        ...
-
-    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
-        """What becomes of an actuator's commands beside the edit; `series` itself where the effect does not touch them.
-
-        Args:
-            values: values by parameter name, shape (c, 1, 1).
-            actuator: the actuator's name.
-            series: step averages of the commands, the past included, shape (c or 1, w, s).
-            option: the model's options, which hold the step.
-        """
-        ...
-
-    def drivers(self, values: Mapping[str, Array], compiled: mujoco.MjModel) -> tuple[Law, ...]:
-        """What `command` does, step by step; `values` by name, one for each simulation, shape (n,)."""
-        ...
-
-    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
-        """What acts from step to step beside the edit.
-
-        Args:
-            values: values by name, one for each simulation, shape (n,).
-            models: the compiled model of each simulation, with all effects at its context; the layout is the same.
-        """
-        ...
-
-    def lacking(self, values: Mapping[str, float], option: mujoco.MjOption) -> str:
-        """What an exported MJCF file lacks of the effect at these values, empty if nothing."""
+    def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
+        """The effect's own values out of a whole context's, by the names that its parts know them by."""
         ...
 
 
@@ -119,16 +90,20 @@ class Model:
             raise ModelError(f"Effect {effect.label!r} is already part of model {self.name!r}.")
         return replace(self, effects=(*self.effects, effect))
 
+    def having(self, part: type[_Part]) -> Iterator[tuple[ModelEffect, _Part]]:
+        """The effects that have a part, in order, each with it."""
+        return ((effect, effect.effect) for effect in self.effects if isinstance(effect.effect, part))
+
     def spec_at(self, z: Array) -> mujoco.MjSpec:
         """Fresh spec with the context z written into it; z shape (n,)."""
         values = self.space.mapping(z)
         spec = self.spec.copy()
-        for effect in self.effects:
-            effect.prepare(spec)
+        for effect, part in self.having(SpecPreparation):
+            part.prepare(spec, effect.site)
         for parameter in self.declared:
             self.targets[parameter.name].write(spec, values[parameter.name])
-        for effect in self.effects:
-            effect.edit(spec, values)
+        for effect, part in self.having(SpecEdit):
+            part.edit(spec, effect.site, effect.local(values))
         return spec
 
     def compile(self, z: Array) -> mujoco.MjModel:
@@ -147,27 +122,41 @@ class Model:
         """Compiled model at the nominal context."""
         return self.compile(self.space.nominal)
 
+    def values(self, z: Array) -> dict[str, Array]:
+        """Value of every parameter in the contexts z (c, n) by name, shape (c,)."""
+        return {name: z[:, i] for i, name in enumerate(self.space.names)}
+
     def reading(self, z: Array, channel: str, read: Reading, begin: Array) -> Reading:
-        """What a sensor reports of a channel under contexts z (c, n), by the effects in order; see `ModelEffect`."""
+        """What a sensor reports of a channel under contexts z (c, n), by the effects in order."""
         values = self._columns(z)
-        for effect in self.effects:
-            read = effect.reading(values, channel, read, begin)
+        for effect, part in self.having(SensorTransform):
+            read = part.reading(effect.site, effect.local(values), channel, read, begin)
         return read
 
     def command(self, z: Array, actuator: str, series: Array) -> Array:
-        """What becomes of an actuator's commands under contexts z (c, n); see `ModelEffect`."""
+        """What becomes of an actuator's commands under contexts z (c, n), by the effects in order.
+
+        Args:
+            z: contexts.
+            actuator: the actuator's name.
+            series: step averages of its commands, the past included, shape (c or 1, w, s).
+
+        Returns:
+            Step averages behind the filters; `series` itself where there is none that changes it.
+        """
         values = self._columns(z)
-        for effect in self.effects:
-            series = effect.command(values, actuator, series, self.spec.option)
+        for effect, part in self.having(CommandFilter):
+            if effect.site == actuator:
+                series = part.filtered(effect.local(values), series, self.spec.option)
         return series
 
     def laws(self, z: Array, models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """What acts from step to step in n simulations with contexts z (n, parameters), compiled to `models`."""
-        values = {name: z[:, i] for i, name in enumerate(self.space.names)}
-        return tuple(law for effect in self.effects for law in effect.force_laws(values, models))
+        values = self.values(z)
+        return tuple(part.force_law(each.site, each.local(values), models) for each, part in self.having(ForceLaw))
 
     def _columns(self, z: Array) -> dict[str, Array]:
-        return {name: z[:, i, None, None] for i, name in enumerate(self.space.names)}
+        return {name: value[:, None, None] for name, value in self.values(z).items()}
 
 
 def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, object]] | None) -> Model:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dr_lab.errors import ConfigError, ModelError
 from dr_lab.physics.compiled_contexts import CompiledContexts
 from dr_lab.physics.contact import skip_idle_collisions
+from dr_lab.physics.few import in_calls
 from dr_lab.physics.fields import FieldContexts
 from dr_lab.physics.follow import follow
 from dr_lab.physics.islands import skip_single_island
@@ -150,7 +151,8 @@ class Simulator:
 
     def forward(self, ids: NDArray[np.intp]) -> None:
         """Compute what follows from the states of these simulations."""
-        self.batch.forward(ids)
+        for each in in_calls(self.batch, ids):
+            self.batch.forward(each)
 
     @property
     def memory(self) -> tuple[Array, ...]:

@@ -10,8 +10,10 @@ from omegaconf.errors import InterpolationResolutionError
 
 from dr_lab.cli.arguments import SUPPLIED, not_passed, workflow_of
 from dr_lab.cli.check import check
-from dr_lab.cli.compose import compose, options
+from dr_lab.cli.compose import choices, compose, compose_with_hydra
+from dr_lab.cli.experiments import experiments as experiments_of
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.groups import options
 from dr_lab.cli.verbs import verbs
 from dr_lab.errors import ConfigError
 
@@ -91,6 +93,15 @@ def test_measurements_compose(measurements: str, monkeypatch: pytest.MonkeyPatch
     check_verb("compare", [f"measurements={measurements}"], monkeypatch)
 
 
+def test_help_shows_the_experiments_of_the_verb() -> None:
+    groups = {verb: choices(compose_with_hydra(verb, [], FOLDERS)) for verb in verbs()}
+    shown = {verb: set(experiments_of(groups[verb], FOLDERS)) for verb in verbs()}
+    named = {verb: {name for own, name in experiments() if own == verb} for verb in verbs()}
+    for verb in ("close", "evaluate", "record", "train"):
+        assert shown[verb] == named[verb]
+    assert "emps" in shown["compare"] < shown["close"]  # one that chooses effects is none of dr-lab compare
+
+
 def test_whole_catalogue_holds_every_effect_that_asks_the_user_for_nothing() -> None:
-    assert sorted({*compose("close").effects, "formula"}) == options_of("effect")
+    assert sorted({*compose("close").effects, "formula", "all"}) == options_of("effect")
     assert "formula" not in compose("close").effects

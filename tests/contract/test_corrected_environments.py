@@ -51,7 +51,7 @@ def test_drivers_act_as_in_a_replay_of_the_same_commands(effect: str) -> None:
     assert not np.allclose(moved[-1], without.qpos[0, -1], rtol=1e-3)
 
 
-def test_an_effect_without_a_driver_is_refused() -> None:
+def test_a_filter_that_needs_the_whole_series_is_refused() -> None:
     with pytest.raises(ModelError, match=r"actuator_delay@motor.* commands of motor"):
         begun(corrected("actuator_delay", "motor"))
 

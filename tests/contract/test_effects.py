@@ -35,6 +35,14 @@ SMALL_ONES = {
     "two_joints_servo": SMALL % '<position name="drive" joint="rail" kp="50" kv="3"/>',
 }
 UNSEEN = {("ball", "payload", "ball")}  # all masses fall alike
+# Between them they have all kinds of sites; the other models are left to the slow tests.
+ARCHETYPES = (
+    "cube",  # a free body with contacts and sensors
+    "furuta",  # two hinges and a DC motor
+    "hopper",  # slides, hinges, contacts and three motors
+    "two_joints_in_air",  # a medium
+    "two_joints_servo",  # a position servo at a slide, and a hinge without motor
+)
 MODELS = (*SMALL_ONES, *sorted(path.stem for path in (CONF / "model").glob("*.xml")))
 
 
@@ -58,20 +66,29 @@ def scales(name: str) -> Scales:
     return Scales(lowest, highest, dict.fromkeys(names, 2.0), torque, command)
 
 
-def every() -> Iterator[tuple[str, str, str]]:
-    for model in MODELS:
-        compiled = machine(model).nominal()
-        for effect in NAMES:
-            for site in catalogue_effect(effect).sites(compiled):
-                yield model, effect, site
+@cache
+def every() -> tuple[tuple[str, str, str], ...]:
+    """Every effect at every site of every model."""
+    compiled = {model: machine(model).nominal() for model in MODELS}
+    return tuple(
+        (model, effect, site)
+        for model in MODELS
+        for effect in NAMES
+        for site in catalogue_effect(effect).sites(compiled[model])
+    )
+
+
+@cache
+def quick() -> frozenset[tuple[str, str, str]]:
+    """Every effect at its first site of each archetype; all other places are left to the slow tests."""
+    firsts = {(model, effect): site for model, effect, site in reversed(every()) if model in ARCHETYPES}
+    return frozenset((model, effect, site) for (model, effect), site in firsts.items())
 
 
 def parameters() -> Iterator[object]:
-    """Every place; what an effect does at a model's second site and further ones is left to the slow tests."""
-    seen = set[tuple[str, str]]()
-    for model, effect, site in every():
-        yield pytest.param(model, effect, site, marks=[pytest.mark.slow] if (model, effect) in seen else [])
-        seen.add((model, effect))
+    """Every place."""
+    for one in every():
+        yield pytest.param(*one, marks=[] if one in quick() else [pytest.mark.slow])
 
 
 PLACES = pytest.mark.parametrize(("model", "effect", "site"), list(parameters()))
@@ -124,9 +141,25 @@ def test_catalogue_states_what_it_is() -> None:
         assert set(effect.confused_with) <= set(NAMES) - {name}
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_every_effect_sits_somewhere(name: str) -> None:
-    assert any(effect == name for _, effect, _ in every())
+def test_every_effect_sits_somewhere_in_the_fast_run() -> None:
+    assert {effect for _, effect, _ in quick()} == set(NAMES)
+
+
+def test_the_archetypes_have_all_kinds_of_sites() -> None:
+    compiled = [machine(name).nominal() for name in ARCHETYPES]
+    assert {int(kind) for model in compiled for kind in model.jnt_type} >= {
+        int(mujoco.mjtJoint.mjJNT_FREE),
+        int(mujoco.mjtJoint.mjJNT_SLIDE),
+        int(mujoco.mjtJoint.mjJNT_HINGE),
+    }
+    laws = {law for model in compiled for law in zip(model.actuator_gaintype, model.actuator_biastype, strict=True)}
+    assert laws >= {
+        (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_NONE)),  # motor
+        (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_AFFINE)),  # servo
+        (int(mujoco.mjtGain.mjGAIN_DCMOTOR), int(mujoco.mjtBias.mjBIAS_DCMOTOR)),
+    }
+    assert max(model.nsensor for model in compiled) > 0
+    assert max(model.nu for model in compiled) > 1
 
 
 @PLACES

@@ -9,8 +9,8 @@ from playing import Uniform, actions, begun, played
 from settings import setting
 from torchrl.envs.utils import check_env_specs
 
-from dr_lab.cli.compose import options
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.groups import options
 
 NAMES = sorted(options("env", (shipped(),)))
 GYMNASIUM: dict[str, dict[str, Any]] = {

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from effect_machines import NAMES, catalogue_effect, scales_of
 
-from dr_lab.comparison.export import ExportRemainder
+from dr_lab.comparison.export import ExportedModel
 from dr_lab.effects.effect import PlacedEffect, place
 from dr_lab.physics.law import History
 from dr_lab.physics.model import Model, from_spec
@@ -52,8 +52,7 @@ def present(one: PlacedEffect) -> dict[str, float]:
 
 def exported(model: Model, z: Array) -> Model:
     """The model that an export reads back, with all digits."""
-    beside = ExportRemainder(model.effects, model.space.mapping(z), model.spec.option)
-    return Model(model.name, model.spec_at(z), (), {}, (beside,))
+    return ExportedModel(model.name, model.spec_at(z), (), {}, model.effects, model.space.mapping(z))
 
 
 def played(model: Model, z: Array) -> Array:

@@ -22,6 +22,8 @@ from dr_lab.collectors.ray import RayCollector
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError
+from dr_lab.networks.gaussian_actor import GaussianActor
+from dr_lab.networks.policy_stack import GaussianPolicyStack
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.ray_cluster import HERE, prepare
@@ -39,11 +41,17 @@ def at(space: ContextSpace, friction: float) -> FixedRandomizer:
     return FixedRandomizer(space, {space.names[0]: friction})
 
 
-def collector(policy: nn.Module, workers: int = WORKERS, address: str = HERE) -> RayCollector:
+def stacked(policies: int) -> GaussianPolicyStack:
+    return GaussianPolicyStack([actor()(11, -np.ones(3), np.ones(3), seed=seed) for seed in range(policies)])
+
+
+def collector(policy: nn.Module, workers: int = WORKERS, address: str = HERE, slots: int = NENV) -> RayCollector:
     recipe = OmegaConf.to_container(composed("env=hopper", *CHOICE), resolve=True)
     assert isinstance(recipe, dict)
     recipe = {str(key): value for key, value in recipe.items()}
-    return RayCollector(env(), policy, STEPS, setting=recipe, workers=workers, cores=1, address=address, patience=10.0)
+    return RayCollector(
+        env(slots), policy, STEPS, setting=recipe, workers=workers, cores=1, address=address, patience=10.0
+    )
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +84,15 @@ def test_states_are_shared_and_joined_without_loss() -> None:
 def test_workers_that_cannot_share_equally_are_told() -> None:
     with pytest.raises(ConfigError, match=r"collector\.workers is 3, which does not divide 4 episodes"):
         collector(Deterministic(), workers=3)
+
+
+@pytest.mark.parametrize(
+    ("policies", "workers", "slots", "message"),
+    [(3, 1, 4, "3 policies cannot share 4 episodes"), (4, 3, 12, "3 workers cannot share 4 policies")],
+)
+def test_policies_that_cannot_be_shared_equally_are_told(policies: int, workers: int, slots: int, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        collector(stacked(policies), workers=workers, slots=slots)
 
 
 def test_a_machine_without_ray_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,6 +166,39 @@ def test_workers_follow_the_policy_and_the_distribution_and_draw_their_own_noise
     assert second["action"].mean() > 90.0
     assert set(first["context"].unique().tolist()) == {1.0}
     assert set(second["context"].unique().tolist()) == {1.0, 2.0}
+
+
+@pytest.mark.daemons
+@pytest.mark.usefixtures("runtime")
+@pytest.mark.parametrize("policies", [1, 4])
+def test_policies_that_share_the_slots_act_at_the_workers_of_their_own(policies: int) -> None:
+    stack = stacked(policies)
+    for policy in stack.policies:
+        assert isinstance(policy, GaussianActor)
+        policy.log_std.data.fill_(-20.0)  # no noise, which workers draw otherwise
+    with collector(stack) as one, LeanCollector(env(), stack, STEPS) as lean:
+        found, expected = next(one), next(lean)
+    assert set(found.keys(True, True)) == LAYOUT | {"policy"}
+    assert found["policy"].tolist() == [[slot * policies // NENV] * STEPS for slot in range(NENV)]
+    for key in ("observation", "action", "policy"):
+        torch.testing.assert_close(found[key], expected[key], rtol=1e-4, atol=1e-4)
+
+
+@pytest.mark.daemons
+@pytest.mark.usefixtures("runtime")
+def test_policies_that_share_the_slots_go_on_exactly() -> None:
+    stack = stacked(4)
+    with collector(stack) as one:
+        next(one)
+        state, noise = one.state_dict(), stack.state_dict()
+        noise = {key: value.clone() for key, value in noise.items()}
+        expected = next(one)
+    with collector(stack) as other:
+        other.load_state_dict(state)
+        stack.load_state_dict(noise)
+        found = next(other)
+    for key in LAYOUT:
+        assert torch.equal(found[key], expected[key])
 
 
 @pytest.mark.daemons

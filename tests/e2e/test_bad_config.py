@@ -14,7 +14,7 @@ SAYS = {
     ("close", "sed=3"): "Did you mean 'seed'?",
     ("diagnose", "effect=[coulomb_fricton]"): "Did you mean 'coulomb_friction'?",
     ("add",): "effect",
-    ("compare", "seed=one"): "seed is 'one'; dr_lab.diagnosis.settings.EvidenceSettings expects a whole number.",
+    ("compare", "seed=one"): "seed is 'one'; expected a whole number.",
     ("compare", "model._target_=os.system"): "outside the trusted packages (dr_lab, ",
     ("compare", "model.parameters.arm.mass.lo=1"): "Did you mean 'model.parameters.arm.mass'?",
     ("record", "plant/hidden=nothing"): "There is no plant/hidden 'nothing'",

@@ -15,7 +15,12 @@ DIAGNOSE = (
     "effect=[coulomb_friction,actuator_delay]",
 )
 SMALL = "machines.furuta.diagnose=[" + ",".join(f'"{override}"' for override in DIAGNOSE) + "]"
-CASES = ["~cases.coarse", "~cases.several", "~cases.outside", "cases.single.hidden={furuta:[coulomb_friction_arm]}"]
+CASES = [
+    "~cases.coarse",
+    "~cases.several",
+    "~cases.outside",
+    "cases.single.hidden={furuta:[furuta/coulomb_friction_arm]}",
+]
 FILES = {
     "benchmark.json",
     "report.md",

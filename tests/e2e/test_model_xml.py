@@ -113,8 +113,8 @@ def test_the_file_says_what_it_lacks(
     demo: tuple[Study, dict[str, Effect]], tmp_path: Path, name: str, sentence: str
 ) -> None:
     path = tmp_path / "model.xml"
-    _, beside = write_model(path, *extended(*demo, name))
-    assert [s for s in beside.sentences() if sentence in s] == beside.sentences()[:1]
+    _, missing = write_model(path, *extended(*demo, name))
+    assert [s for s in missing if sentence in s] == missing[:1]
     text = path.read_text()
     assert sentence in text
     assert ("cannot say" in text) == bool(sentence)

@@ -14,12 +14,13 @@ from dr_lab.diagnosis.search.ladder import Rung, climb
 from dr_lab.workflows.record import record
 
 FEW = ("coulomb_friction", "actuator_delay", "sensor_time_offset", "base_tilt")
+MORE = ("stribeck_friction_arm", "spring_arm", "saturation", "quadratic_drag_arm")
 # hidden → parameter that tells it, its true value, and how exactly six short logs must tell it
 HIDDEN = {
-    "coulomb_friction_arm": ("coulomb_friction@arm.torque", 2e-3, 0.02),
-    "actuator_delay": ("actuator_delay@motor.delay", 12e-3, 0.01),
-    "sensor_time_offset_pole": ("sensor_time_offset@pole.offset", 8e-3, 0.01),
-    "base_tilt": ("base_tilt@world.about_x", 0.05, 0.02),
+    "furuta/coulomb_friction_arm": ("coulomb_friction@arm.torque", 2e-3, 0.02),
+    "furuta/actuator_delay": ("actuator_delay@motor.delay", 12e-3, 0.01),
+    "furuta/sensor_time_offset_pole": ("sensor_time_offset@pole.offset", 8e-3, 0.01),
+    "furuta/base_tilt": ("base_tilt@world.about_x", 0.05, 0.02),
 }
 KEYS = ("model", "measurements", "windows", "predicted", "solver", "evidence", "localise", "model_check", "faults")
 
@@ -72,7 +73,7 @@ def test_nothing_is_named_where_nothing_is_hidden(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hidden", [*HIDDEN, "stribeck_friction_arm", "spring_arm", "saturation", "quadratic_drag_arm"])
+@pytest.mark.parametrize("hidden", [*HIDDEN, *(f"furuta/{name}" for name in MORE)])
 def test_the_whole_catalogue_does_not_mislead(hidden: str, tmp_path: Path) -> None:
     _, rung = diagnosed(hidden, tmp_path, [], [])
     assert rung.verdict.kind == "named", rung.verdict.reason

@@ -6,10 +6,9 @@ from torch import Tensor
 from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate, Terms
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.flat import FlatParameters
-from dr_lab.networks.gaussian_actor import GaussianActor, unit_entropy
+from dr_lab.networks.gaussian import Gaussian
+from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.mlp import MLP
-
-_LEAST_STD = 1e-6  # of advantages, as TorchRL has it
 
 
 class ExplicitSurrogate(Surrogate):
@@ -34,25 +33,24 @@ class ExplicitSurrogate(Surrogate):
     @torch.no_grad()
     def differentiate(self, samples: PolicySamples) -> Terms:
         """The loss and its gradient."""
-        objective = self._differentiate_actor(samples)
-        critic = self._differentiate_critic(samples)
-        return Terms(objective, -self.entropy_weight * unit_entropy(self._log_std), critic)
+        objective, entropy = self._differentiate_actor(samples)
+        return Terms(objective, -self.entropy_weight * entropy, self._differentiate_critic(samples))
 
-    def _differentiate_actor(self, samples: PolicySamples) -> Tensor:
+    def _differentiate_actor(self, samples: PolicySamples) -> tuple[Tensor, Tensor]:
         layers = self._actor.layers(samples.observation)
+        entropy = Gaussian(layers[-1], self._log_std).entropy()
         inverse_std = (-self._log_std).exp()
         z = (samples.action - layers[-1]) * inverse_std
         squares = z * z
-        constant = unit_entropy(self._log_std) - 0.5 * z.shape[-1]  # log σ + ½ log 2π, summed
+        constant = entropy - 0.5 * z.shape[-1]  # log σ + ½ log 2π, summed
         ratio = (-0.5 * squares.sum(-1) - constant - samples.log_prob).exp_()
-        std, mean = torch.std_mean(samples.advantage)
-        advantage = (samples.advantage - mean) / std.clamp_(min=_LEAST_STD)
+        advantage = samples.standardised_advantage()
         free = ratio * advantage
         bound = ratio.clamp(1.0 - self.clip, 1.0 + self.clip) * advantage
         weight = torch.where(free <= bound, free, 0.0).mul_(-1.0 / len(free)).unsqueeze_(-1)
         self._actor.backward(layers, weight * z * inverse_std, *self._actor_gradients)
         torch.sum((squares - 1.0) * weight, 0, out=self._log_std_gradient).sub_(self.entropy_weight)
-        return -torch.minimum(free, bound).mean()
+        return -torch.minimum(free, bound).mean(), entropy
 
     def _differentiate_critic(self, samples: PolicySamples) -> Tensor:
         layers = self._critic.layers(samples.observation)

@@ -1,16 +1,19 @@
 """The contract of a PPO loss, and what it is computed from."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import torch
 from torch import Tensor
+from torch.func import functional_call
 
 from dr_lab.errors import require_numbers
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian_actor import GaussianActor
+
+_LEAST_STD = 1e-6  # of advantages, as TorchRL has it
 
 
 class PolicySamples(NamedTuple):
@@ -36,6 +39,11 @@ class PolicySamples(NamedTuple):
         for parts in zip(*(field[order].split(size) for field in self), strict=True):
             if len(parts[0]) > 1:  # advantages are standardised within a minibatch
                 yield PolicySamples(*parts)
+
+    def standardised_advantage(self) -> Tensor:
+        """(A − mean A)/std A, shape (b,)."""
+        std, mean = torch.std_mean(self.advantage)
+        return (self.advantage - mean) / std.clamp(min=_LEAST_STD)
 
 
 class Terms(NamedTuple):
@@ -73,12 +81,33 @@ class Surrogate(ABC):
     def __init__(
         self, actor: GaussianActor, critic: Critic, clip: float, entropy_weight: float, critic_weight: float
     ) -> None:
+        self._policy, self._value = actor, critic
         self.actor_parameters = FlatParameters([actor.log_std, *actor.body.parameters()])
         self.critic_parameters = FlatParameters(critic.parameters())
         self.clip = clip
         self.entropy_weight = entropy_weight
         self.critic_weight = critic_weight
         require_numbers(self, "algorithm.surrogate", positive=("clip",))
+
+    def actor_loss(self, parameters: Mapping[str, Tensor], samples: PolicySamples) -> Tensor:
+        """−E[min(ρA, clip(ρ, 1 ± ε)A)] − c_H·H under other parameters than the actor's own.
+
+        A pure function that `torch.func` can differentiate, to the second order too.
+
+        Args:
+            parameters: of π, as ``dict(actor.named_parameters())`` names and shapes them.
+            samples: the minibatch.
+        """
+        policy = self._policy.distribution(parameters, samples.observation)
+        ratio = (policy.log_prob(samples.action) - samples.log_prob).exp()
+        advantage = samples.standardised_advantage()
+        bound = ratio.clamp(1.0 - self.clip, 1.0 + self.clip) * advantage
+        return -torch.minimum(ratio * advantage, bound).mean() - self.entropy_weight * policy.entropy()
+
+    def critic_loss(self, parameters: Mapping[str, Tensor], samples: PolicySamples) -> Tensor:
+        """c_V·E[(V − target)²] under other parameters than the critic's own, as pure as `actor_loss`."""
+        value = functional_call(self._value, dict(parameters), (samples.observation,))
+        return self.critic_weight * (value - samples.target).square().mean()
 
     @abstractmethod
     def differentiate(self, samples: PolicySamples) -> Terms:

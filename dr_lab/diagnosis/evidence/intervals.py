@@ -61,7 +61,7 @@ def least_between_logs(values: Array, log: Indices, tail: float, settings: Evide
     """
     groups = logs(log)
     count = len(groups)
-    if count < settings.least_trusted:
+    if count < settings.least_clusters:
         return np.inf
     total = float(values.sum())
     away = [float(values[rows].sum()) - total * len(rows) / len(values) for rows in groups]

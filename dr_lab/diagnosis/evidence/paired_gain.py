@@ -70,7 +70,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
     inside a block; below `settings.least_compared` blocks they are not known. Errors of a model may also be alike all
     over a log. So the bound of the evidence is the lower one of two: that of the blocks, and, of
-    `settings.least_trusted` logs or more, that of the logs as clusters, fitted ones among them.
+    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them.
 
     Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks), §3.8 (clusters).
     """

@@ -39,7 +39,9 @@ class EquationErrorSettings:
     hop: float
 
     def __post_init__(self) -> None:
-        require_numbers(self, "equation_error", positive=("step", "cutoff", "hop"), least={"half_width": 4 * self.step})
+        require_numbers(
+            self, "faults.equation", positive=("step", "cutoff", "hop"), least={"half_width": 4 * self.step}
+        )
 
 
 @dataclass(frozen=True)

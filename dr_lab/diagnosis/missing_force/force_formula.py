@@ -40,7 +40,7 @@ class FormulaSettings:
 
     def __post_init__(self) -> None:
         least = {"terms": 1.0, "harmonics": 0.0, "folds": 2.0, "least": 2.0, "windows": 1.0, "trees": 1.0}
-        require_numbers(self, "formula", positive=("worth",), least=least)
+        require_numbers(self, "localise.formula", positive=("worth",), least=least)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """What an actuator makes of its command, as a free curve."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -9,7 +9,7 @@ import numpy as np
 from dr_lab.diagnosis.law_settings import LawSettings
 from dr_lab.diagnosis.search.free_law import FreeLaw, curve
 from dr_lab.effects.effect import PlacedEffect, Scales
-from dr_lab.physics.law import Law
+from dr_lab.physics.effect_parts import CommandFilter, SpecEdit
 from dr_lab.physics.model import ModelEffect
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -18,19 +18,20 @@ _SERVO = ("position", "velocity")
 
 
 @dataclass(frozen=True)
-class FreeCommand(FreeLaw):
+class FreeCommand(FreeLaw, SpecEdit, CommandFilter):
     """Any function of the command, and of servos any weight of position and speed beside it.
 
     u → e(u) + f(u), where e is what the effect makes of the command, and f piecewise linear with f(0) = 0. It takes the
-    effect's place in a model, for behind it f could not tell commands that e makes one. Where the actuator's force is
+    effect's place in a model, for behind it f could not tell commands that e makes one. So it brings the parts that an
+    effect of the command has, its spec edit and its command filter. Where the actuator's force is
     g u + b₀ + b₁ q + b₂ v with b₁ or b₂, these are free, too.
 
     Attributes:
-        effect: the effect that acts at the actuator.
+        checked: the effect that acts at the actuator.
         knots: of f, zero among them [unit of the command], shape (k,).
     """
 
-    effect: PlacedEffect
+    checked: PlacedEffect
     knots: Array
 
     def beside(self, effect: ModelEffect) -> tuple[ModelEffect, ...]:
@@ -38,31 +39,25 @@ class FreeCommand(FreeLaw):
         del effect
         return (self,)
 
-    def prepare(self, spec: mujoco.MjSpec) -> None:
-        """As the effect."""
-        self.effect.prepare(spec)
-
-    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """The effect's edit, and what the servo takes from position and speed."""
-        self.effect.edit(spec, values)
+        effect = self.checked.effect
+        if isinstance(effect, SpecEdit):
+            effect.edit(spec, site, self.checked.local(values))
         for place, name in enumerate(_SERVO, start=1):
             if change := values.get(f"{self.label}.{name}"):
-                spec.actuator(self.effect.site).biasprm[place] += change
+                spec.actuator(site).biasprm[place] += change
 
-    def command(self, values: Mapping[str, Array], actuator: str, series: Array, option: mujoco.MjOption) -> Array:
+    def filtered(self, values: Mapping[str, Array], series: Array, option: mujoco.MjOption) -> Array:
         """What the effect makes of commands, and the curve."""
-        made = self.effect.command(values, actuator, series, option)
-        if actuator != self.effect.site:
-            return made
+        effect = self.checked.effect
+        known = isinstance(effect, CommandFilter)
+        made = effect.filtered(self.checked.local(values), series, option) if known else series
         heights = [values[p.name][:, 0, 0] for p in self.own[: len(self.knots) - 1]]
         middle = len(heights) // 2
         heights.insert(middle, np.zeros_like(heights[0]))
         rows = np.broadcast_to(series, (len(heights[0]), *series.shape[1:]))
         return made + curve(rows, self.knots, np.array(heights))
-
-    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
-        """As the effect."""
-        return self.effect.force_laws(values, models)
 
 
 def free_command(
@@ -82,7 +77,7 @@ def free_command(
     grid = np.linspace(-largest, largest, 2 * settings.knots + 1)
     heights = [Parameter(f"{label}.at_{k}", "command", 0.0, -largest, largest) for k in range(1, len(grid))]
     own = (*heights, *_servo(label, effect.site, compiled))
-    return FreeCommand(label, (*effect.parameters, *own), own, effect, grid)
+    return FreeCommand(label, effect.site, (*effect.parameters, *own), own, effect, grid)
 
 
 def _servo(label: str, actuator: str, compiled: mujoco.MjModel) -> list[Parameter]:

@@ -9,6 +9,7 @@ import numpy as np
 from dr_lab.diagnosis.search.free_law import FreeLaw
 from dr_lab.effects.body_effect import body_of, with_inertial
 from dr_lab.errors import ModelError
+from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -20,7 +21,7 @@ _THINNEST = 1e-9  # of all second moments, along the thinnest axis
 
 
 @dataclass(frozen=True)
-class FreeInertia(FreeLaw):
+class FreeInertia(FreeLaw, SpecPreparation, SpecEdit):
     """The ten inertial parameters of bodies, in which the equations of motion are linear.
 
     ∫ dm, ∫ r dm and ∫ r rᵀ dm about the body's origin change freely; what no body has is taken back to the nearest
@@ -29,18 +30,20 @@ class FreeInertia(FreeLaw):
     Source: Wensing, Kim and Slotine, IEEE RA-L 3 (2018) 60, section II (second moments, physical consistency).
 
     Attributes:
-        bodies: their names.
+        bodies: names of the body at the site and of those that it carries.
     """
 
     bodies: tuple[str, ...]
 
-    def prepare(self, spec: mujoco.MjSpec) -> None:
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
         """Have the mass matrix stored whole, which MuJoCo spares a body whose centre is its origin."""
+        del site
         for name in self.bodies:
             body_of(spec, name).simple = False
 
-    def edit(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Change the bodies' inertias."""
+        del site
         changes = np.array([values[p.name] for p in self.own]).reshape(len(self.bodies), -1)
         for name, change in zip(self.bodies, changes, strict=True):
             if change.any():
@@ -63,7 +66,7 @@ def free_inertia(body: str, compiled: mujoco.MjModel) -> FreeInertia:
     kinds += [(f"moment_{axes}", "kg·m²", mass * length**2) for axes in _SQUARES]
     names = tuple(compiled.body(row).name for row in rows)
     own = tuple(Parameter(f"{label}.{n}.{kind}", unit, 0.0, -b, b) for n in names for kind, unit, b in kinds)
-    return FreeInertia(label, own, own, names)
+    return FreeInertia(label, body, own, own, names)
 
 
 def _beyond(compiled: mujoco.MjModel, body: int) -> Iterator[int]:

@@ -1,30 +1,41 @@
 """What free laws have in common: they act as effects of a model, but belong to no catalogue."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.physics.model import ModelEffect
+from dr_lab.physics.model import ModelEffect, Value
 from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.silent_effect import SilentEffect
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class FreeLaw(SilentEffect):
+class FreeLaw:
     """A law of one argument with so many parameters that it is next to any function of it.
 
     It acts beside the effect whose law it checks, in replays alone; fulfils `physics.model.ModelEffect`.
 
     Attributes:
         label: unique within a model.
+        site: the element that it sits at.
         parameters: all that it asks for in a context.
         own: those that make it free; nominal = 0 = nothing beside the effect.
     """
 
     label: str
+    site: str
     parameters: tuple[Parameter, ...]
     own: tuple[Parameter, ...]
+
+    @property
+    def effect(self) -> "FreeLaw":
+        """Itself: it is made for its site."""
+        return self
+
+    def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
+        """Its own values out of a context's, by full name."""
+        return {p.name: values[p.name] for p in self.parameters}
 
     def beside(self, effect: ModelEffect) -> tuple[ModelEffect, ...]:
         """What stands in a model in the place of the effect."""

@@ -10,28 +10,27 @@ from dr_lab.diagnosis.law_settings import LawSettings
 from dr_lab.diagnosis.search.free_law import FreeLaw, curve
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import slides
+from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class FreePosition(FreeLaw):
+class FreePosition(FreeLaw, ForceLaw):
     """tau = f(q), f piecewise linear over the positions in the logs and held beyond them.
 
     Attributes:
-        joint: its name.
         knots: of f [rad, slide: m], shape (k,).
     """
 
-    joint: str
     knots: Array
 
-    def force_laws(self, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The force of each step."""
-        joint = models[0].joint(self.joint)
+        joint = models[0].joint(site)
         heights = np.array([values[p.name] for p in self.own])
-        return (_Curve(int(joint.qposadr[0]), int(joint.dofadr[0]), self.knots, heights),)
+        return _Curve(int(joint.qposadr[0]), int(joint.dofadr[0]), self.knots, heights)
 
 
 def free_position(joint: str, compiled: mujoco.MjModel, scales: Scales, settings: LawSettings) -> FreePosition | None:
@@ -50,7 +49,7 @@ def free_position(joint: str, compiled: mujoco.MjModel, scales: Scales, settings
     knots = scales.lowest[joint] + span * np.linspace(0, 1, 2 * settings.knots)
     unit = "N" if slides(compiled, joint) else "N·m"
     heights = tuple(Parameter(f"{label}.at_{k}", unit, 0.0, -largest, largest) for k in range(1, len(knots) + 1))
-    return FreePosition(label, heights, heights, joint, knots)
+    return FreePosition(label, joint, heights, heights, knots)
 
 
 @dataclass(frozen=True)

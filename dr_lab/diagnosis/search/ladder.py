@@ -46,10 +46,10 @@ class Ladder:
         base: the calibrated model.
         steps: the added effects, in order.
         refused: why effects of the catalogue were not tried at a site, by ``effect@site``.
-        dropped: labels of effects that were added and without which the logs are explained as well in the end.
-        put_back: effects that were added and in whose place one of their special cases stands.
+        dropped: labels of effects that were added, but without which the logs are explained as well in the end.
+        put_back: effects that were added, but whose place one of their special cases has taken.
         laws: what free laws explain beside the added effects; empty where none was checked.
-        confirmation: what windows say that chose nothing; None where there are none.
+        confirmation: what those windows say that took no part in choosing the effects; None without such windows.
     """
 
     rungs: tuple[Rung, ...]
@@ -63,7 +63,7 @@ class Ladder:
 
     @property
     def absorbed(self) -> tuple[str, ...]:
-        """Labels of effects whose place the free parameters can take: those of the last rung that still stands."""
+        """Labels of effects whose place the free parameters can take, by the last rung whose model still stands."""
         return [r for r in self.rungs if any(r.base is model for model in self.models)][-1].verdict.absorbed
 
     @property
@@ -89,8 +89,9 @@ class Ladder:
     def closed(self, settings: EvidenceSettings) -> float:
         """Share of the calibrated model's gap that all effects close; 1 where they bring a channel to its floor.
 
-        Fitted starts take up what a model lacks within a short window, a force that beats or a mass that sloshes. So it
-        is the lesser of what closes with these and with starts that only earlier samples tell, where that is known.
+        Within a short window fitted starts take up what a model lacks, such as a force that beats or a mass that
+        sloshes. So the share is computed twice, with fitted starts and with starts that only earlier samples tell
+        (where these are known), and the smaller one counts.
         """
         gain = self.gained(settings)
         if cleared(self.base.held_out, self.models[-1].held_out, gain, settings):
@@ -98,11 +99,15 @@ class Ladder:
         return gain.gap if self.confirmation is None else min(gain.gap, self.confirmation.predicted.gain.gap)
 
     def verdict(self, settings: EvidenceSettings) -> str:
-        """What was found: the first rung's verdict where nothing was added, else whether every effect stands alone.
+        """What was found, by the first of these rules that holds.
 
-        ``unexplained`` are effects that leave much of the gap, and more than noise: they are what the catalogue has
-        nearest to the cause, rather than the cause. So are effects of which one has another law than the machine, and
-        those that windows which chose nothing contradict. Where all that was added was dropped again, none is named.
+        1. Without an added effect it is the first rung's verdict. If all that was added was dropped again, it is
+           ``none`` at the noise floor and ``unexplained`` above.
+        2. It is ``unexplained`` if the effects leave much of the gap, and more than noise: they are what the catalogue
+           has nearest to the cause, rather than the cause.
+        3. It is ``unexplained`` if an effect has another law than the machine, or if windows that took no part in
+           choosing the effects contradict them.
+        4. It is ``equivalent`` if an effect has rivals, otherwise ``named``.
         """
         noise = at_floor(self.models[-1].held_out, settings)
         if not self.steps:
@@ -142,17 +147,17 @@ def climb(
     most: int,
     watch: RankingWatch,
 ) -> Ladder:
-    """Climb from a fitted base until `none`, `unexplained` or `most` added effects.
+    """Climb from a fitted base until a rung finds nothing to add, or `most` effects are added.
 
-    Where a rung leaves several effects inseparable the first goes on, and each later rung reconsiders: a rival that
-    explains more beside what was added since takes its place, one that explains less is no rival any more. An effect
-    without which the ladder's last model explains the logs as well is dropped, for good; one of which that is in doubt
-    stays until the climb is over, for what is still missing scatters what it gains. Where a rung names
-    nothing but has an effect that is worth a trial, that goes on, and is judged when the climb is over, before the
-    others: until then none is dropped, lest what is in doubt take the place of what is not. An effect that holds
-    another one of the catalogue as a special case is put back to that, for good, unless its further parameters are
-    beyond doubt: once another effect stands beside it, and when the climb is over. Where that leaves a model that was
-    not judged before, the climb goes on from there; one that was judged had its one trial.
+    1. A rung adds the first of the effects that it names. The others are its rivals, which each later rung reconsiders:
+       a rival that explains more beside what was added since takes its place, one that explains less is dropped.
+    2. A rung that names none adds the first effect that is worth a trial. It is judged when the climb is over, before
+       the others. Until then no effect is dropped, lest what is in doubt take the place of what is not.
+    3. An effect is dropped for good if the last model explains the logs as well without it. If that is in doubt, it
+       stays until the climb is over, because what is still missing scatters what it gains.
+    4. An effect that holds a special case is put back to that for good, unless its further parameters are beyond doubt.
+       This is decided once another effect stands beside it, and when the climb is over.
+    5. If this leaves a model that was not judged before, the climb goes on from there.
 
     Args:
         bench: data and settings.
@@ -175,7 +180,7 @@ def climb(
 
 
 def _with_rung(bench: Bench, ladder: Ladder, ranking: Ranking, cases: SpecialCases, most: int) -> tuple[Ladder, bool]:
-    """The ladder with what one ranking adds, and what falls for it; and whether that ends the climb."""
+    """The ladder with what one ranking adds and without what that makes needless; and whether the climb is over."""
     rung = Rung(ranking.base, ranking.candidates, decide(*ranking, bench.evidence, bench.scored))
     over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
     steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, step_from(rung)))
@@ -189,7 +194,7 @@ def _with_rung(bench: Bench, ladder: Ladder, ranking: Ranking, cases: SpecialCas
 
 
 def step_from(rung: Rung) -> AddedEffect:
-    """The effect that a rung's verdict names first, or holds worth a trial, with its rivals; there must be one."""
+    """The first effect that a rung names, or else finds worth a trial, with its rivals; there must be one."""
     found, named = {c.effect.label: c for c in rung.ranking}, rung.verdict.effects
     chosen, *rivals = (found[label] for label in named or rung.verdict.trial)
     return AddedEffect(chosen.explained, tuple(rivals), proven=bool(named))

@@ -25,14 +25,14 @@ Rule = Callable[[Gain, int, EvidenceSettings], bool]
 
 @dataclass(frozen=True)
 class PutBack:
-    """An effect in whose place one of its special cases stands.
+    """An effect whose place one of its special cases has taken.
 
     Attributes:
         richer: its label.
         poorer: the special case's.
-        further: value and standard deviation of what it had beyond the special case, by short parameter names.
-        compatible: whether that is compatible with nothing by the scatter between logs; else the logs that score do not
-            ask for it.
+        further: value and standard deviation of the parameters that the special case lacks, by short names.
+        compatible: whether these are compatible with zero, given the scatter between logs. Otherwise the effect was put
+            back because the logs that score do not ask for them.
     """
 
     richer: str
@@ -59,10 +59,13 @@ class Pruned:
 def lean(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
     """Put back what is needlessly rich, then drop what is superfluous.
 
-    In this order, because a richer effect can make up for another one that is missing, which then seems superfluous
-    beside it; and because what softened the faults of a richer effect may be superfluous beside the poorer one. A lone
-    effect is not put back yet: what is missing beside it may blur what it is. For the same reason an effect whose gain
-    is in doubt stays until the climb is over, if it is no trifle.
+    The order has two reasons:
+
+    1. A richer effect can make up for another one that is missing. That one then seems superfluous beside it.
+    2. An effect that softens the faults of a richer one may be superfluous beside the poorer one.
+
+    A lone effect is not put back yet, because what is still missing beside it may blur what it is. For the same reason
+    an effect of some size whose gain is in doubt stays until the climb is over.
     """
     simpler, put_back = _put_back(bench, base, steps, cases) if len(steps) > 1 else (steps, ())
     kept, dropped = prune(bench, base, simpler, sizeable)
@@ -70,10 +73,12 @@ def lean(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases:
 
 
 def finished(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
-    """The steps when the climb is over: trials judged, none needlessly rich, none that its own parameters doubt.
+    """What is left of the steps when the climb is over.
 
-    Whether parameters are compatible with an effect's absence is asked here alone: as long as others are missing, what
-    those would explain widens the scatter between logs.
+    1. Effects that the evidence does not support are dropped, those on trial first.
+    2. Needlessly rich effects are put back, and what is then superfluous is dropped.
+    3. Effects of one parameter whose value is compatible with absent are dropped. This waits until here: as long as
+       other effects are missing, what they would explain widens the scatter between logs.
     """
     kept, dropped = prune(bench, base, steps, supported)
     kept, put_back = _put_back(bench, base, kept, cases)
@@ -86,13 +91,13 @@ def finished(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], ca
 def prune(
     bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], stays: Rule
 ) -> tuple[tuple[AddedEffect, ...], tuple[str, ...]]:
-    """Drop effects without which the logs are explained as well: those on trial first, of these the earliest first.
+    """Drop effects without which the logs are explained as well. Those on trial are judged first, in order of addition.
 
     Args:
         bench: data and settings.
         base: the calibrated model.
         steps: what was added.
-        stays: whether an effect with so many parameters stays for what it gains: `sizeable` or `supported`.
+        stays: the rule by which an effect with so many parameters stays for its gain: `sizeable` or `supported`.
 
     Returns:
         The steps that stay, refitted, and the labels of the effects that were dropped.
@@ -114,11 +119,11 @@ def prune(
 def drop_absent(
     bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...]
 ) -> tuple[tuple[AddedEffect, ...], tuple[str, ...]]:
-    """Drop effects of one parameter that is compatible with absent, the most doubtful one first.
+    """Drop effects of one parameter whose value is compatible with absent, the most doubtful one first.
 
-    Its uncertainty is that of `covariance.estimate`, which holds the scatter between logs. An effect of several
-    parameters is judged by what it gains alone: near absent its shape means nothing, and the answer of a Wald test
-    depends on how the parameters are written down. Of an elasticity, say, often only compliance times inertia is known.
+    The parameter's uncertainty is that of `covariance.estimate`, which holds the scatter between logs. Only its gain
+    judges an effect of several parameters: near absent its shape means nothing, and a Wald test's answer depends on how
+    the parameters are written down. Of an elasticity, for example, often only compliance times inertia is known.
 
     Source: Gregory and Veall, Econometrica 53 (1985) 1465.
 
@@ -140,11 +145,14 @@ def drop_absent(
 def simplify(
     bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
 ) -> tuple[tuple[AddedEffect, ...], PutBack] | None:
-    """Put one effect back to a special case of it, the earliest that is needlessly rich.
+    """Put one effect back to a special case of it: the earliest effect that is needlessly rich.
 
-    The richer one stands where the windows that score support it over the poorer one, and its further parameters are
-    away from nothing beyond doubt by the scatter between logs. It also stands where the poorer one in its place would
-    not be beyond doubt itself: then it is in doubt which of the two is there, not whether.
+    The richer effect stands in two cases:
+
+    1. The windows that score support it over the poorer one, and its further parameters differ from zero beyond doubt,
+       given the scatter between logs.
+    2. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
+       whether one is.
 
     Returns:
         The steps with the poorer effect in its place, refitted, and what was put back; None where all stand.
@@ -173,7 +181,7 @@ def simplify(
 def _stands(
     bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, swapped: FittedModel, count: int
 ) -> bool:
-    """Whether the model with something else at a place, of so many parameters, is supported over none there."""
+    """Whether a model with another effect at a place, of so many parameters, is supported over one with none there."""
     fewer, base = _without(bench, base, steps, place)
     without = fewer[-1].explained if fewer else base
     return supported(paired_gain(without.held_out, swapped.held_out, bench.evidence), count, bench.evidence)
@@ -182,7 +190,7 @@ def _stands(
 def _put_back(
     bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
 ) -> tuple[tuple[AddedEffect, ...], tuple[PutBack, ...]]:
-    """All that is needlessly rich put back."""
+    """The steps with every needlessly rich effect put back, and what was put back."""
     found = simplify(bench, base, steps, cases)
     if found is None:
         return steps, ()
@@ -202,7 +210,7 @@ class _Swap:
         return self.richer.effect.holds[self.poorer.effect.name]
 
     def put_back(self, bench: Bench, whole: FittedModel) -> PutBack:
-        """What the richer effect has beyond the poorer one in a model that holds it."""
+        """What the richer effect has beyond the poorer one, as fitted in a model that contains it."""
         known, names = known_of(bench, whole), {f"{self.richer.label}.{name}": name for name in self.case.further}
         rows = [known.space.index(name) for name in names]
         values = zip(known.mean[rows].tolist(), known.std[rows].tolist(), strict=True)
@@ -211,7 +219,7 @@ class _Swap:
         return PutBack(self.richer.label, self.poorer.label, further, compatible)
 
     def made(self, bench: Bench, base: FittedModel, explained: FittedModel, goal: float = np.inf) -> FittedModel:
-        """A model with the poorer effect, fitted from where it ended with the richer one; see `fit_and_score`."""
+        """The model with the poorer effect, fitted from where the richer one's fit ended; see `fit_and_score`."""
         added = explained.model.effects[len(base.model.effects) :]
         swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
         model = functools.reduce(Model.with_effect, swapped, base.model)
@@ -220,7 +228,7 @@ class _Swap:
         return min(found, key=lambda each: each.fit.order)
 
     def _starts(self, space: ContextSpace, values: Mapping[str, float]) -> Sequence[Array]:
-        """The richer effect's values where they mean the same, else the poorer one's own starts."""
+        """Starts of the poorer effect: the richer one's values if they mean the same, else its own starts."""
         rest = {name: value for name, value in values.items() if name in space.names}
         ours, theirs = self.poorer.label, self.richer.label
         same = {f"{ours}.{to}": values[f"{theirs}.{name}"] for name, to in self.case.same.items()}
@@ -228,7 +236,7 @@ class _Swap:
         return [space.clip(space.vector({**rest, **start})) for start in starts]
 
     def rivals(self, step: AddedEffect) -> tuple[Candidate, ...]:
-        """The step's rivals but for the poorer effect itself and those that are a richer kind of it, too."""
+        """The step's rivals, without the poorer effect itself and without other richer kinds of it at its site."""
         name, site = self.poorer.effect.name, self.poorer.site
         near = (c for c in step.rivals if c.effect.site == site)
         needless = [c for c in near if name in (c.effect.effect.name, *c.effect.effect.holds)]
@@ -243,7 +251,7 @@ def _ended_early(explained: FittedModel, goal: float) -> bool:
 def _without(
     bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, goal: float = np.inf
 ) -> tuple[tuple[AddedEffect, ...], FittedModel]:
-    """The steps without one of them, and their base, the last model fitted as well as it can; see `fit_and_score`."""
+    """The steps without one of them, and their base. The last model is fitted from two starts, up to a goal in cost."""
     fewer = stacked(bench, base, steps[:place], steps[place + 1 :], goal)
     return _as_good_as_it_can(bench, base, fewer, steps[-1].explained, goal)
 
@@ -251,7 +259,7 @@ def _without(
 def _as_good_as_it_can(
     bench: Bench, base: FittedModel, fewer: tuple[AddedEffect, ...], whole: FittedModel, goal: float
 ) -> tuple[tuple[AddedEffect, ...], FittedModel]:
-    """Steps that lack one effect of a whole ladder, the last model fitted anew from where the whole ladder's ended."""
+    """Steps that lack one effect of a whole ladder; the last model also fitted from where the whole ladder's ended."""
     last = fewer[-1].explained if fewer else base
     values = whole.values()
     start = np.array([values[name] for name in last.model.space.names])

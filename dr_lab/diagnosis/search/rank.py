@@ -1,7 +1,7 @@
-"""Rank the catalogue: every effect at every site, looked at, tried where worth it, fitted and scored where it stands.
+"""Rank the catalogue: every effect at every site.
 
-Most candidates are out after a linear step on few windows; a fit of these windows decides between most of the others;
-only those that stand are fitted to all windows. So the cost hardly grows with the catalogue or the length of the logs.
+Most candidates are out after a linear step on few windows. A fit to these windows decides between most of the others.
+Only those that stand are fitted to all windows, so the cost hardly grows with the catalogue or the length of the logs.
 """
 
 import functools
@@ -34,7 +34,7 @@ class Ranking(NamedTuple):
     """Candidates beside one model.
 
     Attributes:
-        base: the model without them; better than the one that was given where a candidate's fit showed the way.
+        base: the model without them; a better fit than the given one if a candidate's fit led to it.
         candidates: most evidence first, equal evidence by fewest parameters.
     """
 
@@ -46,15 +46,15 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
     """Rank candidates beside a fitted model; `done` is told each label.
 
     1. Each is linearised at absent and at its further starts, on a part of the windows (`Bench.screening`).
-    2. Those that promise enough are fitted there, half of them with a single parameter; where they gain less than
-       promised, so are those whose promise stands up to that.
-    3. The best of them, and what it does not beat there, are fitted to all windows and scored on the held-out ones;
-       of those that explain as much, the ones with the fewest parameters.
-    4. The model without them is fitted anew from where the best of these ended, with the effect absent. Where that is
-       better than the base, it is the base, and candidates get no credit for it.
+    2. Those that promise enough are fitted there, half of them with a single parameter. If these gain less than
+       promised, a second wave is fitted of those that promise about as much as the first gained.
+    3. The best one and those that it does not beat there are fitted to all windows and scored on the held-out ones,
+       except those that hardly explain more than a special case of theirs.
+    4. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
+       better than the base, it becomes the base, and candidates get no credit for it.
 
-    A base that became better beyond doubt is ranked beside anew. Candidates run side by side, one thread each, so that
-    no core is asked for twice. A failure or Ctrl-C ends all of them at their next simulation.
+    If the base became better beyond doubt, all candidates are ranked anew beside it. They run side by side, one thread
+    each, so that no core is asked for twice. A failure or Ctrl-C ends all of them at their next simulation.
     """
     ranking = _Contest(bench, base, placed, done).ranking()
     for _ in range(bench.solver.restarts):
@@ -83,7 +83,7 @@ class _Contest:
         return self.credited(self.final(self.tried()))
 
     def tried(self) -> dict[int, Candidate]:
-        """All candidates by place, those that promise enough fitted to the screening windows and scored."""
+        """All candidates by place; those that promise enough are fitted to the screening windows and scored."""
         settings = self.bench.evidence
         looks = self._side_by_side(range(len(self.placed)), self._look)
         promise = np.array([self.bench.promise(each.gain, self.start) for each in looks])
@@ -104,14 +104,14 @@ class _Contest:
         return found
 
     def _fit_wave(self, wave: list[int], looks: Sequence[FirstLook], found: dict[int, Candidate]) -> None:
-        """Fit some candidates, an effect behind its special case: it may have nothing to add to that."""
+        """Fit some candidates. An effect waits for its special case, to which it may have nothing to add."""
         wave.sort(key=lambda k: -len(self.placed[k].parameters))  # those that take longest begin
         cases = self._special_cases(wave, sorted({*wave, *found}))
         self._do([k for k in wave if k not in cases], lambda k: self._try(k, looks[k]), found)
         self._do([*cases], lambda k: self._beside(k, looks[k], found[cases[k]]), found)
 
     def final(self, tried: dict[int, Candidate]) -> tuple[Candidate, ...]:
-        """The candidates, those that stand fitted to all windows; the most evidence first."""
+        """The candidates, most evidence first; those that stand are fitted to all windows."""
         if self.thin is not self.bench:
             standing = self._standing(tried)
             cases = self._special_cases(standing, standing)
@@ -123,12 +123,12 @@ class _Contest:
         found |= dict(zip(items, self._side_by_side(items, work), strict=True))
 
     def _special_cases(self, richer: Sequence[int], among: Sequence[int]) -> dict[int, int]:
-        """Places of special cases by places of effects that hold one of some others."""
+        """Place of an effect's special case among some others, by the effect's place; only where there is one."""
         cases = {k: special_case(self.placed[k], [self.placed[j] for j in among]) for k in richer}
         return {k: among[place] for k, place in cases.items() if place is not None}
 
     def credited(self, found: tuple[Candidate, ...]) -> Ranking:
-        """The ranking beside the best that the model without the effects can do from where their fits ended."""
+        """The ranking, with the base fitted anew from where the best candidate's fit ended, if that is better."""
         settings = self.bench.evidence
         credited = [c for c in found if c.final and supported(c.gain, len(c.effect.parameters), settings)]
         best = min(credited, key=lambda c: c.explained.fit.order, default=None)
@@ -148,19 +148,19 @@ class _Contest:
         return fitter.rerun(fitter.begin(fit.z[: len(self.base.fit.z)], fit.delta), self.base.fit.cost)
 
     def _thinned(self) -> Fit:
-        """The base fitted to the screening windows alone, so that an effect gets no credit for what they alone ask."""
+        """The base fitted to the screening windows alone: an effect gets no credit for what only these windows ask."""
         part = self.base.fit.pick(self.bench.screened)
         return Fitter(self._replay(self.thin), self.bench.solver).run(part.z, part.delta, part.slopes)
 
     def _ask_all_windows(self, promise: Array, looks: Sequence[FirstLook]) -> None:
-        """Look at all windows where few promise something, but not much; there chance counts as none."""
+        """Look at all windows if the few promise something, but so little that it may be chance."""
         if self.thin is self.bench or promise.max(initial=0.0) > self.bench.enough:
             return
         unsure = [int(k) for k in np.flatnonzero(promise >= self.bench.hope)]
         promise[unsure] = self._side_by_side(unsure, lambda k: self._promise_of_all(k, looks[k]))
 
     def _promise_of_all(self, k: int, first: FirstLook) -> float:
-        """What a candidate promises on all windows where it promised most on few."""
+        """What a candidate promises on all windows, linearised at the point where it promised most on the few."""
         fitter, base = self._fitter(self.bench, self.placed[k]), self.base.fit
         count = len(self.placed[k].parameters)
         z = np.append(base.z, first.best[-count:])
@@ -178,7 +178,7 @@ class _Contest:
         return Replay(functools.reduce(Model.with_effect, effects, self.base.model), bench.fit, 1, self.stop)
 
     def _beside(self, k: int, first: FirstLook, poorer: Candidate) -> Candidate:
-        """Fit a candidate from its special case, if that explains much and a linear step from there promises more."""
+        """Fit a candidate from its special case if that explains much; go on only if a linear step promises more."""
         effect, case, settings = self.placed[k], poorer.effect, self.bench.evidence
         if self.thin is self.bench or not supported(poorer.gain, len(case.parameters), settings):
             return self._try(k, first)
@@ -220,7 +220,7 @@ class _Contest:
         return Candidate(effect, explained, gain, first.identifiability, first.gain / self.start.cost, final=False)
 
     def _refit(self, candidate: Candidate) -> Candidate:
-        """A candidate fitted to all windows; one that does not gain there what is asked for stays absent.
+        """A candidate fitted to all windows, or left absent if it does not gain enough there.
 
         An effect that acts at once and promises little begins at absent, where the base's slopes are known.
         """
@@ -240,7 +240,7 @@ class _Contest:
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
 
     def _refit_beside(self, candidate: Candidate, poorer: Candidate) -> Candidate:
-        """The same for an effect whose special case stands: fitted from there, if that promises and gains enough."""
+        """The same for an effect whose special case stands: the fit begins there, if that promises and gains enough."""
         if not poorer.final:
             return self._refit(candidate)
         there, more = self._further(self.bench, candidate.effect, poorer)
@@ -261,7 +261,7 @@ class _Contest:
         return Candidate(effect, explained, gain, known, predicted, resolved=seen)
 
     def _unfitted(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
-        """A candidate that stays absent, where it is the base."""
+        """A candidate that stays absent and so equals the base."""
         base = self.base
         explained = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
         gain = paired_gain(base.held_out, base.held_out, self.bench.evidence)

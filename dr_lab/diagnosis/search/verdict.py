@@ -31,8 +31,8 @@ class Verdict:
             although a gap remains).
         effects: labels of the named or equivalent effects, best first.
         status: label → ``named``, ``equivalent``, ``not_excited`` or ``rejected``.
-        trial: where none is named although a gap remains, labels of effects that pass with the confidence of a trial,
-            best first: worth going on with, to see whether what follows puts them beyond doubt.
+        trial: labels of the effects that pass at the lower confidence of a trial, best first; only where none is named
+            although a gap remains. Later effects may put the first of them beyond doubt.
         absorbed: labels of effects whose place the model's own free parameters can take on these data.
         reason: one sentence.
     """
@@ -50,10 +50,12 @@ def decide(
 ) -> Verdict:
     """Judge a ranking, most evidence first.
 
-    Among supported candidates that the best one does not beat beyond its interval, those with the fewest parameters
-    stand: a richer effect that explains nothing more is not a rival. Where that is the best one itself, those stand as
-    well that none of these beats. Of data too few for an interval that is not known, and a richer effect stays that
-    seems to explain much more.
+    Of the candidates that the evidence supports these stand, and the data cannot separate them:
+
+    1. The best one and those that it does not beat beyond doubt form a group.
+    2. Of the group the poorest stand. A richer effect that explains nothing more is no rival.
+    3. If the best one does not stand, those join that no standing one beats.
+    4. If the data are too few for an interval, a richer effect also stands that seems to explain much more.
 
     Args:
         base: the model without them.
@@ -61,7 +63,7 @@ def decide(
         settings: when a gain counts.
         scored: the logs that the scores are from, in words.
     """
-    # Far from the floor much helps a bit.
+    # Far above the noise floor many effects help a little.
     helpful = [c for c in ranking if c.final and c.resolved and largest_gap(c.gain) >= settings.least_explained]
     group = _inseparable([c for c in helpful if _passes(supported, c, settings)], settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
@@ -104,11 +106,11 @@ def _reason(
         left = ", ".join(f"{c.effect.label} (mean χ² {c.explained.held_out.chi2:.4g})" for c in group)
         return f"The {scored} cannot separate {left}: what one explains better than another is not beyond doubt."
     floor = noise_floor(base.held_out.freedom, settings)
-    place = f"above the noise floor ({floor:.3g})" if kind == "unexplained" else "at the noise floor"
+    place = f"above the noise floor of {floor:.3g}" if kind == "unexplained" else "at the noise floor"
     mean = f"mean χ² {base.held_out.chi2:.3f} on the {scored}"
-    told = f"The model is {place}, {mean}, and no effect of the catalogue lowers it credibly."
+    told = f"The model is {place} ({mean}). No effect of the catalogue lowers that beyond doubt."
     silent = ", ".join(label for label, each in status.items() if each == "not_excited")
-    return f"{told} Over the whole width of their bounds these would not show: {silent}." if silent else told
+    return f"{told} Even at their bounds these effects would not show in the logs: {silent}." if silent else told
 
 
 def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
@@ -117,15 +119,15 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
         return ""
     gain, confidence = trial[0].gain, 100 * settings.trial_confidence
     return (
-        f" Worth a trial, which dr-lab close makes as far as most allows, is {trial[0].effect.label}: it closes "
-        f"{100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {gain.total:.4g}, in doubt because it "
+        f" {trial[0].effect.label} is worth a trial, which dr-lab close makes as far as `most` allows. It closes "
+        f"{100 * gain.gap:.3g} % of a typical window's gap. Its evidence Δχ² {gain.total:.4g} is in doubt because it "
         f"differs from window to window ({confidence:.3g} % interval from {gain.trial_low:.4g}, "
         f"{100 * settings.confidence:.3g} % interval from {gain.total_low:.4g})."
     )
 
 
 def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) -> str:
-    """What decides for a candidate, and beside it the mean χ², on which a single wild window weighs more."""
+    """The evidence, which decides for a candidate, and the mean χ², on which a single wild window weighs more."""
     gain, means = candidate.gain, (base.held_out.chi2, candidate.explained.held_out.chi2)
     needed = settings.threshold + settings.penalty * len(candidate.effect.parameters)
     low = f"{100 * settings.confidence:.3g} % interval from {gain.total_low:.4g}"
@@ -137,10 +139,10 @@ def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) 
 
 
 def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> list[Candidate]:
-    """The best candidate and those it does not beat, without needless parameters, what stands nearest to a joint first.
+    """The candidates that the data cannot separate, as `decide` says.
 
-    Where the best one turns out to be needlessly rich, those join that what takes its place does not beat either; they
-    displace nothing. What seems to explain much more than another one goes before it.
+    Those that join because the best one is needlessly rich displace none of the group. A candidate that seems to
+    explain much more than another one comes before it; otherwise the one nearest to a joint comes first.
     """
     if not backed:
         return []
@@ -160,7 +162,7 @@ def _beats(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -
 
 
 def _needed(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
-    """Candidates than which none is more likely, and none poorer seems as good."""
+    """The candidates that are as likely as any, and that seem to explain more than every poorer one."""
     group = _likeliest(group, settings)
     return [c for c in group if all(_seems_ahead(c, other, settings) for other in group if _richer(c, other))]
 
@@ -170,32 +172,32 @@ def _richer(candidate: Candidate, other: Candidate) -> bool:
 
 
 def _seems_ahead(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
-    """Whether a candidate explains a fair part of what another one leaves, on too few data to be certain of it."""
+    """Whether a candidate explains a fair part of what another one leaves, but the data are too few to be certain."""
     gain = paired_gain(other.explained.held_out, candidate.explained.held_out, settings)
     extra = max(len(candidate.effect.parameters) - len(other.effect.parameters), 0)
     return isnan(gain.total_low) and sizeable(gain, extra, settings) and gain.gap >= settings.least_explained
 
 
 def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
-    """Of effects of which one leaves noise alone, those than which no other one is more likely.
+    """The most likely candidates if one of the group leaves noise alone; otherwise the whole group.
 
-    At the noise floor Δχ² is the likelihood ratio, to which the logs that were fitted contribute as well; it needs no
-    interval, which few blocks of data make wide. Above the floor the models are wrong in ways that differ from log to
+    At the noise floor Δχ² is the likelihood ratio. The fitted logs contribute to it as well, and it needs no interval,
+    which would be wide for few blocks of data. Above the floor the models are wrong in ways that differ from log to
     log, and the intervals decide.
     """
     if not any(at_floor(c.explained.held_out, settings) for c in group):
         return group
     likeliest = [c for c in group if not any(_less_likely(c, other, settings) for other in group)]
-    # Compared in different windows, as where one diverges, each can lose to another; then those stay that win at all.
+    # If one diverges, pairs are compared in different windows, and each can lose to another. Then all winners stay.
     return likeliest or [c for c in group if any(_less_likely(other, c, settings) for other in group)]
 
 
 def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
     """Whether all logs together make a candidate less likely than another one.
 
-    To displace a poorer effect a richer one must be more likely on fitted and on held-out logs alike: what holds the
-    truth gains on both, but a fit that ended early, or a start that was not found, shows on one of them. All
-    others displace by the sum of both.
+    1. A richer effect displaces a poorer one if it is more likely on the fitted and on the held-out logs. An effect
+       that holds the truth gains on both; a fit that ended early, or a start that was not found, shows on one of them.
+    2. Any other effect displaces one if it is more likely on both kinds of logs together.
     """
     excess = _excess(candidate, other)
     needed = settings.threshold + settings.penalty * (len(other.effect.parameters) - len(candidate.effect.parameters))
@@ -203,11 +205,10 @@ def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSetti
 
 
 def _excess(candidate: Candidate, other: Candidate) -> tuple[float, ...]:
-    """How much larger χ² a candidate leaves than another in windows that both simulate: of held-out, of fitted logs.
+    """How much larger a candidate's χ² is than another one's: on the held-out logs, and on the fitted ones.
 
-    It counts in units of the noise that the other leaves, per independent residual.
-
-    Where no logs are held out the scored ones are those that were fitted, and count once.
+    Only windows that both simulate count. The unit is the noise that the other one leaves, per independent residual.
+    Without held-out logs the scored ones are the fitted ones, which then count once.
     """
     ours, theirs = candidate.explained.held_out, other.explained.held_out
     both = (ours.window_count > 0) & (theirs.window_count > 0)
@@ -235,5 +236,5 @@ def _status(
         return "named" if len(group) == 1 else "equivalent"
     if candidate.identifiability.alone < settings.threshold:
         return "not_excited"
-    gains = candidate.gain.low > 0  # of too few data nobody knows
+    gains = candidate.gain.low > 0  # False if the data are too few for an interval
     return "equivalent" if candidate.effect.label in absorbed and not gains else "rejected"

@@ -44,6 +44,7 @@ FILES = {
     "model/swing.xml": "<mujoco/>",
     "model/door.yaml": "_target_: parts.Machine\nname: door\nmjcf: none\nparameters: {}\n",
     "model/broken.yaml": "_target_: parts.broken\nname: broken\n",
+    "effect/all.yaml": "# @package _global_\n# every effect\ndefaults: ${every:effect}\n",
     "effect/rust.yaml": "# @package effects.rust\n# rust in the joint\n_target_: parts.Effect\nname: rust\n",
     "effect/wind.yaml": "# @package effects.wind\n_target_: parts.Effect\nname: wind\n",
     "experiment/night.yaml": "# @package _global_\ndefaults:\n  - override /model: door\nseed: 7\n",

@@ -17,7 +17,7 @@ Capture = pytest.CaptureFixture[str]
 
 SAYS = {
     ("model=swin",): ["no model 'swin'", "Did you mean 'swing'?", "broken, door, swing"],
-    ("effect=[wind,rst]",): ["no effect 'rst'", "Did you mean 'rust'?", "rust, wind"],
+    ("effect=[wind,rst]",): ["no effect 'rst'", "Did you mean 'rust'?", "all, rust, wind"],
     ("experiment=nigth",): ["no experiment 'nigth'", "Did you mean 'night'?"],
     ("horzon=2",): ["'horzon'", "Did you mean 'horizon'?", "Available: effect, effects, experiment, horizon"],
     ("model.nmae=x",): ["'model.nmae'", "Did you mean 'model.name'?"],
@@ -29,13 +29,21 @@ SAYS = {
     ("horizon=???", "seed=???"): ["No value for horizon, seed", "dr-lab compare horizon=… seed=…"],
     ("horizon=${foo}",): ["horizon: Interpolation key 'foo' not found"],
     ("horizon=${oc.env:NOT_SET}",): ["horizon: \"Environment variable 'NOT_SET' not found"],
-    ("horizon=long",): ["horizon is 'long'; dr-lab compare expects a number."],
-    ("threads=1e2",): ["threads is 100.0; dr-lab compare expects a whole number or null. Write threads=100."],
-    ("horizon=null",): ["horizon is null; dr-lab compare expects a number."],
+    ("horizon=long",): ["horizon is 'long'; expected a number."],
+    ("threads=1e2",): ["threads is 100.0; expected a whole number or null. Write threads=100."],
+    ("horizon=null",): ["horizon is null; expected a number."],
     ("+least=many", "+most=${least}", "horizon=${most}"): ["dr-lab compare: least is 'many'; "],
-    ("threads=many",): ["threads is 'many'; dr-lab compare expects a whole number or null."],
-    ("names=[a,1]",): ["names is ['a', 1]; ", "expects [a text, …]."],
-    ("names=a",): ["names is 'a'; ", "expects [a text, …]."],
+    ("threads=many",): ["threads is 'many'; expected a whole number or null."],
+    ("names=[a,1]",): ["names is ['a', 1]; ", "expected [a text, …]."],
+    ("names=a",): ["names is 'a'; expected [a text, …]. Write 'names=[a]'."],
+    ("horizon=long", "threads=many", "model._target_=parts.Machin"): [
+        "dr-lab compare: threads is 'many'; expected a whole number or null.\n",
+        "\nThere is no name 'Machin' in parts (model._target_). Did you mean 'Machine'?",
+        "\nhorizon is 'long'; expected a number.\n",
+    ],
+    ("model=null",): ["A group takes the name of one of its options, or a list of names"],
+    ("model=mine/robot.xml",): ["names a file", "write FOLDER/model/NAME.yaml", "--config-dir FOLDER model=NAME"],
+    ("somewhere/else",): ["Cannot read 'somewhere/else'; expected key=value", "dr-lab compare --help"],
     ("model.parameters={arm.mas:{low:1}}",): [
         "'model.parameters.arm.mas'",
         "Did you mean 'model.parameters.arm.mass'?",
@@ -50,7 +58,7 @@ SAYS = {
     ],
     ("+model.parameters={a:{low:x}}",): [
         "model.parameters is",
-        "parts.Machine expects {name: {name: a number, …}, …}.",
+        "; expected {name: {name: a number, …}, …}.",
     ],
     ("model._target_=os.system",): ["'os.system' is outside the trusted packages", "DR_LAB_TRUST"],
     ("model._target_=dr_lab.errors.difflib.Differ",): ["cannot be imported"],
@@ -58,7 +66,7 @@ SAYS = {
     ("model._target_=parts.Machin",): ["no name 'Machin'", "Did you mean 'Machine'?"],
     ("model._target_=parts.nowhere.Machine",): ["cannot be imported", "ModuleNotFoundError"],
     ("model=broken",): ["dr-lab compare: broken has no legs"],
-    ("seed=1,2",): ["Ambiguous value", "multirun"],
+    ("seed=1,2",): ["seed=1,2 gives several values. As a list: 'seed=[1,2]'", "--multirun"],
     ("x==",): ["Cannot read 'x=='", "expected key=value"],
     ("model.name=a[b]",): ["""'model.name="a[b]"'"""],
     ("--modle", "door"): ["no flag '--modle'", "settings have no dashes: key=value"],
@@ -85,10 +93,15 @@ def test_says_what_is_wrong(dr_lab: CommandLine, capsys: Capture, arguments: tup
     assert [path for path in Path.cwd().rglob("*") if path.name != "outputs"] == []
 
 
+def test_a_value_that_several_keys_take_is_told_once(dr_lab: CommandLine, capsys: Capture) -> None:
+    assert dr_lab("compare", "+least=many", "horizon=${least}", "threads=${least}") == 2
+    assert capsys.readouterr().err == "dr-lab compare: least is 'many'; expected a whole number or null.\n"
+
+
 def test_mandatory_group(dr_lab: CommandLine, capsys: Capture) -> None:
     assert dr_lab("add") == 2
     assert capsys.readouterr().err == (
-        "dr-lab add: No effect is chosen. Give one: dr-lab add effect=NAME. Available: rust, wind.\n"
+        "dr-lab add: No effect is chosen. Give one: dr-lab add effect=NAME. Available: all, rust, wind.\n"
     )
 
 

@@ -5,10 +5,12 @@ import shlex
 import sys
 from pathlib import Path
 
+import hydra
 import mujoco
 import pytest
 import yaml
 from cli_machine import CommandLine, Machine, module, write
+from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
 
 from dr_lab.cli.compose import compose
@@ -152,6 +154,14 @@ def test_names_with_a_dot_can_be_overridden(dr_lab: CommandLine) -> None:
 
 def test_names_with_a_dot_in_notebooks(dr_lab: CommandLine) -> None:
     assert compose("compare", ["model.parameters.arm.mass.low=1.5"]).model.parameters["arm.mass"].low == 1.5
+    assert dr_lab.calls == []
+
+
+def test_composing_within_a_job_leaves_hydra_as_it_was(dr_lab: CommandLine, tmp_path: Path) -> None:
+    with hydra.initialize_config_dir(str(tmp_path / "conf"), version_base="1.3"):
+        running = GlobalHydra.instance().hydra
+        compose("compare")
+        assert GlobalHydra.instance().hydra is running
     assert dr_lab.calls == []
 
 

@@ -8,16 +8,16 @@ from cli_machine import CommandLine, write
 Capture = pytest.CaptureFixture[str]
 
 SWEEP_SAYS = {
-    "hydra.sweeper.refresh=abc": ["hydra.sweeper.refresh is 'abc'; ", "expects a number"],
-    "hydra.sweeper.fail_fast=nope": ["hydra.sweeper.fail_fast is 'nope'; ", "expects true or false"],
+    "hydra.sweeper.refresh=abc": ["hydra.sweeper.refresh is 'abc'; expected a number"],
+    "hydra.sweeper.fail_fast=nope": ["hydra.sweeper.fail_fast is 'nope'; expected true or false"],
     "+hydra.sweeper.fial_fast=true": ["no key 'hydra.sweeper.fial_fast'", "Did you mean 'hydra.sweeper.fail_fast'?"],
     "hydra/launcher=cores hydra.launcher.n_jobs=abc": ["hydra.launcher.n_jobs: Value 'abc'", "Integer"],
     "hydra/launcher=cores +hydra.launcher.n_job=2": ["hydra.launcher.n_job: Key 'n_job' not in 'JobLibLauncherConf'"],
-    "hydra/launcher=ray hydra.launcher.grace=long": ["hydra.launcher.grace is 'long'; ", "expects a number"],
+    "hydra/launcher=ray hydra.launcher.grace=long": ["hydra.launcher.grace is 'long'; expected a number"],
     "hydra.launcher._target_=shutil.copy": ["'shutil.copy' is outside the trusted packages"],
     "hydra.sweeper._target_=shutil.copy": ["'shutil.copy' is outside the trusted packages"],
-    "study hydra.sweeper.objective=score": ["hydra.sweeper.objective is 'score'; ", "expects [a text, …]"],
-    "study hydra.sweeper.n_trials=abc": ["hydra.sweeper.n_trials is 'abc'; ", "expects a whole number"],
+    "study hydra.sweeper.objective=score": ["hydra.sweeper.objective is 'score'; expected [a text, …]"],
+    "study hydra.sweeper.n_trials=abc": ["hydra.sweeper.n_trials is 'abc'; expected a whole number"],
     "study hydra.sweeper.seed=-1": ["hydra.sweeper.seed is -1; expected 0 or a positive number"],
     "study hydra.sweeper.sampler._target_=optuna.samplers.TPESampeler": ["Did you mean 'TPESampler'?"],
     "study hydra.sweeper.sampler._target_=optuna.samplers._base.warnings.warn": ["cannot be imported"],

@@ -22,6 +22,7 @@ SETTINGS = EvidenceSettings(
     block=3,
     least_blocks=8,
     least_trusted=3,
+    least_clusters=5,
     least_compared=3,
     resamples=2000,
     gain_resamples=20000,

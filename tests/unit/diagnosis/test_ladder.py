@@ -70,7 +70,7 @@ def test_what_another_missing_effect_leaves_in_doubt_is_added_on_trial_and_stays
     ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", asked=SURE)
     first, second, _ = (rung.verdict for rung in ladder.rungs)
     assert (first.kind, first.effects, first.trial) == ("unexplained", (), ("constant_offset@hinge",))
-    assert "Worth a trial, which dr-lab close makes as far as most allows, is constant_offset@hinge" in first.reason
+    assert "constant_offset@hinge is worth a trial, which dr-lab close makes as far as `most` allows." in first.reason
     assert second.effects == ("coulomb_friction@hinge",)
     assert labels(ladder)[-1] == ["constant_offset@hinge", "coulomb_friction@hinge"]
     assert all(step.proven for step in ladder.steps)

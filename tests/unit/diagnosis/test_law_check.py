@@ -103,7 +103,7 @@ def test_ten_free_parameters_hold_a_load_at_any_place() -> None:
     squares = {a + b: mass * at[a] * at[b] for a, b in ("xx", "yy", "zz", "xy", "xz", "yz")}
     change = {"mass": mass} | {f"moment_{k}": v for k, v in (moments | squares).items()}
     spec = model.spec.copy()
-    free.edit(spec, {p.name: float(change[name]) for p, name in zip(free.own, names, strict=True)})
+    free.edit(spec, free.site, {p.name: float(change[name]) for p, name in zip(free.own, names, strict=True)})
     loaded = model.spec.copy()
     body = loaded.body("rod").add_body(pos=where)
     body.explicitinertial, body.mass, body.ipos, body.inertia = True, mass, np.zeros(3), np.zeros(3)

@@ -118,7 +118,7 @@ def test_what_the_data_do_not_excite_is_told() -> None:
 def test_where_other_effects_would_show_none_is_the_answer_and_the_silent_one_is_listed() -> None:
     verdict = judged(1.0, ("coulomb_friction", 1.0), ("viscous_friction", 1.0), coulomb_friction=HIDDEN)
     assert verdict.kind == "none"
-    assert "would not show: coulomb_friction@rail." in verdict.reason
+    assert "would not show in the logs: coulomb_friction@rail." in verdict.reason
 
 
 def test_a_gap_beside_silent_effects_stays_unexplained() -> None:

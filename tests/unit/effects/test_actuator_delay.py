@@ -53,13 +53,13 @@ def test_history_has_one_length_and_reaches_the_longest_delay() -> None:
 
 def test_delays_too_short_for_mujoco_are_left_to_the_commands() -> None:
     one = placed(block(), "actuator_delay", "drive")
-    option, series = block().spec.option, np.arange(10.0)[None, None]
-    short, long = ({"actuator_delay@drive.delay": np.full((1, 1, 1), delay)} for delay in (0.0025, 0.0031))
-    np.testing.assert_allclose(one.command(short, "drive", series, option)[0, 0, 2:], np.arange(2.0, 10.0) - 1.25)
-    assert one.command(long, "drive", series, option) is series
-    assert one.command(short, "another", series, option) is series
-    assert "0.0025 s late" in one.lacking({"actuator_delay@drive.delay": 0.0025}, option)
-    assert not one.lacking({"actuator_delay@drive.delay": 0.0031}, option)
+    model, series = block().with_effect(one), np.arange(10.0)[None, None]
+    short, long = (np.array([[delay]]) for delay in (0.0025, 0.0031))
+    np.testing.assert_allclose(model.command(short, "drive", series)[0, 0, 2:], np.arange(2.0, 10.0) - 1.25)
+    assert model.command(long, "drive", series) is series
+    assert model.command(short, "another", series) is series
+    assert "0.0025 s late" in one.effect.lacking("drive", {"delay": 0.0025}, model.spec.option)
+    assert not one.effect.lacking("drive", {"delay": 0.0031}, model.spec.option)
 
 
 def test_an_actuator_with_a_delay_of_its_own_is_refused() -> None:

@@ -7,9 +7,11 @@ import pytest
 from effect_machines import NAMES, block, catalogue_effect, scales_of
 
 from dr_lab.effects.catalogue import Candidates, candidates, require_names
-from dr_lab.effects.effect import place
-from dr_lab.errors import ConfigError
+from dr_lab.effects.effect import Scales, place
+from dr_lab.effects.joint_effect import JointEffect
+from dr_lab.errors import ConfigError, ModelError
 from dr_lab.physics.model import Model, from_spec
+from dr_lab.physics.parameter import Parameter
 
 EFFECTS = {name: catalogue_effect(name) for name in NAMES}
 DELAYED = '<motor name="drive" joint="rail" delay="0.01" nsample="6"/>'
@@ -72,3 +74,16 @@ def test_effects_go_by_their_own_names() -> None:
         ConfigError, match=r"effect/mine\.yaml builds the effect 'spring'\. Call it effect/spring\.yaml"
     ):
         require_names(EFFECTS | {"mine": EFFECTS["spring"]})
+
+
+def test_an_effect_that_acts_in_no_part_is_refused() -> None:
+    """A class of a user's own that forgets to derive from the part in which it acts."""
+
+    class Idle(JointEffect):
+        name, family, law, fingerprint = "idle", "friction", "", ""
+
+        def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+            return (Parameter("size", "1", 0.0, 0.0, 1.0),)
+
+    with pytest.raises(ModelError, match=r"'idle' does nothing.* Idle from one of SpecEdit"):
+        place(Idle(), block().nominal(), "rail", scales_of(block()))

@@ -6,6 +6,7 @@ import pytest
 from effect_machines import CONF, catalogue_effect, with_effect
 
 from dr_lab.effects.contact_pairs import explicit_pairs, meeting
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.model import from_spec, load
 
 CROWD = """<mujoco>
@@ -80,11 +81,13 @@ def test_two_effects_share_the_pairs_of_a_body() -> None:
     hopper = load("hopper", CONF / "model" / "hopper.xml", {})
     once = with_effect(hopper, "contact_friction", "foot", factor=0.5)
     spec = once and hopper.spec.copy()
-    for effect, values in (
+    for name, values in (
         ("contact_friction", {"factor": 0.5}),
         ("contact_stiffness", {"time_constant": 2.0, "damping_ratio": 0.5}),
     ):
-        catalogue_effect(effect).edit(spec, "foot", values)
+        effect = catalogue_effect(name)
+        assert isinstance(effect, SpecEdit)
+        effect.edit(spec, "foot", values)
     both = spec.compile()
     assert both.npair == once.npair
     np.testing.assert_array_equal(both.pair_friction, once.pair_friction)

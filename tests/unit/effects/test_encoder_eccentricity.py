@@ -18,11 +18,9 @@ def test_reading_is_the_angle_seen_from_a_centre_beside_the_axis() -> None:
     angle = 20.0 * time[0, 0]
     centre = RATIO * np.exp(1j * (angle + DIRECTION))  # fixed on the disc
     exact = angle + np.angle(1.0 / (1.0 - centre))  # the head's place on the disc, from the disc's own centre
-    values = {
-        "sine": np.full((1, 1, 1), RATIO * np.cos(DIRECTION)),
-        "cosine": np.full((1, 1, 1), RATIO * np.sin(DIRECTION)),
-    }
-    read = catalogue_effect("encoder_eccentricity").reading("hinge", values, "hinge.position", turning, START)
+    model = hanging().with_effect(placed(hanging(), "encoder_eccentricity", "hinge"))
+    z = RATIO * np.array([[np.cos(DIRECTION), np.sin(DIRECTION)]])
+    read = model.reading(z, "hinge.position", turning, START)
     np.testing.assert_allclose(read(time)[0, 0, :, 0], exact, atol=RATIO**2)
     assert np.abs(exact - angle).max() == pytest.approx(RATIO, rel=0.01)
 

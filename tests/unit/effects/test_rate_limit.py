@@ -46,4 +46,4 @@ def test_fits_start_at_rates_within_the_commands() -> None:
     assert one.parameters[0].high == pytest.approx(0.03 / 5.0)
     assert [start["rate_limit@drive.inverse_rate"] * 5.0 for start in one.starts] == pytest.approx([0.004, 0.015])
     series = np.ones((1, 1, 3))
-    assert one.command({one.parameters[0].name: np.ones((1, 1, 1))}, "another", series, block().spec.option) is series
+    assert block().with_effect(one).command(np.ones((1, 1)), "another", series) is series

@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from effect_machines import block, catalogue_effect, hanging, motion, placed, scales_of, with_effect
 
+from dr_lab.physics.effect_parts import SensorTransform
 from dr_lab.trajectory import Array
 
 START = np.zeros((1, 1))
@@ -42,10 +43,11 @@ def test_only_sensors_of_one_value_are_sites(name: str) -> None:
 
 
 def test_a_sensor_is_shifted() -> None:
-    values = {"bias": np.full((1, 1, 1), 0.5)}
-    read = catalogue_effect("sensor_bias").reading("sensor.scalar", values, "sensor.scalar", wave, START)
+    effect, values = catalogue_effect("sensor_bias"), {"bias": np.full((1, 1, 1), 0.5)}
+    assert isinstance(effect, SensorTransform)
+    read = effect.reading("sensor.scalar", values, "sensor.scalar", wave, START)
     assert read(np.ones((1, 1, 1))) == np.sin(7.0) + 0.5
-    assert catalogue_effect("sensor_bias").reading("sensor.scalar", values, "rail.position", wave, START) is wave
+    assert effect.reading("sensor.scalar", values, "rail.position", wave, START) is wave
 
 
 def test_bounds_follow_the_range_of_motion() -> None:

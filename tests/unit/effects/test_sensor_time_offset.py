@@ -30,10 +30,10 @@ def test_sensors_are_sites_of_their_own() -> None:
         name="speed", type=mujoco.mjtSensor.mjSENS_JOINTVEL, objtype=mujoco.mjtObj.mjOBJ_JOINT, objname="rail"
     )
     one = placed(from_spec("block", spec, {}), "sensor_time_offset", "sensor.speed")
+    model, late, begin = from_spec("block", spec, {}).with_effect(one), np.array([[0.01]]), np.zeros((1, 1))
     assert one.effect.sites(spec.copy().compile()) == ("rail", "sensor.speed")
-    values = {"sensor_time_offset@sensor.speed.offset": np.full((1, 1, 1), 0.01)}
-    assert one.reading(values, "sensor.speed", wave, np.zeros((1, 1)))(np.ones((1, 1, 1))) == wave(np.array(0.99))
-    assert one.reading(values, "rail.position", wave, np.zeros((1, 1))) is wave
+    assert model.reading(late, "sensor.speed", wave, begin)(np.ones((1, 1, 1))) == wave(np.array(0.99))
+    assert model.reading(late, "rail.position", wave, begin) is wave
 
 
 def test_bounds_are_symmetric() -> None:

@@ -17,6 +17,4 @@ def test_larger_commands_stay_larger_up_to_the_bound() -> None:
     (parameter,) = one.parameters
     assert parameter.high == 0.5 / 5.0
     series = np.linspace(-5.0, 5.0, 101)[None, None]
-    assert (
-        np.diff(one.command({parameter.name: np.full((1, 1, 1), 0.1)}, "drive", series, block().spec.option)) > 0
-    ).all()
+    assert (np.diff(block().with_effect(one).command(np.array([[0.1]]), "drive", series)) > 0).all()

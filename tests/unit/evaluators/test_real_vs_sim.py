@@ -65,7 +65,7 @@ def model_of_a_run(folder: Path) -> Model:
 
 def test_a_gap_shows_and_the_model_of_a_run_closes_it(tmp_path: Path) -> None:
     documented = bench("furuta", "plant.nominal.spread=0.0")
-    braked = bench("furuta", "plant.nominal.spread=0.0", "plant/hidden=coulomb_friction_arm")
+    braked = bench("furuta", "plant.nominal.spread=0.0", "plant/hidden=furuta/coulomb_friction_arm")
     plain = subject()
     informed = replace(plain, setting=replace(plain.setting, model=model_of_a_run(tmp_path)))
     exact, gap, closed = (evaluated(*each) for each in ((documented, plain), (braked, plain), (braked, informed)))

@@ -7,8 +7,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from dr_lab.cli.compose import compose, options
+from dr_lab.cli.compose import compose
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.groups import options
 from dr_lab.physics.model import Model
 
 FOLDER = shipped() / "model"

@@ -9,7 +9,9 @@ import torch
 from torch.distributions import Independent, Normal
 
 from dr_lab.errors import ConfigError
-from dr_lab.networks.gaussian_actor import GaussianActor, unit_entropy
+from dr_lab.networks.deterministic_actor import DeterministicActor
+from dr_lab.networks.gaussian import Gaussian
+from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.mlp import Activation
 from dr_lab.networks.normaliser import NoNormaliser, RunningNormaliser
 
@@ -26,7 +28,27 @@ def test_log_density_is_that_of_the_scaled_gaussian() -> None:
     std = torch.tensor([1.0, 3.0]) * torch.exp(torch.tensor(-0.5))
     expected = Independent(Normal(policy.mean(observation), std), 1)
     torch.testing.assert_close(policy.log_prob(observation, action), expected.log_prob(action))
-    torch.testing.assert_close(unit_entropy(policy.log_std) + np.log(3.0), expected.entropy()[0, 0])
+    entropy = Gaussian(torch.zeros(2), policy.log_std).entropy()
+    torch.testing.assert_close(entropy + np.log(3.0), expected.entropy()[0, 0])
+
+
+def test_the_distribution_under_the_actors_own_parameters_is_its_own() -> None:
+    policy, parameters = actor(0), dict(actor(1).named_parameters())
+    observation, unit = torch.ones(5, 4), torch.full((5, 2), 0.1)
+    own = policy.distribution(dict(policy.named_parameters()), observation)
+    torch.testing.assert_close(own.log_prob(unit), policy.unit_log_prob(observation, unit))
+    other = policy.distribution(parameters, observation)
+    torch.testing.assert_close(other.log_prob(unit), actor(1).unit_log_prob(observation, unit))
+    # The actor has kept what it had.
+    torch.testing.assert_close(own.log_prob(unit), policy.unit_log_prob(observation, unit))
+
+
+def test_the_deterministic_action_under_its_own_parameters_is_its_own() -> None:
+    low, high = np.array([-1.0, 0.0]), np.array([1.0, 6.0])
+    policy = DeterministicActor(4, low, high, 0, NoNormaliser, [8], "relu", noise=0.1)
+    observation = torch.ones(5, 4)
+    unit = policy.unit_action(dict(policy.named_parameters()), observation)
+    torch.testing.assert_close(unit, policy.unit(policy.mean(observation)))
 
 
 def test_actions_follow_the_gaussian_and_touch_no_global_random_numbers() -> None:

@@ -125,19 +125,13 @@ def test_encoders_round_to_counts_and_exact_instruments_do_not() -> None:
 
 
 def test_a_late_encoder_reads_the_same_motion_later() -> None:
-    late = bench("plant/instruments=exact", "plant/hidden=sensor_time_offset_pole", duration=1.0)
+    late = bench("plant/instruments=exact", "plant/hidden=furuta/sensor_time_offset_pole", duration=1.0)
     plain = bench("plant/instruments=exact", duration=1.0)
     read, true = only(late), only(plain)
     np.testing.assert_allclose(read.position[:, 0], true.position[:, 0], rtol=0, atol=1e-9)
     shifted = np.interp(read.stamp - 0.008, true.stamp, true.position[:, 1])
     np.testing.assert_allclose(read.position[10:, 1], shifted[10:], rtol=0, atol=1e-3)
     assert np.abs(read.position - true.position).max() > 0.01
-
-
-def machine_of(option: str) -> str:
-    """Options of the Furuta pendulum lie in the group itself, those of other machines in folders."""
-    machine, slash, _ = option.rpartition("/")
-    return machine if slash else "furuta"
 
 
 def settings(option: str) -> dict[str, Any]:
@@ -159,7 +153,7 @@ def plain(machine: str) -> tuple[Rig, RigRecording]:
 
 @pytest.mark.parametrize("option", HIDDEN)
 def test_every_hidden_effect_shows_above_the_encoder_count(option: str) -> None:
-    without, motion = plain(machine_of(option))
+    without, motion = plain(option.partition("/")[0])
     made = replace(without, hidden=hidden(option))
     counts = np.array([made.travel.get(joint, 2 * np.pi) / 2048 for joint in made.joints])
     assert (np.abs(only(made).position - motion.position) / counts).max() > 1

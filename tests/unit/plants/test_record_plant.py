@@ -27,7 +27,7 @@ def read_back(folder: Path, names: list[str], machine: str = "furuta") -> Measur
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("logs")
     outputs = tmp_path_factory.mktemp("outputs")
-    assert main(["record", "plant/hidden=spring_arm", *SHORT, f"output={folder}", f"outputs={outputs}"]) == 0
+    assert main(["record", "plant/hidden=furuta/spring_arm", *SHORT, f"output={folder}", f"outputs={outputs}"]) == 0
     return folder
 
 
@@ -41,7 +41,7 @@ def test_logs_are_ros2_recordings(recorded: Path) -> None:
 
 
 def test_reader_recovers_readings_and_the_times_at_which_things_happened(recorded: Path) -> None:
-    overrides = ["plant/hidden=spring_arm", "plant/instruments=exact", *SHORT]
+    overrides = ["plant/hidden=furuta/spring_arm", "plant/instruments=exact", *SHORT]
     exact = list(instantiate(compose("record", overrides).plant, _convert_="all").recordings(3))
     for log, recording in zip(read_back(recorded, ["log_1", "log_2"]).fit, exact, strict=True):
         command = log.commands["motor"]

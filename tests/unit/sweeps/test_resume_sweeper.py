@@ -101,7 +101,7 @@ def test_nothing_begins_where_one_job_cannot_be_run(
     assert sweep("value=1,two,three,???,'${nowhere}',{_target_: os.system}") == 2
     told = capsys.readouterr().err
     assert "5 of 6 jobs cannot be run, so none was begun:\n" in told
-    assert "\n  value=two: value is 'two'; dr-lab probe expects a number.\n" in told
+    assert "\n  value=two: value is 'two'; expected a number.\n" in told
     assert "No value for value. Give one: dr-lab probe value=…" in told
     assert "Interpolation key 'nowhere' not found" in told
     assert "outside the trusted packages" in told

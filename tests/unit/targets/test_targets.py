@@ -44,7 +44,7 @@ def bench(hidden_effect: str) -> Callable[[Setting], Target]:
     return partial(PlantTarget, plant=instantiate(compose("record", options).source).plant, machine=0, seed=0)
 
 
-MAKERS = [hidden(FRICTION), bench("coulomb_friction_arm")]
+MAKERS = [hidden(FRICTION), bench("furuta/coulomb_friction_arm")]
 
 
 @pytest.mark.parametrize("make", MAKERS)

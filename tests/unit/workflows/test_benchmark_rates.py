@@ -14,8 +14,8 @@ from recorder_samples import read_recording
 from dr_lab.benchmark.pages import report_page
 from dr_lab.benchmark.rates import parameter_errors, rate, rates
 from dr_lab.benchmark.summary import Goals, answers, cases_csv, summary
-from dr_lab.cli.compose import options
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.groups import every
 from dr_lab.effects.effect import Effect
 from dr_lab.recorders.benchmark_review import write_benchmark_review
 from dr_lab.recorders.confusion import confusion, confusion_csv, confusion_picture
@@ -116,7 +116,7 @@ def test_the_picture_is_blue_where_right_and_orange_where_wrong(look: Look) -> N
 
 
 def test_the_picture_of_the_whole_catalogue_has_a_cell_for_every_pair(look: Look) -> None:
-    names = list(options("effect", (shipped(),)))
+    names = every("effect", (shipped(),))
     pairs = [(name, name, True) for name in names]
     picture = confusion_picture(confusion(pairs, names), look)
     assert picture.shape[0] > 32 * len(names)

@@ -1,0 +1,15 @@
+"""What an unknown name is told."""
+
+from dr_lab.errors import MOST_LISTED, UnknownNameError
+
+
+def test_the_closest_name_is_offered_and_all_are_listed() -> None:
+    error = UnknownNameError("joint", "amr", ["pole", "arm", "wrist/1"], "the model")
+    assert str(error) == "There is no joint 'amr' in the model. Did you mean 'arm'? Available: arm, pole, wrist/1."
+
+
+def test_of_many_names_those_of_a_folder_are_listed_as_one() -> None:
+    names = ["none", *(f"arm/spring_{number}" for number in range(MOST_LISTED))]
+    error = UnknownNameError("effect", "arm/sprng_7", names, "the group")
+    assert str(error).endswith(" Did you mean 'arm/spring_7'? Available: arm/…, none.")
+    assert len(error.available) == MOST_LISTED + 1
