@@ -9,6 +9,8 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
+from dr_lab.trajectory import Array
+
 
 class Policy(Protocol):
     """What acts: observation (n, o) to action (n, nu), drawn at random where the policy is stochastic."""
@@ -62,11 +64,12 @@ class PoliciesBySlot(Protocol):
 class Collector(ABC):
     """An endless iterator over batches of experience, collected with the policy as it is then.
 
-    A batch has size [n, steps], time along the second dimension, and the keys ``observation``, ``context``, ``action``,
-    ``action_log_prob`` (n, steps) where the policy is stochastic, ``policy`` (n, steps; int64) where several share the
-    slots, and under ``next`` ``observation``, ``context``, ``reward``, ``done``, ``terminated``, ``truncated``,
-    ``infeasible`` (the context is, which terminates). Where an episode ended, ``("next", "observation")`` is its own
-    last observation, and the row after it begins another.
+    A batch has size [n, steps], time along the second dimension, and the keys ``observation``, ``context``,
+    ``proposal`` (n, steps; which proposal of their source the contexts are), ``action``, ``action_log_prob`` (n, steps)
+    where the policy is stochastic, ``policy`` (n, steps; int64) where several share the slots, and under ``next``
+    ``observation``, ``context``, ``proposal``, ``reward``, ``done``, ``terminated``, ``truncated``, ``infeasible`` (the
+    context is, which terminates). Where an episode ended, ``("next", "observation")`` is its own last observation, and
+    the row after it begins another.
     """
 
     def __iter__(self) -> Iterator[TensorDict]:
@@ -101,6 +104,14 @@ class Collector(ABC):
     @abstractmethod
     def _collect(self) -> TensorDict:
         """The next batch without log-probabilities."""
+
+    @abstractmethod
+    def begin(self, z: Array | None) -> None:
+        """Begin new episodes in all slots.
+
+        Args:
+            z: context of every slot, which also its further episodes have, shape (n, parameters); None draws them.
+        """
 
     def close(self) -> None:  # noqa: B027 (most have nothing to end)
         """End what runs in the background, if anything does."""

@@ -18,10 +18,11 @@ from torchrl.collectors.distributed import RayCollector as TorchRLRayCollector
 from dr_lab.collectors.collector import Collector, PoliciesBySlot, Policy, SeededPolicy
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.collectors.torchrl import KEPT
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.ray_cluster import HERE, own_sigterm, prepare, unanswered
+from dr_lab.trajectory import Array
 
 
 class RayCollector(Collector):
@@ -72,6 +73,13 @@ class RayCollector(Collector):
         _dealt(policy, workers)
         self._ray: TorchRLRayCollector | None = None
         self._batches: Iterator[TensorDict] = iter(())
+
+    def begin(self, z: Array | None) -> None:
+        """Begin new episodes in all slots, on this side, which the workers then play on."""
+        self._env.load_state_dict(self.state_dict())
+        self._env.set_contexts(z)
+        self._env.reset()
+        self.load_state_dict(self._env.state_dict())
 
     def state_dict(self) -> dict[str, Any]:
         """The episodes, wherever they are."""

@@ -2,18 +2,13 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any
 
+from tensordict import TensorDict
+
+from dr_lab.collectors.experience import Experience
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.randomizer import Randomizer
-from dr_lab.trajectory import Array
-
-
-class Rollouts(Protocol):
-    """Episodes of the present policy in contexts of the learner's choice."""
-
-    def returns(self, z: Array) -> Array:
-        """Undiscounted return of an episode in each context (k, n), shape (k,); NaN where the context is infeasible."""
-        ...
 
 
 class DistributionLearner(ABC):
@@ -29,12 +24,23 @@ class DistributionLearner(ABC):
     def __init__(self, randomizer: Randomizer) -> None:
         self.randomizer = randomizer
 
+    @property
+    def source(self) -> ContextSource:
+        """Where training takes its contexts from: the randomizer, unless the learner proposes them slot by slot."""
+        return self.randomizer
+
+    @property
+    def learns(self) -> bool:
+        """Whether the distribution can change, so that pictures follow it."""
+        return any(True for _ in self.randomizer.parameters())
+
     @abstractmethod
-    def update(self, rollouts: Rollouts) -> Mapping[str, float]:
+    def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
         """Update φ.
 
         Args:
-            rollouts: plays the present policy.
+            batch: the newest, size [n, steps], as a collector gives it; the policy has not learnt from it yet.
+            experience: plays the present policy, `experience.policy`, or any other, in contexts of one's choice.
 
         Returns:
             Figures to be recorded, by name.

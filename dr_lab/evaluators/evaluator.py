@@ -4,11 +4,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import ContextSource, Episodes
+from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid
 from dr_lab.seeding import derived_seed
@@ -36,7 +36,7 @@ class Subject:
     name: str
     setting: Setting
     policy: Policy
-    again: Callable[[ContextSource, int], tuple[Trainer[Any], Policy]]
+    again: Callable[[ContextSource, int], tuple[Trainer, Policy]]
     threads: int | None = None
     trained_on: ContextSource | None = None
 

@@ -1,6 +1,6 @@
 """Which episodes ended within a batch, in which context, and what they returned."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -38,6 +38,16 @@ class Finished:
             "episode_length": float(self.lengths[feasible].mean()) if known else np.nan,
             "infeasible_episodes": float(self.infeasible.sum()),
         }
+
+
+def joined(parts: Sequence[Finished]) -> Finished:
+    """The episodes of several batches, one at least, in their order."""
+    return Finished(
+        np.concatenate([part.context for part in parts]),
+        np.concatenate([part.returns for part in parts]),
+        np.concatenate([part.lengths for part in parts]),
+        np.concatenate([part.infeasible for part in parts]),
+    )
 
 
 class EpisodeLog:

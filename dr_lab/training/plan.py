@@ -6,13 +6,13 @@ from pathlib import Path
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.collectors.collector import Collector
+from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.seeding import derived_seed
-from dr_lab.training.rollouts import PolicyRollouts
 from dr_lab.training.trainer import Stateful, Trainer
 
 CHECKPOINT = "checkpoint.pt"
@@ -65,7 +65,8 @@ class Plan:
             ConfigError: a batch does not hold one control step of each slot.
         """
         randomizer = self.randomizer(self.env.space)
-        env = self.env.make(randomizer, self.episodes, self.seed, self.threads)
+        learner = self.distribution_learner(randomizer, self.seed)
+        env = self.env.make(learner.source, self.episodes, self.seed, self.threads)
         slots = env.episodes
         algorithm = self.algorithm(Interface(slots.observation.shape[1], slots.low, slots.high), self.seed)
         steps = algorithm.batch_frames // self.episodes
@@ -75,14 +76,11 @@ class Plan:
                 f"{self.episodes} episodes. Raise it, or lower episodes."
             )
         policy = algorithm.policies["policy"]
-        learner = self.distribution_learner(randomizer, self.seed)
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
-        collector = self.collector(env, policy, steps)
+        experience = Experience(self.collector(env, policy, steps), policy, played)
         more: dict[str, Stateful] = {}
-        trainer = Trainer(
-            collector, algorithm, learner, PolicyRollouts(played, policy), checkpoint, self.checkpoint_every, more
-        )
-        return Training(trainer, algorithm, randomizer, learner, collector, more)
+        trainer = Trainer(experience, algorithm, learner, checkpoint, self.checkpoint_every, more)
+        return Training(trainer, algorithm, randomizer, learner, more)
 
     def _seed_of_rollouts(self) -> int:
         """Another seed than that of the slots, whose starts would otherwise be the same."""
@@ -94,17 +92,15 @@ class Training:
     """A training run that can be started.
 
     Attributes:
-        trainer: the loop.
+        trainer: the loop; to be closed at the end.
         algorithm: what learns the policy.
         randomizer: p(z).
         learner: what shapes it.
-        collector: to be closed at the end.
         more: what else the checkpoint holds, by name; may be added to before the loop starts.
     """
 
-    trainer: Trainer[PolicyRollouts]
+    trainer: Trainer
     algorithm: Algorithm
     randomizer: Randomizer
     learner: DistributionLearner
-    collector: Collector
     more: dict[str, Stateful]

@@ -4,7 +4,7 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from dr_lab.recorders.training_review import TrainingRecord, write_training_revi
 from dr_lab.reports.plain import to_plain
 from dr_lab.reports.quantity import number
 from dr_lab.sweeps.progress import tell
+from dr_lab.training.beginning import Beginning
 from dr_lab.training.episode_log import Finished
 from dr_lab.training.episodes import described, keep_episodes, play_episodes
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
@@ -34,12 +35,20 @@ from dr_lab.trajectory import Array
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 # Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.
 MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder")
+NOTHING_LEARNT = Beginning(run=None, distribution=False)
 _DRAWS = 100_000  # of a distribution, for its mean and standard deviation: to 0.3 % of the latter
 _NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate plays whole ones."
 _NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
 
 
-def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path, final_share: float = 1.0) -> dict[str, Any]:
+def train(
+    plan: Plan,
+    recorder: Look,
+    resume: str | None,
+    run_dir: Path,
+    final_share: float = 1.0,
+    beginning: Beginning = NOTHING_LEARNT,
+) -> dict[str, Any]:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
     Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt``, ``report.json``, ``report.md``, ``review.rrd`` and
@@ -52,13 +61,14 @@ def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path, final_s
         resume: run folder of an interrupted training run with the same settings.
         run_dir: the run folder.
         final_share: share of the iterations whose episodes make up the final return, the last ones.
+        beginning: what is taken over from a finished run; a run that is resumed has already done so.
 
     Returns:
         The report (schema dr_lab/train/1).
 
     Raises:
         ConfigError: the parts do not fit, or a number is out of its range.
-        DataError: the run to be resumed has no readable checkpoint, or other settings.
+        DataError: the run to be resumed, or begun from, has no readable checkpoint, or other settings.
     """
     if not 0.0 < final_share <= 1.0:
         raise ConfigError(f"final_share is {final_share:g}; expected a share above 0, 1 at most.")
@@ -67,6 +77,7 @@ def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path, final_s
     snapshots = Snapshots(training.randomizer)
     training.more["snapshots"] = snapshots
     if resume is None:
+        beginning.apply(training, plan.seed)
         snapshots.take(0)
     else:
         training.trainer.resume(Path(resume).expanduser() / CHECKPOINT)
@@ -87,10 +98,10 @@ def _tell_of_nothing_left(played: int, frames: int, resume: str) -> None:
 def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
     trainer = training.trainer
     try:
-        with training.collector, _progress(plan.frames, trainer.frames) as show:
+        with closing(trainer), _progress(plan.frames, trainer.frames) as show:
 
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
-                if any(True for _ in training.randomizer.parameters()):
+                if training.learner.learns:
                     snapshots.take(int(figures["iteration"]))
                 if trainer.due:
                     write_text(run_dir / "metrics.csv", metrics_csv(trainer.history))

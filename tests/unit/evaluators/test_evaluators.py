@@ -14,9 +14,8 @@ from block_on_rail import BlockOnRail, constant
 from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.setting import Setting
-from dr_lab.envs.task import Change, Fields
+from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.evaluator import Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
@@ -25,6 +24,7 @@ from dr_lab.evaluators.returns import ReturnsEvaluator
 from dr_lab.evaluators.statistics import iqm_interval, worst_decile
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import from_spec
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.training.trainer import Trainer
 from dr_lab.trajectory import Array
@@ -39,7 +39,8 @@ MASS = {"block.mass": {"target": "body.block.mass", "unit": "kg", "low": 0.5, "h
 class Push(BlockOnRail):
     """The mean velocity of every step is rewarded."""
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
+        del values
         return np.concatenate([fields["qpos"], fields["qvel"]], axis=1)
 
     def marker(self, fields: Fields) -> Array:
@@ -93,7 +94,7 @@ class FiveMasses:
         return np.array([[0.05], [0.5], [2.0], [2.0], [2.0]])
 
 
-def again(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
+def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
     del source, seed
     trainer = Stronger()
     return cast(Any, trainer), trainer
@@ -203,7 +204,7 @@ def test_a_context_that_diverges_while_training_on_costs_its_own_round_alone(sub
 def test_every_context_has_a_trainer_with_a_seed_of_its_own_that_is_closed(subject: Subject, tmp_path: Path) -> None:
     trainers, seeds = list[Stronger](), list[int]()
 
-    def watched(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
+    def watched(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
         found = again(source, seed)
         trainers.append(cast(Stronger, found[1]))
         seeds.append(seed)
