@@ -1,5 +1,6 @@
 """Episodes of one task that run side by side, each with its own context, in NumPy."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -19,6 +20,7 @@ from dr_lab.trajectory import Array
 Flags = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 _FORCES = "cfrc_ext"
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 class ContextSource(Protocol):
@@ -37,7 +39,7 @@ class StepOutcome:
         observation: what the policy sees now, shape (n, o); of an episode that ended, the last it saw.
         reward: shape (n,).
         terminated: the episode came to its end, shape (n,).
-        truncated: it was cut by the time limit, shape (n,).
+        truncated: it was cut by the time limit, or before it where first episodes are staggered, shape (n,).
         infeasible: it came to its end because its context is infeasible, shape (n,).
     """
 
@@ -71,6 +73,7 @@ class Episodes:
         infeasible_return: R, the highest return of an episode whose context is infeasible.
         speed_limit: of every joint of a simulation that has not diverged, m/s or rad/s.
         threads: C threads; None takes every core this process may use.
+        staggered: whether first episodes are cut at different ages, see `first_ages`; for training alone.
 
     Attributes:
         observation: what the policy sees now, shape (n, o).
@@ -94,6 +97,7 @@ class Episodes:
         infeasible_return: float,
         speed_limit: float,
         threads: int | None = None,
+        staggered: bool = False,
     ) -> None:
         self.model, self.task, self.source = model, task, source
         self.simulator = Simulator(stepwise(model), nsim, threads, persistent=_FORCES in task.reads)
@@ -115,6 +119,8 @@ class Episodes:
         self._marker = task.marker(self._fields)
         self.observation = self._seen(self._fields, self.contexts)
         self.begin(np.arange(nsim))
+        if staggered:
+            self._steps[:] = first_ages(nsim, task.time_limit)
 
     @property
     def nsim(self) -> int:
@@ -213,3 +219,13 @@ class Episodes:
     def _seen(self, fields: Fields, contexts: Array) -> Array:
         seen = self.task.observe(fields)
         return np.concatenate([seen, self.model.space.to_unit(contexts)], axis=1) if self._show_context else seen
+
+
+def first_ages(slots: int, time_limit: int) -> Rows:
+    """Control steps that the time limit counts for each slot before its first episode begins, shape (slots,).
+
+    Slots that begin together would stay in step wherever every episode lasts to the time limit: each batch would hold
+    one phase of the episode, and all contexts would change at once. Slot i starts at the age ⌊T·frac(i·φ)⌋, T being the
+    time limit and φ the golden ratio's fraction 0.618, so that ages are even over any neighbouring slots.
+    """
+    return (time_limit * ((np.arange(slots) * _GOLDEN) % 1.0)).astype(np.intp)

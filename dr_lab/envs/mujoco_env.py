@@ -36,6 +36,7 @@ class MujocoEnv(EnvBase):
         infeasible_return: highest return of an episode whose context is infeasible.
         speed_limit: of every joint of a simulation that has not diverged, m/s or rad/s.
         threads: C threads; None takes every core this process may use.
+        staggered: whether first episodes are cut at different ages; for training alone.
 
     Attributes:
         episodes: the same episodes in NumPy.
@@ -53,6 +54,7 @@ class MujocoEnv(EnvBase):
         infeasible_return: float = 0.0,
         speed_limit: float = np.inf,
         threads: int | None = None,
+        staggered: bool = False,
     ) -> None:
         super().__init__(device="cpu", batch_size=torch.Size([slots]))
         self.episodes = Episodes(
@@ -65,6 +67,7 @@ class MujocoEnv(EnvBase):
             infeasible_return=infeasible_return,
             speed_limit=speed_limit,
             threads=threads,
+            staggered=staggered,
         )
         self._make_specs()
         self._never = torch.zeros(slots, 1, dtype=torch.bool)

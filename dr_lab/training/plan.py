@@ -65,7 +65,7 @@ class Plan:
             ConfigError: a batch does not hold one control step of each slot.
         """
         randomizer = self.randomizer(self.env.space)
-        env = self.env.make(randomizer, self.episodes, self.seed, self.threads)
+        env = self.env.make(randomizer, self.episodes, self.seed, self.threads, staggered=True)
         slots = env.episodes
         algorithm = self.algorithm(Interface(slots.observation.shape[1], slots.low, slots.high), self.seed)
         steps = algorithm.batch_frames // self.episodes
@@ -80,7 +80,14 @@ class Plan:
         collector = self.collector(env, policy, steps)
         more: dict[str, Stateful] = {}
         trainer = Trainer(
-            collector, algorithm, learner, PolicyRollouts(played, policy), checkpoint, self.checkpoint_every, more
+            collector,
+            algorithm,
+            learner,
+            PolicyRollouts(played, policy),
+            checkpoint,
+            self.checkpoint_every,
+            more,
+            self.env.task.time_limit,
         )
         return Training(trainer, algorithm, randomizer, learner, collector, more)
 

@@ -56,6 +56,7 @@ class Trainer(Generic[R]):
         checkpoint: the file that a later run continues from; None keeps none.
         every: control steps between two checkpoints, which wait for an iteration to end.
         more: what else the checkpoint shall hold, by name, such as what `watch` keeps.
+        time_limit: control steps of a whole episode; of what was cut before no return is known.
 
     Attributes:
         history: figures of every iteration so far.
@@ -70,12 +71,13 @@ class Trainer(Generic[R]):
         checkpoint: Path | None,
         every: int,
         more: Mapping[str, Stateful] | None = None,
+        time_limit: int = 0,
     ) -> None:
         self._collector = collector
         self._algorithm = algorithm
         self._learner = learner
         self._rollouts = rollouts
-        self._episodes = EpisodeLog()
+        self._episodes = EpisodeLog(time_limit)
         self._checkpoint = checkpoint
         self._every = every
         self._more = more if more is not None else {}

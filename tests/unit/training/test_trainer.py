@@ -160,6 +160,16 @@ def test_episodes_are_followed_from_batch_to_batch() -> None:
     torch.testing.assert_close(torch.from_numpy(whole.returns[: len(first)]).float(), first)
 
 
+def test_what_staggering_cuts_is_no_episode() -> None:
+    batch = next(PointCollector(ppo().policies["policy"], n=3, steps=LIMIT + 4))
+    batch["next", "done"][0, 3] = batch["next", "truncated"][0, 3] = True
+    batch["next", "done"][1, 5] = batch["next", "terminated"][1, 5] = True
+    finished = EpisodeLog(LIMIT).take(batch)
+    # The first slot's four steps are left out, and the eleven after them, which the same limit cuts.
+    assert finished.lengths.tolist() == [6, LIMIT]
+    assert finished.returns[1] == pytest.approx(float(batch["next", "reward"][2, :LIMIT].sum()))
+
+
 def test_infeasible_episodes_are_counted_and_averaged_over_by_nothing() -> None:
     batch = next(PointCollector(ppo().policies["policy"], n=3, steps=LIMIT))
     batch["next", "infeasible"][0] = batch["next", "done"][0]
