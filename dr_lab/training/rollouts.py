@@ -62,9 +62,18 @@ class PolicyRollouts:
 
     def returns(self, z: Array) -> Array:
         """Undiscounted return of an episode in each context (k, n), shape (k,); NaN where the context is infeasible."""
+        returns, infeasible = self.outcomes(z)
+        return np.where(infeasible, np.nan, returns)
+
+    def outcomes(self, z: Array) -> tuple[Array, Flags]:
+        """Undiscounted return of an episode in each context (k, n), and whether it is infeasible, shape (k,) each.
+
+        The return of an infeasible one is what the environment declares.
+        """
         width = self._episodes.nsim
         loads = [z[first : first + width] for first in range(0, len(z), width)]
-        return np.concatenate([self._play(load) for load in loads])
+        returns, infeasible = zip(*(self._play(load) for load in loads), strict=True)
+        return np.concatenate(returns), np.concatenate(infeasible)
 
     def state_dict(self) -> dict[str, Any]:
         """The random streams of starts."""
@@ -74,10 +83,10 @@ class PolicyRollouts:
         """Continue from what `state_dict` gave."""
         self._episodes.load_state_dict(state)
 
-    def _play(self, z: Array) -> Array:
-        returns = np.zeros(self._episodes.nsim)
+    def _play(self, z: Array) -> tuple[Array, Flags]:
+        returns, infeasible = np.zeros(self._episodes.nsim), np.zeros(self._episodes.nsim, bool)
         begin(self._episodes, z)
         for step in play(self._episodes, self._policy, len(z)):
             returns[step.going] += step.outcome.reward[step.going]
-            returns[step.going & step.outcome.infeasible] = np.nan
-        return returns[: len(z)]
+            infeasible |= step.going & step.outcome.infeasible
+        return returns[: len(z)], infeasible[: len(z)]
