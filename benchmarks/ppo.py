@@ -21,6 +21,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from pathlib import Path
 from types import ModuleType
 
@@ -58,7 +59,7 @@ def train_ours(arm: str, seed: int, frames: int) -> tuple[Array, Act]:
     with tempfile.TemporaryDirectory() as folder:
         training = plan.assemble(Path(folder) / "checkpoint.pt")
         begin = clocks()
-        with training.collector:
+        with closing(training.trainer):
             training.trainer.run(frames, lambda figures, finished: None)
         spent = clocks() - begin
     policy = training.algorithm.deployed

@@ -18,6 +18,7 @@ from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.normaliser import RunningNormaliser
+from dr_lab.trajectory import Array
 
 STEP = 0.2  # x' = x + STEP·z·a, reward 1 − x'²
 LIMIT = 15  # steps after which an episode is cut; |x| > 2 terminates it
@@ -57,6 +58,10 @@ class PointCollector(Collector):
         shape = [len(done)]
         now = {"observation": before, "context": context, "action": action, "next": TensorDict(after, batch_size=shape)}
         return TensorDict(now, batch_size=shape)
+
+    def begin(self, z: Array | None) -> None:
+        assert z is None
+        self._begin(np.ones(len(self.x), bool))
 
     def state_dict(self) -> dict[str, Any]:
         return {"x": self.x, "z": self.z, "age": self.age, "rng": self.rng.bit_generator.state}

@@ -9,6 +9,7 @@ import torch
 from tensordict import TensorDict
 
 from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.experience import Experience
 from dr_lab.seeding import derived_seed
 from dr_lab.trajectory import Array
 
@@ -51,6 +52,17 @@ class Algorithm(ABC):
     @abstractmethod
     def deployed(self) -> Policy:
         """What is evaluated and deployed: without exploration."""
+
+    def iterate(self, experience: Experience) -> Mapping[str, float]:
+        """One iteration: collect what it takes, one batch unless said otherwise, and learn from it.
+
+        Args:
+            experience: of the present policy.
+
+        Returns:
+            Figures to be recorded, by name.
+        """
+        return self.update(experience.collect())
 
     @abstractmethod
     def update(self, batch: TensorDict) -> Mapping[str, float]:

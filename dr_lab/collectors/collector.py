@@ -9,6 +9,8 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
+from dr_lab.trajectory import Array
+
 
 class Policy(Protocol):
     """What acts: observation (n, o) to action (n, nu), drawn at random where the policy is stochastic."""
@@ -62,6 +64,14 @@ class Collector(ABC):
     @abstractmethod
     def _collect(self) -> TensorDict:
         """The next batch without log-probabilities."""
+
+    @abstractmethod
+    def begin(self, z: Array | None) -> None:
+        """Begin new episodes in all slots.
+
+        Args:
+            z: context of every slot, which also its further episodes have, shape (n, parameters); None draws them.
+        """
 
     def close(self) -> None:  # noqa: B027 (most have nothing to end)
         """End what runs in the background, if anything does."""

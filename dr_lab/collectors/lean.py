@@ -9,6 +9,7 @@ from tensordict import TensorDict
 
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.envs.mujoco_env import MujocoEnv, single
+from dr_lab.trajectory import Array
 
 
 class LeanCollector(Collector):
@@ -36,6 +37,11 @@ class LeanCollector(Collector):
             "reward": np.empty((*shape, 1), np.float32),
         }
         self._next |= {key: np.empty((*shape, 1), bool) for key in ("done", "terminated", "truncated", "infeasible")}
+
+    def begin(self, z: Array | None) -> None:
+        """Begin new episodes in all slots."""
+        self._episodes.give_contexts(z)
+        self._episodes.begin(np.arange(self._episodes.nsim))
 
     def state_dict(self) -> dict[str, Any]:
         """The episodes."""

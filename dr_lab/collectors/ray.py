@@ -22,6 +22,7 @@ from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.ray_cluster import HERE, own_sigterm, prepare, unanswered
+from dr_lab.trajectory import Array
 
 
 class RayCollector(Collector):
@@ -69,6 +70,13 @@ class RayCollector(Collector):
             )
         self._ray: TorchRLRayCollector | None = None
         self._batches: Iterator[TensorDict] = iter(())
+
+    def begin(self, z: Array | None) -> None:
+        """Begin new episodes in all slots, on this side, which the workers then play on."""
+        self._env.load_state_dict(self.state_dict())
+        self._env.set_contexts(z)
+        self._env.reset()
+        self.load_state_dict(self._env.state_dict())
 
     def state_dict(self) -> dict[str, Any]:
         """The episodes, wherever they are."""

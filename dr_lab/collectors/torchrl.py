@@ -8,6 +8,7 @@ from tensordict import TensorDict, TensorDictBase
 
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.envs.mujoco_env import MujocoEnv
+from dr_lab.trajectory import Array
 
 KEPT = ("observation", "context", "action", "next")
 
@@ -35,6 +36,11 @@ class TorchRLCollector(Collector):
         )
         self.load_state_dict(beginning)  # TorchRL tries the environment out
         self._batches = cast(Iterator[TensorDict], iter(self._collector))
+
+    def begin(self, z: Array | None) -> None:
+        """Begin new episodes in all slots."""
+        self._env.set_contexts(z)
+        self._collector._carrier.update(self._env.reset())
 
     def state_dict(self) -> dict[str, Any]:
         """The episodes."""

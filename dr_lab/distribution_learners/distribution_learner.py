@@ -2,18 +2,12 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any
 
+from tensordict import TensorDict
+
+from dr_lab.collectors.experience import Experience
 from dr_lab.randomizers.randomizer import Randomizer
-from dr_lab.trajectory import Array
-
-
-class Rollouts(Protocol):
-    """Episodes of the present policy in contexts of the learner's choice."""
-
-    def returns(self, z: Array) -> Array:
-        """Undiscounted return of an episode in each context (k, n), shape (k,); NaN where the context is infeasible."""
-        ...
 
 
 class DistributionLearner(ABC):
@@ -30,11 +24,12 @@ class DistributionLearner(ABC):
         self.randomizer = randomizer
 
     @abstractmethod
-    def update(self, rollouts: Rollouts) -> Mapping[str, float]:
+    def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
         """Update φ.
 
         Args:
-            rollouts: plays the present policy.
+            batch: the newest, size [n, steps], as a collector gives it; the policy has not learnt from it yet.
+            experience: plays the present policy, `experience.policy`, or any other, in contexts of one's choice.
 
         Returns:
             Figures to be recorded, by name.

@@ -5,8 +5,11 @@ from typing import Any, Literal
 
 import numpy as np
 import torch
+from tensordict import TensorDict
 
-from dr_lab.distribution_learners.distribution_learner import DistributionLearner, Rollouts
+from dr_lab.collectors.experience import Experience
+from dr_lab.collectors.play import undiscounted
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.distribution_learners.return_statistics import ReturnStatistics
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.physics.context import ContextSpace
@@ -79,10 +82,11 @@ class LSDR(DistributionLearner):
         self.optimiser = torch.optim.Adam(self._learnable(), lr=learning_rate)
         self._require_support()
 
-    def update(self, rollouts: Rollouts) -> Mapping[str, float]:
+    def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
         """Try K contexts, then take M steps; gives entropy (where it has a closed form), divergence and returns."""
+        del batch
         z = self.source.sample([self.rng] * self.contexts)
-        returns = rollouts.returns(z)
+        returns = undiscounted(experience.play(experience.policy, z))
         standardised = torch.from_numpy(self.statistics.standardise(returns))
         tried = torch.from_numpy(z)
         for _ in range(self.steps):

@@ -2,7 +2,10 @@
 
 from collections.abc import Mapping
 
-from dr_lab.distribution_learners.distribution_learner import DistributionLearner, Rollouts
+from tensordict import TensorDict
+
+from dr_lab.collectors.experience import Experience
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.randomizers.randomizer import Randomizer
 
 
@@ -18,7 +21,7 @@ class NoLearner(DistributionLearner):
         del seed
         super().__init__(randomizer)
 
-    def update(self, rollouts: Rollouts) -> Mapping[str, float]:
+    def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
         """Nothing."""
-        del rollouts
+        del batch, experience
         return {}

@@ -22,6 +22,9 @@ Rows = NDArray[np.intp]
 _FORCES = "cfrc_ext"
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
+Starts = tuple[Array, Array]
+"""Positions (k, nq) and velocities (k, nv) with which episodes begin."""
+
 
 class ContextSource(Protocol):
     """Where the contexts of new episodes come from; every randomizer is one."""
@@ -138,15 +141,23 @@ class Episodes:
             raise ModelError(f"Contexts have shape {z.shape}; expected one for each episode, {self.contexts.shape}.")
         self._given = None if z is None else np.array(z, dtype=float)
 
-    def begin(self, rows: Rows) -> None:
-        """Begin new episodes in these slots; the others are not touched."""
+    def begin(self, rows: Rows, starts: Starts | None = None) -> None:
+        """Begin new episodes in these slots; the others are not touched.
+
+        Args:
+            rows: the slots.
+            starts: what they begin with, row by row; None lets the task draw it from each slot's stream.
+        """
         streams = [self._streams[row] for row in rows]
         self.contexts = self.contexts.copy()  # what was handed out stays as it was
         self.contexts[rows] = self._draw(streams, rows)
         self.simulator.set_contexts(self.contexts[rows], rows)
         self.simulator.reset(rows)
-        for row, rng in zip(rows, streams, strict=True):
-            self._qpos[row], self._qvel[row] = self.task.start(rng, self.simulator.compiled)
+        if starts is not None:
+            self._qpos[rows], self._qvel[rows] = starts
+        else:
+            for row, rng in zip(rows, streams, strict=True):
+                self._qpos[row], self._qvel[row] = self.task.start(rng, self.simulator.compiled)
         self.simulator.forward(rows)
         if self._forces is not None:
             self._forces.rest(rows)

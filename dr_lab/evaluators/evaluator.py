@@ -4,7 +4,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.episodes import ContextSource, Episodes
@@ -36,7 +35,7 @@ class Subject:
     name: str
     setting: Setting
     policy: Policy
-    again: Callable[[ContextSource, int], tuple[Trainer[Any], Policy]]
+    again: Callable[[ContextSource, int], tuple[Trainer, Policy]]
     threads: int | None = None
     trained_on: ContextSource | None = None
 

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,7 +95,7 @@ class FineTuneEvaluator(Evaluator):
         with closing(trainer):
             return self._train_on(trainer, subject.rollouts(self.episodes, self.seed, policy), z)
 
-    def _train_on(self, trainer: Trainer[Any], rollouts: PolicyRollouts, z: Array) -> tuple[list[int], list[float]]:
+    def _train_on(self, trainer: Trainer, rollouts: PolicyRollouts, z: Array) -> tuple[list[int], list[float]]:
         wanted, begun = np.repeat(z[None], self.episodes, axis=0), trainer.frames
         frames, returns = [0], [float(rollouts.returns(wanted).mean())]
         if np.isnan(returns[0]):

@@ -13,7 +13,7 @@ from dr_lab.summaries.groups import Group, Statistics
 from dr_lab.summaries.runs import TRAIN_SCHEMA, Run, history
 from dr_lab.trajectory import Array
 
-_COUNTS = ("iteration", "frames", "seconds", "episodes")
+_COUNTS = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
 _HISTOGRAM = {"edges", "initial", "probability"}  # what a run keeps of a distribution that it knows
 _FIRST = "episode_return"
 _CELL = ("return", "std")

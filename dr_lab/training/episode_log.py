@@ -1,6 +1,6 @@
 """Which episodes ended within a batch, in which context, and what they returned."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -40,6 +40,16 @@ class Finished:
         }
 
 
+def joined(parts: Sequence[Finished]) -> Finished:
+    """The episodes of several batches, one at least, in their order."""
+    return Finished(
+        np.concatenate([part.context for part in parts]),
+        np.concatenate([part.returns for part in parts]),
+        np.concatenate([part.lengths for part in parts]),
+        np.concatenate([part.infeasible for part in parts]),
+    )
+
+
 class EpisodeLog:
     """Follows the episodes of n slots from batch to batch.
 
@@ -69,19 +79,15 @@ class EpisodeLog:
         context = cast(Tensor, batch["context"]).double().numpy()
         if len(self._returns) == 0:
             self._returns, self._lengths = np.zeros(len(reward)), np.zeros(len(reward), np.int64)
-        contexts, returns, lengths = [context[:0, 0]], [np.zeros(0)], [np.zeros(0, np.int64)]
-        failed = [np.zeros(0, bool)]
+        found = [Finished(context[:0, 0], np.zeros(0), np.zeros(0, np.int64), np.zeros(0, bool))]
         for t in range(reward.shape[1]):
             self._returns += reward[:, t]
             self._lengths += 1
             ended = done[:, t]
             whole = ended & (terminated[:, t] | (self._lengths >= self._time_limit))
-            contexts.append(context[whole, t])
-            returns.append(self._returns[whole])
-            lengths.append(self._lengths[whole])
-            failed.append(infeasible[whole, t])
+            found.append(Finished(context[whole, t], self._returns[whole], self._lengths[whole], infeasible[whole, t]))
             self._returns[ended], self._lengths[ended] = 0.0, 0
-        return Finished(*(np.concatenate(each) for each in (contexts, returns, lengths, failed)))
+        return joined(found)
 
     def state_dict(self) -> dict[str, Any]:
         """What is known of the episodes that go on."""

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.collectors.collector import Collector
+from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.seeding import derived_seed
-from dr_lab.training.rollouts import PolicyRollouts
 from dr_lab.training.trainer import Stateful, Trainer
 
 CHECKPOINT = "checkpoint.pt"
@@ -77,19 +77,12 @@ class Plan:
         policy = algorithm.policies["policy"]
         learner = self.distribution_learner(randomizer, self.seed)
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
-        collector = self.collector(env, policy, steps)
+        experience = Experience(self.collector(env, policy, steps), policy, played, randomizer)
         more: dict[str, Stateful] = {}
         trainer = Trainer(
-            collector,
-            algorithm,
-            learner,
-            PolicyRollouts(played, policy),
-            checkpoint,
-            self.checkpoint_every,
-            more,
-            self.env.task.time_limit,
+            experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.task.time_limit
         )
-        return Training(trainer, algorithm, randomizer, learner, collector, more)
+        return Training(trainer, algorithm, randomizer, learner, more)
 
     def _seed_of_rollouts(self) -> int:
         """Another seed than that of the slots, whose starts would otherwise be the same."""
@@ -101,17 +94,15 @@ class Training:
     """A training run that can be started.
 
     Attributes:
-        trainer: the loop.
+        trainer: the loop; to be closed at the end.
         algorithm: what learns the policy.
         randomizer: p(z).
         learner: what shapes it.
-        collector: to be closed at the end.
         more: what else the checkpoint holds, by name; may be added to before the loop starts.
     """
 
-    trainer: Trainer[PolicyRollouts]
+    trainer: Trainer
     algorithm: Algorithm
     randomizer: Randomizer
     learner: DistributionLearner
-    collector: Collector
     more: dict[str, Stateful]

@@ -1,54 +1,58 @@
 """Episodes of a policy with all that happens in them, for recordings."""
 
-from typing import Literal
+from typing import Literal, cast
 
 import mujoco
 import numpy as np
+import torch
+from tensordict import TensorDict
+from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import Episodes
+from dr_lab.collectors.play import play
+from dr_lab.envs.episodes import Episodes, Starts
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model
 from dr_lab.recorders.episode import Episode
-from dr_lab.training.rollouts import Step, begin, play
 from dr_lab.trajectory import Array
 
 
-def record(episodes: Episodes, policy: Policy, z: Array) -> list[Episode]:
+def record(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None = None) -> list[Episode]:
     """Play one episode in each context, from its start to its end.
 
     Args:
-        episodes: as many slots as contexts, or more.
+        episodes: slots that run side by side.
         policy: what acts.
         z: contexts, shape (k, n), k ≥ 1.
+        starts: as `collectors.play.play` takes them.
 
     Returns:
         The episodes, called ``episode_1``, ``episode_2`` …
     """
-    begin(episodes, z)
-    states, steps = [episodes.state], list[Step]()
-    for step in play(episodes, policy, len(z)):
-        states.append(episodes.state)
-        steps.append(step)
-    position, velocity = (np.stack(each, axis=1) for each in zip(*states, strict=True))
-    action = np.clip(np.stack([step.action for step in steps], axis=1), episodes.low, episodes.high)
-    reward = np.stack([step.outcome.reward for step in steps], axis=1)
-    lengths = np.sum([step.going for step in steps], axis=0)
+    played = play(episodes, policy, z, starts)
+    return [_recorded(episodes, cast(TensorDict, played[i]), z[i], f"episode_{i + 1}") for i in range(len(z))]
+
+
+def _recorded(episodes: Episodes, course: TensorDict, z: Array, name: str) -> Episode:
+    """One episode out of what was played."""
+    course = cast(TensorDict, course[: int(course["mask"].sum())])
     parameters = episodes.model.space.parameters
-    return [
-        Episode(
-            name=f"episode_{slot + 1}",
-            context={p.name: (float(value), p.unit) for p, value in zip(parameters, z[slot], strict=True)},
-            geometry=_geometry(episodes.model, z[slot]),
-            time=np.arange(length + 1) * episodes.seconds,
-            qpos=position[slot, : length + 1],
-            qvel=velocity[slot, : length + 1],
-            action=action[slot, :length].astype(np.float64),
-            reward=reward[slot, :length],
-            ended=_ending(steps[length - 1], slot),
-        )
-        for slot, length in enumerate(lengths[: len(z)])
-    ]
+    return Episode(
+        name=name,
+        context={p.name: (float(value), p.unit) for p, value in zip(parameters, z, strict=True)},
+        geometry=_geometry(episodes.model, z),
+        time=np.arange(len(course) + 1, dtype=np.float64) * episodes.seconds,
+        qpos=_before_and_after(course, "qpos"),
+        qvel=_before_and_after(course, "qvel"),
+        action=np.clip(cast(Tensor, course["action"]).double().numpy(), episodes.low, episodes.high),
+        reward=cast(Tensor, course["next", "reward"])[:, 0].numpy(),
+        ended=_ending(course),
+    )
+
+
+def _before_and_after(course: TensorDict, key: str) -> Array:
+    """The state before the first and after every step, shape (t + 1, …)."""
+    return torch.cat([cast(Tensor, course[key]), cast(Tensor, course["next", key])[-1:]]).numpy()
 
 
 def _geometry(model: Model, z: Array) -> mujoco.MjModel:
@@ -59,7 +63,7 @@ def _geometry(model: Model, z: Array) -> mujoco.MjModel:
         return model.nominal()
 
 
-def _ending(last: Step, slot: int) -> Literal["terminated", "truncated", "infeasible"]:
-    if last.outcome.infeasible[slot]:
+def _ending(course: TensorDict) -> Literal["terminated", "truncated", "infeasible"]:
+    if course["next", "infeasible"][-1]:
         return "infeasible"
-    return "terminated" if last.outcome.terminated[slot] else "truncated"
+    return "terminated" if course["next", "terminated"][-1] else "truncated"

@@ -3,13 +3,16 @@
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Protocol
+
+from tensordict import TensorDict
 
 from dr_lab.algorithms.algorithm import Algorithm
-from dr_lab.collectors.collector import Collector
+from dr_lab.collectors.experience import Experience
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.errors import DataError, DrLabError
 from dr_lab.training.checkpoint import load, not_finite, save
-from dr_lab.training.episode_log import EpisodeLog, Finished
+from dr_lab.training.episode_log import EpisodeLog, Finished, joined
 
 BatchWatch = Callable[[Mapping[str, float], Finished], None]
 
@@ -26,33 +29,16 @@ class Stateful(Protocol):
         ...
 
 
-R = TypeVar("R", bound=Stateful)
-Rollouts_contra = TypeVar("Rollouts_contra", contravariant=True)
-
-
-class Learner(Stateful, Protocol[Rollouts_contra]):
-    """What shapes the distribution of the context; every distribution learner is one."""
-
-    @property
-    def every(self) -> int:
-        """Control steps between two updates."""
-        ...
-
-    def update(self, rollouts: Rollouts_contra) -> Mapping[str, float]:
-        """On rollouts of the present policy."""
-        ...
-
-
-class Trainer(Generic[R]):
+class Trainer:
     """Collect, shape the distribution, learn, record, save; over and over.
 
-    As in Mozifian et al. 2020, algorithm 1, the distribution is updated between collection and learning.
+    As in Mozifian et al. 2020, algorithm 1, the distribution is updated between collection and learning: with a batch,
+    before the algorithm has it.
 
     Args:
-        collector: experience; its policy is the algorithm's.
+        experience: of the algorithm's policy.
         algorithm: learns the policy.
-        learner: learns the distribution that the collector's contexts are drawn from.
-        rollouts: what the learner may play.
+        learner: learns the distribution that the collected contexts are drawn from.
         checkpoint: the file that a later run continues from; None keeps none.
         every: control steps between two checkpoints, which wait for an iteration to end.
         more: what else the checkpoint shall hold, by name, such as what `watch` keeps.
@@ -64,24 +50,26 @@ class Trainer(Generic[R]):
 
     def __init__(
         self,
-        collector: Collector,
+        experience: Experience,
         algorithm: Algorithm,
-        learner: Learner[R],
-        rollouts: R,
+        learner: DistributionLearner,
         checkpoint: Path | None,
         every: int,
         more: Mapping[str, Stateful] | None = None,
         time_limit: int = 0,
     ) -> None:
-        self._collector = collector
+        self._experience = experience
         self._algorithm = algorithm
         self._learner = learner
-        self._rollouts = rollouts
         self._episodes = EpisodeLog(time_limit)
         self._checkpoint = checkpoint
         self._every = every
         self._more = more if more is not None else {}
         self.history: list[dict[str, float]] = []
+        self._collected = 0  # in the iteration that runs
+        self._finished: list[Finished] = []  # in it
+        self._shaped: dict[str, float] = {}  # in it
+        experience.listen(self._take)
 
     @property
     def frames(self) -> int:
@@ -117,7 +105,7 @@ class Trainer(Generic[R]):
 
     def close(self) -> None:
         """End what the collector keeps running, such as workers on other machines."""
-        self._collector.close()
+        self._experience.close()
 
     def resume(self, checkpoint: Path) -> None:
         """Go on as if the run that wrote this checkpoint had never been interrupted.
@@ -137,30 +125,36 @@ class Trainer(Generic[R]):
         if lost is not None:
             raise DrLabError(
                 f"After {self.frames} control steps {lost} is no longer finite: training has diverged, and is not "
-                "saved. Lower the learning rates (algorithm.actor_rate, algorithm.critic_rate), or look for a reward "
-                "or an observation of the task that is not finite."
+                "saved. Lower the learning rates of the algorithm, or look for a reward or an observation of the task "
+                "that is not finite."
             )
         if self._checkpoint is not None:
             save(self._checkpoint, state)
 
     def _iterate(self) -> tuple[dict[str, float], Finished]:
         begin = time.monotonic()
-        batch = next(self._collector)
-        finished = self._episodes.take(batch)
-        frames, between = self.frames + batch.numel(), self._learner.every
-        due = frames // between > self.frames // between
-        shaped = self._learner.update(self._rollouts) if due else {}
-        learnt = self._algorithm.update(batch)
+        self._collected, self._finished, self._shaped = 0, [], {}
+        learnt = self._algorithm.iterate(self._experience)
+        finished = joined(self._finished)
         before = self.history[-1]["seconds"] if self.history else 0.0
         figures = {
             "iteration": float(len(self.history) + 1),
-            "frames": float(frames),
+            "frames": float(self.frames + self._collected),
+            "rollout_frames": float(self._experience.rollout_frames),
             "seconds": before + time.monotonic() - begin,
             **finished.figures(),
             **learnt,
-            **shaped,
+            **self._shaped,
         }
         return figures, finished
+
+    def _take(self, batch: TensorDict) -> None:
+        """Note what ended in a batch, and let the learner shape the distribution where its turn has come."""
+        self._finished.append(self._episodes.take(batch))
+        before, between = self.frames + self._collected, self._learner.every
+        self._collected += batch.numel()
+        if (before + batch.numel()) // between > before // between:
+            self._shaped |= self._learner.update(batch, self._experience)
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
@@ -177,8 +171,7 @@ class Trainer(Generic[R]):
         return {
             "algorithm": self._algorithm,
             "learner": self._learner,
-            "rollouts": self._rollouts,
-            "collector": self._collector,
+            "experience": self._experience,
             "episodes": self._episodes,
             **self._more,
         }

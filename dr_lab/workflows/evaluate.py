@@ -123,9 +123,9 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
     plan = replace(recorded, threads=threads)
     training = plan.assemble(None)
     state = _restored(training, folder)
-    training.collector.close()
+    training.trainer.close()
 
-    def again(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
+    def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
         further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
         fresh = further.assemble(None)
         fresh.algorithm.load_state_dict(state)

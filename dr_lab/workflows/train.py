@@ -4,7 +4,7 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,7 @@ RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder")
 _DRAWS = 100_000  # of a distribution, for its mean and standard deviation: to 0.3 % of the latter
 _NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate plays whole ones."
-_NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
+_NOT_PLOTTED = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
 
 
 def train(plan: Plan, recorder: Look, resume: str | None, run_dir: Path, final_share: float = 1.0) -> dict[str, Any]:
@@ -87,7 +87,7 @@ def _tell_of_nothing_left(played: int, frames: int, resume: str) -> None:
 def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
     trainer = training.trainer
     try:
-        with training.collector, _progress(plan.frames, trainer.frames) as show:
+        with closing(trainer), _progress(plan.frames, trainer.frames) as show:
 
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
                 if any(True for _ in training.randomizer.parameters()):
@@ -144,6 +144,7 @@ def _report(
         "algorithm": training.algorithm.name,
         "iterations": len(history),
         "frames": training.trainer.frames,
+        "rollout_frames": int(history[-1]["rollout_frames"]),
         "seconds": history[-1]["seconds"],
         "infeasible_episodes": int(sum(map(_infeasible, history))),
         "final": history[-1],
@@ -185,6 +186,8 @@ def _page(report: Mapping[str, Any]) -> str:
         f"{report['frames']} control steps in {report['seconds']:.0f} s, {report['iterations']} iterations. "
         + (_NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."),
     ]
+    if report["rollout_frames"]:
+        lines += ["", f"The distribution was learnt from further episodes: {report['rollout_frames']} control steps."]
     if report["infeasible_episodes"]:
         lines += ["", f"Episodes in infeasible contexts, which no mean return counts: {report['infeasible_episodes']}."]
     if report["context"]:

@@ -6,6 +6,8 @@ from typing import Literal
 import numpy as np
 import pytest
 import torch
+from pretended_experience import PretendedExperience
+from tensordict import TensorDict
 
 from dr_lab.distribution_learners.lsdr import LSDR
 from dr_lab.distribution_learners.none import NoLearner
@@ -23,12 +25,13 @@ SWEET = (0.0, 0.09)  # m
 wide = partial(UniformRandomizer, ranges={})
 
 
-class Bandit:
-    """J(z) = 1 in the sweet spot, 0 outside; z ≤ 0 does not compile."""
+BATCH = TensorDict()  # of no interest to LSDR
 
-    def returns(self, z: Array) -> Array:
-        radius = z[:, 0]
-        return np.where(radius <= SWEET[0], np.nan, np.where(radius < SWEET[1], 1.0, 0.0))
+
+def bandit(z: Array) -> Array:
+    """J(z) = 1 in the sweet spot, 0 outside; z ≤ 0 does not compile."""
+    radius = z[:, 0]
+    return np.where(radius <= SWEET[0], np.nan, np.where(radius < SWEET[1], 1.0, 0.0))
 
 
 def learner(
@@ -51,7 +54,7 @@ def learner(
 
 def train(lsdr: LSDR, updates: int) -> float:
     """Entropy after some updates."""
-    return [lsdr.update(Bandit()) for _ in range(updates)][-1]["entropy"]
+    return [lsdr.update(BATCH, PretendedExperience(bandit)) for _ in range(updates)][-1]["entropy"]
 
 
 def cells(source: Literal["prior", "learned"], alpha: float, updates: int = 120) -> tuple[Array, Array, float]:
@@ -84,11 +87,9 @@ def test_without_the_divergence_cells_collapse() -> None:
     assert cells("learned", alpha=0.0)[2] < cells("learned", alpha=0.2)[2] - 0.3
 
 
-class Terraces:
+def terraces(z: Array) -> Array:
     """z ≤ 0 returns −2, then J = 1, from the middle of the range on 0.9."""
-
-    def returns(self, z: Array) -> Array:
-        return np.select([z[:, 0] <= 0.0, z[:, 0] < 0.1], [-2.0, 1.0], 0.9)
+    return np.select([z[:, 0] <= 0.0, z[:, 0] < 0.1], [-2.0, 1.0], 0.9)
 
 
 def test_contexts_of_the_prior_without_the_divergence_give_up_only_what_is_below_the_mean() -> None:
@@ -96,7 +97,7 @@ def test_contexts_of_the_prior_without_the_divergence_give_up_only_what_is_below
     lsdr = learner(randomizer, "prior", alpha=0.0)
     lsdr.contexts = 256
     for _ in range(60):
-        lsdr.update(Terraces())
+        lsdr.update(BATCH, PretendedExperience(terraces))
     probability = randomizer.distribution().log_probabilities.exp().detach().numpy()
     worst, best, good = probability.reshape(3, 8).sum(1)
     assert worst < 1e-3
@@ -119,7 +120,7 @@ def test_continues_exactly() -> None:
 
 
 def test_no_learner_plays_nothing() -> None:
-    assert NoLearner(wide(TORSO), seed=0).update(Bandit()) == {}
+    assert NoLearner(wide(TORSO), seed=0).update(BATCH, PretendedExperience(bandit)) == {}
 
 
 def test_nothing_to_learn_is_told() -> None:

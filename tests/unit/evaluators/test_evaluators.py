@@ -94,7 +94,7 @@ class FiveMasses:
         return np.array([[0.05], [0.5], [2.0], [2.0], [2.0]])
 
 
-def again(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
+def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
     del source, seed
     trainer = Stronger()
     return cast(Any, trainer), trainer
@@ -206,7 +206,7 @@ def test_a_context_that_diverges_while_training_on_costs_its_own_round_alone(sub
 def test_every_context_has_a_trainer_with_a_seed_of_its_own_that_is_closed(subject: Subject, tmp_path: Path) -> None:
     trainers, seeds = list[Stronger](), list[int]()
 
-    def watched(source: ContextSource, seed: int) -> tuple[Trainer[Any], Policy]:
+    def watched(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
         found = again(source, seed)
         trainers.append(cast(Stronger, found[1]))
         seeds.append(seed)

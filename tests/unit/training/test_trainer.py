@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import torch
 from point_mass import LIMIT, PointCollector, ppo
+from pretended_experience import PretendedExperience
 
 from dr_lab.distribution_learners.lsdr import LSDR
 from dr_lab.errors import DrLabError
@@ -26,24 +27,11 @@ GAIN = ContextSpace((Parameter("gain", "1", 1.0, 0.0, 2.0),))
 FRAMES = 480
 
 
-class Pretended:
-    """Rollouts that know their returns."""
-
-    def __init__(self) -> None:
-        self.played = 0
-
-    def returns(self, z: Array) -> Array:
-        self.played += len(z)
-        return np.where(z[:, 0] < 1.0, 1.0, 0.0)
-
-    def state_dict(self) -> dict[str, int]:
-        return {"played": self.played}
-
-    def load_state_dict(self, state: Mapping[str, int]) -> None:
-        self.played = state["played"]
+def below_one(z: Array) -> Array:
+    return np.where(z[:, 0] < 1.0, 1.0, 0.0)
 
 
-def trainer(folder: Path, every: int = 1, seed: int = 0, between: int = 1) -> Trainer[Pretended]:
+def trainer(folder: Path, every: int = 1, seed: int = 0, between: int = 1) -> Trainer:
     algorithm = ppo(seed)
     learner = LSDR(
         DiscreteRandomizer(GAIN, {}, bins=8),
@@ -59,7 +47,8 @@ def trainer(folder: Path, every: int = 1, seed: int = 0, between: int = 1) -> Tr
         divergence_samples=10,
     )
     collector = PointCollector(algorithm.policies["policy"], seed=seed)
-    return Trainer(collector, algorithm, learner, Pretended(), folder / "checkpoint.pt", every)
+    experience = PretendedExperience(below_one, collector)
+    return Trainer(experience, algorithm, learner, folder / "checkpoint.pt", every)
 
 
 def ignore(figures: object, finished: Finished) -> None:
@@ -143,6 +132,7 @@ def test_figures_of_all_parts_are_recorded(tmp_path: Path) -> None:
     figures, finished = seen[-1]
     assert {"iteration", "frames", "episode_return", "kl", "entropy", "divergence"} <= set(figures)
     assert figures["frames"] == 2 * FRAMES == run.frames
+    assert figures["rollout_frames"] == 2 * 6  # of the learner's own episodes, of one step each
     assert figures["episodes"] == len(finished.returns) == 32
     assert (finished.lengths == LIMIT).all()
 

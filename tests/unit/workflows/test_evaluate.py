@@ -116,7 +116,8 @@ def test_training_a_learner_and_an_evaluator_start_their_episodes_apart(run: Pat
     trained_on = subject.setting.make(None, 4, 0, threads=1).episodes
     starts = [episodes.state[0] for episodes in (trained_on, subject.slots(4, 0))]
     assert not np.isclose(starts[0], starts[1]).all(1).any()
-    seeds = [{str(each["state"]["inc"]) for each in state[part]["streams"]} for part in ("collector", "rollouts")]
+    slots = [state["experience"][part]["streams"] for part in ("collector", "episodes")]
+    seeds = [{str(each["state"]["inc"]) for each in streams} for streams in slots]
     assert seeds[0].isdisjoint(seeds[1])
 
 

@@ -1,0 +1,110 @@
+"""Whole episodes of a policy in contexts of one's choice, with all that happens in them."""
+
+from typing import cast
+
+import numpy as np
+import torch
+from tensordict import TensorDict
+from torch import Tensor
+
+from dr_lab.collectors.collector import Policy
+from dr_lab.envs.episodes import Episodes, Flags, Starts, StepOutcome
+from dr_lab.envs.mujoco_env import single
+from dr_lab.trajectory import Array
+
+_FLAGS = ("terminated", "truncated", "infeasible", "done")
+
+
+def play(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
+    """Play one episode in each context, from its start to its end.
+
+    Args:
+        episodes: slots that run side by side; more contexts than slots are played one load after the other.
+        policy: what acts.
+        z: contexts, shape (k, n), k ≥ 1.
+        starts: positions (k, nq) and velocities (k, nv) with which they begin; None draws them, as the task does.
+
+    Returns:
+        Size [k, t], t being the length of the longest. ``mask`` (k, t) is true for the steps of an episode; all else is
+        0 beyond its end. The other keys are those of a collector's batch, without log-probabilities, and the physical
+        state before and after each step: ``qpos``, ``qvel``, ``("next", "qpos")``, ``("next", "qvel")``. State and
+        reward are float64, observation, action and context float32.
+    """
+    width = episodes.nsim
+    loads = [slice(first, first + width) for first in range(0, len(z), width)]
+    given = [None if starts is None else (starts[0][load], starts[1][load]) for load in loads]
+    parts = [_play_load(episodes, policy, z[load], start) for load, start in zip(loads, given, strict=True)]
+    longest = max(part.shape[1] for part in parts)
+    return cast(TensorDict, torch.cat([_lengthened(part, longest) for part in parts]))
+
+
+def undiscounted(played: TensorDict) -> Array:
+    """Return of each episode that `play` gave, shape (k,); NaN where the context is infeasible."""
+    returns, infeasible = outcomes(played)
+    return np.where(infeasible, np.nan, returns)
+
+
+def outcomes(played: TensorDict) -> tuple[Array, Flags]:
+    """Return of each episode, as the environment declares it where it is infeasible, and where it is, shape (k,)."""
+    reward, infeasible = (cast(Tensor, played["next", key])[..., 0].numpy() for key in ("reward", "infeasible"))
+    returns = np.cumsum(reward, axis=1)[:, -1]  # in the order of time, which `sum` does not keep
+    return returns, np.any(infeasible, axis=1)
+
+
+def _play_load(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None) -> TensorDict:
+    """At most as many episodes as there are slots; the slots that are left over repeat the last."""
+    count, rows = len(z), np.minimum(np.arange(episodes.nsim), len(z) - 1)
+    episodes.give_contexts(z[rows])
+    episodes.begin(np.arange(episodes.nsim), None if starts is None else (starts[0][rows], starts[1][rows]))
+    observations, states = [single(episodes.observation)], [episodes.state]
+    actions, outcomes, masks = list[Tensor](), list[StepOutcome](), list[np.ndarray]()
+    going = np.ones(episodes.nsim, bool)
+    while going[:count].any():
+        with torch.no_grad():
+            actions.append(policy(observations[-1]))
+        outcomes.append(episodes.step(actions[-1].numpy()))
+        masks.append(going)
+        observations.append(single(outcomes[-1].observation))
+        states.append(episodes.state)
+        going = going & ~outcomes[-1].done
+    mask = torch.from_numpy(np.stack(masks, 1)[:count])
+    qpos, qvel = (np.stack(each, 1) for each in zip(*states, strict=True))
+    course = {
+        "observation": torch.stack(observations, 1),
+        "qpos": torch.from_numpy(qpos),
+        "qvel": torch.from_numpy(qvel),
+    }
+    return _laid_out(course, torch.stack(actions, 1), outcomes, mask, single(z))
+
+
+def _laid_out(
+    course: dict[str, Tensor], action: Tensor, outcomes: list[StepOutcome], mask: Tensor, context: Tensor
+) -> TensorDict:
+    """The tensordict: of each episode's course (n, t + 1, …) what is before a step and what is after it."""
+    count, steps = mask.shape
+    reached = torch.cat([torch.ones(count, 1, dtype=torch.bool), mask], 1)
+    course = {key: _zero_beyond(values[:count], reached) for key, values in course.items()}
+    flags = {key: np.stack([getattr(outcome, key) for outcome in outcomes], 1)[:count] for key in _FLAGS}
+    reward = np.stack([outcome.reward for outcome in outcomes], 1)[:count]
+    context = context[:, None].expand(-1, steps, -1)
+    after = {key: torch.from_numpy(values)[..., None] for key, values in {"reward": reward, **flags}.items()}
+    after = {key: _zero_beyond(values, mask) for key, values in after.items()}
+    after |= {"context": context} | {key: values[:, 1:] for key, values in course.items()}
+    now = {"action": _zero_beyond(action[:count], mask), "context": context, "mask": mask}
+    now |= {key: values[:, :-1] for key, values in course.items()}
+    return TensorDict({**now, "next": TensorDict(after, batch_size=mask.shape)}, batch_size=mask.shape)
+
+
+def _zero_beyond(values: Tensor, mask: Tensor) -> Tensor:
+    return torch.where(mask[..., None], values, torch.zeros((), dtype=values.dtype))
+
+
+def _lengthened(part: TensorDict, steps: int) -> TensorDict:
+    """With rows of zeros up to so many steps; the context goes on."""
+    missing = steps - part.shape[1]
+    if not missing:
+        return part
+    more = cast(TensorDict, torch.zeros_like(part[:, -1:].expand(-1, missing)))  # pyright: ignore[reportCallIssue,reportArgumentType]
+    for key in ("context", ("next", "context")):
+        more[key] = part[key][:, -1:].expand(-1, missing, -1)
+    return cast(TensorDict, torch.cat([part, more], 1))
