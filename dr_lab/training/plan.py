@@ -15,7 +15,8 @@ from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.seeding import derived_seed
 from dr_lab.training.trainer import Stateful, Trainer
 
-CHECKPOINT = "checkpoint.pt"
+CHECKPOINT = "checkpoint.pt"  # the last state, from which a run goes on
+POLICY = "policy.pt"  # the policy that was chosen to be deployed, once a run has ended
 
 
 @dataclass(frozen=True)
