@@ -1,4 +1,4 @@
-"""What a fit says of its own windows as if it had not seen them: cross-validation by one linear step, or by a refit."""
+"""What a fit says of its own windows as if it had not seen them: cross-validation by one step."""
 
 from dataclasses import replace
 
@@ -20,8 +20,8 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
     Without the windows b the optimum moves by −(I + P − I_b)⁻¹ (g − g_b), g being the gradient of the whole cost, 0 at
     an optimum, and g_b that of the cost in these windows; their states follow. To first order these are the residuals
     of a fit to the others, so that they flatter a model with more parameters no more than held-out windows do. The
-    windows are simulated there. Where that is not what the linear step foretells, a few steps of a fit to the others
-    take its place: a law may bend, and a step without the windows that hold it back may go astray.
+    windows are simulated there. Where that is not what the linear step foretells, a damped step that lowers the cost of
+    the others takes its place: a law may bend, and a step without the windows that hold it back may go astray.
 
     Source: Pregibon, Annals of Statistics 9 (1981) 705 (one-step deletion).
 
@@ -96,10 +96,10 @@ def _strays(own: Point, expected: Array, fit: Fit, rows: Indices, solver: Solver
 
 
 def _refitted(replay: Replay, fit: Fit, rows: Indices, solver: SolverSettings) -> Point:
-    """Windows at the context that a few steps of a fit to all others lead to, their states fitted there."""
+    """Windows at the context that one damped step of a fit to all others leads to, their states fitted there."""
     others = np.setdiff1d(np.arange(len(replay.windows)), rows)
     fitter = Fitter(replay.part(others), solver)
-    rest = fitter.run(fit.z, fit.delta[others], fit.slopes.pick(others), solver.start_iterations)
+    rest = fitter.run(fit.z, fit.delta[others], fit.slopes.pick(others), iterations=1)
     part = replay.part(rows)
     there = _simulated(part, rest.z, fit.delta[rows])
     states = polished(part, solver, there, fit.slopes.state[rows], ~there.infeasible)

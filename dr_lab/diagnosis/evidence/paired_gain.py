@@ -1,15 +1,14 @@
 """Does one model explain windows that it did not see better than another? Paired gains with a block bootstrap."""
 
-import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
-from scipy.stats import t as student
+from scipy.stats import chi2
 
+from dr_lab.diagnosis.evidence.intervals import interval, least_between_logs, resampled
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.blocks import Indices, blocks
@@ -69,13 +68,11 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     each block of which a fit to the others foretells (cross-validation): a few held-out windows alone tell little.
 
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
-    inside a block. n blocks, if few, show too little of their scatter, and that badly known, so an interval reaches to
-    ±√(n/(n − 1)) t_{n−1} standard deviations; below `settings.least_compared` blocks it is not known. Logs themselves
-    are not resampled: of the two or three that are usually held out each would have to gain, which the first of two
-    missing effects need not do.
+    inside a block; below `settings.least_compared` blocks they are not known. Errors of a model may also be alike all
+    over a log. So the bound of the evidence is the lower one of two: that of the blocks, and, of
+    `settings.least_trusted` logs or more, that of the logs as clusters, fitted ones among them.
 
-    Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks);
-    Hesterberg, The American Statistician 69 (2015) 371 (expanded percentiles).
+    Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks), §3.8 (clusters).
     """
     both = (worse.window_count > 0) & (better.window_count > 0)
     if not both.any():
@@ -85,11 +82,11 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     evidence = np.sum([found[0] for found in each.values()], axis=0)
     diverges = _diverges(worse, better)
     every = _everywhere(evidence, worse, better, both)
-    total, resampled = float(every.rows[3].sum()), _resampled(every.rows, every.log, settings)
-    share, n = float(_removed(every.rows.sum(1))), block_count(every.log, settings)
-    low, high = _interval(share, _removed(resampled), n, (1 - settings.confidence) / 2, settings)
+    drawn, n = resampled(every.rows, every.log, settings), block_count(every.log, settings)
+    share = float(_removed(every.rows.sum(1)))
+    low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
     total_low, trial_low = (
-        -np.inf if diverges else _interval(total, resampled[3], n, 1 - confidence, settings)[0]
+        -np.inf if diverges else _least(every, drawn[3], 1 - confidence, settings)
         for confidence in (settings.confidence, settings.trial_confidence)
     )
     closed = {name: found[1] for name, found in each.items()}
@@ -101,7 +98,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         gap=_gap(theirs, ours, worse.window_count[both]),
         channels=closed,
         place=max(each, key=lambda name: float(each[name][0].sum())),
-        total=total,
+        total=float(every.rows[3].sum()),
         total_low=total_low,
         trial_low=trial_low,
         wins=float((theirs > ours).mean()),
@@ -139,6 +136,13 @@ def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.b
     further = np.sum([_one_channel(*pair, known)[0] for pair in _paired(before, after).values()], axis=0)
     rows = np.append(scoring, _rows(further, before, after, known), axis=1)
     return _Every(rows, np.append(log, before.log[known] + log.max(initial=0) + 1))
+
+
+def _least(every: _Every, drawn: Array, tail: float, settings: EvidenceSettings) -> float:
+    """Lower bound of the evidence: the lower of those that the scatter between blocks and between logs asks for."""
+    values = every.rows[3]
+    within = interval(float(values.sum()), drawn, block_count(every.log, settings), tail, settings)[0]
+    return within if np.isnan(within) else min(within, least_between_logs(values, every.log, tail, settings))
 
 
 def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> Array:
@@ -264,35 +268,3 @@ def sizeable(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> b
     """Whether a gain, if certain, is beyond the threshold and the penalty of the added parameters, and no trifle."""
     enough = gain.total - settings.penalty * extra_parameters >= settings.threshold
     return enough and largest_gap(gain) >= settings.least_gap
-
-
-def _resampled(sums: Array, log: Indices, settings: EvidenceSettings) -> Array:
-    """Sums over resampled blocks of windows, shape (rows, w) → (rows, resamples)."""
-    parts = np.array([sums[:, b].sum(1) for b in blocks(log, settings.block, settings.least_blocks)])
-    return (_drawn(len(parts), settings.gain_resamples, settings.seed) @ parts).T
-
-
-@functools.lru_cache(maxsize=4)
-def _drawn(count: int, resamples: int, seed: int) -> Array:
-    """How often each resample holds each of `count` blocks, shape (resamples, count)."""
-    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), resamples)
-    return drawn.astype(np.float64)
-
-
-def _interval(
-    estimate: float, resampled: Array, count: int, tail: float, settings: EvidenceSettings
-) -> tuple[float, float]:
-    """Interval of an estimate from its resamples over `count` blocks, beyond either end of which `tail` lies.
-
-    Its ends are percentiles of the resamples, as rare as the width asks for; where none is so rare, there are too few
-    blocks for percentiles and the resamples' standard deviation is taken.
-    """
-    if count < settings.least_compared:
-        return np.nan, np.nan
-    width = np.sqrt(count / (count - 1)) * student.isf(tail, count - 1)
-    rare = norm.sf(width)
-    if rare < 1 / len(resampled):
-        half = width * resampled.std()
-        return float(estimate - half), float(estimate + half)
-    low, high = np.quantile(resampled, [rare, 1 - rare])
-    return float(low), float(high)

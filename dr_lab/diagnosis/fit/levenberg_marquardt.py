@@ -156,8 +156,7 @@ class Fitter:
 
     def _descend(self, best: Point, known: Slopes | None, most: int, goal: float = np.inf) -> Fit:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
-        settings = self.settings
-        slopes, fresh = self._first_slopes(best, known), known is None
+        settings, slopes, fresh = self.settings, self._first_slopes(best, known), known is None
         best, weight, linear = self._linear(best, slopes)
         first, damping, taken, converged = linear, settings.damping, 0, False
         while True:
@@ -180,7 +179,8 @@ class Fitter:
             if gain >= 0:
                 near = gain <= settings.refresh * best.cost
                 best, damping, fresh = trial, damping / settings.damping_down, gain < settings.foretold * predicted
-                slopes = self._slopes(best, state=nearby.state if near else None) if fresh else nearby
+                renew = fresh and taken < most  # after the last step of a rough fit nobody asks for slopes
+                slopes = self._slopes(best, state=nearby.state if near else None) if renew else nearby
             elif not fresh:
                 slopes, fresh = self._slopes(best), True
             else:
