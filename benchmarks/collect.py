@@ -90,13 +90,14 @@ def limit(of: Setting, slots: int, steps: int, threads: int) -> Arm:
     episodes = of.make(None, slots, 0, threads).episodes
     simulator, task = episodes.simulator, of.task
     fields = {name: simulator.batch.bind(name) for name in ("qpos", "qvel")}
+    nominal = dict.fromkeys(of.space.names, np.full(slots, np.nan))  # a fall does not depend on it
     controls = np.random.default_rng(0).normal(0.0, 0.5, (steps, slots, len(episodes.low)))
     controls = np.clip(controls, -1.0, 1.0) * episodes.high
 
     def run() -> int:
         for control in controls:
             simulator.step(control, task.frame_skip)
-            fallen = np.flatnonzero(task.terminated(fields))
+            fallen = np.flatnonzero(task.terminated(fields, nominal))
             if len(fallen):
                 simulator.reset(fallen)
         return steps * slots

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
+from dr_lab.randomizers.context_source import UNKEYED, Proposals
 from dr_lab.trajectory import Array
 
 
@@ -15,8 +17,9 @@ class Uniform:
     def __init__(self, low: Array, high: Array) -> None:
         self.low, self.high = low, high
 
-    def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
-        return np.array([rng.uniform(self.low, self.high) for rng in rngs])
+    def propose(self, rngs: Sequence[np.random.Generator], slots: NDArray[np.intp]) -> Proposals:
+        z = np.array([rng.uniform(self.low, self.high) for rng in rngs])
+        return Proposals(z, np.full(len(slots), UNKEYED, np.int64))
 
 
 def begun(of: Setting, slots: int = 3, seed: int = 0, *, random: bool = False) -> Episodes:

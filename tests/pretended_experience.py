@@ -10,7 +10,7 @@ from tensordict import TensorDict
 
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.experience import Experience
-from dr_lab.envs.episodes import Starts
+from dr_lab.envs.slots import Starts
 from dr_lab.trajectory import Array
 
 

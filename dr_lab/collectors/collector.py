@@ -32,10 +32,11 @@ class StochasticPolicy(Protocol):
 class Collector(ABC):
     """An endless iterator over batches of experience, collected with the policy as it is then.
 
-    A batch has size [n, steps], time along the second dimension, and the keys ``observation``, ``context``, ``action``,
-    ``action_log_prob`` (n, steps) where the policy is stochastic, and under ``next`` ``observation``, ``context``,
-    ``reward``, ``done``, ``terminated``, ``truncated``, ``infeasible`` (the context is, which terminates). Where an
-    episode ended, ``("next", "observation")`` is its own last observation, and the row after it begins another.
+    A batch has size [n, steps], time along the second dimension, and the keys ``observation``, ``context``,
+    ``proposal`` (n, steps; which proposal of their source the contexts are), ``action``, ``action_log_prob`` (n, steps)
+    where the policy is stochastic, and under ``next`` ``observation``, ``context``, ``proposal``, ``reward``, ``done``,
+    ``terminated``, ``truncated``, ``infeasible`` (the context is, which terminates). Where an episode ended,
+    ``("next", "observation")`` is its own last observation, and the row after it begins another.
     """
 
     def __iter__(self) -> Iterator[TensorDict]:

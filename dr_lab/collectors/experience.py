@@ -10,7 +10,8 @@ from torch import Tensor
 
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.play import play
-from dr_lab.envs.episodes import ContextSource, Episodes, Starts
+from dr_lab.envs.slots import EpisodeSlots, Starts
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
 
 
@@ -30,7 +31,7 @@ class Experience:
     """
 
     def __init__(
-        self, collector: Collector, policy: Policy, episodes: Episodes, source: ContextSource | None = None
+        self, collector: Collector, policy: Policy, episodes: EpisodeSlots, source: ContextSource | None = None
     ) -> None:
         self.policy, self.source = policy, source
         self.rollout_frames = 0
@@ -83,8 +84,8 @@ class Experience:
     def contexts(self, rng: np.random.Generator, count: int) -> Array:
         """Draws of p(z), shape (count, n)."""
         if self.source is None:
-            return np.tile(self._episodes.model.space.nominal, (count, 1))
-        return self.source.sample([rng] * count)
+            return np.tile(self._episodes.space.nominal, (count, 1))
+        return self.source.propose([rng] * count, np.arange(count)).z
 
     def close(self) -> None:
         """End what the collector keeps running, such as workers on other machines."""

@@ -8,7 +8,7 @@ import torch
 from tensordict import TensorDict
 
 from dr_lab.collectors.collector import Collector, Policy
-from dr_lab.envs.mujoco_env import MujocoEnv, single
+from dr_lab.envs.batched_env import BatchedEnv, single
 from dr_lab.trajectory import Array
 
 
@@ -21,7 +21,7 @@ class LeanCollector(Collector):
         steps: control steps of each episode slot in a batch.
     """
 
-    def __init__(self, env: MujocoEnv, policy: Policy, steps: int) -> None:
+    def __init__(self, env: BatchedEnv, policy: Policy, steps: int) -> None:
         super().__init__(policy)
         self._episodes, self._steps = env.episodes, steps
         episodes = self._episodes
@@ -31,7 +31,8 @@ class LeanCollector(Collector):
             "action": len(episodes.low),
         }
         shape = (steps, episodes.nsim)
-        self._now = {key: np.empty((*shape, k), np.float32) for key, k in width.items()}
+        self._now: dict[str, np.ndarray] = {k: np.empty((*shape, w), np.float32) for k, w in width.items()}
+        self._now["proposal"] = np.empty(shape, np.int64)
         self._next = {
             "observation": np.empty_like(self._now["observation"]),
             "reward": np.empty((*shape, 1), np.float32),
@@ -59,13 +60,14 @@ class LeanCollector(Collector):
             {key: torch.from_numpy(array).transpose(0, 1).contiguous() for key, array in arrays.items()}
             for arrays in (self._now, self._next)
         )
-        then["context"] = now["context"]  # an episode keeps its context
+        then["context"], then["proposal"] = now["context"], now["proposal"]  # an episode keeps its context
         return TensorDict({**now, "next": TensorDict(then, batch_size=shape)}, batch_size=shape)
 
     def _step(self, t: int) -> None:
         episodes, now, then = self._episodes, self._now, self._next
         observation = single(episodes.observation)
         now["observation"][t], now["context"][t] = observation.numpy(), episodes.contexts
+        now["proposal"][t] = episodes.proposals
         now["action"][t] = self._policy(observation).numpy()
         outcome = episodes.step(now["action"][t])
         then["observation"][t] = outcome.observation

@@ -8,14 +8,14 @@ from tensordict import TensorDict
 from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import Episodes, Flags, Starts, StepOutcome
-from dr_lab.envs.mujoco_env import single
+from dr_lab.envs.batched_env import single
+from dr_lab.envs.slots import EpisodeSlots, Flags, Starts, StepOutcome
 from dr_lab.trajectory import Array
 
 _FLAGS = ("terminated", "truncated", "infeasible", "done")
 
 
-def play(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
+def play(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
     """Play one episode in each context, from its start to its end.
 
     Args:
@@ -51,7 +51,7 @@ def outcomes(played: TensorDict) -> tuple[Array, Flags]:
     return returns, np.any(infeasible, axis=1)
 
 
-def _play_load(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None) -> TensorDict:
+def _play_load(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts | None) -> TensorDict:
     """At most as many episodes as there are slots; the slots that are left over repeat the last."""
     count, rows = len(z), np.minimum(np.arange(episodes.nsim), len(z) - 1)
     episodes.give_contexts(z[rows])
@@ -104,7 +104,7 @@ def _lengthened(part: TensorDict, steps: int) -> TensorDict:
     missing = steps - part.shape[1]
     if not missing:
         return part
-    more = cast(TensorDict, torch.zeros_like(part[:, -1:].expand(-1, missing)))  # pyright: ignore[reportCallIssue,reportArgumentType]
+    more = cast(TensorDict, torch.zeros_like(part[:, -1:].expand(len(part), missing)))  # pyright: ignore[reportCallIssue,reportArgumentType]
     for key in ("context", ("next", "context")):
         more[key] = part[key][:, -1:].expand(-1, missing, -1)
     return cast(TensorDict, torch.cat([part, more], 1))

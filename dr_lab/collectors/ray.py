@@ -18,9 +18,9 @@ from torchrl.collectors.distributed import RayCollector as TorchRLRayCollector
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.collectors.torchrl import KEPT
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.ray_cluster import HERE, own_sigterm, prepare, unanswered
 from dr_lab.trajectory import Array
 

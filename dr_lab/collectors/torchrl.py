@@ -7,10 +7,10 @@ import torchrl.collectors
 from tensordict import TensorDict, TensorDictBase
 
 from dr_lab.collectors.collector import Collector, Policy
-from dr_lab.envs.mujoco_env import MujocoEnv
+from dr_lab.envs.batched_env import BatchedEnv
 from dr_lab.trajectory import Array
 
-KEPT = ("observation", "context", "action", "next")
+KEPT = ("observation", "context", "proposal", "action", "next")
 
 
 class TorchRLCollector(Collector):
@@ -22,7 +22,7 @@ class TorchRLCollector(Collector):
         steps: control steps of each episode slot in a batch.
     """
 
-    def __init__(self, env: MujocoEnv, policy: Policy, steps: int) -> None:
+    def __init__(self, env: BatchedEnv, policy: Policy, steps: int) -> None:
         super().__init__(policy)
         self._env = env
         beginning = env.state_dict()

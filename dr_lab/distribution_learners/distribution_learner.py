@@ -7,6 +7,7 @@ from typing import Any
 from tensordict import TensorDict
 
 from dr_lab.collectors.experience import Experience
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.randomizer import Randomizer
 
 
@@ -22,6 +23,16 @@ class DistributionLearner(ABC):
 
     def __init__(self, randomizer: Randomizer) -> None:
         self.randomizer = randomizer
+
+    @property
+    def source(self) -> ContextSource:
+        """Where training takes its contexts from: the randomizer, unless the learner proposes them slot by slot."""
+        return self.randomizer
+
+    @property
+    def learns(self) -> bool:
+        """Whether the distribution can change, so that pictures follow it."""
+        return any(True for _ in self.randomizer.parameters())
 
     @abstractmethod
     def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:

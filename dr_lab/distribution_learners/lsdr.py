@@ -14,7 +14,7 @@ from dr_lab.distribution_learners.return_statistics import ReturnStatistics
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.divergence import divergence
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Density, Randomizer
 from dr_lab.seeding import stream
 
 
@@ -47,14 +47,14 @@ class LSDR(DistributionLearner):
         every: control steps of training between two iterations of this, which wait for a batch of the policy's to end.
 
     Raises:
-        ConfigError: φ is empty, p leaves the support of p_φ, or a number is out of its range.
+        ConfigError: φ is empty, p_φ has no density, p leaves the support of p_φ, or a number is out of its range.
     """
 
     def __init__(
         self,
         randomizer: Randomizer,
         seed: int,
-        prior: Callable[[ContextSpace], Randomizer],
+        prior: Callable[[ContextSpace], Density],
         source: Literal["prior", "learned"],
         contexts: int,
         steps: int,
@@ -76,7 +76,8 @@ class LSDR(DistributionLearner):
         least = {"every": 1, "contexts": 2, "steps": 1, "alpha": 0.0, "divergence_samples": 1}
         require_numbers(self, "distribution_learner", positive=positive, least=least, most={"return_rate": 1.0})
         self.prior = prior(randomizer.space)
-        self.source = {"prior": self.prior, "learned": randomizer}[source]
+        self.density = _require_density(randomizer)
+        self.tried_from = {"prior": self.prior, "learned": randomizer}[source]
         self.rng = stream(seed, "lsdr")
         self.statistics = ReturnStatistics(return_rate)
         self.optimiser = torch.optim.Adam(self._learnable(), lr=learning_rate)
@@ -85,12 +86,12 @@ class LSDR(DistributionLearner):
     def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
         """Try K contexts, then take M steps; gives entropy (where it has a closed form), divergence and returns."""
         del batch
-        z = self.source.sample([self.rng] * self.contexts)
+        z = self.tried_from.sample([self.rng] * self.contexts)
         returns = undiscounted(experience.play(experience.policy, z))
         standardised = torch.from_numpy(self.statistics.standardise(returns))
         tried = torch.from_numpy(z)
         for _ in range(self.steps):
-            score = (standardised * self.randomizer.log_prob(tried)).mean()
+            score = (standardised * self.density.log_prob(tried)).mean()
             self.optimiser.zero_grad(set_to_none=True)
             (self.alpha * self._divergence() - score).backward()
             self.optimiser.step()
@@ -119,10 +120,10 @@ class LSDR(DistributionLearner):
         self.rng.bit_generator.state = state["rng"]
 
     def _divergence(self) -> torch.Tensor:
-        return divergence(self.prior, self.randomizer, self.divergence_samples, self.rng)
+        return divergence(self.prior, self.density, self.divergence_samples, self.rng)
 
     def _entropy(self) -> dict[str, float]:
-        distribution = self.randomizer.distribution()
+        distribution = self.density.distribution()
         return {} if distribution is None else {"entropy": distribution.entropy().item()}
 
     def _learnable(self) -> list[torch.nn.Parameter]:
@@ -141,3 +142,12 @@ class LSDR(DistributionLearner):
                     "distribution_learner.prior reaches where the randomizer has no density. "
                     "Give both the same ranges: randomizer.ranges and distribution_learner.prior.ranges."
                 )
+
+
+def _require_density(randomizer: Randomizer) -> Density:
+    if not isinstance(randomizer, Density):
+        raise ConfigError(
+            f"distribution_learner=lsdr asks how likely a context is, which {type(randomizer).__name__} does not know. "
+            "Take randomizer=discrete, gaussian or mixture."
+        )
+    return randomizer

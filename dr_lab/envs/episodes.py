@@ -2,64 +2,29 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dr_lab.envs.drivers import stepwise
-from dr_lab.envs.task import Change, Fields, Task, required_bounds
+from dr_lab.envs.slots import Flags, Rows, Starts, StepOutcome
+from dr_lab.envs.task import Change, Fields, Task, Values, context_space, required_bounds
 from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import Simulator
+from dr_lab.randomizers.context_source import UNKEYED, ContextSource, Proposals
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
-Flags = NDArray[np.bool_]
-Rows = NDArray[np.intp]
 _FORCES = "cfrc_ext"
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-
-Starts = tuple[Array, Array]
-"""Positions (k, nq) and velocities (k, nv) with which episodes begin."""
-
-
-class ContextSource(Protocol):
-    """Where the contexts of new episodes come from; every randomizer is one."""
-
-    def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
-        """One context from each stream, shape (len(rngs), n)."""
-        ...
-
-
-@dataclass(frozen=True)
-class StepOutcome:
-    """What one control step of n episodes led to.
-
-    Attributes:
-        observation: what the policy sees now, shape (n, o); of an episode that ended, the last it saw.
-        reward: shape (n,).
-        terminated: the episode came to its end, shape (n,).
-        truncated: it was cut by the time limit, or before it where first episodes are staggered, shape (n,).
-        infeasible: it came to its end because its context is infeasible, shape (n,).
-    """
-
-    observation: Array
-    reward: Array
-    terminated: Flags
-    truncated: Flags
-    infeasible: Flags
-
-    @property
-    def done(self) -> Flags:
-        """Where the next step needs a new episode, shape (n,)."""
-        return self.terminated | self.truncated
 
 
 class Episodes:
     """n episodes on one `Simulator`; each slot draws its contexts and starts from a random stream of its own.
+
+    Fulfils `EpisodeSlots`.
 
     An infeasible context (it does not compile, or the simulation diverges) ends the episode. Its return is then at most
     `infeasible_return`: the last reward R − Σr takes off what was earned beyond it, and is 0 where less was earned, so
@@ -67,7 +32,7 @@ class Episodes:
     `speed_limit`: MuJoCo itself notices steps later, when rewards and observations have grown by orders of magnitude.
 
     Args:
-        model: the machine, whose parameters make up the context z.
+        model: the machine, whose parameters and those of the task make up the context z.
         task: what it is to do.
         source: where contexts are drawn from; None keeps every episode at the nominal context.
         nsim: n.
@@ -79,8 +44,10 @@ class Episodes:
         staggered: whether first episodes are cut at different ages, see `first_ages`; for training alone.
 
     Attributes:
+        space: the context.
         observation: what the policy sees now, shape (n, o).
         contexts: z of the running episodes, shape (n, parameters).
+        proposals: which proposal of the source each of these is, shape (n,).
         infeasible: number of episodes that ended because their context was infeasible.
 
     Raises:
@@ -103,6 +70,7 @@ class Episodes:
         staggered: bool = False,
     ) -> None:
         self.model, self.task, self.source = model, task, source
+        self.space = context_space(model, task)
         self.simulator = Simulator(stepwise(model), nsim, threads, persistent=_FORCES in task.reads)
         compiled = self.simulator.compiled
         self.low, self.high = required_bounds(task, compiled)
@@ -114,11 +82,13 @@ class Episodes:
             self._fields[_FORCES] = self._forces.values
         self._qpos, self._qvel = self.simulator.batch.bind("qpos"), self.simulator.batch.bind("qvel")
         self._streams = [stream(seed, "episode", slot) for slot in range(nsim)]
+        self._slots = np.arange(nsim)  # among all that train, some of which others may play
         self._given: Array | None = None
         self._steps, self._returns = np.zeros(nsim, np.intp), np.zeros(nsim)
         self._failed = np.zeros(nsim, bool)  # ended as infeasible and not begun anew
         self.infeasible = 0
-        self.contexts = np.tile(model.space.nominal, (nsim, 1))
+        self.contexts = np.tile(self.space.nominal, (nsim, 1))
+        self.proposals = np.full(nsim, UNKEYED, np.int64)
         self._marker = task.marker(self._fields)
         self.observation = self._seen(self._fields, self.contexts)
         self.begin(np.arange(nsim))
@@ -149,9 +119,10 @@ class Episodes:
             starts: what they begin with, row by row; None lets the task draw it from each slot's stream.
         """
         streams = [self._streams[row] for row in rows]
-        self.contexts = self.contexts.copy()  # what was handed out stays as it was
-        self.contexts[rows] = self._draw(streams, rows)
-        self.simulator.set_contexts(self.contexts[rows], rows)
+        drawn = self._draw(streams, rows)
+        self.contexts, self.proposals = self.contexts.copy(), self.proposals.copy()  # what was handed out stays
+        self.contexts[rows], self.proposals[rows] = drawn.z, drawn.keys
+        self.simulator.set_contexts(self._of_machine(self.contexts[rows]), rows)
         self.simulator.reset(rows)
         if starts is not None:
             self._qpos[rows], self._qvel[rows] = starts
@@ -177,10 +148,10 @@ class Episodes:
         self.simulator.step(action, self.task.frame_skip)
         if self._forces is not None:
             self._forces.update()
-        fields = self._fields
+        fields, values = self._fields, self._by_name(self.contexts)
         observation, marker = self._seen(fields, self.contexts), self.task.marker(fields)
-        terminated = self.task.terminated(fields)
-        reward = self.task.reward(Change(self._marker, marker, fields, terminated, action, self.seconds))
+        terminated = self.task.terminated(fields, values)
+        reward = self.task.reward(Change(self._marker, marker, fields, values, terminated, action, self.seconds))
         failed = self._failed | self._diverged()
         if failed.any():
             self.infeasible += int((failed & ~self._failed).sum())
@@ -197,6 +168,8 @@ class Episodes:
         return {
             "simulator": self.simulator.memory,
             "contexts": self.contexts,
+            "proposals": self.proposals,
+            "slots": self._slots,
             "given": self._given,
             "steps": self._steps.copy(),
             "returns": self._returns.copy(),
@@ -209,7 +182,8 @@ class Episodes:
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Go on where the `state_dict` of episodes of the same machine and task was taken."""
         self.contexts, self._given = state["contexts"], state["given"]
-        self.simulator.set_contexts(self.contexts)
+        self.proposals, self._slots = state["proposals"], state["slots"]
+        self.simulator.set_contexts(self._of_machine(self.contexts))
         self.simulator.restore(state["simulator"])
         self._steps[:], self._returns[:] = state["steps"], state["returns"]
         self._marker, self.observation = state["marker"].copy(), state["observation"].copy()
@@ -218,18 +192,25 @@ class Episodes:
         for rng, remembered in zip(self._streams, state["streams"], strict=True):
             rng.bit_generator.state = remembered
 
-    def _draw(self, streams: Sequence[np.random.Generator], rows: Rows) -> Array:
-        if self._given is not None:
-            return self._given[rows]
-        return self.model.space.nominal[None] if self.source is None else self.source.sample(streams)
+    def _draw(self, streams: Sequence[np.random.Generator], rows: Rows) -> Proposals:
+        if self._given is None and self.source is not None:
+            return self.source.propose(streams, self._slots[rows])
+        z = np.tile(self.space.nominal, (len(rows), 1)) if self._given is None else self._given[rows]
+        return Proposals(z, np.full(len(rows), UNKEYED, np.int64))
 
     def _diverged(self) -> Flags:
         slow = np.abs(self._qvel).max(axis=1, initial=0.0) < self._speed_limit  # NaN is not
         return self.simulator.infeasible | ~slow
 
     def _seen(self, fields: Fields, contexts: Array) -> Array:
-        seen = self.task.observe(fields)
-        return np.concatenate([seen, self.model.space.to_unit(contexts)], axis=1) if self._show_context else seen
+        seen = self.task.observe(fields, self._by_name(contexts))
+        return np.concatenate([seen, self.space.to_unit(contexts)], axis=1) if self._show_context else seen
+
+    def _of_machine(self, z: Array) -> Array:
+        return z[:, : len(self.model.space.names)]
+
+    def _by_name(self, z: Array) -> Values:
+        return {name: z[:, i] for i, name in enumerate(self.space.names)}
 
 
 def first_ages(slots: int, time_limit: int) -> Rows:

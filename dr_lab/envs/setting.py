@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass
 
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.mujoco_env import MujocoEnv
-from dr_lab.envs.task import Task
+from dr_lab.envs.task import Task, context_space
 from dr_lab.errors import require_numbers
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import Model
+from dr_lab.randomizers.context_source import ContextSource
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +17,7 @@ class Setting:
 
     Attributes:
         name: for run folders and reports.
-        model: the machine; its parameters make up the context.
+        model: the machine; its parameters and those of the task make up the context.
         task: what it is to do.
         show_context: whether the policy sees the context.
         infeasible_return: highest return of an episode whose context is infeasible; to be below what others return.
@@ -40,8 +40,8 @@ class Setting:
 
     @property
     def space(self) -> ContextSpace:
-        """The context."""
-        return self.model.space
+        """The context: parameters of the machine, then of the task."""
+        return context_space(self.model, self.task)
 
     def make(
         self,

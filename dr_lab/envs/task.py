@@ -10,11 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.errors import ModelError, require_numbers
+from dr_lab.physics.context import ContextSpace, concatenate
+from dr_lab.physics.model import Model
+from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 Fields = Mapping[str, Array]
 """`MjData` fields of n simulations by name, shape (n, …), as MuJoCo leaves them after a step: the state itself is new,
 what is derived from it belongs to the integrator's last evaluation."""
+
+
+Values = Mapping[str, Array]
+"""The context of n simulations by parameter, shape (n,) each: what the machine is like, and what the task asks for."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +32,7 @@ class Change:
         before: the task's marker before the step, shape (n, k).
         after: the marker after it, shape (n, k).
         fields: fields after it.
+        values: the context.
         terminated: where the step has ended the episode, shape (n,).
         action: what the policy did, within its bounds, shape (n, nu).
         seconds: length of the step.
@@ -33,6 +41,7 @@ class Change:
     before: Array
     after: Array
     fields: Fields
+    values: Values
     terminated: NDArray[np.bool_]
     action: Array
     seconds: float
@@ -63,6 +72,14 @@ class Task(ABC):
     def __post_init__(self) -> None:
         require_numbers(self, "task", least={"frame_skip": 1, "time_limit": 1})
 
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What the task asks for where that varies, such as a goal or a velocity; nothing unless said otherwise.
+
+        They are part of the context, behind the machine's parameters: randomised, recorded and swept like these.
+        """
+        return ()
+
     def action_bounds(self, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """Lowest and highest action, shape (nu,), in the actuators' unit: their control range unless said otherwise."""
         return compiled.actuator_ctrlrange[:, 0].copy(), compiled.actuator_ctrlrange[:, 1].copy()
@@ -72,7 +89,7 @@ class Task(ABC):
         """Positions (nq,) and velocities (nv,) with which one episode begins."""
 
     @abstractmethod
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
         """What the policy sees, shape (n, o)."""
 
     def marker(self, fields: Fields) -> Array:
@@ -83,9 +100,26 @@ class Task(ABC):
     def reward(self, change: Change) -> Array:
         """Reward of one control step, shape (n,)."""
 
-    def terminated(self, fields: Fields) -> NDArray[np.bool_]:
+    def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
         """Where an episode has come to its end, shape (n,); nowhere unless said otherwise."""
+        del values
         return np.zeros(len(fields["qpos"]), bool)
+
+
+def context_space(model: Model, task: Task) -> ContextSpace:
+    """The context: the machine's parameters, then the task's.
+
+    Raises:
+        ModelError: both have a parameter of the same name.
+    """
+    asked = ContextSpace(task.parameters)
+    shared = set(model.space.names) & set(asked.names)
+    if shared:
+        raise ModelError(
+            f"Parameters that both model {model.name!r} and task {type(task).__name__} have: "
+            f"{', '.join(sorted(shared))}. Rename those of the task."
+        )
+    return concatenate([model.space, asked])
 
 
 def required_bounds(task: Task, compiled: mujoco.MjModel) -> tuple[Array, Array]:

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import ContextSource, Episodes
+from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid
 from dr_lab.seeding import derived_seed

@@ -3,22 +3,20 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 import mujoco
 import numpy as np
-import torch
+from tensordict import TensorDict
 
-from dr_lab.envs.task import Change, Task
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.envs.setting import Setting
+from dr_lab.errors import require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
 from dr_lab.evaluators.statistics import iqm_interval
-from dr_lab.plants.machine import Vector
-from dr_lab.plants.operator import Experiment
-from dr_lab.plants.rig import Rig
-from dr_lab.plants.tracking import track
 from dr_lab.recorders.episode import Episode
 from dr_lab.reports.quantity import percent
-from dr_lab.training.recorded import record
+from dr_lab.targets.target import Target
+from dr_lab.training.recorded import as_episode, record
 from dr_lab.trajectory import Array
 
 
@@ -53,19 +51,18 @@ class Pair:
 
 @dataclass(frozen=True)
 class RealVsSimEvaluator(Evaluator):
-    """Plays a policy on another simulator's machine, with its own true values and a hidden effect, and in the model.
+    """Plays a policy on a target, which stands for the real machine, and in the model.
 
-    Every episode is played twice from one start: on the machine, and in the model at its nominal context, which of the
+    Every episode is played twice from one start: on the target, and in the model at its nominal context, which of the
     model of a run (``model@env.model=from_run``) is what the run fitted. Differences are therefore paired, episode by
-    episode. The policy sees positions and velocities as they are; encoders and latencies of the bench, and effects of
-    the model at sensors, play no part. A policy that sees the context is told the nominal one.
+    episode. The policy sees positions and velocities as they are; encoders and latencies of a bench, and effects of the
+    model at sensors, play no part. A policy that sees the context is told the nominal one.
 
     Both loops are closed, so that a small gap may grow into another course. Recorded commands of measured logs are
     played in a model by ``dr-lab compare``, that of a run by ``dr-lab compare model=from_run model.run=FOLDER``.
 
     Attributes:
-        plant: the machine, what is hidden in it and how closely it is followed.
-        machine: seed of the machine's true values.
+        target: makes the target of a machine and its task.
         episodes: on each.
         confidence: of the intervals.
         resamples: of the bootstrap.
@@ -75,8 +72,7 @@ class RealVsSimEvaluator(Evaluator):
         ConfigError: a number is out of its range.
     """
 
-    plant: Rig
-    machine: int
+    target: Callable[[Setting], Target]
     episodes: int
     confidence: float
     resamples: int
@@ -90,17 +86,15 @@ class RealVsSimEvaluator(Evaluator):
         """Play both.
 
         Raises:
-            ConfigError: the task needs more than positions and velocities, or the machine has other joints, actuators.
+            ConfigError: the target does not fit the task.
         """
         del folder
-        setting = subject.setting
-        self._require_same(setting.task, setting.model.nominal())
-        simulated = record(
-            subject.slots(self.episodes, self.seed), subject.policy, np.tile(setting.space.nominal, (self.episodes, 1))
-        )
-        pairs = []
+        setting, pairs = subject.setting, []
+        target, slots = self.target(setting), subject.slots(self.episodes, self.seed)
+        simulated = record(slots, subject.policy, np.tile(setting.space.nominal, (self.episodes, 1)))
         for number, twin in enumerate(simulated, start=1):
-            real = self._on_plant(subject, twin, f"real_{number}")
+            course = cast(TensorDict, target.play(subject.policy, (twin.qpos[:1], twin.qvel[:1]), 1)[0])
+            real = as_episode(course, f"real_{number}", twin.geometry, slots.seconds, {})
             pairs.append(Pair(real, replace(twin, name=f"simulated_{number}")))
             progress(number / self.episodes)
         widest = max(pairs, key=lambda pair: np.nan_to_num(abs(pair.difference)))
@@ -109,11 +103,8 @@ class RealVsSimEvaluator(Evaluator):
         return Evaluation(self._figures(pairs), rows, _units(widest), episodes=shown, told=told)
 
     def _told(self) -> str:
-        hidden = self.plant.hidden
-        inside = ", ".join(f"{key} {value}" for key, value in hidden.parameters.items())
         return (
-            f"{self.episodes} episodes on the machine of seed {self.machine} (hidden in it: {hidden.label}"
-            f"{f', {inside}' if inside else ''}) and from the same starts in the model. Returns are interquartile "
+            f"{self.episodes} episodes on the target and from the same starts in the model. Returns are interquartile "
             f"means, low and high their {percent(self.confidence)} intervals; infeasible is the share of episodes that "
             "diverge in the model."
         )
@@ -130,87 +121,6 @@ class RealVsSimEvaluator(Evaluator):
             found = iqm_interval(np.array(values), self.confidence, self.resamples, self.seed)
             figures |= {name: found.value, f"{name}.low": found.low, f"{name}.high": found.high}
         return figures | {"infeasible": float(np.mean(~np.isfinite(columns["simulated"])))}
-
-    def _require_same(self, task: Task, compiled: mujoco.MjModel) -> None:
-        joints = [compiled.joint(i).name for i in range(compiled.njnt)]
-        actuators = [compiled.actuator(i).name for i in range(compiled.nu)]
-        if joints != list(self.plant.joints) or actuators != list(self.plant.actuators):
-            raise ConfigError(
-                f"evaluator.plant has joints {', '.join(self.plant.joints)} and actuators "
-                f"{', '.join(self.plant.actuators)}; the model has {', '.join(joints)} and {', '.join(actuators)}. "
-                "Choose the plant of the same machine: plant@evaluator.plant=NAME. Available: the options of plant in "
-                "dr-lab record --help."
-            )
-        if set(task.reads) - {"qpos", "qvel"}:
-            raise ConfigError(
-                f"Task {type(task).__name__} reads {', '.join(task.reads)}; a plant knows positions and velocities "
-                "alone. Take a task that reads no more."
-            )
-
-    def _on_plant(self, subject: Subject, twin: Episode, name: str) -> Episode:
-        """The episode on the plant that begins as its twin in the model."""
-        task, plant = subject.setting.task, self.plant
-        seconds = task.frame_skip * float(twin.geometry.opt.timestep)
-        time = np.arange(task.time_limit + 1, dtype=np.float64) * seconds
-        experiment = Experiment(
-            machine=plant.nominal.machine(plant.nominal.true_values(self.machine)),
-            effect=plant.hidden,
-            documented=plant.documented,
-            issued=time[:-1],
-            latency=0.0,
-            instants=time,
-            start=(*twin.qpos[0].tolist(), *twin.qvel[0].tolist()),
-            accuracy=plant.accuracy,
-        )
-        states, actions = track(experiment, _controller(subject, twin))
-        joints, degrees = len(plant.joints), states.shape[1] // 2
-        qpos, qvel = states[:, :joints], states[:, degrees : degrees + joints]
-        reward = rewards(task, qpos, qvel, actions, seconds)
-        last = len(reward)
-        return replace(
-            twin,
-            name=name,
-            context={},
-            time=time[: last + 1],
-            qpos=qpos[: last + 1],
-            qvel=qvel[: last + 1],
-            action=actions[:last],
-            reward=reward,
-            ended="terminated" if task.terminated(_fields(qpos[[last]], qvel[[last]])).any() else "truncated",
-        )
-
-
-def _controller(subject: Subject, twin: Episode) -> Callable[[int, Vector, Vector], Vector]:
-    """What the policy does in a state of the plant."""
-    setting, task, space = subject.setting, subject.setting.task, subject.setting.space
-    low, high = task.action_bounds(twin.geometry)
-    told = space.to_unit(space.nominal)[None] if setting.show_context else np.empty((1, 0))
-
-    def controller(instant: int, position: Vector, velocity: Vector) -> Vector:
-        del instant
-        seen = np.concatenate([task.observe(_fields(np.array([position]), np.array([velocity]))), told], axis=1)
-        with torch.no_grad():
-            action = subject.policy(torch.from_numpy(seen.astype(np.float32)))
-        return np.clip(action.double().numpy()[0], low, high).tolist()
-
-    return controller
-
-
-def rewards(task: Task, qpos: Array, qvel: Array, actions: Array, seconds: float) -> Array:
-    """Reward of each control step of a trajectory up to where the task ends it, shape (≤ t,).
-
-    Args:
-        task: what rewards.
-        qpos: positions before the first and after every control step, shape (t + 1, nq).
-        qvel: velocities, shape (t + 1, nv).
-        actions: shape (t, nu).
-        seconds: length of a control step.
-    """
-    before, after = _fields(qpos[:-1], qvel[:-1]), _fields(qpos[1:], qvel[1:])
-    terminated = task.terminated(after)
-    change = Change(task.marker(before), task.marker(after), after, terminated, actions, seconds)
-    ended = np.flatnonzero(terminated)
-    return task.reward(change)[: ended[0] + 1 if len(ended) else len(actions)]
 
 
 def _row(pair: Pair) -> Row:
@@ -230,7 +140,3 @@ def _units(pair: Pair) -> dict[str, str]:
     model = pair.real.geometry
     slides = model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE
     return {f"{model.joint(i).name}.rmse": "m" if slide else "rad" for i, slide in enumerate(slides)}
-
-
-def _fields(qpos: Array, qvel: Array) -> dict[str, Array]:
-    return {"qpos": qpos, "qvel": qvel}

@@ -60,7 +60,7 @@ class SnapshotsEvaluator(Evaluator):
     def _contexts(self, subject: Subject) -> Array:
         if subject.trained_on is None:
             return np.tile(subject.setting.space.nominal, (self.episodes, 1))
-        return subject.trained_on.sample([stream(self.seed, "snapshots")] * self.episodes)
+        return subject.trained_on.propose([stream(self.seed, "snapshots")] * self.episodes, np.arange(self.episodes)).z
 
     def _return(self, subject: Subject, policy: Policy, z: Array) -> float:
         """Mean of what the policy got."""

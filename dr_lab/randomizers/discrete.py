@@ -9,14 +9,14 @@ from torch import Tensor, nn
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.histogram import Histogram
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Density
 from dr_lab.randomizers.uniform import box
 from dr_lab.trajectory import Array
 
 _MOST_CELLS = 1_000_000  # a joint grid grows as binsⁿ
 
 
-class DiscreteRandomizer(Randomizer):
+class DiscreteRandomizer(Density):
     """z lies in cell c with probability softmax(logits)_c, uniform within it; uniform over the ranges to begin with.
 
     The grid is joint: n parameters have binsⁿ cells, so correlations can be learnt.
@@ -68,6 +68,23 @@ class DiscreteRandomizer(Randomizer):
     def log_prob(self, z: Tensor) -> Tensor:
         """Log softmax(logits)_c − log v within the grid, −∞ outside; v is the volume of a cell."""
         return self.distribution().log_prob(z)
+
+    def edges(self, axis: int) -> Array:
+        """Those of the cells, where these fill just the bounds."""
+        if not self._fills(axis):
+            return super().edges(axis)
+        return np.linspace(self.space.low[axis], self.space.high[axis], self.logits.shape[axis] + 1)
+
+    def marginal(self, axis: int) -> Array:
+        """Exact where the cells fill just the bounds."""
+        if not self._fills(axis):
+            return super().marginal(axis)
+        probabilities = self.distribution().log_probabilities.detach().exp()
+        others = [k for k in range(probabilities.ndim) if k != axis]
+        return (torch.sum(probabilities, others) if others else probabilities).numpy()
+
+    def _fills(self, axis: int) -> bool:
+        return (self.low[axis], self.high[axis]) == (self.space.low[axis], self.space.high[axis])
 
     def distribution(self) -> Histogram:
         """The grid."""

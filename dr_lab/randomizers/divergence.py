@@ -7,11 +7,11 @@ from torch.distributions import Distribution, MultivariateNormal, kl_divergence
 from torch.distributions.kl import register_kl
 
 from dr_lab.randomizers.histogram import Histogram
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Density
 from dr_lab.randomizers.uniform import UniformBox
 
 
-def divergence(p: Randomizer, q: Randomizer, samples: int, rng: Generator) -> Tensor:
+def divergence(p: Density, q: Density, samples: int, rng: Generator) -> Tensor:
     """KL(p‖q) = E_p[log p(z) − log q(z)] in nats, differentiable in the parameters of q.
 
     Closed forms: uniform and discrete to discrete, uniform, discrete and Gaussian to Gaussian, and those of torch.

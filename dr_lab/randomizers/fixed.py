@@ -7,11 +7,11 @@ import torch
 from torch import Tensor
 
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Density
 from dr_lab.trajectory import Array
 
 
-class FixedRandomizer(Randomizer):
+class FixedRandomizer(Density):
     """All mass at one context: no randomisation.
 
     `log_prob` is a log-mass, not a density: 0 at that context and −∞ elsewhere.

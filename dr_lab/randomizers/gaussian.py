@@ -10,14 +10,14 @@ from torch.distributions import MultivariateNormal
 
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Density
 from dr_lab.trajectory import Array
 
 # Added to standard deviations, in widths: a parameter that a fit knows exactly must not make the factor singular.
 _LEAST_STD = 1e-6
 
 
-class GaussianRandomizer(Randomizer):
+class GaussianRandomizer(Density):
     """z ~ N(μ, ΛΛᵀ) with Λ lower triangular.
 
     φ lives in standardised units, so that one learning rate suits all parameters (as in the code released with
@@ -42,15 +42,23 @@ class GaussianRandomizer(Randomizer):
     def __init__(self, space: ContextSpace, mean: Array, covariance: Array, clip: bool) -> None:
         super().__init__(space)
         self.clip = clip
-        width = uniform_std(space)
-        centre = (space.low + space.high) / 2
+        n = len(space.names)
+        self.register_buffer("centre", torch.from_numpy((space.low + space.high) / 2))
+        self.register_buffer("width", torch.from_numpy(uniform_std(space)))
+        self.loc = nn.Parameter(torch.zeros(n, dtype=torch.float64))
+        self.log_diagonal = nn.Parameter(torch.zeros(n, dtype=torch.float64))
+        self.lower = nn.Parameter(torch.zeros(n, n, dtype=torch.float64))
+        self.set_moments(mean, covariance)
+
+    @torch.no_grad()
+    def set_moments(self, mean: Array, covariance: Array) -> None:
+        """Move to another mean and covariance; arguments as those of the class."""
+        width = self.width.numpy()
         scaled = covariance / np.outer(width, width) + _LEAST_STD**2 * np.eye(len(width))
         factor = np.linalg.cholesky(scaled)
-        self.register_buffer("centre", torch.from_numpy(centre))
-        self.register_buffer("width", torch.from_numpy(width))
-        self.loc = nn.Parameter(torch.from_numpy((mean - centre) / width))
-        self.log_diagonal = nn.Parameter(torch.from_numpy(np.log(np.diag(factor))))
-        self.lower = nn.Parameter(torch.from_numpy(np.tril(factor, -1)))
+        self.loc.copy_(torch.from_numpy((mean - self.centre.numpy()) / width))
+        self.log_diagonal.copy_(torch.from_numpy(np.log(np.diag(factor))))
+        self.lower.copy_(torch.from_numpy(np.tril(factor, -1)))
 
     def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
         """μ + Λε, one ε ~ N(0, I) a stream."""
@@ -77,6 +85,22 @@ def uniform_std(space: ContextSpace) -> Array:
     return space.span / math.sqrt(12.0)
 
 
+def centre_and_spread(
+    space: ContextSpace, mean: Mapping[str, float] | None, std: Mapping[str, float] | None, relative_std: float
+) -> tuple[Array, Array]:
+    """Mean and standard deviation of every parameter, shape (n,) each; arguments and errors as `gaussian`."""
+    given = {f"std.{name}": value for name, value in (std or {}).items()} | {"relative_std": relative_std}
+    for name, value in given.items():
+        if not value >= 0.0:
+            raise ConfigError(f"randomizer.{name} is {value:g}; expected a standard deviation of at least 0.")
+    centre, spread = (space.low + space.high) / 2, relative_std * uniform_std(space)
+    for name, value in (mean or {}).items():
+        centre[space.index(name)] = value
+    for name, value in (std or {}).items():
+        spread[space.index(name)] = value
+    return centre, spread
+
+
 def gaussian(
     space: ContextSpace,
     mean: Mapping[str, float] | None,
@@ -97,13 +121,5 @@ def gaussian(
         UnknownNameError: a name is not a parameter.
         ConfigError: a standard deviation is negative.
     """
-    given = {f"std.{name}": value for name, value in (std or {}).items()} | {"relative_std": relative_std}
-    for name, value in given.items():
-        if not value >= 0.0:
-            raise ConfigError(f"randomizer.{name} is {value:g}; expected a standard deviation of at least 0.")
-    centre, spread = (space.low + space.high) / 2, relative_std * uniform_std(space)
-    for name, value in (mean or {}).items():
-        centre[space.index(name)] = value
-    for name, value in (std or {}).items():
-        spread[space.index(name)] = value
+    centre, spread = centre_and_spread(space, mean, std, relative_std)
     return GaussianRandomizer(space, centre, np.diag(spread**2), clip)

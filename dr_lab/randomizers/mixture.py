@@ -8,11 +8,11 @@ from torch import Tensor, nn
 
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Density
 from dr_lab.trajectory import Array
 
 
-class MixtureRandomizer(Randomizer):
+class MixtureRandomizer(Density):
     """p(z) = Σ_k w_k p_k(z) with w = softmax(logits).
 
     Attributes:
@@ -31,7 +31,7 @@ class MixtureRandomizer(Randomizer):
     def __init__(
         self,
         space: ContextSpace,
-        components: Mapping[str, Callable[[ContextSpace], Randomizer]],
+        components: Mapping[str, Callable[[ContextSpace], Density]],
         weights: Mapping[str, float],
     ) -> None:
         super().__init__(space)
@@ -58,7 +58,7 @@ class MixtureRandomizer(Randomizer):
         parts = [self._component(k).log_prob(z) for k in range(len(self.components))]
         return (torch.stack(parts, -1) + self.logits.log_softmax(0)).logsumexp(-1)
 
-    def _component(self, k: int) -> Randomizer:
+    def _component(self, k: int) -> Density:
         component = self.components[k]
-        assert isinstance(component, Randomizer)
+        assert isinstance(component, Density)
         return component

@@ -1,18 +1,24 @@
-"""The contract of a randomizer: a distribution p_φ(z) over contexts."""
+"""The contracts of a randomizer: what contexts are drawn from, and that with a density."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.distributions import Distribution
 
 from dr_lab.physics.context import ContextSpace
+from dr_lab.randomizers.context_source import UNKEYED, Proposals
+from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
+
+_BINS = 60  # of a picture over the bounds; as many are on either side of them
+_DRAWS = 4000  # from the same stream each time, so that a picture moves only where the distribution does
 
 
 class Randomizer(nn.Module, ABC):
-    """A distribution p_φ(z) over a context space, φ being the module's parameters (none: there is nothing to learn).
+    """What contexts are drawn from, φ being the module's parameters (none: there is nothing to learn).
 
     z has the parameters' SI units, shape (n,), float64. Samples may lie outside of the space's bounds, where a
     distribution has unbounded support; what such a context means is the environment's business.
@@ -28,6 +34,39 @@ class Randomizer(nn.Module, ABC):
     @abstractmethod
     def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
         """One draw from each stream, shape (len(rngs), n); what one stream gives does not depend on the others."""
+
+    def propose(self, rngs: Sequence[np.random.Generator], slots: NDArray[np.intp]) -> Proposals:
+        """Draws, alike in every slot and without keys unless said otherwise."""
+        del slots
+        return Proposals(self.sample(rngs), np.full(len(rngs), UNKEYED, np.int64))
+
+    def edges(self, axis: int) -> Array:
+        """Edges of the bins in which pictures show a parameter, shape (b + 1,), the bounds among them.
+
+        They reach as far beyond the bounds as these are wide, unless nothing can lie there.
+        """
+        low, high = self.space.low[axis], self.space.high[axis]
+        below, above = 2 * low - high, 2 * high - low
+        parts = [np.linspace(*ends, _BINS, endpoint=False) for ends in ((below, low), (low, high), (high, above))]
+        return np.concatenate([*parts, [above]])
+
+    def marginal(self, axis: int) -> Array:
+        """Probability of each bin of a parameter, shape (b,), from draws unless it is known."""
+        draws, high, edges = self._draws()[:, axis], self.space.high[axis], self.edges(axis)
+        inside = np.where(draws == high, np.nextafter(high, -np.inf), draws)  # bins are open above
+        return np.histogram(np.clip(inside, edges[0], edges[-1]), edges)[0] / len(draws)  # what is beyond: in the last
+
+    def moments(self) -> tuple[Array, Array] | None:
+        """Mean (n,) and covariance (n, n), from draws; None where they say nothing, as of particles."""
+        z = self._draws()
+        return z.mean(0), np.atleast_2d(np.cov(z.T))
+
+    def _draws(self) -> Array:
+        return self.sample([stream(0, "snapshot")] * _DRAWS)
+
+
+class Density(Randomizer):
+    """A randomizer that knows how likely a context is: a distribution p_φ(z)."""
 
     @abstractmethod
     def log_prob(self, z: Tensor) -> Tensor:

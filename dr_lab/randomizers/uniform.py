@@ -9,7 +9,7 @@ from torch.distributions import Independent, Uniform
 
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Density
 from dr_lab.trajectory import Array
 
 
@@ -42,7 +42,7 @@ def box(space: ContextSpace, ranges: Mapping[str, Sequence[float]] | None) -> tu
     return torch.from_numpy(low), torch.from_numpy(high)
 
 
-class UniformRandomizer(Randomizer):
+class UniformRandomizer(Density):
     """p(z) = 1/∏(high − low) within a box, 0 outside: domain randomisation as it is usually done.
 
     Args:

@@ -8,8 +8,8 @@ import numpy as np
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.comparison.export import mjcf
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.setting import Setting
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes_mcap import write_episodes
 from dr_lab.seeding import derived_seed, stream
@@ -34,7 +34,7 @@ def play_episodes(
     if count == 0:
         return []
     streams = [stream(seed, "shown", episode) for episode in range(count)]
-    z = np.tile(setting.space.nominal, (count, 1)) if source is None else source.sample(streams)
+    z = np.tile(setting.space.nominal, (count, 1)) if source is None else source.propose(streams, np.arange(count)).z
     starts = derived_seed(seed, "shown")
     return record(setting.make(None, count, starts, threads).episodes, policy, z)
 
@@ -43,7 +43,7 @@ def keep_episodes(run_dir: Path, setting: Setting, episodes: Sequence[Episode]) 
     """Write ``episodes.mcap`` with the nominal model and the run's configuration in it, if there are episodes."""
     if not episodes:
         return
-    attachments = {"model.xml": mjcf(setting.model, setting.space.nominal).encode()}
+    attachments = {"model.xml": mjcf(setting.model, setting.model.space.nominal).encode()}
     config = run_dir / "config.yaml"
     if config.is_file():
         attachments[config.name] = config.read_bytes()

@@ -66,7 +66,8 @@ class Plan:
             ConfigError: a batch does not hold one control step of each slot.
         """
         randomizer = self.randomizer(self.env.space)
-        env = self.env.make(randomizer, self.episodes, self.seed, self.threads, staggered=True)
+        learner = self.distribution_learner(randomizer, self.seed)
+        env = self.env.make(learner.source, self.episodes, self.seed, self.threads, staggered=True)
         slots = env.episodes
         algorithm = self.algorithm(Interface(slots.observation.shape[1], slots.low, slots.high), self.seed)
         steps = algorithm.batch_frames // self.episodes
@@ -76,9 +77,8 @@ class Plan:
                 f"{self.episodes} episodes. Raise it, or lower episodes."
             )
         policy = algorithm.policies["policy"]
-        learner = self.distribution_learner(randomizer, self.seed)
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
-        experience = Experience(self.collector(env, policy, steps), policy, played, randomizer)
+        experience = Experience(self.collector(env, policy, steps), policy, played, learner.source)
         more: dict[str, Stateful] = {}
         trainer = Trainer(
             experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.task.time_limit

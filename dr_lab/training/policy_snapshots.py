@@ -136,7 +136,7 @@ class Choice:
             seed: of contexts and starts, which no training or evaluation of the same seed draws.
             threads: C threads of the physics; None takes every core.
         """
-        z = source.sample([stream(seed, "choice")] * self.episodes)
+        z = source.propose([stream(seed, "choice")] * self.episodes, np.arange(self.episodes)).z
         returns, frames = list[float](), 0
         for snapshot in snapshots:
             slots = setting.make(None, self.episodes, derived_seed(seed, "choice"), threads).episodes

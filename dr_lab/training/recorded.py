@@ -1,5 +1,6 @@
 """Episodes of a policy with all that happens in them, for recordings."""
 
+from collections.abc import Mapping
 from typing import Literal, cast
 
 import mujoco
@@ -10,7 +11,8 @@ from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import play
-from dr_lab.envs.episodes import Episodes, Starts
+from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.slots import Starts
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model
 from dr_lab.recorders.episode import Episode
@@ -30,21 +32,42 @@ def record(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None =
         The episodes, called ``episode_1``, ``episode_2`` …
     """
     played = play(episodes, policy, z, starts)
-    return [_recorded(episodes, cast(TensorDict, played[i]), z[i], f"episode_{i + 1}") for i in range(len(z))]
+    bounds = torch.from_numpy(episodes.low), torch.from_numpy(episodes.high)
+    played["action"] = cast(Tensor, played["action"]).double().clamp(*bounds)
+    found = []
+    for i, values in enumerate(z):
+        known = zip(episodes.space.parameters, values.tolist(), strict=True)
+        geometry = _geometry(episodes.model, values[: len(episodes.model.space.names)])
+        course, context = cast(TensorDict, played[i]), {p.name: (value, p.unit) for p, value in known}
+        found.append(as_episode(course, f"episode_{i + 1}", geometry, episodes.seconds, context))
+    return found
 
 
-def _recorded(episodes: Episodes, course: TensorDict, z: Array, name: str) -> Episode:
-    """One episode out of what was played."""
+def as_episode(
+    course: TensorDict,
+    name: str,
+    geometry: mujoco.MjModel,
+    seconds: float,
+    context: Mapping[str, tuple[float, str]],
+) -> Episode:
+    """One episode out of what was played.
+
+    Args:
+        course: size [t], in the layout of `collectors.play.play`, actions within their bounds.
+        name: of the episode.
+        geometry: the machine in its context.
+        seconds: length of a control step.
+        context: value and unit by parameter; empty where it is not known.
+    """
     course = cast(TensorDict, course[: int(course["mask"].sum())])
-    parameters = episodes.model.space.parameters
     return Episode(
         name=name,
-        context={p.name: (float(value), p.unit) for p, value in zip(parameters, z, strict=True)},
-        geometry=_geometry(episodes.model, z),
-        time=np.arange(len(course) + 1, dtype=np.float64) * episodes.seconds,
+        context=context,
+        geometry=geometry,
+        time=np.arange(len(course) + 1, dtype=np.float64) * seconds,
         qpos=_before_and_after(course, "qpos"),
         qvel=_before_and_after(course, "qvel"),
-        action=np.clip(cast(Tensor, course["action"]).double().numpy(), episodes.low, episodes.high),
+        action=cast(Tensor, course["action"]).double().numpy(),
         reward=cast(Tensor, course["next", "reward"])[:, 0].numpy(),
         ended=_ending(course),
     )

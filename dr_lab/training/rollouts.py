@@ -4,7 +4,7 @@ import numpy as np
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import outcomes, play
-from dr_lab.envs.episodes import Episodes, Flags
+from dr_lab.envs.slots import EpisodeSlots, Flags
 from dr_lab.trajectory import Array
 
 
@@ -16,7 +16,7 @@ class PolicyRollouts:
         policy: what acts.
     """
 
-    def __init__(self, episodes: Episodes, policy: Policy) -> None:
+    def __init__(self, episodes: EpisodeSlots, policy: Policy) -> None:
         self._episodes = episodes
         self._policy = policy
 

@@ -17,15 +17,16 @@ from rich.progress import Progress as Bar
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.distribution_learners.none import NoLearner
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
 from dr_lab.files import write_text
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 from dr_lab.reports.quantity import number, titled
 from dr_lab.reports.report import to_plain
 from dr_lab.reports.tables import table
+from dr_lab.training.beginning import go_on_from
 from dr_lab.training.checkpoint import load
 from dr_lab.training.episodes import described, keep_episodes, play_episodes
 from dr_lab.training.plan import CHECKPOINT, POLICY, Plan, Training
@@ -130,11 +131,9 @@ def subject_of(folder: Path, compose: Callable[..., Mapping[str, Any]], threads:
     def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
         further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
         fresh = further.assemble(None)
-        fresh.algorithm.load_state_dict(state)
+        go_on_from(fresh.algorithm, state, seed)
         load_states(fresh.algorithm, deployed)
         fresh.algorithm.explore_anew(seed)
-        fresh.algorithm.begin_schedules()
-        fresh.algorithm.forget_episodes()  # those of the training run ended with it
         return fresh.trainer, fresh.algorithm.deployed
 
     contexts = training.randomizer

@@ -25,6 +25,7 @@ from dr_lab.recorders.training_review import TrainingRecord, write_training_revi
 from dr_lab.reports.quantity import number
 from dr_lab.reports.report import to_plain
 from dr_lab.sweeps.progress import tell
+from dr_lab.training.beginning import Beginning
 from dr_lab.training.checkpoint import save
 from dr_lab.training.episode_log import Finished
 from dr_lab.training.episodes import described, keep_episodes, play_episodes
@@ -37,13 +38,20 @@ from dr_lab.trajectory import Array
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 # Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.
 MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder", "choice")
+NOTHING_LEARNT = Beginning(run=None, distribution=False)
 _DRAWS = 100_000  # of a distribution, for its mean and standard deviation: to 0.3 % of the latter
 _NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate plays whole ones."
 _NOT_PLOTTED = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
 
 
 def train(
-    plan: Plan, choice: Choice, recorder: Look, resume: str | None, run_dir: Path, final_share: float = 1.0
+    plan: Plan,
+    choice: Choice,
+    recorder: Look,
+    resume: str | None,
+    run_dir: Path,
+    final_share: float = 1.0,
+    beginning: Beginning = NOTHING_LEARNT,
 ) -> dict[str, Any]:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
@@ -59,13 +67,14 @@ def train(
         resume: run folder of an interrupted training run with the same settings.
         run_dir: the run folder.
         final_share: share of the iterations whose episodes make up the final return, the last ones.
+        beginning: what is taken over from a finished run; a run that is resumed has already done so.
 
     Returns:
         The report (schema dr_lab/train/1).
 
     Raises:
         ConfigError: the parts do not fit, or a number is out of its range.
-        DataError: the run to be resumed has no readable checkpoint, or other settings.
+        DataError: the run to be resumed, or begun from, has no readable checkpoint, or other settings.
     """
     if not 0.0 < final_share <= 1.0:
         raise ConfigError(f"final_share is {final_share:g}; expected a share above 0, 1 at most.")
@@ -76,6 +85,7 @@ def train(
     training.more.update(snapshots=snapshots, policies=policies)
     (run_dir / POLICY).unlink(missing_ok=True)  # of a run that ended here before
     if resume is None:
+        beginning.apply(training, plan.seed)
         snapshots.take(0)
     else:
         training.trainer.resume(Path(resume).expanduser() / CHECKPOINT)
@@ -118,7 +128,7 @@ def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, pl
         with closing(trainer), _progress(plan.frames, trainer.frames) as show:
 
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
-                if any(True for _ in training.randomizer.parameters()):
+                if training.learner.learns:
                     snapshots.take(int(figures["iteration"]))
                 if trainer.due or trainer.frames >= plan.frames:
                     policies.take(trainer.frames)

@@ -15,8 +15,9 @@ from dr_lab.collectors.torchrl import TorchRLCollector
 NENV, STEPS = 3, 40
 Kind = Callable[..., Collector]
 KINDS: list[Kind] = [LeanCollector, TorchRLCollector]
-LAYOUT = {"observation", "context", "action", "action_log_prob"} | {
-    ("next", key) for key in ("observation", "context", "reward", "done", "terminated", "truncated", "infeasible")
+LAYOUT = {"observation", "context", "proposal", "action", "action_log_prob"} | {
+    ("next", key)
+    for key in ("observation", "context", "proposal", "reward", "done", "terminated", "truncated", "infeasible")
 }
 
 

@@ -1,4 +1,4 @@
-"""Every algorithm, randomizer, learner and collector fits the verb `train`."""
+"""Every algorithm, randomizer, learner and collector fits the verb `train`, every target `evaluate`."""
 
 import pytest
 from test_configurations import check_verb, options_of
@@ -6,6 +6,11 @@ from test_configurations import check_verb, options_of
 GROUPS = ("algorithm", "randomizer", "distribution_learner", "collector", "normaliser", "reward_scale")
 PLACE = {"normaliser": "normaliser@algorithm.actor.normaliser", "reward_scale": "reward_scale@algorithm.reward_scale"}
 NEEDED = {"from_run": ["randomizer.run=outputs"]}
+
+
+@pytest.mark.parametrize("option", options_of("target"))
+def test_target_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={option}"], monkeypatch)
 
 
 @pytest.mark.parametrize(("group", "option"), [(group, option) for group in GROUPS for option in options_of(group)])

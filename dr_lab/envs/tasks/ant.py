@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.envs.task import Change, Fields, Task
+from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.trajectory import Array
 
 _TORSO = 1  # the first body of the machine
@@ -43,8 +43,9 @@ class AntWithoutContacts(Task):
         noise = self.start_noise
         return compiled.qpos0 + rng.uniform(-noise, noise, compiled.nq), noise * rng.standard_normal(compiled.nv)
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
         """Positions but x and y, then velocities."""
+        del values
         return np.concatenate([fields["qpos"][:, 2:], fields["qvel"]], axis=1)
 
     def marker(self, fields: Fields) -> Array:
@@ -57,8 +58,9 @@ class AntWithoutContacts(Task):
         effort = self.control_weight * np.square(change.action).sum(1)
         return self.forward_weight * change.velocity[:, 0] + alive - effort
 
-    def terminated(self, fields: Fields) -> NDArray[np.bool_]:
+    def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
         """Where the torso is too low or too high."""
+        del values
         low, high = self.height_range
         height = fields["qpos"][:, 2]
         return ~((low <= height) & (height <= high))
@@ -77,10 +79,10 @@ class Ant(AntWithoutContacts):
     contact_limit: float
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "xpos", "cfrc_ext")
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
         """The same, then contact forces on every body."""
         forces = self._forces(fields)[:, _TORSO:]
-        return np.concatenate([super().observe(fields), forces.reshape(len(forces), -1)], axis=1)
+        return np.concatenate([super().observe(fields, values), forces.reshape(len(forces), -1)], axis=1)
 
     def reward(self, change: Change) -> Array:
         """The same less the contacts."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from dr_lab.envs.task import Change, Fields, Task
+from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.trajectory import Array
 
 
@@ -31,8 +31,9 @@ class HalfCheetah(Task):
         noise = self.start_noise
         return compiled.qpos0 + rng.uniform(-noise, noise, compiled.nq), noise * rng.standard_normal(compiled.nv)
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
         """Positions but the first, then velocities."""
+        del values
         return np.concatenate([fields["qpos"][:, 1:], fields["qvel"]], axis=1)
 
     def marker(self, fields: Fields) -> Array:

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.envs.task import Change, Fields, Task, within
+from dr_lab.envs.task import Change, Fields, Task, Values, within
 from dr_lab.trajectory import Array
 
 
@@ -45,8 +45,9 @@ class Hopper(Task):
         noise = self.start_noise
         return compiled.qpos0 + rng.uniform(-noise, noise, compiled.nq), rng.uniform(-noise, noise, compiled.nv)
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
         """Positions but the first, then velocities."""
+        del values
         limit = self.velocity_limit
         return np.concatenate([fields["qpos"][:, 1:], np.clip(fields["qvel"], -limit, limit)], axis=1)
 
@@ -61,8 +62,9 @@ class Hopper(Task):
             self.forward_weight * change.velocity[:, 0] + alive - self.control_weight * np.square(change.action).sum(1)
         )
 
-    def terminated(self, fields: Fields) -> NDArray[np.bool_]:
+    def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
         """Where it has fallen."""
+        del values
         qpos = fields["qpos"]
         upright = within(qpos[:, 1], self.height_range) & within(qpos[:, 2], self.angle_range)
         small = within(qpos[:, 2:], self.state_range).all(1) & within(fields["qvel"], self.state_range).all(1)

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.envs.task import Change, Fields, Task, within
+from dr_lab.envs.task import Change, Fields, Task, Values, within
 from dr_lab.trajectory import Array
 
 _FREE = 6  # degrees of freedom of the torso's free joint, which no motor drives
@@ -48,8 +48,9 @@ class Humanoid(Task):
         noise = self.start_noise
         return compiled.qpos0 + rng.uniform(-noise, noise, compiled.nq), rng.uniform(-noise, noise, compiled.nv)
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
         """Positions but x and y, velocities, inertias, bodies' velocities, motors' torques, contact forces."""
+        del values
         inertias, velocities, forces = (fields[name][:, 1:].reshape(len(fields[name]), -1) for name in _SEEN)
         state = [fields["qpos"][:, 2:], fields["qvel"]]
         return np.concatenate([*state, inertias, velocities, fields["qfrc_actuator"][:, _FREE:], forces], axis=1)
@@ -66,6 +67,7 @@ class Humanoid(Task):
         forward = self.forward_weight * change.velocity[:, 0]
         return forward + alive - effort - np.minimum(contacts, self.contact_cost_limit)
 
-    def terminated(self, fields: Fields) -> NDArray[np.bool_]:
+    def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
         """Where the torso is too low or too high."""
+        del values
         return ~within(fields["qpos"][:, 2], self.height_range)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.envs.rewards import ErrorReward
-from dr_lab.envs.task import Change, Fields, Task
+from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.trajectory import Array
 
 _POLE = 1  # the second joint; 0 hangs down
@@ -53,8 +53,9 @@ class SwingUp(Task):
         return middle + rng.uniform(-position, position), rng.uniform(-velocity, velocity)
 
     @abstractmethod
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
         """Angles as sine and cosine."""
+        del values
 
     def reward(self, change: Change) -> Array:
         """Of the error and the voltage, less a failure's cost."""
@@ -62,8 +63,9 @@ class SwingUp(Task):
         error[:, _POLE] = _tilt(change.fields)
         return self.reward_of(error, change.action) - self.failure_cost * change.terminated
 
-    def terminated(self, fields: Fields) -> NDArray[np.bool_]:
+    def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
         """Where a position, a velocity or the tilt is beyond its limit."""
+        del values
         size = np.abs(np.column_stack([fields["qpos"], fields["qvel"], _tilt(fields)]))
         return np.any(size > [*self.position_limit, *self.velocity_limit, self.tilt_limit], axis=1)
 

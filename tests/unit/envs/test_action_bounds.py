@@ -6,7 +6,7 @@ import pytest
 from block_on_rail import BlockOnRail
 
 from dr_lab.envs.episodes import Episodes
-from dr_lab.envs.task import Change, Fields
+from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array
@@ -19,7 +19,8 @@ XML = """<mujoco model="block"><worldbody><body name="block">
 
 
 class Still(BlockOnRail):
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
+        del values
         return fields["qpos"].copy()
 
     def reward(self, change: Change) -> Array:

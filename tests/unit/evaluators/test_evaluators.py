@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.envs.setting import Setting
-from dr_lab.envs.task import Change, Fields
+from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.evaluator import Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
@@ -26,6 +25,7 @@ from dr_lab.evaluators.returns import ReturnsEvaluator
 from dr_lab.evaluators.statistics import iqm_interval, lower_tail, means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import from_spec
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.training.trainer import Trainer
 from dr_lab.trajectory import Array
@@ -40,7 +40,8 @@ MASS = {"block.mass": {"target": "body.block.mass", "unit": "kg", "low": 0.5, "h
 class Push(BlockOnRail):
     """The mean velocity of every step is rewarded."""
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
+        del values
         return np.concatenate([fields["qpos"], fields["qvel"]], axis=1)
 
     def marker(self, fields: Fields) -> Array:

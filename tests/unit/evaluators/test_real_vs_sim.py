@@ -1,8 +1,9 @@
 """A policy on a plant does what it does in a model that knows all of the plant, and else in one that does not."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
 from dr_lab.plants.rig import Rig
 from dr_lab.recorders.episode import Episode
+from dr_lab.targets.plant import PlantTarget
 from dr_lab.training.recorded import record
 
 STEPS = 40
@@ -44,7 +46,8 @@ def subject(start: str = "[0.0,0.0]") -> Subject:
 
 
 def evaluated(plant: Rig, of: Subject, episodes: int = 1) -> Evaluation:
-    evaluator = RealVsSimEvaluator(plant, machine=0, episodes=episodes, confidence=0.9, resamples=50, seed=0)
+    target = partial(PlantTarget, plant=plant, machine=0, seed=0)
+    evaluator = RealVsSimEvaluator(target, episodes=episodes, confidence=0.9, resamples=50, seed=0)
     found = evaluator.evaluate(of, Path(), lambda _: None)
     assert len(found.rows) == episodes
     assert [each.name[:5] for each in found.episodes] == ["real_", "simul"]
@@ -112,9 +115,9 @@ def test_a_plant_of_another_machine_is_refused() -> None:
         evaluated(bench("pendulum"), subject())
     remedy = str(refused.value).partition("same machine: ")[2].partition("=NAME")[0]
     chosen = compose("evaluate", ["evaluator=real_vs_sim", f"{remedy}=cartpole"])
-    assert chosen.evaluator.plant.nominal._target_.endswith("CartPoleNominal")
+    assert chosen.evaluator.target.plant.nominal._target_.endswith("CartPoleNominal")
 
 
 def test_a_confidence_beyond_one_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1\.5; expected a number below 1\."):
-        RealVsSimEvaluator(bench("furuta"), machine=0, episodes=1, confidence=1.5, resamples=1, seed=0)
+        RealVsSimEvaluator(cast(Any, PlantTarget), episodes=1, confidence=1.5, resamples=1, seed=0)

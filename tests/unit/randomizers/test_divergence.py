@@ -11,18 +11,18 @@ from randomizer_samples import SPACE, correlated, mixed, uneven, uniform
 from dr_lab.randomizers.discrete import DiscreteRandomizer
 from dr_lab.randomizers.divergence import divergence
 from dr_lab.randomizers.gaussian import gaussian
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Density
 from dr_lab.randomizers.uniform import UniformRandomizer
 
-Make = Callable[[], Randomizer]
+Make = Callable[[], Density]
 RNG = np.random.default_rng(0)
 
 
-def wide() -> Randomizer:
+def wide() -> Density:
     return UniformRandomizer(SPACE, {})
 
 
-def off_grid() -> Randomizer:
+def off_grid() -> Density:
     return UniformRandomizer(SPACE, {"mass": [0.7, 1.9], "friction": [-0.9, 0.1]})
 
 

@@ -1,25 +1,31 @@
 """Draws of every randomizer follow its density, stream by stream."""
 
 from collections.abc import Callable
+from typing import Any, cast
 
 import numpy as np
 import pytest
 import torch
-from randomizer_samples import SPACE, correlated, mixed, uneven, uniform
+from randomizer_samples import SPACE, correlated, factored, mixed, truncated, uneven, uniform
+from scipy.stats import kstest, multivariate_normal, norm, truncnorm
 
 from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.discrete import DiscreteRandomizer
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.randomizers.gaussian import gaussian
 from dr_lab.randomizers.mixture import MixtureRandomizer
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.product import ProductRandomizer
+from dr_lab.randomizers.randomizer import Density
+from dr_lab.randomizers.truncated_normal import TruncatedNormalRandomizer
 from dr_lab.randomizers.uniform import UniformRandomizer
 
-DENSITIES = [correlated, uneven, mixed, uniform]
+MASS = ContextSpace(SPACE.parameters[:1])
+DENSITIES = [correlated, uneven, mixed, uniform, truncated, factored]
 
 
 @pytest.mark.parametrize("make", DENSITIES)
-def test_draws_follow_the_density(make: Callable[[], Randomizer]) -> None:
+def test_draws_follow_the_density(make: Callable[[], Density]) -> None:
     randomizer = make()
     z = randomizer.sample([np.random.default_rng(0)] * 10_000)
     # E_p[f] over the draws equals ∫ f p over a fine grid: f = mean, second moments.
@@ -36,7 +42,7 @@ def test_draws_follow_the_density(make: Callable[[], Randomizer]) -> None:
 
 
 @pytest.mark.parametrize("make", [*DENSITIES, lambda: FixedRandomizer(SPACE, {})])
-def test_a_streams_draws_do_not_depend_on_the_others(make: Callable[[], Randomizer]) -> None:
+def test_a_streams_draws_do_not_depend_on_the_others(make: Callable[[], Density]) -> None:
     randomizer = make()
     together = randomizer.sample([np.random.default_rng(seed) for seed in range(4)])
     alone = [randomizer.sample([np.random.default_rng(seed)])[0] for seed in range(4)]
@@ -45,8 +51,8 @@ def test_a_streams_draws_do_not_depend_on_the_others(make: Callable[[], Randomiz
     assert randomizer.sample([]).shape == (0, 2)
 
 
-@pytest.mark.parametrize("make", [correlated, uneven, mixed])
-def test_gradient_of_the_log_density_by_finite_differences(make: Callable[[], Randomizer]) -> None:
+@pytest.mark.parametrize("make", [correlated, uneven, mixed, truncated, factored])
+def test_gradient_of_the_log_density_by_finite_differences(make: Callable[[], Density]) -> None:
     randomizer = make()
     z = torch.from_numpy(uniform().sample([np.random.default_rng(1)] * 5))
     parameters = list(randomizer.parameters())
@@ -67,6 +73,48 @@ def test_a_gaussian_keeps_mean_and_covariance() -> None:
     normal = correlated().distribution()
     np.testing.assert_allclose(normal.mean.detach(), [1.4, 0.2])
     np.testing.assert_allclose(normal.covariance_matrix.detach(), [[0.09, -0.03], [-0.03, 0.04]], atol=1e-9)
+
+
+def test_a_gaussian_moves_to_given_moments() -> None:
+    randomizer = correlated()
+    mean, covariance = np.array([0.9, -0.1]), np.array([[0.04, 0.01], [0.01, 0.09]])
+    randomizer.set_moments(mean, covariance)
+    normal = randomizer.distribution()
+    np.testing.assert_allclose(normal.mean.detach(), mean)
+    np.testing.assert_allclose(normal.covariance_matrix.detach(), covariance, atol=1e-9)
+    z = np.array([[1.0, 0.0], [2.0, -0.5]])
+    expected = multivariate_normal.logpdf(z, mean, cast(Any, covariance))
+    np.testing.assert_allclose(randomizer.log_prob(torch.from_numpy(z)).detach(), expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("mean", "std"), [(1.2, 0.4), (2.4, 2.0), (5.0, 0.2), (-8.0, 0.5)])
+def test_a_truncated_normal_is_that_of_scipy(mean: float, std: float) -> None:
+    randomizer = TruncatedNormalRandomizer(MASS, {"mass": mean}, {"mass": std}, relative_std=1.0)
+    low, high = MASS.low[0], MASS.high[0]
+    expected: Any = truncnorm((low - mean) / std, (high - mean) / std, mean, std)
+    inside = np.linspace(low, high, 9)[1:-1]
+    np.testing.assert_allclose(
+        randomizer.log_prob(torch.from_numpy(inside[:, None])).detach(), expected.logpdf(inside), rtol=1e-7
+    )
+    assert randomizer.log_prob(torch.tensor([[low - 0.1], [high + 0.1]])).tolist() == [-np.inf, -np.inf]
+    draws = randomizer.sample([np.random.default_rng(0)] * 20_000)[:, 0]
+    assert draws.mean() == pytest.approx(expected.mean(), abs=4 * expected.std() / np.sqrt(20_000))
+    assert draws.std() == pytest.approx(expected.std(), rel=0.03)
+    assert kstest(draws, expected.cdf).pvalue > 1e-3
+
+
+def test_a_product_is_made_of_independent_families() -> None:
+    randomizer = factored()
+    z = np.array([[1.2, 0.1], [0.7, -0.6]])
+    expected = norm.logpdf(z[:, 0], 1.4, 0.3) - np.log(2.0)
+    np.testing.assert_allclose(randomizer.log_prob(torch.from_numpy(z)).detach(), expected, rtol=1e-6)
+    draws = randomizer.sample([np.random.default_rng(0)] * 20_000)
+    np.testing.assert_allclose(draws.mean(0), [1.4, 0.0], atol=0.02)
+    np.testing.assert_allclose(np.cov(draws.T), [[0.09, 0.0], [0.0, 1 / 3]], atol=0.01)
+    names = [name for name, _ in randomizer.named_parameters()]
+    assert names == [f"factors.0.{name}" for name in ("loc", "log_diagonal", "lower")]
+    with pytest.raises(ConfigError, match=r"each parameter at most once, for all but one of the factors a, b"):
+        ProductRandomizer(SPACE, {"a": uniform, "b": uniform}, {})
 
 
 def test_a_gaussian_begins_in_the_centre_with_a_share_of_the_uniform_width() -> None:

@@ -1,11 +1,12 @@
 """Whole episodes of a policy, and batches beside them, on a block with a known course."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import cast
 
 import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
 from settings import setting
 from test_recorded import DT, FORCE, LIMIT, episodes, push
 from torch import Tensor
@@ -14,8 +15,11 @@ from dr_lab.collectors.collector import Collector
 from dr_lab.collectors.experience import Experience
 from dr_lab.collectors.lean import LeanCollector
 from dr_lab.collectors.play import play, undiscounted
+from dr_lab.collectors.shares import shares
 from dr_lab.collectors.torchrl import TorchRLCollector
 from dr_lab.envs.setting import Setting
+from dr_lab.randomizers.context_source import UNKEYED, Proposals
+from dr_lab.trajectory import Array
 
 
 def test_what_is_played_is_laid_out_as_it_happened() -> None:
@@ -77,6 +81,47 @@ def test_new_episodes_begin_in_given_contexts_and_what_is_played_disturbs_none(k
     assert torch.equal(batch["observation"], again["observation"])
     one.close()
     other.close()
+
+
+class InTurn:
+    """Proposes contexts by slot, each slot its own one after the other, and numbers them."""
+
+    def __init__(self, low: Array, high: Array) -> None:
+        self.low, self.high = low, high
+
+    def propose(self, rngs: Sequence[np.random.Generator], slots: NDArray[np.intp]) -> Proposals:
+        keys = 10 * slots + [rng.integers(3) for rng in rngs]
+        return Proposals(self.of(keys), keys)
+
+    def of(self, keys: NDArray[np.int64]) -> Array:
+        return self.low + (self.high - self.low) * keys[..., None] / 30.0
+
+
+@pytest.mark.parametrize("kind", [LeanCollector, TorchRLCollector])
+def test_a_source_proposes_by_slot_and_knows_its_episodes(kind: type[Collector]) -> None:
+    hopper: Setting = setting("hopper", "env/context=hopper/friction", "env.task.time_limit=5")
+    source = InTurn(hopper.space.low, hopper.space.high)
+    env = hopper.make(source, 3, 0, threads=1)
+    with kind(env, lambda seen: 0.1 * seen[:, :3], 20) as collector:  # pyright: ignore[reportCallIssue]
+        batch = next(collector)
+        keys = cast(Tensor, batch["proposal"])
+        assert keys.shape == (3, 20)
+        assert torch.equal(keys // 10, torch.arange(3)[:, None].expand(3, 20))
+        assert len(keys.unique()) > 5
+        torch.testing.assert_close(batch["context"], torch.from_numpy(source.of(keys.numpy())).float())
+        ended = cast(Tensor, batch["next", "done"])[:, :-1, 0]
+        assert torch.equal(keys[:, 1:][~ended], keys[:, :-1][~ended])
+        collector.begin(np.tile(hopper.space.nominal, (3, 1)))
+        assert (next(collector)["proposal"] == UNKEYED).all()
+
+
+def test_shares_of_the_slots_keep_their_numbers() -> None:
+    hopper: Setting = setting("hopper", "env/context=hopper/friction")
+    source = InTurn(hopper.space.low, hopper.space.high)
+    whole, half = hopper.make(source, 4, 0, threads=1).episodes, hopper.make(source, 2, 5, threads=1).episodes
+    half.load_state_dict(shares(whole.state_dict(), 4, 2)[1])
+    half.begin(np.arange(2))
+    assert (half.proposals // 10).tolist() == [2, 3]
 
 
 @pytest.mark.parametrize("kind", [LeanCollector, TorchRLCollector])

@@ -7,7 +7,7 @@ from block_on_rail import BlockOnRail, constant
 from numpy.typing import NDArray
 
 from dr_lab.envs.episodes import Episodes
-from dr_lab.envs.task import Change, Fields
+from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.physics.model import from_spec
 from dr_lab.training.recorded import record
 from dr_lab.training.rollouts import PolicyRollouts
@@ -23,13 +23,15 @@ PARAMETERS = {"cube.mass": {"target": "geom.cube.mass", "unit": "kg", "low": -1.
 class Push(BlockOnRail):
     """Velocity is rewarded; the episode ends beyond 1 m/s."""
 
-    def observe(self, fields: Fields) -> Array:
+    def observe(self, fields: Fields, values: Values) -> Array:
+        del values
         return fields["qvel"].copy()
 
     def reward(self, change: Change) -> Array:
         return change.fields["qvel"][:, 0].copy()
 
-    def terminated(self, fields: Fields) -> NDArray[np.bool_]:
+    def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
+        del values
         return fields["qvel"][:, 0] > 1.0
 
 

@@ -1,10 +1,14 @@
 """The learned distribution as recordings show it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import torch
 from randomizer_samples import SPACE, correlated, uneven
 
+from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.training.snapshots import Snapshots
+from dr_lab.trajectory import Array
 
 
 def test_marginals_of_a_grid_are_exact_and_follow_it() -> None:
@@ -53,6 +57,23 @@ def test_what_leaves_its_bounds_stays_in_the_picture() -> None:
     below, above = first.edges[first.edges < middle[0]], first.edges[first.edges > middle[0]]
     mass = first.probability[1][: len(below)].sum(), first.probability[1][-len(above) :].sum()
     np.testing.assert_allclose(mass, 0.5, atol=0.05)
+
+
+def test_what_tells_no_moments_has_marginals_and_no_pairs() -> None:
+    class Particles(Randomizer):
+        def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
+            picked = [rng.integers(2) for rng in rngs]
+            return np.array([[1.0, -0.5], [2.0, 0.5]])[picked]
+
+        def moments(self) -> None:
+            return None
+
+    snapshots = Snapshots(Particles(SPACE))
+    snapshots.take(0)
+    assert snapshots.pairs() == []
+    first, second = snapshots.marginals()
+    assert np.count_nonzero(first.initial) == np.count_nonzero(second.initial) == 2
+    np.testing.assert_allclose(first.initial[first.initial > 0], 0.5, atol=0.03)
 
 
 def test_continues() -> None:

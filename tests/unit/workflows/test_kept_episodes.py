@@ -10,8 +10,8 @@ from mcap.reader import make_reader
 from settings import setting
 from torch import Tensor
 
-from dr_lab.envs.episodes import ContextSource
 from dr_lab.evaluators.evaluator import Subject
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.training.episodes import FILE, described, keep_episodes, play_episodes
 
 

@@ -1,0 +1,97 @@
+"""The same machine in MuJoCo, with values and effects that this side does not know."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+import torch
+from tensordict import TensorDict
+from torch import Tensor
+
+from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.play import play
+from dr_lab.effects.effect import Effect
+from dr_lab.effects.named import with_named_effects
+from dr_lab.envs.batched_env import single
+from dr_lab.envs.setting import Setting
+from dr_lab.envs.slots import Starts
+from dr_lab.seeding import derived_seed
+from dr_lab.targets.target import Drive, Target, require_drive
+from dr_lab.trajectory import Array
+
+
+class ModelTarget(Target):
+    """A model with a hidden context, whose effects are those that the context names.
+
+    Args:
+        setting: machine and task as this side knows them.
+        effects: the catalogue from which `context` takes effects.
+        context: true values by parameter name, of the setting's own parameters and of effects
+            (``coulomb_friction@arm.torque``); None changes nothing.
+        seed: of the starts that are not given.
+
+    Raises:
+        UnknownNameError: a parameter, effect or site does not exist.
+    """
+
+    def __init__(
+        self, setting: Setting, effects: Mapping[str, Effect], context: Mapping[str, float] | None, seed: int
+    ) -> None:
+        self._space, values = setting.space, dict(context or {})
+        asked = {parameter.name for parameter in setting.task.parameters}
+        model = with_named_effects(setting.model, effects, [name for name in values if name not in asked])
+        self._setting = replace(setting, model=model, show_context=False)
+        self._z, self._seed = self._setting.space.vector(values), derived_seed(seed, "target")
+        self._told = single(setting.space.to_unit(setting.space.nominal)) if setting.show_context else None
+
+    def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:
+        """All episodes side by side."""
+        env = self._setting.make(None, count, self._seed)
+        self._seed = derived_seed(self._seed, "next")  # so that starts differ from call to call
+        acts = require_drive(drive)
+        policy = _Recited(acts) if isinstance(acts, np.ndarray) else _Told(acts, self._told)
+        played = play(env.episodes, policy, np.tile(self._z, (count, 1)), starts)
+        bounds = torch.from_numpy(env.episodes.low), torch.from_numpy(env.episodes.high)
+        played["action"] = cast(Tensor, played["action"]).double().clamp(*bounds)
+        if isinstance(acts, np.ndarray):
+            played = _cut(played, acts.shape[1])
+        if self._told is not None:
+            for key in ("observation", ("next", "observation")):
+                played[key] = _joined(cast(Tensor, played[key]), self._told)
+        return played.exclude("context", ("next", "context"))
+
+
+class _Told:
+    """A policy that is told the same context in every state."""
+
+    def __init__(self, policy: Policy, told: Tensor | None) -> None:
+        self._policy, self._told = policy, told
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        return self._policy(observation if self._told is None else _joined(observation, self._told))
+
+
+class _Recited:
+    """Commands (n, steps, nu), one after the other, the last one held."""
+
+    def __init__(self, commands: Array) -> None:
+        self._commands, self._step = commands, -1
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        del observation
+        self._step += 1
+        return torch.from_numpy(self._commands[:, min(self._step, self._commands.shape[1] - 1)])
+
+
+def _cut(played: TensorDict, steps: int) -> TensorDict:
+    """The first steps, the last of which ends every episode that still goes on."""
+    cut = cast(TensorDict, played[:, :steps].clone())
+    last = cast(Tensor, cut["mask"])[:, -1:, None] & ~cast(Tensor, cut["next", "terminated"])[:, -1:]
+    for key in ("truncated", "done"):
+        cast(Tensor, cut["next", key])[:, -1:] |= last
+    return cut
+
+
+def _joined(observation: Tensor, told: Tensor) -> Tensor:
+    return torch.cat([observation, told.expand(*observation.shape[:-1], -1)], -1)

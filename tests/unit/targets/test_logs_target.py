@@ -1,0 +1,53 @@
+"""Recorded logs as a target: known motions come back on the task's clock."""
+
+import numpy as np
+import pytest
+from settings import setting
+
+from dr_lab.errors import ConfigError
+from dr_lab.targets.logs import LogsTarget
+from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
+
+STEP, STEPS = 0.01, 60  # s, of the task
+
+
+def log(name: str, seconds: float) -> Log:
+    """arm = 0.3 sin 5t and pole = t − t², measured every 2 ms; the voltage is 1 V at 0 s, 3 V from 15 ms on."""
+    at = np.arange(0.0, seconds, 0.002)
+    outputs = {"arm": 0.3 * np.sin(5 * at), "pole": at - at**2}
+    command = Signal("motor", "V", np.array([0.0, 0.015]), np.array([1.0, 3.0]))
+    signals = {f"{joint}.position": Signal(f"{joint}.position", "rad", at, q) for joint, q in outputs.items()}
+    return Log(name, signals, {"motor": command})
+
+
+def target(*logs: Log) -> LogsTarget:
+    return LogsTarget(setting("furuta", f"env.task.time_limit={STEPS}"), MeasurementSet("m", logs, (), {}, {}), 0.01)
+
+
+def test_a_log_comes_back_as_an_episode() -> None:
+    played = target(log("long", 2.0), log("short", 0.305)).play(None, None, 2)
+    assert played.shape == (2, STEPS)
+    assert played["mask"].sum(1).tolist() == [STEPS, 30]  # pyright: ignore[reportOptionalMemberAccess]
+    at = STEP * np.arange(STEPS)
+    qpos = np.column_stack([0.3 * np.sin(5 * at), at - at**2])
+    qvel: Array = np.column_stack([1.5 * np.cos(5 * at), 1.0 - 2.0 * at])
+    np.testing.assert_allclose(played["qpos"][0], qpos, atol=1e-5)
+    np.testing.assert_allclose(played["qvel"][0], qvel, atol=1e-3)
+    np.testing.assert_allclose(played["next", "qpos"][1, :29], qpos[1:30], atol=1e-5)
+    np.testing.assert_allclose(played["action"][0, :3, 0], [1.0, 2.0, 3.0])  # held, and changed amid the second step
+    assert played["next", "truncated"][0, -1]
+
+
+def test_it_cannot_be_driven() -> None:
+    with pytest.raises(ConfigError, match="cannot be driven"):
+        target(log("a", 1.0)).play(lambda seen: seen[:, :1], None, 1)
+    with pytest.raises(ConfigError, match="2 episodes .* has 1 logs"):
+        target(log("a", 1.0)).play(None, None, 2)
+
+
+def test_measurements_of_another_machine_are_refused() -> None:
+    other = Log("other", {"pendulum.position": log("a", 1.0).outputs["arm.position"]}, {})
+    with pytest.raises(
+        ConfigError, match=r"Log other of target=logs has pendulum.position; expected arm.position, pole"
+    ):
+        target(other)

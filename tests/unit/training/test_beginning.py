@@ -1,0 +1,82 @@
+"""A new run that begins with what an earlier one learnt."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+
+from dr_lab.cli.arguments import compose_arguments
+from dr_lab.cli.folders import shipped
+from dr_lab.errors import DataError
+from dr_lab.training.beginning import Beginning
+from dr_lab.training.plan import CHECKPOINT, Plan, Training
+
+OVERRIDES = [
+    "env=hopper",
+    "env/context=hopper/friction",
+    "env.task.time_limit=20",
+    "randomizer=gaussian",
+    "algorithm.batch_frames=80",
+    "algorithm.minibatch=40",
+    "algorithm.epochs=1",
+    "collector=lean",
+    "episodes=4",
+    "rollout_episodes=2",
+    "frames=160",
+    "threads=1",
+]
+
+
+def plan(*more: str) -> tuple[Plan, Beginning]:
+    arguments = compose_arguments("train", [*OVERRIDES, *more], (shipped(),))
+    return arguments["plan"], arguments["beginning"]
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("finished")
+    training = plan()[0].assemble(folder / CHECKPOINT)
+    with torch.no_grad():
+        training.randomizer.loc += 0.25  # pyright: ignore[reportOperatorIssue, reportAttributeAccessIssue]
+    training.trainer.run(160, lambda *_: None)
+    training.trainer.close()
+    return folder
+
+
+def begun(*more: str) -> Training:
+    planned, beginning = plan("seed=1", *more)
+    training = planned.assemble(None)
+    beginning.apply(training, planned.seed)
+    training.trainer.close()
+    return training
+
+
+def state(path: Path) -> dict[str, Any]:
+    return torch.load(path / CHECKPOINT, weights_only=False)
+
+
+def test_policy_and_normaliser_are_taken_over_and_all_else_is_new(finished: Path) -> None:
+    left, training = state(finished), begun(f"init={finished}")
+    actor = training.algorithm.state_dict()["actor"]
+    assert any("normaliser" in key for key in actor)
+    for key, value in left["algorithm"]["actor"].items():
+        if value.dtype != torch.uint8:  # the state of random numbers
+            assert torch.equal(actor[key], value)
+    assert training.trainer.frames == 0
+    assert not torch.equal(training.algorithm.state_dict()["generator"], left["algorithm"]["generator"])
+    assert not training.randomizer.state_dict()["loc"].any()
+
+
+def test_the_distribution_is_taken_over_where_asked_for(finished: Path) -> None:
+    training = begun(f"init={finished}", "init_distribution=true")
+    assert (training.randomizer.state_dict()["loc"] == 0.25).all()
+
+
+def test_another_run_is_refused(finished: Path, tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=r"init=.* is a run with another algorithm, other networks or another distr"):
+        begun(f"init={finished}", "env.show_context=true")
+    with pytest.raises(DataError, match=r"another distribution.*Give algorithm, env and"):
+        begun(f"init={finished}", "init_distribution=true", "randomizer=discrete")
+    with pytest.raises(DataError, match="Cannot read the checkpoint"):
+        begun(f"init={tmp_path}")
