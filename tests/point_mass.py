@@ -13,7 +13,6 @@ from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.ppo.explicit_surrogate import ExplicitSurrogate
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.reward_scale import RunningRewardScale
-from dr_lab.algorithms.ppo.selection import FeasibleSteps
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.gaussian_actor import GaussianActor
@@ -103,7 +102,6 @@ def ppo_arguments(seed: int = 0, **changes: Any) -> dict[str, Any]:  # noqa: ANN
         "critic": critic(),
         "surrogate": partial(ExplicitSurrogate, clip=0.2, entropy_weight=0.0, critic_weight=0.5),
         "reward_scale": partial(RunningRewardScale, clip=10.0),
-        "selection": FeasibleSteps,
         "batch_frames": 480,
         "gamma": 0.9,
         "lam": 0.95,
@@ -112,6 +110,7 @@ def ppo_arguments(seed: int = 0, **changes: Any) -> dict[str, Any]:  # noqa: ANN
         "actor_rate": 3e-3,
         "critic_rate": 3e-3,
         "anneal_frames": None,
+        "further_share": 1.0,
         "max_kl": None,
         "max_gradient": 0.5,
         "adam_epsilon": 1e-5,

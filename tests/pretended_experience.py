@@ -19,19 +19,20 @@ class PretendedExperience(Experience):
 
     def __init__(self, returns: Callable[[Array], Array], collector: Collector | None = None) -> None:
         self._returns, self._collector = returns, collector or PointCollector(best)
-        self._listeners, self.policy, self.played = [], best, 0
+        self._listeners, self.policy, self.played, self.rollout_frames = [], best, 0, 0
 
     def play(self, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
         del policy, starts
         self.played += len(z)
+        self.rollout_frames += len(z)
         returns = self._returns(z)
         infeasible = torch.from_numpy(np.isnan(returns))[:, None, None]
         after = {"reward": torch.from_numpy(np.nan_to_num(returns))[:, None, None], "infeasible": infeasible}
         return TensorDict({"next": TensorDict(after, batch_size=[len(z), 1])}, batch_size=[len(z), 1])
 
     def state_dict(self) -> dict[str, Any]:
-        return {"collector": self._collector.state_dict(), "played": self.played}
+        return {"collector": self._collector.state_dict(), "played": self.played, "rollout_frames": self.rollout_frames}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         self._collector.load_state_dict(state["collector"])
-        self.played = state["played"]
+        self.played, self.rollout_frames = state["played"], state["rollout_frames"]

@@ -1,13 +1,17 @@
 """What algorithms and distribution learners may do with the environment."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, cast
 
+import numpy as np
+import torch
 from tensordict import TensorDict
+from torch import Tensor
 
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.play import play
 from dr_lab.envs.slots import EpisodeSlots, Starts
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
 
 
@@ -20,10 +24,17 @@ class Experience:
         collector: collects with `policy`.
         policy: the one that is trained, as it is then.
         episodes: slots of the whole episodes.
+        source: p(z), from which a collector's new episodes draw; None for the nominal context.
+
+    Attributes:
+        rollout_frames: control steps of the whole episodes that were played so far, beside those that were collected.
     """
 
-    def __init__(self, collector: Collector, policy: Policy, episodes: EpisodeSlots) -> None:
-        self.policy = policy
+    def __init__(
+        self, collector: Collector, policy: Policy, episodes: EpisodeSlots, source: ContextSource | None = None
+    ) -> None:
+        self.policy, self.source = policy, source
+        self.rollout_frames = 0
         self._collector, self._episodes = collector, episodes
         self._listeners: list[Callable[[TensorDict], None]] = []
 
@@ -33,10 +44,28 @@ class Experience:
 
     def collect(self) -> TensorDict:
         """The next batch of the present policy, as `Collector` lays it out."""
-        batch = next(self._collector)
-        for listener in self._listeners:
-            listener(batch)
-        return batch
+        return self._told(next(self._collector))
+
+    def collect_whole(self, z: Array) -> TensorDict:
+        """Begin new episodes and collect until every slot has ended one at least.
+
+        Args:
+            z: context of every slot, as `begin` takes it.
+
+        Returns:
+            A batch as `Collector` lays it out, of as many control steps as the longest first episode takes, and what
+            else the collector makes at once. What goes on then is cut, and bootstraps, as by a time limit.
+        """
+        self.begin(z)
+        parts, ended = list[TensorDict](), torch.zeros(len(z), dtype=torch.bool)
+        while not ended.all():
+            parts.append(next(self._collector))
+            ended |= cast(Tensor, parts[-1]["next", "done"]).squeeze(-1).any(1)
+        batch = cast(TensorDict, torch.cat(cast(list[Tensor], parts), 1))  # torch's signature knows tensors alone
+        cut = ~cast(Tensor, batch["next", "done"])[:, -1]
+        for flag in ("truncated", "done"):
+            batch["next", flag][:, -1] |= cut
+        return self._told(batch)
 
     def begin(self, z: Array | None) -> None:
         """Begin new episodes, which the next batch holds.
@@ -48,7 +77,15 @@ class Experience:
 
     def play(self, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
         """Whole episodes of a policy, one in each context; arguments and result as those of `collectors.play.play`."""
-        return play(self._episodes, policy, z, starts)
+        played = play(self._episodes, policy, z, starts)
+        self.rollout_frames += int(cast(Tensor, played["mask"]).sum())
+        return played
+
+    def contexts(self, rng: np.random.Generator, count: int) -> Array:
+        """Draws of p(z), shape (count, n)."""
+        if self.source is None:
+            return np.tile(self._episodes.space.nominal, (count, 1))
+        return self.source.propose([rng] * count, np.arange(count)).z
 
     def close(self) -> None:
         """End what the collector keeps running, such as workers on other machines."""
@@ -56,9 +93,19 @@ class Experience:
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
-        return {"collector": self._collector.state_dict(), "episodes": self._episodes.state_dict()}
+        return {
+            "collector": self._collector.state_dict(),
+            "episodes": self._episodes.state_dict(),
+            "rollout_frames": self.rollout_frames,
+        }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from what `state_dict` gave."""
         self._collector.load_state_dict(state["collector"])
         self._episodes.load_state_dict(state["episodes"])
+        self.rollout_frames = state["rollout_frames"]
+
+    def _told(self, batch: TensorDict) -> TensorDict:
+        for listener in self._listeners:
+            listener(batch)
+        return batch

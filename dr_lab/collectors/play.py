@@ -9,7 +9,7 @@ from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.batched_env import single
-from dr_lab.envs.slots import EpisodeSlots, Starts, StepOutcome
+from dr_lab.envs.slots import EpisodeSlots, Flags, Starts, StepOutcome
 from dr_lab.trajectory import Array
 
 _FLAGS = ("terminated", "truncated", "infeasible", "done")
@@ -40,9 +40,15 @@ def play(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts | None
 
 def undiscounted(played: TensorDict) -> Array:
     """Return of each episode that `play` gave, shape (k,); NaN where the context is infeasible."""
+    returns, infeasible = outcomes(played)
+    return np.where(infeasible, np.nan, returns)
+
+
+def outcomes(played: TensorDict) -> tuple[Array, Flags]:
+    """Return of each episode, as the environment declares it where it is infeasible, and where it is, shape (k,)."""
     reward, infeasible = (cast(Tensor, played["next", key])[..., 0].numpy() for key in ("reward", "infeasible"))
     returns = np.cumsum(reward, axis=1)[:, -1]  # in the order of time, which `sum` does not keep
-    return np.where(infeasible.any(1), np.nan, returns)
+    return returns, np.any(infeasible, axis=1)
 
 
 def _play_load(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts | None) -> TensorDict:

@@ -1,5 +1,6 @@
 """Episodes of one task that run side by side, each with its own context, in NumPy."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,6 +18,7 @@ from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
 _FORCES = "cfrc_ext"
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 class Episodes:
@@ -39,6 +41,7 @@ class Episodes:
         infeasible_return: R, the highest return of an episode whose context is infeasible.
         speed_limit: of every joint of a simulation that has not diverged, m/s or rad/s.
         threads: C threads; None takes every core this process may use.
+        staggered: whether first episodes are cut at different ages, see `first_ages`; for training alone.
 
     Attributes:
         space: the context.
@@ -64,6 +67,7 @@ class Episodes:
         infeasible_return: float,
         speed_limit: float,
         threads: int | None = None,
+        staggered: bool = False,
     ) -> None:
         self.model, self.task, self.source = model, task, source
         self.space = context_space(model, task)
@@ -88,6 +92,8 @@ class Episodes:
         self._marker = task.marker(self._fields)
         self.observation = self._seen(self._fields, self.contexts)
         self.begin(np.arange(nsim))
+        if staggered:
+            self._steps[:] = first_ages(nsim, task.time_limit)
 
     @property
     def nsim(self) -> int:
@@ -205,3 +211,13 @@ class Episodes:
 
     def _by_name(self, z: Array) -> Values:
         return {name: z[:, i] for i, name in enumerate(self.space.names)}
+
+
+def first_ages(slots: int, time_limit: int) -> Rows:
+    """Control steps that the time limit counts for each slot before its first episode begins, shape (slots,).
+
+    Slots that begin together would stay in step wherever every episode lasts to the time limit: each batch would hold
+    one phase of the episode, and all contexts would change at once. Slot i starts at the age ⌊T·frac(i·φ)⌋, T being the
+    time limit and φ the golden ratio's fraction 0.618, so that ages are even over any neighbouring slots.
+    """
+    return (time_limit * ((np.arange(slots) * _GOLDEN) % 1.0)).astype(np.intp)

@@ -22,6 +22,7 @@ class MujocoEnv(BatchedEnv):
         infeasible_return: highest return of an episode whose context is infeasible.
         speed_limit: of every joint of a simulation that has not diverged, m/s or rad/s.
         threads: C threads; None takes every core this process may use.
+        staggered: whether first episodes are cut at different ages; for training alone.
 
     Attributes:
         episodes: the same episodes in NumPy.
@@ -41,6 +42,7 @@ class MujocoEnv(BatchedEnv):
         infeasible_return: float = 0.0,
         speed_limit: float = np.inf,
         threads: int | None = None,
+        staggered: bool = False,
     ) -> None:
         super().__init__(
             Episodes(
@@ -53,5 +55,6 @@ class MujocoEnv(BatchedEnv):
                 infeasible_return=infeasible_return,
                 speed_limit=speed_limit,
                 threads=threads,
+                staggered=staggered,
             )
         )

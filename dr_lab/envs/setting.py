@@ -43,7 +43,15 @@ class Setting:
         """The context: parameters of the machine, then of the task."""
         return context_space(self.model, self.task)
 
-    def make(self, randomizer: ContextSource | None, slots: int, seed: int, threads: int | None = None) -> MujocoEnv:
+    def make(
+        self,
+        randomizer: ContextSource | None,
+        slots: int,
+        seed: int,
+        threads: int | None = None,
+        *,
+        staggered: bool = False,
+    ) -> MujocoEnv:
         """The environment; arguments as `MujocoEnv`."""
         return MujocoEnv(
             self.model,
@@ -55,4 +63,5 @@ class Setting:
             infeasible_return=self.infeasible_return,
             speed_limit=self.speed_limit,
             threads=threads,
+            staggered=staggered,
         )

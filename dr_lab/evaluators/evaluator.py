@@ -12,6 +12,7 @@ from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid
 from dr_lab.seeding import derived_seed
+from dr_lab.training.policy_snapshots import PolicySnapshot
 from dr_lab.training.rollouts import PolicyRollouts
 from dr_lab.training.trainer import Trainer
 
@@ -31,6 +32,7 @@ class Subject:
             and the policy that it trains; it leaves no checkpoint, and is to be closed.
         threads: C threads of the physics; None takes every core.
         trained_on: distribution of the contexts, as training left it; None for the nominal context alone.
+        snapshots: the policies that training had last, oldest first.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Subject:
     again: Callable[[ContextSource, int], tuple[Trainer, Policy]]
     threads: int | None = None
     trained_on: ContextSource | None = None
+    snapshots: Sequence[PolicySnapshot] = ()
 
     def rollouts(self, episodes: int, seed: int, policy: Policy | None = None) -> PolicyRollouts:
         """Whole episodes, so many side by side, of the policy or of another one on the same task."""

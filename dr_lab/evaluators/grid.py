@@ -7,9 +7,11 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
+from dr_lab.evaluators.statistics import means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.recorders.training import ContextAxis, Grid
 from dr_lab.trajectory import Array
@@ -55,13 +57,19 @@ class GridEvaluator(Evaluator):
         rollouts = subject.rollouts(self.parallel, self.seed)
         repeated = np.repeat(z, self.episodes, axis=0)
         loads = [repeated[first : first + self.parallel] for first in range(0, len(repeated), self.parallel)]
-        played: list[Array] = []
+        played = []
         for done, load in enumerate(loads, start=1):
-            played.append(rollouts.returns(load))
+            played.append(rollouts.outcomes(load))
             progress(done / len(loads))
-        returns = np.concatenate(played).reshape(len(z), self.episodes)
-        told = f"{self.episodes} episodes in each of {len(z)} contexts; infeasible is a share of these."
-        return replace(summed_up(subject.name, axes, returns), told=told)
+        returns, infeasible = (np.concatenate(each).reshape(len(z), -1) for each in zip(*played, strict=True))
+        return replace(summed_up(subject.name, axes, returns, infeasible), told=self._told(len(z)))
+
+    def _told(self, contexts: int) -> str:
+        return (
+            f"{self.episodes} episodes in each of {contexts} contexts. An episode that diverges counts with the return "
+            "that the task declares, and diverged is their share in a context. infeasible is the share of contexts in "
+            "which every episode does, or which do not compile; these have no return."
+        )
 
     def _axes(self, space: ContextSpace) -> list[ContextAxis]:
         every = zip(space.names, space.low, space.high, strict=True)
@@ -95,20 +103,34 @@ def cells(space: ContextSpace, axes: Sequence[ContextAxis]) -> Array:
     return np.array(z)
 
 
-def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array) -> Evaluation:
-    """Mean and standard deviation of each cell's returns (cells, episodes); a cell is infeasible where any is NaN."""
+def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array, infeasible: NDArray[np.bool_]) -> Evaluation:
+    """Mean and standard deviation of each cell's returns.
+
+    Args:
+        title: of the picture.
+        axes: of the grid.
+        returns: of every episode, shape (cells, episodes).
+        infeasible: whether it ended as infeasible, shape (cells, episodes); a cell is where all did.
+    """
     shape = tuple(len(axis.values) for axis in axes)
-    mean, spread = returns.mean(axis=1), returns.std(axis=1)
+    mean, diverged = means_of_contexts(returns, infeasible), infeasible.mean(axis=1)
+    spread = np.where(np.isfinite(mean), returns.std(axis=1), np.nan)
     combinations = itertools.product(*(axis.values.tolist() for axis in axes))
     rows = [
-        {**dict(zip((axis.name for axis in axes), values, strict=True)), "return": float(m), "std": float(s)}
-        for values, m, s in zip(combinations, mean, spread, strict=True)
+        {
+            **dict(zip((axis.name for axis in axes), values, strict=True)),
+            "return": float(m),
+            "std": float(s),
+            "diverged": float(d),
+        }
+        for values, m, s, d in zip(combinations, mean, spread, diverged, strict=True)
     ]
     feasible = mean[np.isfinite(mean)]
     figures = {
         "mean_return": float(feasible.mean()) if len(feasible) else float("nan"),
         "best_return": float(feasible.max()) if len(feasible) else float("nan"),
         "infeasible": float(np.mean(~np.isfinite(mean))),
+        "diverged": float(diverged[np.isfinite(mean)].mean()) if len(feasible) else float("nan"),
     }
     grid = Grid(title, list(axes), mean.reshape(shape), spread.reshape(shape))
     return Evaluation(figures, rows, {axis.name: axis.unit for axis in axes}, [grid])

@@ -1,27 +1,34 @@
-"""Returns over contexts drawn from distributions: mean, interquartile mean, worst tenth."""
+"""Returns over contexts drawn from distributions: mean, interquartile mean, worst contexts, worst episodes."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.errors import require_numbers
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
-from dr_lab.evaluators.statistics import iqm_interval, worst_decile
+from dr_lab.evaluators.statistics import iqm_interval, lower_tail, means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.reports.quantity import percent
 from dr_lab.seeding import stream
+from dr_lab.trajectory import Array
+
+_WORST = 0.1  # share that the worst decile is, by its name
 
 
 @dataclass(frozen=True)
 class ReturnsEvaluator(Evaluator):
-    """One episode in each of many contexts, for each of some distributions.
+    """Some episodes in each of many contexts, for each of some distributions.
+
+    A context's return is the mean of its episodes, so that the worst tenth of contexts is no matter of luck in one.
 
     Attributes:
         distributions: by name, what makes a distribution over the model's parameters.
         contexts: drawn from each.
+        episodes: in each context.
         parallel: episodes side by side.
         confidence: of the intervals.
         resamples: of the bootstrap.
@@ -33,13 +40,14 @@ class ReturnsEvaluator(Evaluator):
 
     distributions: Mapping[str, Callable[[ContextSpace], Randomizer]]
     contexts: int
+    episodes: int
     parallel: int
     confidence: float
     resamples: int
     seed: int
 
     def __post_init__(self) -> None:
-        least = {"contexts": 1, "parallel": 1, "resamples": 1}
+        least = {"contexts": 1, "episodes": 1, "parallel": 1, "resamples": 1}
         require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
@@ -48,26 +56,33 @@ class ReturnsEvaluator(Evaluator):
         rollouts, rows = subject.rollouts(self.parallel, self.seed), []
         for place, (name, make) in enumerate(self.distributions.items(), start=1):
             z = make(subject.setting.space).sample([stream(self.seed, "returns", name)] * self.contexts)
-            returns = rollouts.returns(z)
-            found = iqm_interval(returns, self.confidence, self.resamples, self.seed)
-            known = returns[np.isfinite(returns)]
-            rows.append(
-                {
-                    "contexts": name,
-                    "iqm": found.value,
-                    "low": found.low,
-                    "high": found.high,
-                    "mean": float(known.mean()) if len(known) else float("nan"),
-                    "worst_decile": worst_decile(returns),
-                    "infeasible": float(np.mean(~np.isfinite(returns))),
-                }
-            )
+            rows.append({"contexts": name, **self._summed_up(*rollouts.outcomes(np.repeat(z, self.episodes, axis=0)))})
             progress(place / len(self.distributions))
-        figures = {f"{row['contexts']}.{key}": float(row[key]) for row in rows for key in ("iqm", "worst_decile")}
+        shown = ("iqm", "worst_decile", "cvar")
+        figures = {f"{row['contexts']}.{key}": float(row[key]) for row in rows for key in shown}
         return Evaluation(figures, rows, told=self._told())
+
+    def _summed_up(self, returns: Array, infeasible: NDArray[np.bool_]) -> dict[str, float]:
+        """Figures of the episodes of one distribution, context by context, shape (contexts · episodes,) each."""
+        shape = (self.contexts, self.episodes)
+        means = means_of_contexts(returns.reshape(shape), infeasible.reshape(shape))
+        found, known = iqm_interval(means, self.confidence, self.resamples, self.seed), means[np.isfinite(means)]
+        counted = returns.reshape(shape)[np.isfinite(means)].ravel()
+        return {
+            "iqm": found.value,
+            "low": found.low,
+            "high": found.high,
+            "mean": float(known.mean()) if len(known) else float("nan"),
+            "worst_decile": lower_tail(means, _WORST),
+            "cvar": lower_tail(counted, _WORST),
+            "infeasible": float(np.mean(infeasible)),
+        }
 
     def _told(self) -> str:
         return (
-            f"{self.contexts} contexts of each distribution, an episode in each. iqm: interquartile mean, low and "
-            f"high: its {percent(self.confidence)} interval; worst decile: mean of the lowest tenth; infeasible: share."
+            f"{self.contexts} contexts of each distribution, {self.episodes} episodes in each, whose mean is the "
+            f"context's return. iqm: interquartile mean over contexts, low and high: its {percent(self.confidence)} "
+            "interval; worst decile: mean of the lowest tenth of contexts; cvar: mean of the lowest tenth of episodes; "
+            "infeasible: share of episodes. An episode that diverges counts with the return that the task declares; a "
+            "context counts for nothing if all of its episodes do."
         )

@@ -1,8 +1,9 @@
-"""What a few returns say: interquartile mean, its interval, the worst tenth."""
+"""What a few returns say: interquartile mean, its interval, means of contexts, the worst tenth."""
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import bootstrap, trim_mean
 
 from dr_lab.trajectory import Array
@@ -80,7 +81,32 @@ def iqm_band(values: Array, confidence: float, resamples: int, seed: int) -> tup
     return value, low, high
 
 
-def worst_decile(values: Array) -> float:
-    """Mean of the worst tenth, one value at least; NaN is left out, and without any value is returned."""
+def means_of_contexts(returns: Array, infeasible: NDArray[np.bool_]) -> Array:
+    """Mean return in each context, shape (contexts,); NaN where all of its episodes are infeasible.
+
+    Where some are, they count with what the policy got, which is the return that the environment declares for them:
+    else a policy would look the better the more of its episodes diverge.
+
+    Args:
+        returns: undiscounted, shape (contexts, episodes).
+        infeasible: whether an infeasible context ended the episode, shape (contexts, episodes).
+    """
+    return np.where(infeasible.all(axis=1), np.nan, returns.mean(axis=1))
+
+
+def lower_tail(values: Array, share: float) -> float:
+    """Mean of the lowest share α of k values, the conditional value at risk of their empirical distribution.
+
+    CVaR_α = (Σ_{i ≤ ⌊αk⌋} x_(i) + (αk − ⌊αk⌋) x_(⌊αk⌋+1)) / αk, x_(i) in ascending order.
+
+    Args:
+        values: shape (k,); NaN is left out, and without any value is returned.
+        share: α in (0, 1].
+
+    Source: Rockafellar, Uryasev 2002, "Conditional value-at-risk for general loss distributions".
+    """
     known = np.sort(values[np.isfinite(values)])
-    return float(known[: max(1, len(known) // 10)].mean()) if len(known) else float("nan")
+    if not len(known):
+        return float("nan")
+    weights = np.clip(share * len(known) - np.arange(len(known)), 0.0, 1.0)
+    return float(weights @ known / weights.sum())

@@ -13,10 +13,11 @@ from dr_lab.summaries.groups import Group, Statistics
 from dr_lab.summaries.runs import TRAIN_SCHEMA, Run, history
 from dr_lab.trajectory import Array
 
-_COUNTS = ("iteration", "frames", "seconds", "episodes")
+_COUNTS = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
 _HISTOGRAM = {"edges", "initial", "probability"}  # what a run keeps of a distribution that it knows
 _FIRST = "episode_return"
 _CELL = ("return", "std")
+_OF_A_CELL = (*_CELL, "diverged")  # columns that are no axis
 
 
 def bands(groups: Sequence[Group], statistics: Statistics) -> list[Band]:
@@ -93,7 +94,7 @@ def _rebinned(probability: Sequence[float], edges: Sequence[float], finer: Array
 
 def _mean_grid(title: str, runs: Sequence[Run]) -> Grid:
     tables = [run.report["rows"] for run in runs]
-    names = [name for name in tables[0][0] if name not in _CELL]
+    names = [name for name in tables[0][0] if name not in _OF_A_CELL]
     for run, rows in zip(runs, tables, strict=True):
         if [[row.get(name) for name in names] for row in rows] != [[row[name] for name in names] for row in tables[0]]:
             raise DataError(

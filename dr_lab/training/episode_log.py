@@ -51,9 +51,15 @@ def joined(parts: Sequence[Finished]) -> Finished:
 
 
 class EpisodeLog:
-    """Follows the episodes of n slots from batch to batch."""
+    """Follows the episodes of n slots from batch to batch.
 
-    def __init__(self) -> None:
+    Args:
+        time_limit: control steps of a whole episode. What was cut before, as first episodes are where slots are
+            staggered, is no episode whose return is known, and is left out.
+    """
+
+    def __init__(self, time_limit: int = 0) -> None:
+        self._time_limit = time_limit
         self._returns: Array = np.zeros(0)
         self._lengths: NDArray[np.int64] = np.zeros(0, np.int64)
 
@@ -64,25 +70,24 @@ class EpisodeLog:
             batch: size [n, steps], as a collector gives it.
 
         Returns:
-            What ended within it, in the order of time.
+            What ended within it as a whole, in the order of time.
         """
         reward = cast(Tensor, batch["next", "reward"]).squeeze(-1).double().numpy()
         done = cast(Tensor, batch["next", "done"]).squeeze(-1).numpy()
+        terminated = cast(Tensor, batch["next", "terminated"]).squeeze(-1).numpy()
         infeasible = cast(Tensor, batch["next", "infeasible"]).squeeze(-1).numpy()
         context = cast(Tensor, batch["context"]).double().numpy()
         if len(self._returns) == 0:
             self._returns, self._lengths = np.zeros(len(reward)), np.zeros(len(reward), np.int64)
-        contexts, returns, lengths = [context[:0, 0]], [np.zeros(0)], [np.zeros(0, np.int64)]
+        found = [Finished(context[:0, 0], np.zeros(0), np.zeros(0, np.int64), np.zeros(0, bool))]
         for t in range(reward.shape[1]):
             self._returns += reward[:, t]
             self._lengths += 1
             ended = done[:, t]
-            contexts.append(context[ended, t])
-            returns.append(self._returns[ended])
-            lengths.append(self._lengths[ended])
+            whole = ended & (terminated[:, t] | (self._lengths >= self._time_limit))
+            found.append(Finished(context[whole, t], self._returns[whole], self._lengths[whole], infeasible[whole, t]))
             self._returns[ended], self._lengths[ended] = 0.0, 0
-        of_ended = infeasible.T[done.T]  # as the others: in the order of time, then of slots
-        return Finished(np.concatenate(contexts), np.concatenate(returns), np.concatenate(lengths), of_ended)
+        return joined(found)
 
     def state_dict(self) -> dict[str, Any]:
         """What is known of the episodes that go on."""

@@ -15,7 +15,8 @@ from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.seeding import derived_seed
 from dr_lab.training.trainer import Stateful, Trainer
 
-CHECKPOINT = "checkpoint.pt"
+CHECKPOINT = "checkpoint.pt"  # the last state, from which a run goes on
+POLICY = "policy.pt"  # the policy that was chosen to be deployed, once a run has ended
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class Plan:
         """
         randomizer = self.randomizer(self.env.space)
         learner = self.distribution_learner(randomizer, self.seed)
-        env = self.env.make(learner.source, self.episodes, self.seed, self.threads)
+        env = self.env.make(learner.source, self.episodes, self.seed, self.threads, staggered=True)
         slots = env.episodes
         algorithm = self.algorithm(Interface(slots.observation.shape[1], slots.low, slots.high), self.seed)
         steps = algorithm.batch_frames // self.episodes
@@ -77,9 +78,11 @@ class Plan:
             )
         policy = algorithm.policies["policy"]
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
-        experience = Experience(self.collector(env, policy, steps), policy, played)
+        experience = Experience(self.collector(env, policy, steps), policy, played, learner.source)
         more: dict[str, Stateful] = {}
-        trainer = Trainer(experience, algorithm, learner, checkpoint, self.checkpoint_every, more)
+        trainer = Trainer(
+            experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.task.time_limit
+        )
         return Training(trainer, algorithm, randomizer, learner, more)
 
     def _seed_of_rollouts(self) -> int:

@@ -1,8 +1,10 @@
 """Returns of a policy in contexts of one's choice."""
 
+import numpy as np
+
 from dr_lab.collectors.collector import Policy
-from dr_lab.collectors.play import play, undiscounted
-from dr_lab.envs.slots import EpisodeSlots
+from dr_lab.collectors.play import outcomes, play
+from dr_lab.envs.slots import EpisodeSlots, Flags
 from dr_lab.trajectory import Array
 
 
@@ -20,4 +22,12 @@ class PolicyRollouts:
 
     def returns(self, z: Array) -> Array:
         """Undiscounted return of an episode in each context (k, n), shape (k,); NaN where the context is infeasible."""
-        return undiscounted(play(self._episodes, self._policy, z))
+        returns, infeasible = self.outcomes(z)
+        return np.where(infeasible, np.nan, returns)
+
+    def outcomes(self, z: Array) -> tuple[Array, Flags]:
+        """Undiscounted return of an episode in each context (k, n), and whether it is infeasible, shape (k,) each.
+
+        The return of an infeasible one is what the environment declares.
+        """
+        return outcomes(play(self._episodes, self._policy, z))

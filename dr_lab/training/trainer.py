@@ -42,6 +42,7 @@ class Trainer:
         checkpoint: the file that a later run continues from; None keeps none.
         every: control steps between two checkpoints, which wait for an iteration to end.
         more: what else the checkpoint shall hold, by name, such as what `watch` keeps.
+        time_limit: control steps of a whole episode; of what was cut before no return is known.
 
     Attributes:
         history: figures of every iteration so far.
@@ -55,11 +56,12 @@ class Trainer:
         checkpoint: Path | None,
         every: int,
         more: Mapping[str, Stateful] | None = None,
+        time_limit: int = 0,
     ) -> None:
         self._experience = experience
         self._algorithm = algorithm
         self._learner = learner
-        self._episodes = EpisodeLog()
+        self._episodes = EpisodeLog(time_limit)
         self._checkpoint = checkpoint
         self._every = every
         self._more = more if more is not None else {}
@@ -138,6 +140,7 @@ class Trainer:
         figures = {
             "iteration": float(len(self.history) + 1),
             "frames": float(self.frames + self._collected),
+            "rollout_frames": float(self._experience.rollout_frames),
             "seconds": before + time.monotonic() - begin,
             **finished.figures(),
             **learnt,

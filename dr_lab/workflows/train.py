@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.markdown import Markdown
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from dr_lab.collectors.collector import Policy
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError
 from dr_lab.files import write_text
@@ -25,24 +26,27 @@ from dr_lab.reports.plain import to_plain
 from dr_lab.reports.quantity import number
 from dr_lab.sweeps.progress import tell
 from dr_lab.training.beginning import Beginning
+from dr_lab.training.checkpoint import save
 from dr_lab.training.episode_log import Finished
 from dr_lab.training.episodes import described, keep_episodes, play_episodes
-from dr_lab.training.plan import CHECKPOINT, Plan, Training
+from dr_lab.training.plan import CHECKPOINT, POLICY, Plan, Training
+from dr_lab.training.policy_snapshots import Choice, PolicySnapshots
 from dr_lab.training.snapshots import Snapshots
 from dr_lab.training.trainer import BatchWatch
 from dr_lab.trajectory import Array
 
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 # Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.
-MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder")
+MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder", "choice")
 NOTHING_LEARNT = Beginning(run=None, distribution=False)
 _DRAWS = 100_000  # of a distribution, for its mean and standard deviation: to 0.3 % of the latter
 _NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate plays whole ones."
-_NOT_PLOTTED = ("iteration", "frames", "seconds", "episodes")
+_NOT_PLOTTED = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
 
 
 def train(
     plan: Plan,
+    choice: Choice,
     recorder: Look,
     resume: str | None,
     run_dir: Path,
@@ -51,12 +55,14 @@ def train(
 ) -> dict[str, Any]:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
-    Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt``, ``report.json``, ``report.md``, ``review.rrd`` and
+    Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt`` (the last state, with the policies of the last
+    checkpoints), ``policy.pt`` (that of them which is deployed), ``report.json``, ``report.md``, ``review.rrd`` and
     ``episodes.mcap`` (a few episodes of the trained policy). An interrupted run is continued by the same command with
     ``resume=<run folder>``, as if it had never stopped.
 
     Args:
         plan: what is trained, and on what.
+        choice: how the policy that is deployed is chosen among the last.
         recorder: how the recording looks.
         resume: run folder of an interrupted training run with the same settings.
         run_dir: the run folder.
@@ -75,15 +81,36 @@ def train(
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
     training = plan.assemble(run_dir / CHECKPOINT)
     snapshots = Snapshots(training.randomizer)
-    training.more["snapshots"] = snapshots
+    policies = PolicySnapshots(training.algorithm, choice.snapshots)
+    training.more.update(snapshots=snapshots, policies=policies)
+    (run_dir / POLICY).unlink(missing_ok=True)  # of a run that ended here before
     if resume is None:
         beginning.apply(training, plan.seed)
         snapshots.take(0)
     else:
         training.trainer.resume(Path(resume).expanduser() / CHECKPOINT)
         _tell_of_nothing_left(training.trainer.frames, plan.frames, resume)
-    _run(training, snapshots, plan, run_dir)
-    return _finish(training, snapshots, plan, recorder, final_share, run_dir)
+    _run(training, snapshots, policies, plan, run_dir)
+    deployed, told = _choose(training, policies, choice, plan, run_dir)
+    episodes = play_episodes(plan.env, deployed, training.randomizer, recorder.episodes, plan.seed, plan.threads)
+    report = _report(training, snapshots, plan.env, episodes, run_dir)
+    report |= {**told, "final_return": final_return(training.trainer.history, final_share)}
+    return _finish(training, snapshots, report, recorder, (plan.env, episodes), run_dir)
+
+
+def _choose(
+    training: Training, policies: PolicySnapshots, choice: Choice, plan: Plan, run_dir: Path
+) -> tuple[Policy, Mapping[str, Any]]:
+    """Write the chosen policy down; gives it and what the report says of the choice."""
+    found = policies.restored()
+    chosen = choice.choose(found, plan.env, training.randomizer, plan.seed, plan.threads)
+    save(run_dir / POLICY, policies.taken[chosen.index])
+    told = {
+        "snapshots": [{"frames": at.frames, "return": value} for at, value in zip(found, chosen.returns, strict=True)],
+        "chosen": found[chosen.index].frames,
+        "choice_frames": chosen.frames,
+    }
+    return found[chosen.index].deployed, told
 
 
 def _tell_of_nothing_left(played: int, frames: int, resume: str) -> None:
@@ -95,7 +122,7 @@ def _tell_of_nothing_left(played: int, frames: int, resume: str) -> None:
         )
 
 
-def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) -> None:
+def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, plan: Plan, run_dir: Path) -> None:
     trainer = training.trainer
     try:
         with closing(trainer), _progress(plan.frames, trainer.frames) as show:
@@ -103,6 +130,8 @@ def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) ->
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
                 if training.learner.learns:
                     snapshots.take(int(figures["iteration"]))
+                if trainer.due or trainer.frames >= plan.frames:
+                    policies.take(trainer.frames)
                 if trainer.due:
                     write_text(run_dir / "metrics.csv", metrics_csv(trainer.history))
                 show(figures, finished)
@@ -116,13 +145,16 @@ def _run(training: Training, snapshots: Snapshots, plan: Plan, run_dir: Path) ->
 
 
 def _finish(
-    training: Training, snapshots: Snapshots, plan: Plan, look: Look, final_share: float, run_dir: Path
+    training: Training,
+    snapshots: Snapshots,
+    found: Mapping[str, Any],
+    look: Look,
+    shown: tuple[Setting, Sequence[Episode]],
+    run_dir: Path,
 ) -> dict[str, Any]:
-    history, env = training.trainer.history, plan.env
-    policy, contexts = training.algorithm.deployed, training.randomizer
-    episodes = play_episodes(env, policy, contexts, look.episodes, plan.seed, plan.threads)
-    returned = {"final_return": final_return(history, final_share)}
-    report = to_plain(_report(training, snapshots, env, episodes, run_dir) | returned)
+    """Write the report down in all its forms."""
+    history, (env, episodes) = training.trainer.history, shown
+    report = to_plain(dict(found))
     assert isinstance(report, dict)
     page = _page(report)
     write_text(run_dir / "metrics.csv", metrics_csv(history))
@@ -155,12 +187,14 @@ def _report(
         "algorithm": training.algorithm.name,
         "iterations": len(history),
         "frames": training.trainer.frames,
+        "rollout_frames": int(history[-1]["rollout_frames"]),
         "seconds": history[-1]["seconds"],
         "infeasible_episodes": int(sum(map(_infeasible, history))),
         "final": history[-1],
         "context": context,
         "episodes": described(episodes),
         "checkpoint": CHECKPOINT,
+        "policy": POLICY,
         "run": run_dir,
     }
 
@@ -196,6 +230,13 @@ def _page(report: Mapping[str, Any]) -> str:
         f"{report['frames']} control steps in {report['seconds']:.0f} s, {report['iterations']} iterations. "
         + (_NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."),
     ]
+    lines += [
+        "",
+        f"Deployed is the policy of control step {report['chosen']}, the best of the last {len(report['snapshots'])} "
+        f"that were kept; choosing took {report['choice_frames']} control steps of other episodes.",
+    ]
+    if report["rollout_frames"]:
+        lines += ["", f"The distribution was learnt from further episodes: {report['rollout_frames']} control steps."]
     if report["infeasible_episodes"]:
         lines += ["", f"Episodes in infeasible contexts, which no mean return counts: {report['infeasible_episodes']}."]
     if report["context"]:

@@ -14,6 +14,7 @@ from torchrl.modules import ValueOperator
 from torchrl.objectives import DDPGLoss, SoftUpdate
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
+from dr_lab.algorithms.ddpg.uniform_start import UniformStart
 from dr_lab.collectors.collector import Policy
 from dr_lab.errors import require_numbers
 from dr_lab.networks.critic import Critic
@@ -39,7 +40,7 @@ class DDPG(Algorithm):
         replay: control steps that the buffer holds.
         minibatch: samples in a step.
         steps_per_frame: gradient steps for each control step.
-        learning_starts: control steps that are only collected.
+        learning_starts: control steps that are only collected, with actions that are uniform within the bounds.
         actor_rate: learning rate of the actor.
         critic_rate: learning rate of Q.
         tau: share of the networks in their slowly following targets at each step.
@@ -72,6 +73,8 @@ class DDPG(Algorithm):
         least = {"batch_frames": 1, "replay": 1, "minibatch": 1, "learning_starts": 0, "gamma": 0.0}
         require_numbers(self, "algorithm", positive=positive, least=least, most={"gamma": 1.0, "tau": 1.0})
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
+        self.explorer = UniformStart(self.actor)
+        self.explorer.follows.fill_(learning_starts == 0)
         self.critic = critic(interface.observation + len(interface.low), derived_seed(seed, "critic"))
         self.loss = _loss(self.actor, self.critic)
         self.loss.make_value_estimator(gamma=gamma)
@@ -89,8 +92,8 @@ class DDPG(Algorithm):
 
     @property
     def policies(self) -> Mapping[str, Policy]:
-        """The policy with noise."""
-        return {"policy": self.actor}
+        """Uniform actions at first, then the policy with noise."""
+        return {"policy": self.explorer}
 
     @property
     def deployed(self) -> Policy:
@@ -109,6 +112,7 @@ class DDPG(Algorithm):
         if len(rows):
             self.buffer.extend(self._transitions(rows))
         before, self.frames = self.frames, self.frames + batch.numel()
+        self.explorer.follows |= self.frames >= self.learning_starts
         steps = int(self.frames * self.steps_per_frame) - int(before * self.steps_per_frame)
         if self.frames < self.learning_starts or steps == 0 or not len(self.buffer):
             return {"critic_loss": torch.nan, "q": torch.nan}
@@ -141,14 +145,18 @@ class DDPG(Algorithm):
         return torch.stack([terms["loss_value"], terms["pred_value"].mean()]).detach()
 
     def begin_schedules(self) -> None:
-        """Experience is collected anew, `learning_starts` control steps of it before the next gradient step."""
+        """Experience is collected anew, `learning_starts` control steps of it before the next gradient step.
+
+        The trained policy collects it.
+        """
         self.buffer.empty()
         self.frames = 0
+        self.explorer.follows.fill_(True)
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs, the buffer included."""
         return {
-            "actor": self.actor.state_dict(),
+            "explorer": self.explorer.state_dict(),
             "critic": self.critic.state_dict(),
             "targets": self.loss.state_dict(),
             "actor_adam": self.actor_adam.state_dict(),
@@ -160,7 +168,7 @@ class DDPG(Algorithm):
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from what `state_dict` gave."""
-        for part, name in ((self.actor, "actor"), (self.critic, "critic"), (self.loss, "targets")):
+        for part, name in ((self.explorer, "explorer"), (self.critic, "critic"), (self.loss, "targets")):
             part.load_state_dict(state[name])
         self.actor_adam.load_state_dict(copy.deepcopy(state["actor_adam"]))  # Adam goes on in the tensors it is given
         self.critic_adam.load_state_dict(copy.deepcopy(state["critic_adam"]))

@@ -1,1 +1,1 @@
-"""Policies for the worst share of contexts."""
+"""Policies for the worst contexts."""

@@ -1,16 +1,17 @@
 """Proximal policy optimisation."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import torch
 from tensordict import TensorDict
+from torch import Tensor
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.ppo.gae import advantages
 from dr_lab.algorithms.ppo.reward_scale import RewardScale
-from dr_lab.algorithms.ppo.selection import Selection
-from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate
+from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate, Terms
 from dr_lab.collectors.collector import Policy
 from dr_lab.errors import require_numbers
 from dr_lab.networks.adam import Adam, clip_norm
@@ -29,7 +30,6 @@ class PPO(Algorithm):
         critic: makes the value network, from observation width and seed.
         surrogate: makes the loss, from both.
         reward_scale: makes what is seen of rewards, from γ.
-        selection: makes what chooses the control steps that are learnt from, from γ.
         batch_frames: control steps in a batch.
         gamma: discount per control step.
         lam: λ of the advantages.
@@ -38,6 +38,7 @@ class PPO(Algorithm):
         actor_rate: learning rate of the actor.
         critic_rate: learning rate of the critic.
         anneal_frames: control steps over which both rates fall to 0 in a line; None keeps them.
+        further_share: share of both rates, kept as it is, with which a policy that is trained already is trained on.
         max_kl: KL(old‖new) at which the actor, not the critic, leaves out the rest of the epochs; None never.
         max_gradient: largest norm of the gradient of both together.
         adam_epsilon: ε of Adam.
@@ -54,7 +55,6 @@ class PPO(Algorithm):
         critic: Callable[..., Critic],
         surrogate: Callable[..., Surrogate],
         reward_scale: Callable[[float], RewardScale],
-        selection: Callable[[float], Selection],
         batch_frames: int,
         gamma: float,
         lam: float,
@@ -63,6 +63,7 @@ class PPO(Algorithm):
         actor_rate: float,
         critic_rate: float,
         anneal_frames: int | None,
+        further_share: float,
         max_kl: float | None,
         max_gradient: float,
         adam_epsilon: float,
@@ -71,27 +72,24 @@ class PPO(Algorithm):
         self.gamma, self.lam = gamma, lam
         self.epochs, self.minibatch = epochs, minibatch
         self.actor_rate, self.critic_rate = actor_rate, critic_rate
-        self.anneal_frames, self.max_kl = anneal_frames, max_kl
+        self.anneal_frames, self.further_share = anneal_frames, further_share
+        self.max_kl = max_kl
         self.max_gradient = max_gradient
         self.adam_epsilon = adam_epsilon
         limits = [name for name in ("anneal_frames", "max_kl") if getattr(self, name) is not None]
-        positive = ("actor_rate", "critic_rate", "max_gradient", *limits)
+        positive = ("actor_rate", "critic_rate", "further_share", "max_gradient", *limits)
         least = {"batch_frames": 2, "epochs": 1, "minibatch": 2, "gamma": 0.0, "lam": 0.0, "adam_epsilon": 0.0}
-        require_numbers(self, "algorithm", positive=positive, least=least, most={"gamma": 1.0, "lam": 1.0})
+        most = {"gamma": 1.0, "lam": 1.0, "further_share": 1.0}
+        require_numbers(self, "algorithm", positive=positive, least=least, most=most)
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.critic = critic(interface.observation, derived_seed(seed, "critic"))
         self.surrogate = surrogate(self.actor, self.critic)
         self.reward_scale = reward_scale(gamma)
-        self.selection = selection(gamma)
         self.actor_adam = Adam(self.surrogate.actor_parameters, adam_epsilon)
         self.critic_adam = Adam(self.surrogate.critic_parameters, adam_epsilon)
         self.generator = torch.Generator().manual_seed(derived_seed(seed, "order"))
         self.frames = 0
-
-    @property
-    def name(self) -> str:
-        """PPO, or what it is called with this selection."""
-        return self.selection.algorithm
+        self.further = False  # whether a trained policy is trained on
 
     @property
     def policies(self) -> Mapping[str, Policy]:
@@ -107,14 +105,20 @@ class PPO(Algorithm):
         """Learn from one batch; the normaliser is renewed at the end, so that ρ = 1 at the beginning."""
         with torch.no_grad():
             samples = self.samples(batch)
-        share = 1.0 if self.anneal_frames is None else max(0.0, 1.0 - self.frames / self.anneal_frames)
-        figures = self._fit(samples, share)
+        figures = self._learn(batch, samples)
         self.frames += batch.numel()
         self.actor.normaliser.update(batch["observation"])
         return figures
 
+    @property
+    def rate_share(self) -> float:
+        """Share of their first size that the learning rates have now."""
+        if self.further:
+            return self.further_share
+        return 1.0 if self.anneal_frames is None else max(0.0, 1.0 - self.frames / self.anneal_frames)
+
     def samples(self, batch: TensorDict) -> PolicySamples:
-        """Advantages and value targets of the selected steps of a batch [n, steps], one row each.
+        """Advantages and value targets of all steps of a batch [n, steps], which is also the shape of the fields.
 
         Args:
             batch: as a collector gives it.
@@ -125,40 +129,60 @@ class PPO(Algorithm):
         earned, infeasible = batch["next", "reward"].squeeze(-1), batch["next", "infeasible"].squeeze(-1)
         reward = self.reward_scale(earned, done, infeasible)
         advantage = advantages(reward, value, next_value, terminated, done, self.gamma, self.lam)
-        fields = PolicySamples(
+        return PolicySamples(
             observation,
             self.actor.unit(batch["action"]),
             batch["action_log_prob"] + self.actor.reach.log().sum(),
             advantage,
             advantage + value,
         )
-        kept = self.selection(earned, done, infeasible, next_value * self.reward_scale.unit)
-        return PolicySamples(*(field[kept] for field in fields))
 
-    def _fit(self, samples: PolicySamples, share: float) -> Mapping[str, float]:
-        """All epochs, with learning rates scaled by `share`."""
-        actor, critic = self.surrogate.actor_parameters.gradient, self.surrogate.critic_parameters.gradient
-        learning, objective, error, steps = True, 0.0, 0.0, 0
+    def _learn(self, batch: TensorDict, samples: PolicySamples) -> Mapping[str, float]:
+        """From all steps but those at which an infeasible context ended an episode: no action led there."""
+        feasible = samples.at(~batch["next", "infeasible"].squeeze(-1))
+        return self._fit(feasible, feasible)
+
+    def _fit(self, policy: PolicySamples, value: PolicySamples) -> Mapping[str, float]:
+        """All epochs, of the actor on one set of samples and of the critic on another, which may be the same."""
+        learning, objective, error = True, list[Tensor](), list[Tensor]()
         for _ in range(self.epochs):
-            for minibatch in samples.minibatches(self.minibatch, self.generator):
-                terms = self.surrogate.differentiate(minibatch)
-                clip_norm([actor, critic] if learning else [critic], self.max_gradient)
-                if learning:
-                    self.actor_adam.step(share * self.actor_rate)
-                self.critic_adam.step(share * self.critic_rate)
-                objective, error, steps = objective - terms.objective, error + terms.critic, steps + 1
-            learning = learning and (self.max_kl is None or self._divergence(samples)[0] < self.max_kl)
-        divergence, clipped = self._divergence(samples)
+            together = learning and policy is value
+            for terms in self._epoch(value, [self.actor_step, self.critic_step] if together else [self.critic_step]):
+                error.append(terms.critic)
+                if policy is value:
+                    objective.append(-terms.objective)
+            if learning and policy is not value:
+                objective += [-terms.objective for terms in self._epoch(policy, [self.actor_step])]
+            learning = learning and (self.max_kl is None or self._divergence(policy)[0] < self.max_kl)
+        divergence, clipped = self._divergence(policy)
         return {
-            "objective": float(objective) / max(steps, 1),
-            "critic_loss": float(error) / max(steps, 1),
+            "objective": _mean(objective),
+            "critic_loss": _mean(error),
             "kl": divergence,
             "clipped": clipped,
             "std": self.actor.log_std.exp().mean().item(),
-            "explained": 1.0
-            - ((samples.target - self.critic(samples.observation)).var() / samples.target.var()).item(),
-            "learning_rate": share * self.actor_rate,
+            "explained": 1.0 - ((value.target - self.critic(value.observation)).var() / value.target.var()).item(),
+            "learning_rate": self.rate_share * self.actor_rate,
         }
+
+    def _epoch(self, samples: PolicySamples, parts: Sequence["Step"]) -> Iterator[Terms]:
+        """One pass over the samples, in which these networks learn."""
+        for minibatch in samples.minibatches(self.minibatch, self.generator):
+            terms = self.surrogate.differentiate(minibatch)
+            clip_norm([part.gradient for part in parts], self.max_gradient)
+            for part in parts:
+                part.adam.step(self.rate_share * part.rate)
+            yield terms
+
+    @property
+    def actor_step(self) -> "Step":
+        """What makes the actor learn."""
+        return Step(self.surrogate.actor_parameters.gradient, self.actor_adam, self.actor_rate)
+
+    @property
+    def critic_step(self) -> "Step":
+        """What makes the critic learn."""
+        return Step(self.surrogate.critic_parameters.gradient, self.critic_adam, self.critic_rate)
 
     @torch.no_grad()
     def _divergence(self, samples: PolicySamples) -> tuple[float, float]:
@@ -168,14 +192,15 @@ class PPO(Algorithm):
         return (ratio - 1 - log_ratio).mean().item(), ((ratio - 1).abs() > self.surrogate.clip).float().mean().item()
 
     def begin_schedules(self) -> None:
-        """The learning rates start at their full size again, and a selection with what it starts with."""
-        self.frames = 0
-        self.selection.begin_schedules()
+        """From now on the learning rates are `further_share` of what they were at first.
+
+        Full rates, which are made to fall, would undo in a few batches what was learnt with small ones.
+        """
+        self.frames, self.further = 0, True
 
     def forget_episodes(self) -> None:
         """New episodes begin with nothing earned."""
         self.reward_scale.forget_episodes()
-        self.selection.forget_episodes()
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
@@ -185,14 +210,34 @@ class PPO(Algorithm):
             "actor_adam": self.actor_adam.state_dict(),
             "critic_adam": self.critic_adam.state_dict(),
             "reward_scale": self.reward_scale.state_dict(),
-            "selection": self.selection.state_dict(),
             "generator": self.generator.get_state(),
             "frames": self.frames,
+            "further": self.further,
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from what `state_dict` gave."""
-        for part in ("actor", "critic", "actor_adam", "critic_adam", "reward_scale", "selection"):
+        for part in ("actor", "critic", "actor_adam", "critic_adam", "reward_scale"):
             getattr(self, part).load_state_dict(state[part])
         self.generator.set_state(state["generator"])
-        self.frames = state["frames"]
+        self.frames, self.further = state["frames"], state["further"]
+
+
+@dataclass(frozen=True)
+class Step:
+    """What moves one network.
+
+    Attributes:
+        gradient: of its parameters, flat.
+        adam: its optimiser.
+        rate: its learning rate at first.
+    """
+
+    gradient: Tensor
+    adam: Adam
+    rate: float
+
+
+def _mean(terms: Sequence[Tensor]) -> float:
+    """Mean of scalars; 0 where there is none."""
+    return float(sum(terms, torch.zeros(()))) / max(len(terms), 1)

@@ -33,6 +33,10 @@ class PolicySamples(NamedTuple):
     advantage: Tensor
     target: Tensor
 
+    def at(self, chosen: Tensor) -> "PolicySamples":
+        """Those of fields (n, steps, …) that are chosen, shape (n, steps), one row each."""
+        return PolicySamples(*(field[chosen] for field in self))
+
     def minibatches(self, size: int, generator: torch.Generator) -> Iterator["PolicySamples"]:
         """All of them once, in random order, `size` at a time; a remainder smaller than two is left out."""
         order = torch.randperm(len(self.target), generator=generator)

@@ -173,6 +173,27 @@ def test_neighbouring_seeds_share_no_numbers() -> None:
     assert len({generator.initial_seed() for generator in generators}) == 6
 
 
+def test_actions_are_uniform_until_learning_starts() -> None:
+    algorithm = ddpg(interface=ASKEW, learning_starts=200)
+    explorer, batches = algorithm.policies["policy"], collector(algorithm)
+    drawn = explorer(torch.zeros(20_000, 1))
+    assert drawn.min() < -2.99
+    assert drawn.max() > 0.99
+    # U(−3, 1) has mean −1 and variance 16/12
+    assert drawn.mean().item() == pytest.approx(-1.0, abs=0.04)
+    assert drawn.var().item() == pytest.approx(16 / 12, rel=0.03)
+    for _ in range(4):  # of 64 control steps
+        assert not algorithm.explorer.follows
+        algorithm.update(next(batches))
+    again = ddpg(seed=1, interface=ASKEW)
+    again.load_state_dict(algorithm.state_dict())
+    for one in (algorithm, again):
+        assert one.policies["policy"](torch.zeros(20_000, 1)).std().item() < 1.0
+    algorithm = ddpg(interface=ASKEW)
+    algorithm.begin_schedules()  # of a policy that was trained
+    assert algorithm.explorer.follows
+
+
 def test_exploration_stays_within_the_bounds() -> None:
     action = ddpg().actor(torch.zeros(500, 1))
     assert action.abs().max() <= 1.0

@@ -1,18 +1,19 @@
 """PPO finds the optimum of the point mass, continues exactly, and keeps to its limits."""
 
 import itertools
+from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 from point_mass import ASKEW, PointCollector, best, mean_reward, ppo, ppo_arguments
 
-from dr_lab.algorithms.epopt.worst_episodes import WorstEpisodes
 from dr_lab.algorithms.ppo.explicit_surrogate import ExplicitSurrogate
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.reward_scale import RawRewards, RunningRewardScale
-from dr_lab.algorithms.ppo.selection import FeasibleSteps
+from dr_lab.algorithms.ppo.surrogate import PolicySamples
 from dr_lab.errors import ConfigError
 
 
@@ -59,22 +60,27 @@ def test_the_actor_rests_beyond_its_divergence_and_the_critic_goes_on() -> None:
     assert held.actor_adam.state_dict()["steps"] == free.actor_adam.state_dict()["steps"] / 8
 
 
-def test_what_is_not_selected_is_not_learnt_from() -> None:
-    algorithm = PPO(**ppo_arguments(selection=partial(WorstEpisodes, epsilon=1.0, warm_up=0)))
-    batch = next(PointCollector(algorithm.policies["policy"]))
-    batch["next", "infeasible"][3] = batch["next", "done"][3]
-    kept = algorithm.samples(batch)
-    assert len(kept.target) == batch.numel() - batch[3].numel()
-    assert torch.equal(kept.action[90:120], algorithm.actor.unit(batch["action"][4]))
+class Watched(PPO):
+    """Notes what it learns from."""
+
+    def __init__(self, **arguments: Any) -> None:  # noqa: ANN401
+        super().__init__(**arguments)
+        self.fitted: list[PolicySamples] = []
+
+    def _fit(self, policy: PolicySamples, value: PolicySamples) -> Mapping[str, float]:
+        assert policy is value
+        self.fitted.append(policy)
+        return super()._fit(policy, value)
 
 
 def test_nothing_is_learnt_at_the_end_in_an_infeasible_context() -> None:
-    algorithm = PPO(**ppo_arguments())
+    algorithm = Watched(**ppo_arguments())
     batch = next(PointCollector(algorithm.policies["policy"]))
     infeasible = batch["next", "infeasible"][3] = batch["next", "done"][3]
     rest = ~infeasible.squeeze(-1)
-    kept = algorithm.samples(batch)
+    algorithm.update(batch)
     assert infeasible.any()
+    (kept,) = algorithm.fitted
     assert len(kept.target) == batch.numel() - infeasible.sum()
     assert torch.equal(kept.action[90 : 90 + rest.sum()], algorithm.actor.unit(batch["action"][3][rest]))
 
@@ -112,42 +118,26 @@ def test_rewards_of_infeasible_contexts_are_no_part_of_the_scale() -> None:
     assert with_one.unit == before
 
 
-def test_episodes_are_selected_by_what_they_earned_whatever_the_scale_was_then() -> None:
-    seen: list[torch.Tensor] = []
-
-    class Watched(FeasibleSteps):
-        def __call__(
-            self, reward: torch.Tensor, done: torch.Tensor, infeasible: torch.Tensor, next_value: torch.Tensor
-        ) -> torch.Tensor:
-            seen.extend([reward, next_value])
-            return super().__call__(reward, done, infeasible, next_value)
-
-    algorithm = PPO(**ppo_arguments(selection=Watched))
-    batch = next(PointCollector(algorithm.policies["policy"]))
-    algorithm.samples(batch)
-    assert torch.equal(seen[0], batch["next", "reward"].squeeze(-1))
-    value = algorithm.critic(algorithm.actor.normaliser(batch["next", "observation"]))
-    torch.testing.assert_close(seen[1], value * algorithm.reward_scale.unit)
-
-
 def test_actions_are_in_units_of_their_bounds_for_the_surrogate() -> None:
     algorithm = PPO(**ppo_arguments(interface=ASKEW))
     batch = next(PointCollector(algorithm.policies["policy"]))
     samples = algorithm.samples(batch)
-    torch.testing.assert_close(samples.action, (batch["action"].reshape(-1, 1) + 1.0) / 2.0)
+    torch.testing.assert_close(samples.action, (batch["action"] + 1.0) / 2.0)
     log_prob = algorithm.actor.unit_log_prob(samples.observation, samples.action)
     torch.testing.assert_close(log_prob, samples.log_prob)
 
 
-def test_training_on_begins_its_schedules_anew_and_draws_otherwise() -> None:
-    algorithm = PPO(**ppo_arguments(anneal_frames=960, selection=partial(WorstEpisodes, epsilon=0.1, warm_up=1)))
+def test_training_on_keeps_a_share_of_the_rates_and_draws_otherwise() -> None:
+    algorithm = PPO(**ppo_arguments(anneal_frames=960, further_share=0.3))
     collector = PointCollector(algorithm.policies["policy"])
-    for _ in range(2):
-        algorithm.update(next(collector))
+    rates = [algorithm.update(next(collector))["learning_rate"] for _ in range(2)]
+    assert rates == pytest.approx([3e-3, 1.5e-3])
     algorithm.begin_schedules()
-    batch = next(collector)
-    assert len(algorithm.samples(batch).target) == batch.numel()  # it warms up
-    assert algorithm.update(batch)["learning_rate"] == pytest.approx(3e-3)
+    again = PPO(**ppo_arguments(anneal_frames=960, further_share=0.3))
+    again.load_state_dict(algorithm.state_dict())
+    for one in (algorithm, again):
+        rates = [one.update(next(collector))["learning_rate"] for _ in range(3)]
+        assert rates == pytest.approx([0.9e-3] * 3)
     drawn = []
     for seed in (0, 1):
         algorithm.explore_anew(seed)

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 from block_on_rail import BlockOnRail, constant
+from numpy.typing import NDArray
 from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
@@ -21,7 +22,7 @@ from dr_lab.evaluators.evaluator import Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
 from dr_lab.evaluators.grid import GridEvaluator
 from dr_lab.evaluators.returns import ReturnsEvaluator
-from dr_lab.evaluators.statistics import iqm_interval, worst_decile
+from dr_lab.evaluators.statistics import iqm_interval, lower_tail, means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import from_spec
 from dr_lab.randomizers.context_source import ContextSource
@@ -123,7 +124,9 @@ def test_a_grid_holds_the_return_of_every_cell(subject: Subject, tmp_path: Path)
     np.testing.assert_allclose(grid.mean, expected(grid.axes[0].values), rtol=1e-6)
     np.testing.assert_allclose(grid.spread, 0.0, atol=1e-9)
     assert found.figures["best_return"] == pytest.approx(float(expected(0.5)))
-    assert found.rows[1] == pytest.approx({"block.mass": 1.5, "return": float(expected(1.5)), "std": 0.0}, abs=1e-6)
+    assert found.rows[1] == pytest.approx(
+        {"block.mass": 1.5, "return": float(expected(1.5)), "std": 0.0, "diverged": 0.0}, abs=1e-6
+    )
     assert told[-1] == 1.0
 
 
@@ -150,7 +153,7 @@ def test_an_axis_without_two_values_is_refused(axis: list[float], subject: Subje
 def test_returns_over_a_distribution_are_those_of_its_contexts(subject: Subject, tmp_path: Path) -> None:
     near = partial(UniformRandomizer, ranges={"block.mass": [1.999, 2.001]})
     wide = partial(UniformRandomizer, ranges={"block.mass": [1.0, 4.0]})
-    evaluator = ReturnsEvaluator({"near": near, "wide": wide}, 200, 50, 0.95, 200, 0)
+    evaluator = ReturnsEvaluator({"near": near, "wide": wide}, 200, 1, 50, 0.95, 200, 0)
     found = evaluator.evaluate(subject, tmp_path, print)
     first, second = found.rows
     assert first["iqm"] == pytest.approx(float(expected(2.0)), rel=1e-3)
@@ -162,7 +165,7 @@ def test_returns_over_a_distribution_are_those_of_its_contexts(subject: Subject,
 
 def test_a_confidence_of_one_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1; expected a number below 1\."):
-        ReturnsEvaluator({}, contexts=1, parallel=1, confidence=1.0, resamples=1, seed=0)
+        ReturnsEvaluator({}, contexts=1, episodes=1, parallel=1, confidence=1.0, resamples=1, seed=0)
 
 
 def test_training_on_is_followed_from_jump_start_to_asymptote(subject: Subject, tmp_path: Path) -> None:
@@ -224,4 +227,49 @@ def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
     assert found.value == pytest.approx(3.5)
     assert found.low < found.value < found.high
     assert iqm_interval(np.array([2.0]), 0.95, 10, 0).value == 2.0
-    assert worst_decile(np.append(np.arange(20.0), np.nan)) == 0.5
+
+
+def test_the_lower_tail_takes_its_share_exactly() -> None:
+    assert lower_tail(np.append(np.arange(20.0), np.nan), 0.1) == 0.5
+    assert lower_tail(np.arange(15.0), 0.1) == pytest.approx((0.0 + 0.5 * 1.0) / 1.5)
+    assert lower_tail(np.array([3.0, 5.0]), 0.1) == pytest.approx(3.0)
+    assert np.isnan(lower_tail(np.array([np.nan]), 0.1))
+
+
+def test_a_context_returns_the_mean_of_its_episodes_unless_all_are_infeasible() -> None:
+    returns = np.array([[4.0, -10.0], [-10.0, -10.0], [1.0, 2.0]])
+    infeasible = np.array([[False, True], [True, True], [False, False]])
+    np.testing.assert_array_equal(means_of_contexts(returns, infeasible), [-3.0, np.nan, 1.5])
+
+
+class Lucky(Subject):
+    """Every second episode returns 1, the others 0, whatever the context; below 1 kg the latter diverge with −10."""
+
+    def rollouts(self, episodes: int, seed: int, policy: Policy | None = None) -> Any:  # noqa: ANN401
+        del episodes, seed, policy
+        return Coin()
+
+
+class Coin:
+    def outcomes(self, z: Array) -> tuple[Array, NDArray[np.bool_]]:
+        luck = np.arange(len(z)) % 2 == 0
+        infeasible = ~luck & (z[:, 0] < 1.0)
+        return np.where(infeasible, -10.0, luck), infeasible
+
+
+def test_luck_in_single_episodes_is_in_the_tail_of_episodes_not_of_contexts(subject: Subject, tmp_path: Path) -> None:
+    lucky = Lucky(subject.name, subject.setting, subject.policy, subject.again)
+    wide = partial(UniformRandomizer, ranges={"block.mass": [1.0, 4.0]})
+    found = ReturnsEvaluator({"wide": wide}, 20, 4, 50, 0.95, 200, 0).evaluate(lucky, tmp_path, print)
+    assert found.figures == {"wide.iqm": 0.5, "wide.worst_decile": 0.5, "wide.cvar": 0.0}
+
+
+def test_a_cell_with_a_diverged_episode_counts_what_the_policy_got(subject: Subject, tmp_path: Path) -> None:
+    lucky = Lucky(subject.name, subject.setting, subject.policy, subject.again)
+    evaluator = GridEvaluator(axes={"block.mass": [0.5, 2.0, 2]}, count=2, episodes=2, parallel=4, seed=0)
+    found = evaluator.evaluate(lucky, tmp_path, print)
+    assert [row["return"] for row in found.rows] == [-4.5, 0.5]
+    assert [row["diverged"] for row in found.rows] == [0.5, 0.0]
+    wanted = {"mean_return": -2.0, "best_return": 0.5, "infeasible": 0.0, "diverged": 0.25}
+    assert found.figures == wanted
+    assert "An episode that diverges counts with the return that the task declares" in found.told

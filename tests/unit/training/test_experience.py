@@ -1,6 +1,6 @@
 """Whole episodes of a policy, and batches beside them, on a block with a known course."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import cast
 
 import numpy as np
@@ -122,3 +122,43 @@ def test_shares_of_the_slots_keep_their_numbers() -> None:
     half.load_state_dict(shares(whole.state_dict(), 4, 2)[1])
     half.begin(np.arange(2))
     assert (half.proposals // 10).tolist() == [2, 3]
+
+
+@pytest.mark.parametrize("kind", [LeanCollector, TorchRLCollector])
+def test_whole_episodes_are_collected_in_every_slot_and_the_rest_is_cut(kind: Callable[..., Collector]) -> None:
+    hopper: Setting = setting("hopper", "env/context=hopper/friction", "env.task.time_limit=8")
+
+    env = hopper.make(None, 4, 0, threads=1, staggered=True)
+    experience = Experience(kind(env, _still, 3), _still, hopper.make(None, 2, 1, threads=1).episodes)
+    heard = []
+    experience.listen(heard.append)
+    experience.collect()
+    z = np.array([[1.5], [1.5], [3.0], [3.0]])
+    batch = experience.collect_whole(z)
+    assert batch is heard[-1]
+    assert batch.batch_size == (4, 9)  # three times three, the time limit being 8
+    np.testing.assert_allclose(batch["context"][..., 0], np.repeat(z, 9, axis=1))
+    done = batch["next", "done"][..., 0]
+    assert done.nonzero()[:, 1].tolist() == [7, 8] * 4
+    assert torch.equal(batch["next", "truncated"][..., 0], done)
+    assert not batch["next", "terminated"].any()
+
+
+def test_control_steps_of_whole_episodes_are_counted_and_the_count_is_resumed() -> None:
+    hopper: Setting = setting("hopper", "env.task.time_limit=8")
+
+    def make() -> Experience:
+        env = hopper.make(None, 2, 0, threads=1)
+        return Experience(LeanCollector(env, _still, 3), _still, hopper.make(None, 2, 1, threads=1).episodes)
+
+    one, other = make(), make()
+    nominal = one.contexts(np.random.default_rng(0), 5)
+    assert nominal.shape == (5, 0)
+    one.play(_still, nominal)
+    assert one.rollout_frames == 5 * 8
+    other.load_state_dict(one.state_dict())
+    assert other.rollout_frames == 5 * 8
+
+
+def _still(observation: torch.Tensor) -> torch.Tensor:
+    return 0.1 * observation[:, :3]

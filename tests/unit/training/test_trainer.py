@@ -132,6 +132,7 @@ def test_figures_of_all_parts_are_recorded(tmp_path: Path) -> None:
     figures, finished = seen[-1]
     assert {"iteration", "frames", "episode_return", "kl", "entropy", "divergence"} <= set(figures)
     assert figures["frames"] == 2 * FRAMES == run.frames
+    assert figures["rollout_frames"] == 2 * 6  # of the learner's own episodes, of one step each
     assert figures["episodes"] == len(finished.returns) == 32
     assert (finished.lengths == LIMIT).all()
 
@@ -147,6 +148,16 @@ def test_episodes_are_followed_from_batch_to_batch() -> None:
     np.testing.assert_array_equal(np.concatenate([p.context for p in parts]), whole.context)
     first = batch["next", "reward"][:, :LIMIT].sum(1)[:, 0]
     torch.testing.assert_close(torch.from_numpy(whole.returns[: len(first)]).float(), first)
+
+
+def test_what_staggering_cuts_is_no_episode() -> None:
+    batch = next(PointCollector(ppo().policies["policy"], n=3, steps=LIMIT + 4))
+    batch["next", "done"][0, 3] = batch["next", "truncated"][0, 3] = True
+    batch["next", "done"][1, 5] = batch["next", "terminated"][1, 5] = True
+    finished = EpisodeLog(LIMIT).take(batch)
+    # The first slot's four steps are left out, and the eleven after them, which the same limit cuts.
+    assert finished.lengths.tolist() == [6, LIMIT]
+    assert finished.returns[1] == pytest.approx(float(batch["next", "reward"][2, :LIMIT].sum()))
 
 
 def test_infeasible_episodes_are_counted_and_averaged_over_by_nothing() -> None:

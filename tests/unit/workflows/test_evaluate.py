@@ -67,7 +67,7 @@ def test_a_grid_is_played_written_and_drawn(run: Path, tmp_path: Path) -> None:
     assert len(rows) == 3
     assert report["units"] == {"arm.mass": "kg"}
     page = (tmp_path / "grid" / "report.md").read_text(encoding="utf-8")
-    assert "| arm.mass [kg] | return | std |" in page
+    assert "| arm.mass [kg] | return | std | diverged |" in page
     assert "2 episodes in each of 3 contexts" in page
     for name in ("review.rrd", "episodes.mcap"):
         assert (tmp_path / "grid" / name).stat().st_size > 0
@@ -102,11 +102,40 @@ def test_training_on_explores_by_the_seed_it_is_given(run: Path) -> None:
     assert not torch.equal(noise[0], noise[2])
 
 
-def test_training_on_begins_with_its_full_rates_and_new_episodes(run: Path) -> None:
+def test_every_policy_that_was_kept_is_evaluated_with_and_without_exploration(run: Path, tmp_path: Path) -> None:
+    report = evaluated(run, tmp_path / "kept", "evaluator=snapshots", "evaluator.episodes=3")
+    assert [row["frames"] for row in report["rows"]] == [160, 320]
+    figures = report["figures"]
+    for name in ("deterministic", "stochastic"):
+        assert figures[f"{name}.last"] == report["rows"][-1][name]
+        assert figures[f"{name}.iqm"] == pytest.approx(np.mean([row[name] for row in report["rows"]]))
+    assert figures["deterministic.last"] != figures["stochastic.last"]
+
+
+def test_the_chosen_policy_is_deployed_and_trained_on_and_the_last_is_kept(run: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(run, tmp_path / "run")
+    first, last = load(folder / "checkpoint.pt")["policies"]["taken"]
+    save(folder / "policy.pt", first)
+    compose = functools.partial(compose_arguments, folders=(shipped(),))
+    subject = subject_of(folder, compose, threads=1)
+    width = subject.slots(1, 0).observation.shape[1]
+    observation = torch.randn(5, width, generator=torch.Generator().manual_seed(0))
+    acts = [each.deployed(observation) for each in subject.snapshots]
+    assert torch.equal(subject.policy(observation), acts[0])
+    assert not torch.equal(*acts)
+    _, trained_on = subject.again(FixedRandomizer(subject.setting.space, {}), 0)
+    assert torch.equal(trained_on(observation), acts[0])
+    (folder / "policy.pt").unlink()  # as of a run that has not ended
+    assert torch.equal(subject_of(folder, compose, threads=1).policy(observation), acts[1])
+    assert last["frames"] == 320
+
+
+def test_training_on_begins_with_its_own_rates_and_new_episodes(run: Path) -> None:
     subject = subject_of(run, functools.partial(compose_arguments, folders=(shipped(),)), threads=1)
     state = subject.again(FixedRandomizer(subject.setting.space, {}), 0)[0].state_dict()["algorithm"]
     assert load(run / "checkpoint.pt")["algorithm"]["frames"] == 320
     assert state["frames"] == 0
+    assert state["further"]
     assert state["reward_scale"]["sum"].abs().max() == 0.0
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from hydra.errors import InstantiationException
 
 from dr_lab.cli.arguments import compose_arguments
@@ -74,6 +75,22 @@ def test_a_run_that_is_resumed_at_its_end_says_so(tmp_path: Path, capsys: pytest
 def test_a_report_calls_the_algorithm_by_its_name(tmp_path: Path) -> None:
     assert run(tmp_path / "one", "frames=160")["algorithm"] == "PPO"
     assert run(tmp_path / "other", "algorithm=epopt", "frames=160")["algorithm"] == "EPOpt"
+
+
+def test_a_run_keeps_its_last_policies_and_deploys_the_best_of_them(tmp_path: Path) -> None:
+    report = run(tmp_path / "run", "frames=1920")
+    kept = load(tmp_path / "run" / "checkpoint.pt")
+    taken = kept["policies"]["taken"]
+    assert [each["frames"] for each in taken] == [160 * k for k in range(3, 13)]  # the last ten of twelve
+    assert [each["frames"] for each in report["snapshots"]] == [each["frames"] for each in taken]
+    best = max(report["snapshots"], key=lambda each: each["return"])
+    assert report["chosen"] == best["frames"]
+    assert report["choice_frames"] == 10 * 16 * 20  # no episode of the cart-pole ends before its 20 steps
+    deployed = load(tmp_path / "run" / "policy.pt")
+    assert deployed["frames"] == report["chosen"]
+    for name, value in kept["algorithm"]["actor"].items():  # the last is what the run goes on from
+        assert torch.equal(value, taken[-1]["policies"]["policy"][name])
+    assert "choosing took 3200 control steps" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
 
 
 def test_a_run_that_cannot_be_continued_is_told(tmp_path: Path) -> None:

@@ -1,0 +1,82 @@
+"""Returns of the policies that a run had last, with and without exploration."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dr_lab.collectors.collector import Policy
+from dr_lab.errors import DataError, require_numbers
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
+from dr_lab.evaluators.statistics import iqm_interval
+from dr_lab.reports.quantity import percent
+from dr_lab.seeding import stream
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class SnapshotsEvaluator(Evaluator):
+    """Plays every snapshot in contexts that were trained on, deterministic and stochastic, the same ones for all.
+
+    The return of one snapshot is a lottery; that of the last ten says what a training run leads to.
+
+    Attributes:
+        episodes: of each snapshot, one in each context; as many without exploration.
+        confidence: of the intervals over snapshots.
+        resamples: of the bootstrap.
+        seed: of contexts, starts and bootstrap.
+
+    Raises:
+        ConfigError: a number is out of its range.
+    """
+
+    episodes: int
+    confidence: float
+    resamples: int
+    seed: int
+
+    def __post_init__(self) -> None:
+        least = {"episodes": 1, "resamples": 1}
+        require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
+
+    def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
+        """Play all.
+
+        Raises:
+            DataError: the run has kept none.
+        """
+        del folder
+        if not subject.snapshots:
+            raise DataError(f"Run {subject.name} has kept no policy yet. Give run=FOLDER of one that has saved some.")
+        z = self._contexts(subject)
+        rows = []
+        for place, each in enumerate(subject.snapshots, start=1):
+            returns = [self._return(subject, policy, z) for policy in (each.deployed, each.exploring)]
+            rows.append({"frames": float(each.frames), "deterministic": returns[0], "stochastic": returns[1]})
+            progress(place / len(subject.snapshots))
+        figures = {key: value for name in ("deterministic", "stochastic") for key, value in self._over(rows, name)}
+        return Evaluation(figures, rows, told=self._told(len(rows)))
+
+    def _contexts(self, subject: Subject) -> Array:
+        if subject.trained_on is None:
+            return np.tile(subject.setting.space.nominal, (self.episodes, 1))
+        return subject.trained_on.propose([stream(self.seed, "snapshots")] * self.episodes, np.arange(self.episodes)).z
+
+    def _return(self, subject: Subject, policy: Policy, z: Array) -> float:
+        """Mean of what the policy got."""
+        return float(subject.rollouts(self.episodes, self.seed, policy).outcomes(z)[0].mean())
+
+    def _over(self, rows: list[dict[str, float]], name: str) -> list[tuple[str, float]]:
+        """Interquartile mean over the snapshots, its interval, and the last."""
+        values = np.array([row[name] for row in rows])
+        found = iqm_interval(values, self.confidence, self.resamples, self.seed)
+        figures = {"iqm": found.value, "low": found.low, "high": found.high, "last": float(values[-1])}
+        return [(f"{name}.{key}", value) for key, value in figures.items()]
+
+    def _told(self, count: int) -> str:
+        return (
+            f"The last {count} policies that the run kept, {self.episodes} episodes of each without exploration "
+            "(deterministic) and with it (stochastic), in contexts that it was trained on. iqm: interquartile mean "
+            f"over them, low and high: its {percent(self.confidence)} interval. Which one is deployed was chosen "
+            "on other episodes."
+        )

@@ -1,0 +1,146 @@
+"""The policies that a run had at its last checkpoints, and which of them is deployed."""
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+from torch import Tensor, nn
+
+from dr_lab.algorithms.algorithm import Algorithm
+from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.play import outcomes, play
+from dr_lab.envs.episodes import ContextSource
+from dr_lab.envs.setting import Setting
+from dr_lab.errors import require_numbers
+from dr_lab.seeding import derived_seed, stream
+
+
+@dataclass(frozen=True)
+class PolicySnapshot:
+    """A policy as it was.
+
+    Attributes:
+        frames: control steps that it was trained for.
+        exploring: as it collected experience.
+        deployed: without exploration.
+    """
+
+    frames: int
+    exploring: Policy
+    deployed: Policy
+
+
+class PolicySnapshots:
+    """Keeps what an algorithm's policies were at the last few checkpoints.
+
+    Args:
+        algorithm: whose policies are torch modules.
+        count: snapshots that are kept, the last ones.
+    """
+
+    def __init__(self, algorithm: Algorithm, count: int) -> None:
+        self._algorithm, self._count = algorithm, count
+        self.taken: list[dict[str, Any]] = []
+
+    def take(self, frames: int) -> None:
+        """Keep the policies as they are now, after so many control steps."""
+        self.taken = [*self.taken, {"frames": frames, "policies": states(self._algorithm)}][-self._count :]
+
+    def restored(self) -> list[PolicySnapshot]:
+        """The policies that are kept, oldest first, each a copy of its own; the algorithm's stay as they are."""
+        present, found = states(self._algorithm), list[PolicySnapshot]()
+        for each in self.taken:
+            load_states(self._algorithm, each["policies"])
+            pair = (self._algorithm.policies["policy"], self._algorithm.deployed)
+            found.append(PolicySnapshot(each["frames"], *copy.deepcopy(pair)))
+        load_states(self._algorithm, present)
+        return found
+
+    def state_dict(self) -> dict[str, Any]:
+        """All that is kept."""
+        return {"taken": list(self.taken)}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        self.taken = list(state["taken"])
+
+
+def states(algorithm: Algorithm) -> dict[str, Any]:
+    """State of each policy by its name, a copy."""
+    return {name: copy.deepcopy(_module(policy).state_dict()) for name, policy in algorithm.policies.items()}
+
+
+def load_states(algorithm: Algorithm, found: Mapping[str, Any]) -> None:
+    """Put policies into the state that `states` gave."""
+    for name, policy in algorithm.policies.items():
+        _module(policy).load_state_dict(found[name])
+
+
+def _module(policy: Policy) -> nn.Module:
+    assert isinstance(policy, nn.Module)
+    return policy
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """Which snapshot is deployed.
+
+    Attributes:
+        index: of it, among those that there are.
+        returns: mean return of each snapshot.
+        frames: control steps that were played to find out.
+    """
+
+    index: int
+    returns: Sequence[float]
+    frames: int
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Chooses by the mean return of deterministic episodes in contexts of p(z), the same ones for all snapshots.
+
+    Returns of single snapshots scatter by more than they differ from one to the next, so that the last one is a matter
+    of luck. The return by which one was chosen is too high, by the same luck: `dr-lab evaluate` plays other episodes.
+
+    Attributes:
+        snapshots: how many a run keeps, the last ones.
+        episodes: that each snapshot plays.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+
+    snapshots: int
+    episodes: int
+
+    def __post_init__(self) -> None:
+        require_numbers(self, "choice", least={"snapshots": 1, "episodes": 1})
+
+    def choose(
+        self,
+        snapshots: Sequence[PolicySnapshot],
+        setting: Setting,
+        source: ContextSource,
+        seed: int,
+        threads: int | None,
+    ) -> Chosen:
+        """Play all of them; the newest of the best is chosen.
+
+        Args:
+            snapshots: one at least.
+            setting: machine and task.
+            source: p(z).
+            seed: of contexts and starts, which no training or evaluation of the same seed draws.
+            threads: C threads of the physics; None takes every core.
+        """
+        z = source.propose([stream(seed, "choice")] * self.episodes, np.arange(self.episodes)).z
+        returns, frames = list[float](), 0
+        for snapshot in snapshots:
+            slots = setting.make(None, self.episodes, derived_seed(seed, "choice"), threads).episodes
+            played = play(slots, snapshot.deployed, z)
+            returns.append(float(outcomes(played)[0].mean()))
+            frames += int(cast(Tensor, played["mask"]).sum())
+        return Chosen(len(returns) - 1 - int(np.argmax(returns[::-1])), returns, frames)

@@ -1,0 +1,57 @@
+"""Snapshots act as the policies did, and the best of them is chosen."""
+
+from typing import cast
+
+import mujoco
+import numpy as np
+import pytest
+import torch
+from block_on_rail import constant
+from point_mass import PointCollector, ppo
+from test_recorded import DT, LIMIT, PARAMETERS, XML, Push
+
+from dr_lab.envs.setting import Setting
+from dr_lab.errors import ConfigError
+from dr_lab.physics.model import from_spec
+from dr_lab.randomizers.fixed import FixedRandomizer
+from dr_lab.training.policy_snapshots import Choice, PolicySnapshot, PolicySnapshots
+
+
+def test_the_last_few_policies_are_kept_as_they_were() -> None:
+    algorithm, observation = ppo(), torch.linspace(-1.0, 1.0, 7)[:, None]
+    batches, snapshots = PointCollector(algorithm.policies["policy"]), PolicySnapshots(algorithm, 3)
+    acted = []
+    for iteration in range(5):
+        algorithm.update(next(batches))
+        snapshots.take(480 * (iteration + 1))
+        acted.append(algorithm.deployed(observation))
+    again = PolicySnapshots(ppo(seed=1), 3)
+    again.load_state_dict(snapshots.state_dict())
+    for kept in (snapshots.restored(), again.restored()):
+        assert [each.frames for each in kept] == [1440, 1920, 2400]
+        for snapshot, action in zip(kept, acted[2:], strict=True):
+            assert torch.equal(snapshot.deployed(observation), action)
+    assert torch.equal(algorithm.deployed(observation), acted[-1])
+    assert torch.equal(snapshots.restored()[0].exploring(observation), again.restored()[0].exploring(observation))
+
+
+def test_the_newest_of_the_best_is_chosen_and_its_episodes_are_counted() -> None:
+    model = from_spec("block", mujoco.MjSpec.from_string(XML), PARAMETERS)
+    task = Push(frame_skip=1, time_limit=LIMIT)
+    setting = Setting(
+        name="block", model=model, task=task, show_context=False, infeasible_return=-7.0, speed_limit=200.0
+    )
+    forces = (1.0, 3.0, 3.0, 2.0)
+    snapshots = [PolicySnapshot(i, constant(f), constant(f)) for i, f in enumerate(forces)]
+    source = FixedRandomizer(model.space, {"cube.mass": 4.0})
+    chosen = Choice(snapshots=4, episodes=2).choose(snapshots, setting, source, 0, 1)
+    assert chosen.index == 2
+    # v = F t/m, summed over the steps
+    expected = np.array(forces) / 4.0 * DT * LIMIT * (LIMIT + 1) / 2
+    np.testing.assert_allclose(cast(list[float], chosen.returns), expected)
+    assert chosen.frames == 4 * 2 * LIMIT
+
+
+def test_a_choice_without_episodes_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"choice\.episodes is 0"):
+        Choice(snapshots=10, episodes=0)
