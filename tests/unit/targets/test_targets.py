@@ -12,8 +12,9 @@ from hydra.utils import instantiate
 from settings import setting
 from torch import Tensor
 
-from dr_lab.cli.compose import compose, options
+from dr_lab.cli.compose import compose
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.groups import options
 from dr_lab.collectors.play import play
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import UnknownNameError
