@@ -44,7 +44,7 @@ def joint_of(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsJoint)
         raise UnknownNameError("joint", name, [j.name for j in spec.joints if j.name], f"model {spec.modelname!r}")
     if all(value > 0 for value in joint.springdamper):
         raise ModelError(
-            f"Joint {name!r} has springdamper {list(joint.springdamper)}, from which MuJoCo computes stiffness and "
+            f"Joint {name!r} has springdamper {joint.springdamper.tolist()}, from which MuJoCo computes stiffness and "
             "damping anew, over what an effect writes. Give the joint stiffness and damping instead."
         )
     return joint

@@ -19,9 +19,11 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
 
     Without the windows b the optimum moves by −(I + P − I_b)⁻¹ (g − g_b), g being the gradient of the whole cost, 0 at
     an optimum, and g_b that of the cost in these windows; their states follow. To first order these are the residuals
-    of a fit to the others, so that they flatter a model with more parameters no more than held-out windows do. The
-    windows are simulated there. Where that is not what the linear step foretells, a damped step that lowers the cost of
-    the others takes its place: a law may bend, and a step without the windows that hold it back may go astray.
+    of a fit to the others, so that they flatter a model with more parameters no more than held-out windows do.
+
+    Where that foretells squares `settings.astray` times as large as the fit's, the step leads beyond where slopes hold:
+    a law bends, and nothing holds the step back. Then a damped step that lowers the cost of the others takes its place,
+    and the windows are simulated.
 
     Source: Pregibon, Annals of Statistics 9 (1981) 705 (one-step deletion).
 
@@ -29,7 +31,7 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
         replay: the windows that were fitted.
         fit: the fit.
         solver: settings of fits.
-        settings: number of logs that are few, and size of the blocks.
+        settings: number of logs that are few, size of the blocks, and which step is astray.
 
     Returns:
         The fit's context, with residuals, shape (w, m), states and windows that diverge as foretold.
@@ -38,32 +40,30 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
     parts = logs(log)
     if len(parts) < settings.least_trusted:
         parts = blocks(log, settings.block, settings.least_blocks)
-    contexts, delta, expected = _linear(replay, fit, parts)
-    found = Point(fit.z, delta, fit.residuals.copy(), np.inf, fit.infeasible.copy())
-    for z, rows in zip(contexts, parts, strict=True):
-        own = _simulated(replay.part(rows), z, delta[rows])
-        if len(rows) < len(log) and _strays(own, expected[rows], fit, rows, solver):
+    delta, residuals = _linear(replay, fit, parts)
+    found = Point(fit.z, delta, residuals, np.inf, fit.infeasible.copy())
+    for rows in parts:
+        seen, foretold = (float(np.square(r[rows]).sum()) for r in (fit.residuals, residuals))
+        if len(rows) < len(log) and foretold > settings.astray * seen:
             own = _refitted(replay, fit, rows, solver)
-        found.delta[rows], found.residuals[rows] = own.delta, own.residuals
-        found.infeasible[rows] |= own.infeasible
+            found.delta[rows], found.residuals[rows] = own.delta, own.residuals
+            found.infeasible[rows] |= own.infeasible
     return found
 
 
-def _linear(replay: Replay, fit: Fit, parts: list[Indices]) -> tuple[Array, Array, Array]:
-    """Contexts without each part, (parts, n), and states (w, s) and residuals (w, m) that follow where it is left out.
+def _linear(replay: Replay, fit: Fit, parts: list[Indices]) -> tuple[Array, Array]:
+    """States (w, s) and residuals (w, m) that follow where each window is left out with its part.
 
     Slopes are by parameters in the unit cube.
     """
-    space = replay.model.space
-    unit = space.to_unit(fit.z)
-    moves = _moves(unit, fit, parts)
+    unit = replay.model.space.to_unit(fit.z)
     moved = np.zeros((len(fit.delta), len(unit)))
-    for move, rows in zip(moves, parts, strict=True):
+    for move, rows in zip(_moves(unit, fit, parts), parts, strict=True):
         moved[rows] = move
     gain = np.linalg.solve(fit.equations.state, fit.equations.mixed)
     follow = -(gain @ moved[..., None])[..., 0]
     away = fit.slopes.parameter @ moved[..., None] + fit.slopes.state @ follow[..., None]
-    return space.clip(space.from_unit(unit + moves)), fit.delta + follow, fit.residuals + away[..., 0]
+    return fit.delta + follow, fit.residuals + away[..., 0]
 
 
 def _moves(unit: Array, fit: Fit, parts: list[Indices]) -> Array:
@@ -80,27 +80,13 @@ def _moves(unit: Array, fit: Fit, parts: list[Indices]) -> Array:
     return moves
 
 
-def _simulated(replay: Replay, z: Array, delta: Array) -> Point:
-    residuals, infeasible = replay.residuals(z[None], delta[None])
-    return Point(z, delta, residuals[0], np.inf, infeasible[0])
-
-
-def _strays(own: Point, expected: Array, fit: Fit, rows: Indices, solver: SolverSettings) -> bool:
-    """Whether windows are not what a linear step foretells, or diverge."""
-    known = ~fit.infeasible[rows]
-    if own.infeasible[known].any():
-        return True
-    seen, foretold, here = (float(np.square(r[known]).sum()) for r in (fit.residuals[rows], expected, own.residuals))
-    allowed = (1 - solver.foreseen) * (foretold - seen) + solver.rough_tolerance * seen
-    return abs(here - foretold) > allowed
-
-
 def _refitted(replay: Replay, fit: Fit, rows: Indices, solver: SolverSettings) -> Point:
     """Windows at the context that one damped step of a fit to all others leads to, their states fitted there."""
     others = np.setdiff1d(np.arange(len(replay.windows)), rows)
     fitter = Fitter(replay.part(others), solver)
     rest = fitter.run(fit.z, fit.delta[others], fit.slopes.pick(others), iterations=1)
     part = replay.part(rows)
-    there = _simulated(part, rest.z, fit.delta[rows])
+    residuals, infeasible = part.residuals(rest.z[None], fit.delta[None, rows])
+    there = Point(rest.z, fit.delta[rows], residuals[0], np.inf, infeasible[0])
     states = polished(part, solver, there, fit.slopes.state[rows], ~there.infeasible)
     return replace(there, delta=states.delta, residuals=states.residuals, infeasible=states.infeasible)

@@ -114,19 +114,10 @@ def _channels(replay: Replay, fit: StateFit, used: Mask, taken: Array) -> dict[s
         found[name] = ChannelScore(
             window_sum=(mask * residual**2).sum((1, 2)),
             window_count=mask.sum((1, 2)) - less.sum((1, 2)),
-            colour=correlation_time(autocorrelation(_even(rows, exists), exists)),
+            colour=correlation_time(autocorrelation(rows, exists)),
             instrumental=own,
         )
     return found
-
-
-def _even(rows: Array, exists: Mask) -> Array:
-    """Residuals (w, m) over the root mean square of their window, so that no wild window tells the colour of all.
-
-    As in the evidence, the size of a window's error is unknown.
-    """
-    squares, count = np.where(exists, rows**2, 0.0).sum(1), np.maximum(exists.sum(1), 1)
-    return rows / np.sqrt(np.where(squares > 0, squares / count, 1.0))[:, None]
 
 
 def _taken_by_states(replay: Replay, fit: StateFit, used: NDArray[np.bool_]) -> Array:

@@ -23,6 +23,7 @@ SETTINGS = EvidenceSettings(
     least_blocks=8,
     least_trusted=3,
     least_clusters=5,
+    astray=2.0,
     least_compared=3,
     resamples=2000,
     gain_resamples=20000,

@@ -45,7 +45,7 @@ def test_a_step_that_goes_astray_gives_way_to_a_refit() -> None:
     windows, fit = fitted(model, [0.597, 0.600, 0.603])
     replay, rows = Replay(model, windows, 1), logs(windows.log)[1]
     honest = left_out(replay, fit, solver_settings(), settings)
-    slopes = replace(fit.slopes, parameter=5 * fit.slopes.parameter)  # foretell five times as much
+    slopes = replace(fit.slopes, parameter=100 * fit.slopes.parameter)  # foretell a hundred times as much
     astray = left_out(replay, replace(fit, slopes=slopes), solver_settings(), settings)
     ours, theirs = (float(np.square(found.residuals[rows]).sum()) for found in (astray, honest))
     assert ours != theirs
