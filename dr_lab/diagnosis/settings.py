@@ -156,8 +156,8 @@ class EvidenceSettings:
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
         least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.
-        astray: how many times as large as the fit's squares those are that a linear step without a log foretells for it,
-            from which on the step is not believed.
+        astray: times the squares that a fit leaves of a log, beyond which a linear step without that log is not
+            believed.
         least_clusters: number of logs, fitted ones among them, from which on the scatter between them bounds evidence.
         least_compared: number of blocks of windows below which no interval of a difference is known.
         resamples: number of bootstrap resamples of a fit's parameters.
