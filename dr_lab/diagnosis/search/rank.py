@@ -276,8 +276,8 @@ class _Contest:
         standing: list[int] = []
         for k in sorted(order, key=lambda k: len(tried[k].effect.parameters)):
             best = paired_gain(tried[k].explained.held_out, tried[order[0]].explained.held_out, settings)
-            cases = [tried[j] for j in standing if self._special_cases([k], [j])]
-            needless = any(self._needless(tried[k], case) for case in cases)
+            cases = [j for j in standing if self._special_cases([k], [j])]  # others may lead on few windows alone
+            needless = any(self._needless(tried[k], tried[j]) for j in cases or standing)
             if not needless and not supported(best, 0, settings):
                 standing.append(k)
         return standing
