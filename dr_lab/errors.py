@@ -61,7 +61,7 @@ def require_numbers(
 
     Args:
         settings: holds the numbers as attributes.
-        key: where they stand in the configuration, for the message.
+        key: where they stand in the configuration, for the message; empty at its root.
         positive: attributes that must be above 0.
         least: smallest value of further attributes.
         most: largest value of attributes.
@@ -70,19 +70,20 @@ def require_numbers(
     Raises:
         ConfigError: a number is out of its range or not a number.
     """
+    place = f"{key}." if key else ""
     for name in positive:
         value = getattr(settings, name)
         if not value > 0:
-            raise ConfigError(f"{key}.{name} is {value:g}; expected a number above 0.")
+            raise ConfigError(f"{place}{name} is {value:g}; expected a number above 0.")
     for name, low in (least or {}).items():
         value = getattr(settings, name)
         if not value >= low:
-            raise ConfigError(f"{key}.{name} is {value:g}; expected at least {low:g}.")
+            raise ConfigError(f"{place}{name} is {value:g}; expected at least {low:g}.")
     for name, high in (most or {}).items():
         value = getattr(settings, name)
         if not value <= high:
-            raise ConfigError(f"{key}.{name} is {value:g}; expected at most {high:g}.")
+            raise ConfigError(f"{place}{name} is {value:g}; expected at most {high:g}.")
     for name, end in (below or {}).items():
         value = getattr(settings, name)
         if not value < end:
-            raise ConfigError(f"{key}.{name} is {value:g}; expected a number below {end:g}.")
+            raise ConfigError(f"{place}{name} is {value:g}; expected a number below {end:g}.")

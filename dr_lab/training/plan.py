@@ -54,7 +54,7 @@ class Plan:
 
     def __post_init__(self) -> None:
         counted = ("episodes", "rollout_episodes", "frames", "checkpoint_every")
-        require_numbers(self, "train", least=dict.fromkeys(counted, 1))
+        require_numbers(self, "", least=dict.fromkeys(counted, 1))
 
     def assemble(self, checkpoint: Path | None) -> "Training":
         """Build everything.
