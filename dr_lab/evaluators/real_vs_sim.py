@@ -10,9 +10,8 @@ import numpy as np
 from tensordict import TensorDict
 
 from dr_lab.envs.setting import Setting
-from dr_lab.errors import require_numbers
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
-from dr_lab.evaluators.statistics import iqm_interval
+from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
+from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.recorders.episode import Episode
 from dr_lab.reports.quantity import percent
 from dr_lab.targets.target import Target
@@ -49,8 +48,8 @@ class Pair:
         return np.sqrt(np.mean((self.real.qpos[:steps] - self.simulated.qpos[:steps]) ** 2, axis=0))
 
 
-@dataclass(frozen=True)
-class RealVsSimEvaluator(Evaluator):
+@dataclass(frozen=True, kw_only=True)
+class RealVsSimEvaluator(IntervalEvaluator):
     """Plays a policy on a target, which stands for the real machine, and in the model.
 
     Every episode is played twice from one start: on the target, and in the model at its nominal context, which of the
@@ -61,26 +60,14 @@ class RealVsSimEvaluator(Evaluator):
     Both loops are closed, so that a small gap may grow into another course. Recorded commands of measured logs are
     played in a model by ``dr-lab compare``, that of a run by ``dr-lab compare model=from_run model.run=FOLDER``.
 
-    Attributes:
+    Attributes: as `IntervalEvaluator`, its episodes on target and model each, and
         target: makes the target of a machine and its task.
-        episodes: on each.
-        confidence: of the intervals.
-        resamples: of the bootstrap.
-        seed: of starts and bootstrap.
 
     Raises:
         ConfigError: a number is out of its range.
     """
 
     target: Callable[[Setting], Target]
-    episodes: int
-    confidence: float
-    resamples: int
-    seed: int
-
-    def __post_init__(self) -> None:
-        least = {"episodes": 1, "resamples": 1}
-        require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Play both.
@@ -118,7 +105,7 @@ class RealVsSimEvaluator(Evaluator):
         }
         figures = {}
         for name, values in columns.items():
-            found = iqm_interval(np.array(values), self.confidence, self.resamples, self.seed)
+            found = self.interval(np.array(values))
             figures |= {name: found.value, f"{name}.low": found.low, f"{name}.high": found.high}
         return figures | {"infeasible": float(np.mean(~np.isfinite(columns["simulated"])))}
 

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.errors import require_numbers
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
-from dr_lab.evaluators.statistics import iqm_interval, lower_tail, means_of_contexts
+from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
+from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
+from dr_lab.evaluators.statistics import lower_tail, means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.reports.quantity import percent
@@ -19,20 +20,16 @@ from dr_lab.trajectory import Array
 _WORST = 0.1  # share that the worst decile is, by its name
 
 
-@dataclass(frozen=True)
-class ReturnsEvaluator(Evaluator):
+@dataclass(frozen=True, kw_only=True)
+class ReturnsEvaluator(IntervalEvaluator):
     """Some episodes in each of many contexts, for each of some distributions.
 
     A context's return is the mean of its episodes, so that the worst tenth of contexts is no matter of luck in one.
 
-    Attributes:
+    Attributes: as `IntervalEvaluator`, with its episodes in each context, and
         distributions: by name, what makes a distribution over the model's parameters.
         contexts: drawn from each.
-        episodes: in each context.
         parallel: episodes side by side.
-        confidence: of the intervals.
-        resamples: of the bootstrap.
-        seed: of contexts, starts and bootstrap.
 
     Raises:
         ConfigError: a number is out of its range.
@@ -40,15 +37,11 @@ class ReturnsEvaluator(Evaluator):
 
     distributions: Mapping[str, Callable[[ContextSpace], Randomizer]]
     contexts: int
-    episodes: int
     parallel: int
-    confidence: float
-    resamples: int
-    seed: int
 
     def __post_init__(self) -> None:
-        least = {"contexts": 1, "episodes": 1, "parallel": 1, "resamples": 1}
-        require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
+        super().__post_init__()
+        require_numbers(self, "evaluator", least={"contexts": 1, "parallel": 1})
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Play every distribution's contexts; an infeasible one counts for none of the means, and is counted."""
@@ -66,12 +59,10 @@ class ReturnsEvaluator(Evaluator):
         """Figures of the episodes of one distribution, context by context, shape (contexts · episodes,) each."""
         shape = (self.contexts, self.episodes)
         means = means_of_contexts(returns.reshape(shape), infeasible.reshape(shape))
-        found, known = iqm_interval(means, self.confidence, self.resamples, self.seed), means[np.isfinite(means)]
+        known = means[np.isfinite(means)]
         counted = returns.reshape(shape)[np.isfinite(means)].ravel()
         return {
-            "iqm": found.value,
-            "low": found.low,
-            "high": found.high,
+            **self.figures(means),
             "mean": float(known.mean()) if len(known) else float("nan"),
             "worst_decile": lower_tail(means, _WORST),
             "cvar": lower_tail(counted, _WORST),

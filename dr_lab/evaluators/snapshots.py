@@ -6,38 +6,25 @@ from pathlib import Path
 import numpy as np
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.errors import DataError, require_numbers
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
-from dr_lab.evaluators.statistics import iqm_interval
+from dr_lab.errors import DataError
+from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
+from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.reports.quantity import percent
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
 
-@dataclass(frozen=True)
-class SnapshotsEvaluator(Evaluator):
+@dataclass(frozen=True, kw_only=True)
+class SnapshotsEvaluator(IntervalEvaluator):
     """Plays every snapshot in contexts that were trained on, deterministic and stochastic, the same ones for all.
 
     The return of one snapshot is a lottery; that of the last ten says what a training run leads to.
 
-    Attributes:
-        episodes: of each snapshot, one in each context; as many without exploration.
-        confidence: of the intervals over snapshots.
-        resamples: of the bootstrap.
-        seed: of contexts, starts and bootstrap.
+    Attributes: as `IntervalEvaluator`, its episodes of each snapshot, one in each context; as many without exploration.
 
     Raises:
         ConfigError: a number is out of its range.
     """
-
-    episodes: int
-    confidence: float
-    resamples: int
-    seed: int
-
-    def __post_init__(self) -> None:
-        least = {"episodes": 1, "resamples": 1}
-        require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Play all.
@@ -69,14 +56,13 @@ class SnapshotsEvaluator(Evaluator):
     def _over(self, rows: list[dict[str, float]], name: str) -> list[tuple[str, float]]:
         """Interquartile mean over the snapshots, its interval, and the last."""
         values = np.array([row[name] for row in rows])
-        found = iqm_interval(values, self.confidence, self.resamples, self.seed)
-        figures = {"iqm": found.value, "low": found.low, "high": found.high, "last": float(values[-1])}
+        figures = {**self.figures(values), "last": float(values[-1])}
         return [(f"{name}.{key}", value) for key, value in figures.items()]
 
     def _told(self, count: int) -> str:
         return (
-            f"The last {count} policies that the run kept, {self.episodes} episodes of each without exploration "
-            "(deterministic) and with it (stochastic), in contexts that it was trained on. iqm: interquartile mean "
+            f"Each policy that the run kept ({count}) plays {self.episodes} episodes without exploration "
+            "(deterministic) and as many with it (stochastic), in contexts that it was trained on. iqm: interquartile mean "
             f"over them, low and high: its {percent(self.confidence)} interval. Which one is deployed was chosen "
             "on other episodes."
         )

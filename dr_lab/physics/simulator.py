@@ -190,17 +190,8 @@ class Simulator:
         Returns:
             The rollout; simulation i = context · w + window.
         """
-        contexts, windows = qpos.shape[:2]
-        if contexts * windows != self.nsim:
-            raise ModelError(
-                f"Replay of {contexts}×{windows} needs as many simulations; this simulator has {self.nsim}."
-            )
-        self.set_contexts(np.repeat(z, windows, axis=0))
-        self.reset()
-        self.batch.bind("qpos")[:] = qpos.reshape(self.nsim, -1)
-        self.batch.bind("qvel")[:] = qvel.reshape(self.nsim, -1)
-        if act is not None:
-            self.batch.bind("act")[:] = act.reshape(self.nsim, -1)
+        self._begin(z, qpos, qvel, act)
+        contexts = len(qpos)
         before, (nstep, ncontrol) = past.shape[1], controls.shape[1:]
         known = self._commanded(z, np.concatenate([past, controls], axis=1))
         every = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, before + nstep, ncontrol)
@@ -217,6 +208,20 @@ class Simulator:
         first = lambda start, rest: np.concatenate([start.reshape(self.nsim, 1, -1), rest], axis=1)  # noqa: E731
         sensors = out.get("sensordata", np.empty((self.nsim, nstep, 0)))
         return Rollout(first(qpos, out["qpos"]), first(qvel, out["qvel"]), sensors, start, applied, self.infeasible)
+
+    def _begin(self, z: Array, qpos: Array, qvel: Array, act: Array | None) -> None:
+        """Put every (context, window) pair at its start; arguments as `replay`."""
+        contexts, windows = qpos.shape[:2]
+        if contexts * windows != self.nsim:
+            raise ModelError(
+                f"Replay of {contexts}×{windows} needs as many simulations; this simulator has {self.nsim}."
+            )
+        self.set_contexts(np.repeat(z, windows, axis=0))
+        self.reset()
+        self.batch.bind("qpos")[:] = qpos.reshape(self.nsim, -1)
+        self.batch.bind("qvel")[:] = qvel.reshape(self.nsim, -1)
+        if act is not None:
+            self.batch.bind("act")[:] = act.reshape(self.nsim, -1)
 
     def follow(self, z: Array, history: History, act: Array) -> Array:
         """Activations along a motion that is given, not simulated: MuJoCo steps them, and the motion is put back.

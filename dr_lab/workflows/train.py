@@ -232,8 +232,8 @@ def _page(report: Mapping[str, Any]) -> str:
     ]
     lines += [
         "",
-        f"Deployed is the policy of control step {report['chosen']}, the best of the last {len(report['snapshots'])} "
-        f"that were kept; choosing took {report['choice_frames']} control steps of other episodes.",
+        f"Deployed is the policy of control step {report['chosen']}, the best of those that were kept "
+        f"({len(report['snapshots'])}). Choosing took {report['choice_frames']} control steps of other episodes.",
     ]
     if report["rollout_frames"]:
         lines += ["", f"The distribution was learnt from further episodes: {report['rollout_frames']} control steps."]

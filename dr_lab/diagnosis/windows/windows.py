@@ -135,13 +135,9 @@ def windows_at(
         UnknownNameError: a channel or command is not in the model.
     """
     columns, samples = actuator_columns(model, logs), _all_samples(model, logs, begins, measured, settings)
-    step, total = model.opt.timestep, settings.run_in + settings.length + 2 * settings.margin
-    nstep, npast, nback = (
-        int(np.ceil(total / step)) + 1,
-        *(int(np.ceil(s / step)) for s in (settings.past, max(settings.memory, run_in_of(model, settings)))),
-    )
+    nstep, npast, nback = _step_counts(model, settings)
     first = max(npast, nback)
-    edges = step * np.arange(-first, nstep + 1)
+    edges = model.opt.timestep * np.arange(-first, nstep + 1)
     steps = np.concatenate(
         [averages(log.commands, columns, model.nu, b[:, None] + edges) for log, b in zip(logs, begins, strict=True)]
     )
@@ -159,10 +155,18 @@ def windows_at(
         activations=hidden,
         commands=columns,
         prior=prior if hidden is None else replace(prior, std=np.concatenate([prior.std, hidden.std])),
-        step=step,
+        step=model.opt.timestep,
         margin=settings.margin,
         length=settings.length,
     )
+
+
+def _step_counts(model: mujoco.MjModel, settings: WindowSettings) -> tuple[int, int, int]:
+    """Simulation steps of a window, of the commands before it, and of the motion before it."""
+    total = settings.run_in + settings.length + 2 * settings.margin
+    spans = (total, settings.past, max(settings.memory, run_in_of(model, settings)))
+    nstep, npast, nback = (int(np.ceil(span / model.opt.timestep)) for span in spans)
+    return nstep + 1, npast, nback
 
 
 def _windowed(

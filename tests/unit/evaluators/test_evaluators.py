@@ -31,6 +31,7 @@ from dr_lab.training.trainer import Trainer
 from dr_lab.trajectory import Array
 
 STEP, STEPS = 0.01, 20
+FEW: dict[str, Any] = {"confidence": 0.95, "resamples": 200, "seed": 0}
 XML = f"""<mujoco model="block"><option timestep="{STEP}" integrator="Euler"/><worldbody><body name="block">
   <inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/><joint name="rail" type="slide" axis="1 0 0"/>
 </body></worldbody><actuator><motor name="drive" joint="rail" ctrlrange="-9 9"/></actuator></mujoco>"""
@@ -153,7 +154,9 @@ def test_an_axis_without_two_values_is_refused(axis: list[float], subject: Subje
 def test_returns_over_a_distribution_are_those_of_its_contexts(subject: Subject, tmp_path: Path) -> None:
     near = partial(UniformRandomizer, ranges={"block.mass": [1.999, 2.001]})
     wide = partial(UniformRandomizer, ranges={"block.mass": [1.0, 4.0]})
-    evaluator = ReturnsEvaluator({"near": near, "wide": wide}, 200, 1, 50, 0.95, 200, 0)
+    evaluator = ReturnsEvaluator(
+        distributions={"near": near, "wide": wide}, contexts=200, parallel=50, **FEW, episodes=1
+    )
     found = evaluator.evaluate(subject, tmp_path, print)
     first, second = found.rows
     assert first["iqm"] == pytest.approx(float(expected(2.0)), rel=1e-3)
@@ -165,7 +168,7 @@ def test_returns_over_a_distribution_are_those_of_its_contexts(subject: Subject,
 
 def test_a_confidence_of_one_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1; expected a number below 1\."):
-        ReturnsEvaluator({}, contexts=1, episodes=1, parallel=1, confidence=1.0, resamples=1, seed=0)
+        ReturnsEvaluator(distributions={}, contexts=1, episodes=1, parallel=1, confidence=1.0, resamples=1, seed=0)
 
 
 def test_training_on_is_followed_from_jump_start_to_asymptote(subject: Subject, tmp_path: Path) -> None:
@@ -260,7 +263,9 @@ class Coin:
 def test_luck_in_single_episodes_is_in_the_tail_of_episodes_not_of_contexts(subject: Subject, tmp_path: Path) -> None:
     lucky = Lucky(subject.name, subject.setting, subject.policy, subject.again)
     wide = partial(UniformRandomizer, ranges={"block.mass": [1.0, 4.0]})
-    found = ReturnsEvaluator({"wide": wide}, 20, 4, 50, 0.95, 200, 0).evaluate(lucky, tmp_path, print)
+    found = ReturnsEvaluator(distributions={"wide": wide}, contexts=20, parallel=50, **FEW, episodes=4).evaluate(
+        lucky, tmp_path, print
+    )
     assert found.figures == {"wide.iqm": 0.5, "wide.worst_decile": 0.5, "wide.cvar": 0.0}
 
 

@@ -47,7 +47,7 @@ def subject(start: str = "[0.0,0.0]") -> Subject:
 
 def evaluated(plant: Rig, of: Subject, episodes: int = 1) -> Evaluation:
     target = partial(PlantTarget, plant=plant, machine=0, seed=0)
-    evaluator = RealVsSimEvaluator(target, episodes=episodes, confidence=0.9, resamples=50, seed=0)
+    evaluator = RealVsSimEvaluator(target=target, episodes=episodes, confidence=0.9, resamples=50, seed=0)
     found = evaluator.evaluate(of, Path(), lambda _: None)
     assert len(found.rows) == episodes
     assert [each.name[:5] for each in found.episodes] == ["real_", "simul"]
@@ -120,4 +120,4 @@ def test_a_plant_of_another_machine_is_refused() -> None:
 
 def test_a_confidence_beyond_one_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1\.5; expected a number below 1\."):
-        RealVsSimEvaluator(cast(Any, PlantTarget), episodes=1, confidence=1.5, resamples=1, seed=0)
+        RealVsSimEvaluator(target=cast(Any, PlantTarget), episodes=1, confidence=1.5, resamples=1, seed=0)

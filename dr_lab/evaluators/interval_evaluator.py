@@ -1,0 +1,43 @@
+"""What evaluators have in common that state an interval with what a few returns say."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.errors import require_numbers
+from dr_lab.evaluators.evaluator import Evaluator
+from dr_lab.evaluators.statistics import Interval, iqm_interval
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class IntervalEvaluator(Evaluator):
+    """An evaluator that plays a number of episodes and bootstraps what they return.
+
+    Attributes:
+        episodes: of each policy, target or context, as the evaluator says.
+        confidence: of the intervals.
+        resamples: of the bootstrap.
+        seed: of contexts, starts and bootstrap.
+
+    Raises:
+        ConfigError: a number is out of its range.
+    """
+
+    episodes: int
+    confidence: float
+    resamples: int
+    seed: int
+
+    def __post_init__(self) -> None:
+        least = {"episodes": 1, "resamples": 1}
+        require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
+
+    def figures(self, values: Array) -> dict[str, float]:
+        """Interquartile mean ``iqm`` of values (n,) with the ends ``low`` and ``high`` of its interval."""
+        found = self.interval(values)
+        return {"iqm": found.value, "low": found.low, "high": found.high}
+
+    def interval(self, values: Array) -> Interval:
+        """Interquartile mean of values (n,), those that are known, with its interval."""
+        return iqm_interval(np.asarray(values), self.confidence, self.resamples, self.seed)
