@@ -20,7 +20,7 @@ class SnapshotsEvaluator(IntervalEvaluator):
 
     The return of one snapshot is a lottery; that of the last ten says what a training run leads to.
 
-    Attributes: as `IntervalEvaluator`, its episodes of each snapshot, one in each context; as many without exploration.
+    Attributes: as `IntervalEvaluator`, its episodes of each snapshot, one in each context, twice.
 
     Raises:
         ConfigError: a number is out of its range.
@@ -62,7 +62,7 @@ class SnapshotsEvaluator(IntervalEvaluator):
     def _told(self, count: int) -> str:
         return (
             f"Each policy that the run kept ({count}) plays {self.episodes} episodes without exploration "
-            "(deterministic) and as many with it (stochastic), in contexts that it was trained on. iqm: interquartile mean "
-            f"over them, low and high: its {percent(self.confidence)} interval. Which one is deployed was chosen "
-            "on other episodes."
+            "(deterministic) and as many with it (stochastic), in contexts that it was trained on. iqm is the "
+            f"interquartile mean over the policies, low and high its {percent(self.confidence)} interval. Which one is "
+            "deployed was chosen on other episodes."
         )

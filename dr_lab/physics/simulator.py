@@ -190,15 +190,12 @@ class Simulator:
         Returns:
             The rollout; simulation i = context · w + window.
         """
-        self._begin(z, qpos, qvel, act)
-        contexts = len(qpos)
+        contexts = self._begin(z, qpos, qvel, act)
         before, (nstep, ncontrol) = past.shape[1], controls.shape[1:]
         known = self._commanded(z, np.concatenate([past, controls], axis=1))
         every = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, before + nstep, ncontrol)
         applied = np.ascontiguousarray(every[:, before:])
-        if self.compiled.nhistory:
-            rows = [self._histories(each) for each in known[:, :, :before]]
-            self.batch.bind("history")[:] = np.tile(np.concatenate(rows), (contexts // len(known), 1))
+        self._remember(known[:, :, :before], contexts)
         start = self.batch.state.copy()
         record = ("qpos", "qvel", "sensordata") if self.compiled.nsensordata else ("qpos", "qvel")
         if self._stepper is None:
@@ -209,8 +206,8 @@ class Simulator:
         sensors = out.get("sensordata", np.empty((self.nsim, nstep, 0)))
         return Rollout(first(qpos, out["qpos"]), first(qvel, out["qvel"]), sensors, start, applied, self.infeasible)
 
-    def _begin(self, z: Array, qpos: Array, qvel: Array, act: Array | None) -> None:
-        """Put every (context, window) pair at its start; arguments as `replay`."""
+    def _begin(self, z: Array, qpos: Array, qvel: Array, act: Array | None) -> int:
+        """Put every (context, window) pair at its start and give the number of contexts; arguments as `replay`."""
         contexts, windows = qpos.shape[:2]
         if contexts * windows != self.nsim:
             raise ModelError(
@@ -222,6 +219,13 @@ class Simulator:
         self.batch.bind("qvel")[:] = qvel.reshape(self.nsim, -1)
         if act is not None:
             self.batch.bind("act")[:] = act.reshape(self.nsim, -1)
+        return contexts
+
+    def _remember(self, past: Array, contexts: int) -> None:
+        """Fill the memories of delayed actuators from past controls, shape (c or 1, w, p, nu)."""
+        if self.compiled.nhistory:
+            rows = [self._histories(each) for each in past]
+            self.batch.bind("history")[:] = np.tile(np.concatenate(rows), (contexts // len(past), 1))
 
     def follow(self, z: Array, history: History, act: Array) -> Array:
         """Activations along a motion that is given, not simulated: MuJoCo steps them, and the motion is put back.

@@ -123,27 +123,21 @@ def windows_at(
 ) -> Windows:
     """Windows whose simulations start at given times.
 
-    Args:
-        logs: the logs.
+    Args: as `cut`, and
         begins: s on each log's clock, at least one for each.
-        measured: gives the noise.
-        model: compiled nominal model.
-        settings: how long windows are, and what is kept of before.
 
-    Raises:
-        DataError: no sample falls into a window.
-        UnknownNameError: a channel or command is not in the model.
+    Raises: as `cut`, but for logs that are too short.
     """
     columns, samples = actuator_columns(model, logs), _all_samples(model, logs, begins, measured, settings)
     nstep, npast, nback = _step_counts(model, settings)
-    first = max(npast, nback)
+    first, pairs = max(npast, nback), zip(logs, begins, strict=True)
     edges = model.opt.timestep * np.arange(-first, nstep + 1)
-    steps = np.concatenate(
-        [averages(log.commands, columns, model.nu, b[:, None] + edges) for log, b in zip(logs, begins, strict=True)]
-    )
+    steps = np.concatenate([averages(log.commands, columns, model.nu, b[:, None] + edges) for log, b in pairs])
     before = motion_before(logs, begins, model, steps[:, first - nback : first], settings.smoother)
     prior = estimate_starts(logs, begins, model, measured.noise, settings)
     hidden = activations(logs, begins, model, before, prior, settings)
+    if hidden is not None:
+        prior = replace(prior, std=np.concatenate([prior.std, hidden.std]))
     return Windows(
         log=np.repeat(np.arange(len(logs)), [len(b) for b in begins]),
         logs=tuple(log.name for log in logs),
@@ -154,7 +148,7 @@ def windows_at(
         before=before,
         activations=hidden,
         commands=columns,
-        prior=prior if hidden is None else replace(prior, std=np.concatenate([prior.std, hidden.std])),
+        prior=prior,
         step=model.opt.timestep,
         margin=settings.margin,
         length=settings.length,
