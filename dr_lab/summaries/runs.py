@@ -12,10 +12,14 @@ import numpy as np
 import yaml
 
 from dr_lab.errors import DataError
+from dr_lab.reports import evaluate, summarize, train
+from dr_lab.reports.evaluate import EvaluateReport
+from dr_lab.reports.json_file import typed
+from dr_lab.reports.train import TrainReport
 from dr_lab.sweeps.overrides import by_key
 from dr_lab.trajectory import Array
 
-SUMMARY_SCHEMA, TRAIN_SCHEMA = "dr_lab/summarize/1", "dr_lab/train/1"
+_TYPES = {train.SCHEMA: TrainReport, evaluate.SCHEMA: EvaluateReport}
 _REPORT, _CONFIG, _METRICS = "report.json", "config.yaml", "metrics.csv"
 _ANY = "*"
 _RESUMED = "resume"  # override that says where a run was gone on with, which makes no other run of it
@@ -34,7 +38,8 @@ class Run:
         folder: the same from here.
         overrides: what was typed for it, value by key, but for the run that it went on with.
         configuration: its ``config.yaml``.
-        report: its ``report.json``.
+        report: its ``report.json``, from which figures are picked by their paths.
+        content: the same of training or of an evaluation, typed; None of other verbs.
     """
 
     name: str
@@ -42,6 +47,7 @@ class Run:
     overrides: Mapping[str, str]
     configuration: Mapping[str, Any]
     report: Mapping[str, Any]
+    content: TrainReport | EvaluateReport | None
 
 
 def find_runs(sweep: Path) -> tuple[list[Run], list[str]]:
@@ -62,7 +68,7 @@ def find_runs(sweep: Path) -> tuple[list[Run], list[str]]:
     folders = sorted(found, key=lambda folder: _place(folder, sweep))
     finished = [folder for folder in folders if (folder / _REPORT).is_file()]
     runs = [_read(folder, sweep) for folder in finished]
-    runs = [run for run in runs if run.report.get("schema") != SUMMARY_SCHEMA]
+    runs = [run for run in runs if run.report["schema"] != summarize.SCHEMA]
     if not runs:
         raise DataError(f"Below {sweep} no run is finished: no folder holds a {_CONFIG} and a {_REPORT}.")
     return runs, [str(folder.relative_to(sweep)) for folder in folders if folder not in finished]
@@ -101,7 +107,7 @@ def history(run: Run) -> dict[str, Array]:
         DataError: it cannot be read, or a value is no number.
     """
     path = run.folder / _METRICS
-    if run.report["schema"] != TRAIN_SCHEMA or not path.is_file():
+    if not isinstance(run.content, TrainReport) or not path.is_file():
         return {}
     try:
         with path.open(encoding="utf-8", newline="") as file:
@@ -150,9 +156,18 @@ def _read(folder: Path, sweep: Path) -> Run:
     made_with = configuration.get("made_with") if isinstance(configuration, dict) else None
     if not isinstance(made_with, dict) or not isinstance(made_with.get("overrides", []), list):
         raise DataError(_UNREADABLE.format(folder, f"its {_CONFIG} does not say what the run was made with", sweep))
-    typed = by_key([str(override) for override in made_with.get("overrides", [])])
-    typed.pop(_RESUMED, None)
-    return Run(str(folder.relative_to(sweep)), folder, typed, configuration, report)
+    overrides = by_key([str(override) for override in made_with.get("overrides", [])])
+    overrides.pop(_RESUMED, None)
+    try:
+        content = _content(report, folder / _REPORT)
+    except DataError as error:
+        raise DataError(f"{error}\nTake it out of {sweep}, or summarise it with the version that wrote it.") from None
+    return Run(str(folder.relative_to(sweep)), folder, overrides, configuration, report, content)
+
+
+def _content(report: Mapping[str, Any], path: Path) -> TrainReport | EvaluateReport | None:
+    kind = _TYPES.get(report["schema"])
+    return None if kind is None else typed(kind, report, path)
 
 
 def _is_of_summary(config: Path) -> bool:
