@@ -46,7 +46,7 @@ class Run:
     folder: Path
     overrides: Mapping[str, str]
     configuration: Mapping[str, Any]
-    report: Mapping[str, Any]
+    report: Mapping[str, object]
     content: TrainReport | EvaluateReport | None
 
 
@@ -74,7 +74,7 @@ def find_runs(sweep: Path) -> tuple[list[Run], list[str]]:
     return runs, [str(folder.relative_to(sweep)) for folder in folders if folder not in finished]
 
 
-def picked(report: Mapping[str, Any], paths: Sequence[str]) -> dict[str, Figure]:
+def picked(report: Mapping[str, object], paths: Sequence[str]) -> dict[str, Figure]:
     """Numbers and words of a report.
 
     Args:
@@ -88,7 +88,7 @@ def picked(report: Mapping[str, Any], paths: Sequence[str]) -> dict[str, Figure]
     return {name: figure for name, value in found.items() for figure in _figures(value)}
 
 
-def beside(report: Mapping[str, Any], path: str) -> list[str]:
+def beside(report: Mapping[str, object], path: str) -> list[str]:
     """The paths that go on where one ends that leads to no figure; none where nothing goes on.
 
     Args:
@@ -117,7 +117,7 @@ def history(run: Run) -> dict[str, Array]:
         raise DataError(f"{path}: {error}. Expected the {_METRICS} of a training run.") from None
 
 
-def _places(report: Mapping[str, Any], parts: Sequence[str]) -> dict[str, object]:
+def _places(report: Mapping[str, object], parts: Sequence[str]) -> dict[str, object]:
     """What lies at a path, by its keys; ``*`` leads to several places."""
     places: dict[str, object] = {"": report}
     for part in parts:
@@ -165,8 +165,8 @@ def _read(folder: Path, sweep: Path) -> Run:
     return Run(str(folder.relative_to(sweep)), folder, overrides, configuration, report, content)
 
 
-def _content(report: Mapping[str, Any], path: Path) -> TrainReport | EvaluateReport | None:
-    kind = _TYPES.get(report["schema"])
+def _content(report: Mapping[str, object], path: Path) -> TrainReport | EvaluateReport | None:
+    kind = _TYPES.get(str(report["schema"]))
     return None if kind is None else typed(kind, report, path)
 
 

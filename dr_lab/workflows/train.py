@@ -35,12 +35,7 @@ NOTHING_LEARNT = Beginning(run=None, distribution=False)
 
 
 def train(
-    plan: Plan,
-    choice: Choice,
-    recorder: Look,
-    resume: str | None,
-    run_dir: Path,
-    beginning: Beginning = NOTHING_LEARNT,
+    plan: Plan, choice: Choice, recorder: Look, resume: str | None, run_dir: Path, beginning: Beginning = NOTHING_LEARNT
 ) -> TrainReport:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
