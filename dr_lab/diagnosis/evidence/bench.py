@@ -159,9 +159,9 @@ def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None,
     return Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta, goal=goal)
 
 
-def beyond_doubt(bench: Bench, explained: FittedModel) -> float:
+def beyond_doubt(bench: Bench, fitted_model: FittedModel) -> float:
     """Cost above which another model is worse than a fitted one without a doubt; see `Fitter.run`."""
-    return bench.beside(explained).cost_at(explained.fit, bench.enough)
+    return bench.beside(fitted_model).cost_at(fitted_model.fit, bench.enough)
 
 
 def fitted_alone(replay: Replay, fit: Fit) -> FittedModel:

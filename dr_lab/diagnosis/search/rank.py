@@ -96,7 +96,7 @@ class _Contest:
             near = [k for k in hopeful if looks[k].gain >= settings.least_promise * reachable]
             wave = shortlist([k for k in near if k not in found], self.placed, settings.most_fits - len(found))
             self._fit_wave(wave, looks, found)
-            reachable = max((c.explained.fit.below(self.start) for c in found.values()), default=0.0)
+            reachable = max((c.fitted_model.fit.below(self.start) for c in found.values()), default=0.0)
         for k in set(order) - found.keys():
             first, predicted = looks[k], looks[k].gain / self.start.cost
             found[k] = self._unfitted(self.placed[k], first.absent, first.identifiability, predicted)
@@ -131,19 +131,21 @@ class _Contest:
         """The ranking, with the base fitted anew from where the best candidate's fit ended, if that is better."""
         settings = self.bench.evidence
         credited = [c for c in found if c.final and supported(c.gain, len(c.effect.parameters), settings)]
-        best = min(credited, key=lambda c: c.explained.fit.order, default=None)
+        best = min(credited, key=lambda c: c.fitted_model.fit.order, default=None)
         if best is None:
             return Ranking(self.base, found)
         best = min(self.base.fit, self._below(best), key=lambda fit: fit.order)
         if self.base.fit.cost - best.cost <= self.bench.solver.tolerance * best.cost:
             return Ranking(self.base, found)
         base = scored(self.bench, self.base.model, best, near=self.base.states)
-        final = {c.effect.label: paired_gain(base.held_out, c.explained.held_out, settings) for c in found if c.final}
+        final = {
+            c.effect.label: paired_gain(base.held_out, c.fitted_model.held_out, settings) for c in found if c.final
+        }
         return Ranking(base, _ordered(replace(c, gain=final.get(c.effect.label, c.gain)) for c in found))
 
     def _below(self, candidate: Candidate) -> Fit:
         """The model without an effect, fitted from where the fit with it ended."""
-        fit = candidate.explained.fit
+        fit = candidate.fitted_model.fit
         fitter = Fitter(self._replay(self.bench), self.bench.solver)
         return fitter.rerun(fitter.begin(fit.z[: len(self.base.fit.z)], fit.delta), self.base.fit.cost)
 
@@ -189,9 +191,9 @@ class _Contest:
 
     def _further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool]:
         """An effect at the fit of its special case, and whether a linear step from there promises enough."""
-        fit, extra = poorer.explained.fit, len(effect.parameters) - len(poorer.effect.parameters)
-        there = further(self._fitter(bench, effect), effect, poorer.effect, fit, poorer.explained.values())
-        beside = self.bench.beside(poorer.explained)
+        fit, extra = poorer.fitted_model.fit, len(effect.parameters) - len(poorer.effect.parameters)
+        there = further(self._fitter(bench, effect), effect, poorer.effect, fit, poorer.fitted_model.values())
+        beside = self.bench.beside(poorer.fitted_model)
         return there.fit, beside.promise(there.gain, fit, extra) >= beside.hope
 
     def _try(self, k: int, first: FirstLook) -> Candidate:
@@ -215,16 +217,16 @@ class _Contest:
         return self._rough_candidate(fitter, effect, fit, first)
 
     def _rough_candidate(self, fitter: Fitter, effect: PlacedEffect, fit: Fit, first: FirstLook) -> Candidate:
-        explained = fitted_alone(fitter.replay, fit)
-        gain = paired_gain(self.ground.held_out, explained.held_out, self.bench.evidence)
-        return Candidate(effect, explained, gain, first.identifiability, first.gain / self.start.cost, final=False)
+        fitted_model = fitted_alone(fitter.replay, fit)
+        gain = paired_gain(self.ground.held_out, fitted_model.held_out, self.bench.evidence)
+        return Candidate(effect, fitted_model, gain, first.identifiability, first.gain / self.start.cost, final=False)
 
     def _refit(self, candidate: Candidate) -> Candidate:
         """A candidate fitted to all windows, or left absent if it does not gain enough there.
 
         An effect that acts at once and promises little begins at absent, where the base's slopes are known.
         """
-        effect, base, fit = candidate.effect, self.base.fit, candidate.explained.fit
+        effect, base, fit = candidate.effect, self.base.fit, candidate.fitted_model.fit
         fitter, goal = self._fitter(self.bench, effect), self.bench.hoped(base)
         nominal = np.append(base.z, [p.nominal for p in effect.parameters])
         (absent,) = fitter.outlooks(nominal[None], base.delta, base.slopes, base)
@@ -246,8 +248,8 @@ class _Contest:
         there, more = self._further(self.bench, candidate.effect, poorer)
         if not more:
             return candidate
-        fitter, beside = self._fitter(self.bench, candidate.effect), self.bench.beside(poorer.explained)
-        goal = beside.hoped(poorer.explained.fit)
+        fitter, beside = self._fitter(self.bench, candidate.effect), self.bench.beside(poorer.fitted_model)
+        goal = beside.hoped(poorer.fitted_model.fit)
         again = fitter.run(there.z, there.delta, there.slopes, goal=goal)
         if again.cost > goal:
             return candidate
@@ -255,17 +257,17 @@ class _Contest:
 
     def _candidate(self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float) -> Candidate:
         model = self.base.model.with_effect(effect)
-        explained = scored(self.bench, model, fit, 1, self.base.states, self.stop)
-        gain = paired_gain(self.base.held_out, explained.held_out, self.bench.evidence)
-        seen = resolved(effect, explained.values(), self.bench.timing_resolution)
-        return Candidate(effect, explained, gain, known, predicted, resolved=seen)
+        fitted_model = scored(self.bench, model, fit, 1, self.base.states, self.stop)
+        gain = paired_gain(self.base.held_out, fitted_model.held_out, self.bench.evidence)
+        seen = resolved(effect, fitted_model.values(), self.bench.timing_resolution)
+        return Candidate(effect, fitted_model, gain, known, predicted, resolved=seen)
 
     def _unfitted(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
         """A candidate that stays absent and so equals the base."""
         base = self.base
-        explained = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
+        fitted_model = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
         gain = paired_gain(base.held_out, base.held_out, self.bench.evidence)
-        return Candidate(effect, explained, gain, known, predicted, False, False)
+        return Candidate(effect, fitted_model, gain, known, predicted, False, False)
 
     def _standing(self, tried: dict[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat."""
@@ -275,7 +277,7 @@ class _Contest:
             return []
         standing: list[int] = []
         for k in sorted(order, key=lambda k: len(tried[k].effect.parameters)):
-            best = paired_gain(tried[k].explained.held_out, tried[order[0]].explained.held_out, settings)
+            best = paired_gain(tried[k].fitted_model.held_out, tried[order[0]].fitted_model.held_out, settings)
             cases = [j for j in standing if self._special_cases([k], [j])]  # others may lead on few windows alone
             needless = any(self._needless(tried[k], tried[j]) for j in cases or standing)
             if not needless and not supported(best, 0, settings):
@@ -287,8 +289,8 @@ class _Contest:
         more = len(candidate.effect.parameters) - len(other.effect.parameters)
         if more <= 0:
             return False
-        ours, theirs = candidate.explained.fit, other.explained.fit
-        return self.bench.beside(other.explained).promise(ours.below(theirs), theirs, more) < self.bench.hope
+        ours, theirs = candidate.fitted_model.fit, other.fitted_model.fit
+        return self.bench.beside(other.fitted_model).promise(ours.below(theirs), theirs, more) < self.bench.hope
 
     def _side_by_side(self, items: Sequence[_In], work: Callable[[_In], _Out]) -> list[_Out]:
         return side_by_side(items, work, self.bench.threads, self.stop)
