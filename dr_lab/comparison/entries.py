@@ -14,7 +14,7 @@ from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.evidence.trade import trades
 from dr_lab.diagnosis.fit import trust
 from dr_lab.diagnosis.fit.covariance import estimate, per_log
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.law_check import LawCheck
 from dr_lab.diagnosis.search.verdict import Verdict

@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 
 from dr_lab.diagnosis.evidence.left_out import left_out
 from dr_lab.diagnosis.evidence.score import Score, score_of
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings

@@ -6,7 +6,7 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.score import Score, score_of
-from dr_lab.diagnosis.fit.levenberg_marquardt import movable
+from dr_lab.diagnosis.fit.fit import movable
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay

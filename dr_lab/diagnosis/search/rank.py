@@ -14,8 +14,9 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_alone, scored
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.as_special_case import further, special_case
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
