@@ -15,7 +15,7 @@ from rich.markdown import Markdown
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.environment import Environment
 from dr_lab.errors import ConfigError
 from dr_lab.files import write_text
 from dr_lab.recorders.episode import Episode
@@ -149,7 +149,7 @@ def _finish(
     snapshots: Snapshots,
     found: Mapping[str, Any],
     look: Look,
-    shown: tuple[Setting, Sequence[Episode]],
+    shown: tuple[Environment, Sequence[Episode]],
     run_dir: Path,
 ) -> dict[str, Any]:
     """Write the report down in all its forms."""
@@ -169,7 +169,7 @@ def _finish(
 
 
 def _report(
-    training: Training, snapshots: Snapshots, env: Setting, episodes: Sequence[Episode], run_dir: Path
+    training: Training, snapshots: Snapshots, env: Environment, episodes: Sequence[Episode], run_dir: Path
 ) -> dict[str, Any]:
     history = training.trainer.history
     z = training.randomizer.sample([np.random.default_rng(0)] * _DRAWS)
