@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import Episodes
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.environment import Environment
+from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid
@@ -36,7 +36,7 @@ class Subject:
     """
 
     name: str
-    setting: Setting
+    setting: Environment
     policy: Policy
     again: Callable[[ContextSource, int], tuple[Trainer, Policy]]
     threads: int | None = None
@@ -47,7 +47,7 @@ class Subject:
         """Whole episodes, so many side by side, of the policy or of another one on the same task."""
         return PolicyRollouts(self.slots(episodes, seed), policy or self.policy)
 
-    def slots(self, episodes: int, seed: int) -> Episodes:
+    def slots(self, episodes: int, seed: int) -> EpisodeSlots:
         """Slots of the task, side by side, whose starts are not those that training drew from the same seed."""
         return self.setting.make(None, episodes, derived_seed(seed, "evaluation"), self.threads).episodes
 
