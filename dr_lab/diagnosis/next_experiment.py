@@ -9,7 +9,8 @@ import numpy as np
 from dr_lab.bounds import Count, Positive, require_bounds
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.experiment import readings
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows.windows import cut
