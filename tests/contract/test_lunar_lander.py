@@ -4,6 +4,7 @@ from typing import Any, cast
 
 import gymnasium
 import hydra
+import mujoco
 import numpy as np
 import pytest
 import torch
@@ -14,7 +15,7 @@ from settings import composed
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.envs.environment import Environment
 from dr_lab.envs.lunar_lander.episodes import LanderEpisodes
-from dr_lab.envs.lunar_lander.lander import original
+from dr_lab.envs.lunar_lander.lander import Lander, original
 from dr_lab.envs.setting import require_mujoco
 from dr_lab.envs.slots import StepOutcome
 from dr_lab.errors import ConfigError, DrLabError
@@ -197,6 +198,21 @@ def test_a_recorded_episode_shows_what_the_policy_saw() -> None:
     np.testing.assert_allclose(episode.qpos[:-1, 1] - 0.6, 20.0 / 3.0 * observation[:, 1], atol=1e-5)
     np.testing.assert_allclose(episode.qpos[:-1, 2], observation[:, 4], atol=1e-5)
     np.testing.assert_allclose(episode.qvel[:-1, 0], 5.0 * observation[:, 2], atol=1e-5)
+
+
+def test_the_scene_has_the_legs_where_box2d_has_them() -> None:
+    lander, scene = Lander(), environment().scene(np.empty(0))
+    lander.begin(3, np.array([13.0, 0.6]))
+    data = mujoco.MjData(scene)
+    for step in range(60):
+        lander.step(action(step, 1)[0])
+        position, _ = lander.state
+        data.qpos[:] = position
+        mujoco.mj_kinematics(scene, data)
+        assert position[2] != 0.0
+        for leg, strut in zip(lander.legs, ("right_strut", "left_strut"), strict=True):
+            middle = [leg.position.x - 10.0, 0.0, leg.position.y - lander.helipad_y]
+            np.testing.assert_allclose(data.geom(strut).xpos, middle, atol=0.03)  # Box2D's joints give way a little
 
 
 def test_what_box2d_cannot_do_is_said() -> None:

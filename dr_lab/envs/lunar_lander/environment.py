@@ -9,9 +9,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from dr_lab.bounds import Count, Positive, require_bounds
 from dr_lab.envs.batched_env import BatchedEnv
 from dr_lab.envs.environment import Environment
-from dr_lab.errors import ConfigError, UnknownNameError, require_numbers
+from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.context_source import ContextSource
@@ -34,12 +35,12 @@ class Landing:
         ConfigError: a number is not above 0.
     """
 
-    time_limit: int
-    main_engine_power: float
-    side_engine_power: float
+    time_limit: Count
+    main_engine_power: Positive
+    side_engine_power: Positive
 
     def __post_init__(self) -> None:
-        require_numbers(self, "env.task", positive=_POWERS, least={"time_limit": 1})
+        require_bounds(self, "env.task")
 
 
 @dataclass(frozen=True, kw_only=True)
