@@ -10,7 +10,7 @@ from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.training import Curve, Grid
+from dr_lab.recorders.training import Curve, Grid, Matrix
 from dr_lab.seeding import derived_seed
 from dr_lab.training.policy_snapshots import PolicySnapshot
 from dr_lab.training.rollouts import PolicyRollouts
@@ -61,7 +61,8 @@ class Evaluation:
         rows: the table behind them, one row a context, policy or whatever the evaluator compares; same keys in each.
         units: of the table's columns that have one.
         grids: returns over contexts.
-        curves: figures over the control steps of further training.
+        matrices: cosines between the gradients of contexts, the most telling first.
+        curves: figures over the control steps of training.
         episodes: that are worth being looked at.
         told: what was played and what the figures mean, for the page.
     """
@@ -70,6 +71,7 @@ class Evaluation:
     rows: Sequence[Row]
     units: Mapping[str, str] = field(default_factory=dict)
     grids: Sequence[Grid] = field(default_factory=tuple)
+    matrices: Sequence[Matrix] = field(default_factory=tuple)
     curves: Sequence[Curve] = field(default_factory=tuple)
     episodes: Sequence[Episode] = field(default_factory=tuple)
     told: str = ""

@@ -180,7 +180,8 @@ def _write(run_dir: Path, report: Mapping[str, Any], found: Evaluation, subject:
     write_text(run_dir / "report.md", page)
     keep_episodes(run_dir, subject.setting, found.episodes)
     name = f"{subject.setting.name} · {subject.name}"
-    record = TrainingRecord(name, found.curves, grids=found.grids, episodes=found.episodes, pages={"Report": page})
+    parts = {"grids": found.grids, "matrices": found.matrices, "episodes": found.episodes}
+    record = TrainingRecord(name, found.curves, **parts, pages={"Report": page})
     write_training_review(run_dir / "review.rrd", record, look)
     Console().print(Markdown(page))
 

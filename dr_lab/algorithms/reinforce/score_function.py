@@ -33,9 +33,9 @@ def score(parameters: Mapping[str, Tensor], actor: GaussianActor, episodes: Whol
 def episode_gradients(actor: GaussianActor, episodes: WholeEpisodes, advantage: Tensor) -> Tensor:
     """Gradient of each episode's `score` by all of the policy's parameters in turn, shape (k, p).
 
-    Args: as `score`, at the policy's own parameters.
+    Args: as `score`, at the policy's own parameters, in the precision of the advantage.
     """
-    parameters = {name: value.detach() for name, value in actor.named_parameters()}
+    parameters = {name: value.detach().to(advantage.dtype) for name, value in actor.named_parameters()}
 
     def of_one(episode: WholeEpisodes, weight: Tensor) -> dict[str, Tensor]:
         rows = WholeEpisodes(*(field[None] for field in episode))
