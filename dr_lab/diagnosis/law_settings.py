@@ -1,4 +1,4 @@
-"""How the law of a named effect is checked; the values live in conf/evidence."""
+"""How the law of a named effect is checked; the values live in conf/comparison."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Settings of the diagnosis; their values live in conf/windows, conf/solver and conf/evidence."""
+"""Settings of the diagnosis; their values live in conf/comparison."""
 
 from dataclasses import dataclass, replace
 
@@ -70,6 +70,20 @@ class WindowSettings:
     def most(self) -> int:
         """How many windows are taken of all logs together."""
         return max(1, round(self.seconds / self.length))
+
+
+def predicted_windows(windows: WindowSettings, length: float, run_in: float) -> WindowSettings:
+    """How logs are cut for prediction: as for fits, with the start known only from samples before the scored part.
+
+    Args:
+        windows: how logs are cut for fits.
+        length: scored part of a window, s.
+        run_in: time before the scored part whose samples alone estimate the start, s.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+    return replace(windows.of_length(length), run_in=run_in)
 
 
 @dataclass(frozen=True)

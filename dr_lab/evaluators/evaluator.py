@@ -5,6 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.episodes import Episodes
 from dr_lab.envs.setting import Setting
@@ -15,6 +17,7 @@ from dr_lab.seeding import derived_seed
 from dr_lab.training.policy_snapshots import PolicySnapshot
 from dr_lab.training.rollouts import PolicyRollouts
 from dr_lab.training.trainer import Trainer
+from dr_lab.trajectory import Array
 
 Row = Mapping[str, float | str]
 Progress = Callable[[float], None]
@@ -46,6 +49,12 @@ class Subject:
     def rollouts(self, episodes: int, seed: int, policy: Policy | None = None) -> PolicyRollouts:
         """Whole episodes, so many side by side, of the policy or of another one on the same task."""
         return PolicyRollouts(self.slots(episodes, seed), policy or self.policy)
+
+    def contexts(self, count: int, rng: np.random.Generator) -> Array:
+        """Draws of the distribution that was trained on, shape (count, n)."""
+        if self.trained_on is None:
+            return np.tile(self.setting.space.nominal, (count, 1))
+        return self.trained_on.propose([rng] * count, np.arange(count)).z
 
     def slots(self, episodes: int, seed: int) -> Episodes:
         """Slots of the task, side by side, whose starts are not those that training drew from the same seed."""

@@ -18,11 +18,13 @@ class Beginning:
     Attributes:
         run: folder of the finished run, of the same algorithm on the same observations and actions; None takes nothing
             over.
-        distribution: whether p(z) is taken over beside the policy and its normaliser; the randomizer is to be the same.
+        distribution: whether p(z), and what shapes it, is taken over; randomizer and learner are to be the same.
+        policy: whether the policy and its normaliser are.
     """
 
     run: str | None
     distribution: bool
+    policy: bool = True
 
     def apply(self, training: Training, seed: int) -> None:
         """Put a training that has not begun into the state that the finished run left.
@@ -39,14 +41,15 @@ class Beginning:
         folder = Path(self.run).expanduser()
         saved = load(folder / CHECKPOINT)
         try:
-            go_on_from(training.algorithm, saved["algorithm"], seed)
+            if self.policy:
+                go_on_from(training.algorithm, saved["algorithm"], seed)
             if self.distribution:
-                training.randomizer.load_state_dict(saved["learner"]["randomizer"])
+                training.learner.inherit(saved["learner"])
         except (KeyError, RuntimeError, TypeError, ValueError) as error:
             raise DataError(
                 f"init={self.run} is a run with another algorithm, other networks or another distribution: "
-                f"{' '.join(str(error).split())} Give algorithm, env and, with init_distribution=true, randomizer as "
-                f"in {folder / 'config.yaml'}."
+                f"{' '.join(str(error).split())} Give algorithm, env and, with init_distribution=true, randomizer and "
+                f"distribution_learner as in {folder / 'config.yaml'}."
             ) from error
 
 

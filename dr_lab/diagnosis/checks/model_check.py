@@ -1,4 +1,4 @@
-"""Settings of what is checked of a model before anything is blamed on the machine; values in conf/model_check."""
+"""Settings of what is checked of a model before anything is blamed on the machine; values in conf/comparison."""
 
 from dataclasses import dataclass
 

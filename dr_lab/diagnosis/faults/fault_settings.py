@@ -1,4 +1,4 @@
-"""When a fault of a log is told; the values live in conf/faults."""
+"""When a fault of a log is told; the values live in conf/comparison."""
 
 from dataclasses import dataclass
 
