@@ -22,10 +22,12 @@ class Played:
     Attributes:
         episodes: the feasible ones, float64.
         advantage: G_t − b_t of every step, shape (k, t).
+        returns: G_0, discounted, shape (k,).
     """
 
     episodes: WholeEpisodes
     advantage: Tensor
+    returns: Tensor
 
 
 def played(slots: Episodes, actor: GaussianActor, z: Array, baseline: Baseline, gamma: float) -> Played:
@@ -44,7 +46,7 @@ def played(slots: Episodes, actor: GaussianActor, z: Array, baseline: Baseline, 
     with torch.no_grad():
         episodes = whole_episodes(course, mask, actor).double()
         to_go = episodes.returns_to_go(gamma)
-        return Played(episodes, to_go - baseline(episodes, to_go))
+        return Played(episodes, to_go - baseline(episodes, to_go), to_go[:, 0])
 
 
 def require_gaussian(policy: Policy, evaluator: str) -> GaussianActor:

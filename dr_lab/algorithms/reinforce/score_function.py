@@ -1,4 +1,4 @@
-"""The score-function estimator of the policy gradient, and that of single episodes."""
+"""The score-function estimator of the policy gradient, that of single episodes, and the surrogate it belongs to."""
 
 from collections.abc import Mapping
 
@@ -43,3 +43,20 @@ def episode_gradients(actor: GaussianActor, episodes: WholeEpisodes, advantage: 
 
     slopes = vmap(of_one, chunk_size=max(1, _TOGETHER // advantage.shape[1]))(episodes, advantage)
     return torch.cat([slope.flatten(1) for slope in slopes.values()], 1)
+
+
+def gains(parameters: Mapping[str, Tensor], actor: GaussianActor, episodes: WholeEpisodes, advantage: Tensor) -> Tensor:
+    """Σ_t (ρ_t − 1) A_t of each episode with ρ_t = π_θ(u_t|o_t)/π(u_t|o_t), shape (k,): what θ would gain in return.
+
+    Its mean has the gradient of `score` at the policy's own parameters. Its curvature is that of the return but for
+    what another policy would change in the states that are met; in episodes of one step it is that of the return.
+
+    Source: Kakade, Langford 2002; Schulman et al. 2015, equation 3.
+
+    Args: as `score`.
+    """
+    present = {name: value.detach().to(advantage.dtype) for name, value in actor.named_parameters()}
+    own = actor.distribution(present, episodes.observation)
+    log_prob = actor.distribution(parameters, episodes.observation).log_prob(episodes.action)
+    ratio = (log_prob - own.log_prob(episodes.action)).exp()
+    return ((ratio - 1.0) * advantage * episodes.mask).sum(1)

@@ -49,14 +49,14 @@ def gaussian() -> GaussianActor:
     return GaussianActor(1, np.array([-9.0]), np.array([9.0]), 0, NoNormaliser, [], "tanh", log_std=-2.0)
 
 
-def subject(*policies: Policy) -> Subject:
-    """A run that has kept these policies, 100 control steps apart."""
+def subject(*policies: Policy, setting: Setting | None = None) -> Subject:
+    """A run on the goals, or another task, that has kept these policies, 100 control steps apart."""
     kept = [PolicySnapshot(100 * k, policy, constant(0.0)) for k, policy in enumerate(policies, start=1)]
 
     def again(*_: object) -> None:
         raise AssertionError
 
-    return Subject("run", towards(), constant(0.0), again, threads=1, snapshots=kept)  # pyright: ignore[reportArgumentType]
+    return Subject("run", setting or towards(), constant(0.0), again, threads=1, snapshots=kept)  # pyright: ignore[reportArgumentType]
 
 
 def without_noise() -> Policy:
