@@ -57,7 +57,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
 
 def _found(ladder: Ladder) -> list[list[str]]:
     """What was found, each with what the data cannot separate from it."""
-    labels = [step.explained.model.effects[-1].label for step in ladder.steps]
+    labels = [step.fitted_model.model.effects[-1].label for step in ladder.steps]
     rivals = [[c.effect.label for c in step.rivals] for step in ladder.steps]
     return [[label, *others] for label, others in zip(labels, rivals, strict=True)]
 
@@ -77,7 +77,7 @@ def _standing(ladder: Ladder, truth: str) -> Standing | None:
                     place=place,
                     fitted=candidate.fitted,
                     promised=candidate.predicted,
-                    chi2=candidate.explained.held_out.chi2,
+                    chi2=candidate.fitted_model.held_out.chi2,
                     evidence=candidate.gain.total,
                     evidence_low=candidate.gain.total_low,
                     gap=candidate.gain.gap,
@@ -88,9 +88,9 @@ def _standing(ladder: Ladder, truth: str) -> Standing | None:
 
 def _own_values(ladder: Ladder, truth: str) -> dict[str, float]:
     """Fitted parameters of a truth, by short name, in the model that the answer leads to; empty if it is not found."""
-    rivals = [c.explained for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
-    for explained in (ladder.models[-1], *rivals):
-        values = explained.model.space.mapping(explained.fit.z)
+    rivals = [c.fitted_model for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
+    for fitted_model in (ladder.models[-1], *rivals):
+        values = fitted_model.model.space.mapping(fitted_model.fit.z)
         own = {k.removeprefix(f"{truth}."): float(v) for k, v in values.items() if k.startswith(f"{truth}.")}
         if own:
             return own

@@ -4,6 +4,7 @@ import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import torch
@@ -11,7 +12,8 @@ from torch import Tensor
 
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.score_function import gains
-from dr_lab.errors import DataError, require_numbers
+from dr_lab.bounds import Count, Positive, at_least, at_most
+from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.evaluators.policy_gradients import Played, played, require_gaussian, spread_over
@@ -53,18 +55,14 @@ class CurvatureEvaluator(IntervalEvaluator):
         ConfigError: a number is out of its range.
     """
 
-    eigenvalues: int
-    snapshots: int
-    reach: float
-    steps: int
-    parallel: int
+    eigenvalues: Count
+    snapshots: Count
+    reach: Positive
+    steps: Annotated[int, at_least(3)]
+    episodes: Annotated[int, at_least(2)]
+    parallel: Count
     baseline: Baseline
-    gamma: float
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        least = {"eigenvalues": 1, "snapshots": 1, "episodes": 2, "steps": 3, "parallel": 1, "gamma": 0.0}
-        require_numbers(self, "evaluator", positive=("reach",), least=least, most={"gamma": 1.0})
+    gamma: Annotated[float, at_least(0.0), at_most(1.0)]
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Find the ends of the spectrum for each snapshot, and play along those of the last; writes ``along.csv``.
@@ -95,7 +93,7 @@ class CurvatureEvaluator(IntervalEvaluator):
             moved[name] = [self._moved(subject, actor, course, direction, distance) for distance in self._distances]
         table = [{"along": f"{name} eigenvalue", **row} for name, rows in moved.items() for row in rows]
         write_text(folder / "along.csv", rows_csv(table))
-        return [grid for name, rows in moved.items() for grid in self._pictures(name, rows)]
+        return [self._picture(name, rows) for name, rows in moved.items()]
 
     @property
     def _distances(self) -> Array:
@@ -149,13 +147,10 @@ class CurvatureEvaluator(IntervalEvaluator):
             "surrogate": float(surrogate),
         }
 
-    def _pictures(self, name: str, course: Sequence[Mapping[str, float]]) -> list[Grid]:
+    def _picture(self, name: str, course: Sequence[Mapping[str, float]]) -> Grid:
         axis = ContextAxis(f"distance along the eigenvector of the {name} eigenvalue", "", self._distances)
-        played_, spread, surrogate = (np.array([row[key] for row in course]) for key in ("return", "std", "surrogate"))
-        return [
-            Grid(f"played, {name} eigenvalue", [axis], played_, spread),
-            Grid(f"surrogate, {name} eigenvalue", [axis], surrogate, np.zeros_like(surrogate)),
-        ]
+        value, spread = (np.array([row[key] for row in course]) for key in ("return", "std"))
+        return Grid(f"{name} eigenvalue", [axis], value, spread)
 
     def _told(self) -> str:
         return (
@@ -165,7 +160,7 @@ class CurvatureEvaluator(IntervalEvaluator):
             "curvature: along the same eigenvectors on as many other episodes, with its "
             f"{percent(self.confidence)} interval; of the two it is the one without bias. In along.csv and the "
             "pictures the last policy is moved along the two outermost eigenvectors: its discounted return when it is "
-            "played, and what the surrogate says of it."
+            "played and, in the former, what the surrogate says of it."
         )
 
 

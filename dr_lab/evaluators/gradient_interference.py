@@ -3,16 +3,19 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.score_function import episode_gradients
+from dr_lab.bounds import Count, at_least, at_most
 from dr_lab.envs.episodes import Episodes
-from dr_lab.errors import DataError, require_numbers
+from dr_lab.errors import DataError
 from dr_lab.evaluators.context_axes import cells, context_axes
 from dr_lab.evaluators.cosines import Cosines, cosines
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
+from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
+from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.evaluators.policy_gradients import played, require_gaussian, spread_over
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.recorders.training import ContextAxis, Matrix
@@ -21,7 +24,7 @@ from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True, kw_only=True)
-class GradientInterferenceEvaluator(Evaluator):
+class GradientInterferenceEvaluator(IntervalEvaluator):
     """Cosine ρ_ab = ⟨∇J_a, ∇J_b⟩/(‖∇J_a‖‖∇J_b‖) between every two contexts along one parameter, as training went on.
 
     Below 0 a step that improves the policy in a makes it worse in b (interference), above 0 better (transfer).
@@ -30,38 +33,26 @@ class GradientInterferenceEvaluator(Evaluator):
 
     Source: Mehta 2020 (thesis), equation 1.2.1 and figures 3.3 to 3.7, which have ḡ in place of ∇J.
 
-    Attributes:
+    Attributes: as `IntervalEvaluator`, its episodes in each context, and
         axes: the parameter with [lowest, highest, number of values] in SI units; None takes the model's, which then
             must be one, within its bounds.
         count: contexts where `axes` is None.
         snapshots: policies at most, of those that the run kept, at equal distances.
-        episodes: in each context.
         parallel: episodes side by side.
         baseline: what is taken off the returns-to-go.
         gamma: discount per control step.
-        confidence: of the intervals.
-        resamples: of the bootstrap.
-        seed: of starts, actions and bootstrap.
 
     Raises:
         ConfigError: a number is out of its range.
     """
 
     axes: Mapping[str, Sequence[float]] | None
-    count: int
-    snapshots: int
-    episodes: int
-    parallel: int
+    count: Annotated[int, at_least(2)]
+    snapshots: Count
+    episodes: Annotated[int, at_least(4)]
+    parallel: Count
     baseline: Baseline
-    gamma: float
-    confidence: float
-    resamples: int
-    seed: int
-
-    def __post_init__(self) -> None:
-        least = {"count": 2, "snapshots": 1, "episodes": 4, "parallel": 1, "resamples": 1, "gamma": 0.0}
-        below = {"confidence": 1.0}
-        require_numbers(self, "evaluator", positive=("confidence",), least=least, most={"gamma": 1.0}, below=below)
+    gamma: Annotated[float, at_least(0.0), at_most(1.0)]
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Compare the contexts for each snapshot.

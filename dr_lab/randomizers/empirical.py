@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Count, require_bounds
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.randomizers.uniform import box
@@ -33,11 +33,11 @@ class EmpiricalRandomizer(Randomizer):
     high: Tensor
 
     def __init__(
-        self, space: ContextSpace, ranges: Mapping[str, Sequence[float]] | None, window: int, bins: int
+        self, space: ContextSpace, ranges: Mapping[str, Sequence[float]] | None, window: Count, bins: Count
     ) -> None:
         super().__init__(space)
         self.window, self.bins = window, bins
-        require_numbers(self, "randomizer", least={"window": 1, "bins": 1})
+        require_bounds(self, "randomizer", EmpiricalRandomizer)
         low, high = box(space, ranges)
         self.register_buffer("low", low)
         self.register_buffer("high", high)

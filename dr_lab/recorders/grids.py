@@ -6,13 +6,11 @@ import numpy as np
 
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Axis, Chart, linear_axis
-from dr_lab.recorders.heat_map import CANVAS, ColourScale, cell_axis, log_map
+from dr_lab.recorders.heat_map import CANVAS, DARK_TO_LIGHT, ColourScale, cell_axis, log_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.shape import Colour
 from dr_lab.recorders.training import Grid
 from dr_lab.reports.quantity import titled
-
-_COLOURS = ("fixed", "after", "measured")  # from the lowest return to the highest: dark over blue to white
 
 
 def log_grid(root: Branch, grid: Grid, look: Look, span: tuple[float, float] | None = None) -> None:
@@ -28,7 +26,7 @@ def log_grid(root: Branch, grid: Grid, look: Look, span: tuple[float, float] | N
     if len(grid.axes) == 1:
         _log_line(root, grid, low, high, look)
     else:
-        log_map(root, grid.axes, grid.mean, ColourScale(low, high, _COLOURS), look)
+        log_map(root, grid.axes, grid.mean, ColourScale(low, high, DARK_TO_LIGHT), look)
 
 
 def return_span(grids: Sequence[Grid]) -> tuple[float, float]:

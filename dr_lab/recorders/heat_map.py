@@ -18,6 +18,9 @@ CANVAS = Canvas(width=130.0, height=90.0, left=18.0, right=24.0, top=12.0, botto
 _PIXELS = 10  # of the heat map's picture, a canvas unit
 _SCALE = (6.0, 8.0)  # distance and width of the colour scale beside the map
 
+DARK_TO_LIGHT = ("fixed", "after", "measured")
+"""Stops of values of which more is lighter: grey over blue to white."""
+
 
 @dataclass(frozen=True)
 class ColourScale:
@@ -66,16 +69,30 @@ def log_map(root: Branch, axes: Sequence[ContextAxis], value: Array, scale: Colo
         The chart that the map is in, to draw more into it.
     """
     chart = Chart(root, CANVAS, *(cell_axis(axis) for axis in axes))
-    shape = np.array(value.shape)
-    cells = heat_map(value.T[::-1], scale, look)  # rows from the top down
-    size = _PIXELS * np.array([CANVAS.height, CANVAS.width]).astype(int)
-    rows, columns = (np.arange(n) * k // n for n, k in zip(size, shape[::-1], strict=True))
+    rows, columns = (np.arange(n) * k // n for n, k in zip(pixels(), value.T.shape, strict=True))
+    log_picture(root, value.T[::-1][np.ix_(rows, columns)], scale, look)
+    chart.frame(look.colour("axis"), look.colour("text"))
+    return chart
+
+
+def pixels() -> tuple[int, int]:
+    """Rows and columns of a picture that fills the canvas."""
+    return _PIXELS * int(CANVAS.height), _PIXELS * int(CANVAS.width)
+
+
+def log_picture(root: Branch, value: Array, scale: ColourScale, look: Look) -> None:
+    """Fill the canvas with the colours of values, and draw their scale beside it.
+
+    Args:
+        root: where to.
+        value: of every pixel, rows from the top down, of the shape that `pixels` gives.
+        scale: its colours.
+        look: what they are.
+    """
     place = root / "map"
     place.static(rr.Transform3D(scale=1 / _PIXELS))
-    place.static(rr.Image(cells[np.ix_(rows, columns)]))
-    chart.frame(look.colour("axis"), look.colour("text"))
+    place.static(rr.Image(heat_map(value, scale, look)))
     _log_scale(root / "scale", scale, look)
-    return chart
 
 
 def cell_axis(axis: ContextAxis) -> Axis:

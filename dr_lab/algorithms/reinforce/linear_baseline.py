@@ -5,7 +5,7 @@ from torch import Tensor
 
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Positive, require_bounds
 
 
 class LinearBaseline(Baseline):
@@ -23,9 +23,9 @@ class LinearBaseline(Baseline):
         ConfigError: a number is not above 0.
     """
 
-    def __init__(self, ridge: float, horizon: float) -> None:
+    def __init__(self, ridge: Positive, horizon: Positive) -> None:
         self.ridge, self.horizon = ridge, horizon
-        require_numbers(self, "algorithm.baseline", positive=("ridge", "horizon"))
+        require_bounds(self, "algorithm.baseline", LinearBaseline)
 
     def __call__(self, episodes: WholeEpisodes, to_go: Tensor) -> Tensor:
         """Each half by the regression on the other."""

@@ -1,7 +1,7 @@
 """REINFORCE: one step along the score-function gradient of whole episodes."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, cast
+from typing import Annotated, Any, cast
 
 from tensordict import TensorDict
 from torch import Tensor
@@ -10,10 +10,10 @@ from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.score_function import score
 from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes, whole_episodes
+from dr_lab.bounds import Count, NotNegative, Positive, at_least, at_most, require_bounds
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.experience import Experience
 from dr_lab.collectors.first_episodes import first_episodes
-from dr_lab.errors import require_numbers
 from dr_lab.networks.adam import Adam
 from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian_actor import GaussianActor
@@ -49,17 +49,16 @@ class Reinforce(Algorithm):
         seed: int,
         actor: Callable[..., GaussianActor],
         baseline: Baseline,
-        slots: int,
-        batch_frames: int,
-        gamma: float,
-        rate: float,
-        adam_epsilon: float,
+        slots: Annotated[int, at_least(2)],
+        batch_frames: Count,
+        gamma: Annotated[float, at_least(0.0), at_most(1.0)],
+        rate: Positive,
+        adam_epsilon: NotNegative,
     ) -> None:
         self.baseline, self.slots, self.batch_frames = baseline, slots, batch_frames
         self.gamma, self.rate = gamma, rate
         self.adam_epsilon = adam_epsilon
-        least = {"slots": 2, "batch_frames": 1, "gamma": 0.0, "adam_epsilon": 0.0}
-        require_numbers(self, "algorithm", positive=("rate",), least=least, most={"gamma": 1.0})
+        require_bounds(self, "algorithm", Reinforce)
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.parameters = FlatParameters(self.actor.parameters())
         self.adam = Adam(self.parameters, adam_epsilon)

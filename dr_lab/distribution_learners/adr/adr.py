@@ -8,13 +8,14 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
+from dr_lab.bounds import Count, require_bounds
 from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.adr.discriminator import Discriminator
 from dr_lab.distribution_learners.adr.proposals import OpenProposals
 from dr_lab.distribution_learners.adr.whole_episodes import WholeEpisode, WholeEpisodes, transitions
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.distribution_learners.svpg.svpg import SVPG
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.errors import ConfigError
 from dr_lab.randomizers.context_source import UNKEYED
 from dr_lab.randomizers.empirical import EmpiricalRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
@@ -68,13 +69,13 @@ class ADR(DistributionLearner):
         seed: int,
         svpg: Callable[[int, int], SVPG],
         discriminator: Callable[[int, int], Discriminator],
-        reference_load: int,
+        reference_load: Count,
         context_shown: bool,
         inherits: Sequence[Inherited],
     ) -> None:
         super().__init__(_require_empirical(randomizer))
         self.reference_load, self.inherits = reference_load, tuple(inherits)
-        require_numbers(self, "distribution_learner", least={"reference_load": 1})
+        require_bounds(self, "distribution_learner", ADR)
         size = len(randomizer.space.names)
         self._svpg = svpg(size, derived_seed(seed, "svpg"))
         self._make, self._seed = discriminator, derived_seed(seed, "discriminator")

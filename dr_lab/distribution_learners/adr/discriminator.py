@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import torch
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, logsigmoid
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import NotNegative, Positive, at_least, require_bounds
 from dr_lab.networks.adam import Adam
 from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.mlp import MLP
@@ -45,15 +45,13 @@ class Discriminator:
         size: int,
         seed: int,
         hidden: Sequence[int],
-        learning_rate: float,
-        minibatch: int,
-        epochs: float,
+        learning_rate: Positive,
+        minibatch: Annotated[int, at_least(2)],
+        epochs: NotNegative,
         clip: float,
     ) -> None:
         self.size, self.learning_rate, self.minibatch, self.epochs = size, learning_rate, minibatch, epochs
-        require_numbers(
-            self, "distribution_learner.discriminator", positive=("learning_rate",), least={"minibatch": 2, "epochs": 0}
-        )
+        require_bounds(self, "distribution_learner.discriminator", Discriminator)
         self._generator = torch.Generator().manual_seed(seed)
         self._normaliser = RunningNormaliser(size, clip)
         self._body = MLP(size, hidden, 1, "tanh", _FIRST, self._generator)

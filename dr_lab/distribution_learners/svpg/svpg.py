@@ -6,10 +6,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from dr_lab.bounds import Count, Positive, require_bounds
 from dr_lab.distribution_learners.svpg.particles import Particles
 from dr_lab.distribution_learners.svpg.stein import ascent_direction
 from dr_lab.distribution_learners.svpg.walk import Step, Walk
-from dr_lab.errors import require_numbers
 
 
 class SVPG:
@@ -40,16 +40,15 @@ class SVPG:
         self,
         size: int,
         seed: int,
-        count: int,
-        proposals: int,
+        count: Count,
+        proposals: Count,
         walk: Callable[..., Walk],
         particles: Callable[..., Particles],
-        learning_rate: float,
-        temperature: float,
+        learning_rate: Positive,
+        temperature: Positive,
     ) -> None:
         self.count, self.proposals, self.learning_rate, self.temperature = count, proposals, learning_rate, temperature
-        positive, least = ("learning_rate", "temperature"), {"count": 1, "proposals": 1}
-        require_numbers(self, "distribution_learner.svpg", positive=positive, least=least)
+        require_bounds(self, "distribution_learner.svpg", SVPG)
         self._generator = torch.Generator().manual_seed(seed)
         self.particles = particles(count, size, self._generator)
         self.walk = walk(count, size, self._generator)

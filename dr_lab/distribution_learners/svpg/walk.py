@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Count, Positive, require_bounds
 
 
 class Step(NamedTuple):
@@ -48,9 +48,9 @@ class Walk:
         ConfigError: a number is out of its range.
     """
 
-    def __init__(self, count: int, size: int, generator: torch.Generator, max_step: float, horizon: int) -> None:
+    def __init__(self, count: int, size: int, generator: torch.Generator, max_step: Positive, horizon: Count) -> None:
         self.max_step, self.horizon = max_step, horizon
-        require_numbers(self, "distribution_learner.svpg.walk", positive=("max_step",), least={"horizon": 1})
+        require_bounds(self, "distribution_learner.svpg.walk", Walk)
         self._generator = generator
         self.position = torch.rand(count, size, generator=generator)
         self._age = torch.zeros(count, dtype=torch.int64)

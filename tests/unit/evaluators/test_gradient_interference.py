@@ -77,5 +77,5 @@ def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
     axes = {"goal.side": [-1.0, 1.0, 2], "other": [0.0, 1.0, 2]}
     with pytest.raises(ConfigError, match=r"draws one parameter; here it is 2"):
         evaluator(axes=axes).evaluate(subject(gaussian()), tmp_path, print)
-    with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1; expected a number below 1"):
+    with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1; expected a share between 0 and 1"):
         evaluator(confidence=1.0)

@@ -168,9 +168,9 @@ def test_what_no_run_has_is_told(sweep: Path, tmp_path: Path, capsys: pytest.Cap
     ("override", "message"),
     [
         ("aggregate=[sed]", "no override 'sed' in these runs (aggregate). Did you mean 'seed'?"),
-        ("statistics.confidence=95", "statistics.confidence is 95; expected a share below 1"),
-        ("statistics.confidence=0", "statistics.confidence is 0; expected a number above 0"),
-        ("statistics.resamples=0", "statistics.resamples is 0; expected a number above 0"),
+        ("statistics.confidence=95", "statistics.confidence is 95; expected a share between 0 and 1"),
+        ("statistics.confidence=0", "statistics.confidence is 0; expected a share between 0 and 1"),
+        ("statistics.resamples=0", "statistics.resamples is 0; expected at least 1"),
         ("statistics.seed=-1", "statistics.seed is -1; expected at least 0"),
     ],
 )
