@@ -1,6 +1,6 @@
 """Parameters as one vector, so that an optimiser's step is a handful of operations whatever the number of layers."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import torch
 from torch import Tensor, nn
@@ -44,3 +44,9 @@ class FlatParameters:
     def _views(self, vector: Tensor) -> list[Tensor]:
         parts = vector.split([p.numel() for p in self._parameters])
         return [part.view(p.shape) for part, p in zip(parts, self._parameters, strict=True)]
+
+
+def parts_of(vector: Tensor, like: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """The parts of a vector (p,) by name, in the order and shapes of some parameters; `torch.func` goes through it."""
+    parts = vector.split([value.numel() for value in like.values()])
+    return {name: part.view(value.shape) for part, (name, value) in zip(parts, like.items(), strict=True)}
