@@ -105,8 +105,8 @@ def show(spent: Mapping[str, Spent], ranking: Sequence[Candidate]) -> None:
     table = Table("candidate", "parameters", "iterations", "simulated steps", "CPU s", "in steps", "χ²")
     found = {c.effect.label: c for c in ranking}
     for label, s in sorted(spent.items(), key=lambda item: -item[1].cpu):
-        parameters, fit = len(found[label].effect.parameters), found[label].explained.fit
-        share, chi2 = f"{s.simulation / s.cpu:.0%}", f"{found[label].explained.held_out.chi2:.3f}"
+        parameters, fit = len(found[label].effect.parameters), found[label].fitted_model.fit
+        share, chi2 = f"{s.simulation / s.cpu:.0%}", f"{found[label].fitted_model.held_out.chi2:.3f}"
         table.add_row(label, str(parameters), str(fit.iterations), f"{s.steps:,}", f"{s.cpu:.2f}", share, chi2)
     Console(width=120).print(table)
 

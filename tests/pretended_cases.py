@@ -5,20 +5,20 @@ from pathlib import Path
 from typing import Any
 
 from dr_lab.benchmark.case import Case, Kind
-from dr_lab.benchmark.outcome import Outcome
+from dr_lab.benchmark.outcome import Outcome, Standing
 from dr_lab.errors import DataError
 
 A, B, C = "coulomb_friction@arm", "spring@arm", "actuator_delay@motor"
-STANDING = {
-    "place": 2,
-    "fitted": True,
-    "promised": 0.4,
-    "chi2": 1.3,
-    "evidence": 300.0,
-    "evidence_low": -5.0,
-    "gap": 0.6,
-    "status": "rejected",
-}
+STANDING = Standing(
+    place=2,
+    fitted=True,
+    promised=0.4,
+    chi2=1.3,
+    evidence=300.0,
+    evidence_low=-5.0,
+    gap=0.6,
+    status="rejected",
+)
 
 
 def case_of(kind: Kind, *truths: str, seed: int = 0) -> Case:

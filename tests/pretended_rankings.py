@@ -57,10 +57,10 @@ def model(level: float | Score, cost: float = 0.0) -> FittedModel:
 def candidate(
     base: FittedModel, name: str, level: float | Score, known: Identifiability, cost: float = 0.0
 ) -> Candidate:
-    explained = model(level, cost)
-    gain = paired_gain(base.held_out, explained.held_out, SETTINGS)
+    fitted_model = model(level, cost)
+    gain = paired_gain(base.held_out, fitted_model.held_out, SETTINGS)
     site = "drive" if name in ("actuator_delay", "saturation", "torque_scale") else "rail"
-    return Candidate(placed(block(), name, site), explained, gain, known, predicted=1.0)
+    return Candidate(placed(block(), name, site), fitted_model, gain, known, predicted=1.0)
 
 
 def judged(level: float | Score, *levels: tuple[str, float | Score], **known: Identifiability) -> Verdict:

@@ -193,11 +193,12 @@ class _Judge:
     def compared(self, candidate: Candidate) -> Compared:
         """One candidate; what the contest left unfitted is fitted from its first start."""
         ranked = candidate.fitted and candidate.final
-        explained, evidence = candidate.explained if ranked else self._fitted(candidate.effect), self.bench.evidence
-        gain = paired_gain(self.base.held_out, explained.held_out, evidence)
+        fitted_model = candidate.fitted_model if ranked else self._fitted(candidate.effect)
+        evidence = self.bench.evidence
+        gain = paired_gain(self.base.held_out, fitted_model.held_out, evidence)
         truth = 0.0  # of a fit that ended where the effect is absent
         if gain.total != 0.0:
-            truth = paired_gain(self.score, self._scored(explained, self.states)[1], evidence).total * self.share
+            truth = paired_gain(self.score, self._scored(fitted_model, self.states)[1], evidence).total * self.share
         extra = len(candidate.effect.parameters)
         counts = supported(gain, extra, evidence)
         return Compared(candidate.effect.label, ranked, gain.total, gain.total_low, counts, truth)
@@ -208,6 +209,6 @@ class _Judge:
         z: Array = np.append(self.base.fit.z, [start[p.name] for p in effect.parameters])
         return fit_and_score(self.bench, model, z, self.base.fit.delta)
 
-    def _scored(self, explained: FittedModel, near: StateFit | None) -> tuple[StateFit, Score]:
-        replay, states = fit_states(explained.model, explained.fit.z, self.further, self.bench.solver, 1, near)
+    def _scored(self, fitted_model: FittedModel, near: StateFit | None) -> tuple[StateFit, Score]:
+        replay, states = fit_states(fitted_model.model, fitted_model.fit.z, self.further, self.bench.solver, 1, near)
         return states, score_of(replay, states)

@@ -27,18 +27,18 @@ def _answer(outcome: Outcome) -> str:
 
 def _of_truth(outcome: Outcome, truth: str) -> str:
     """Why one truth was not found."""
-    known, standing = members(outcome, truth), outcome.standing.get(truth, {})
-    if not standing:
+    known, standing = members(outcome, truth), outcome.standing.get(truth)
+    if standing is None:
         return f"{truth} was no candidate."
     if BASE in known:
-        return f"{truth} does not show in these logs, but is not listed as such ({standing['status']})."
+        return f"{truth} does not show in these logs, but is not listed as such ({standing.status})."
     answer = outcome.found[0] if outcome.found else []
     if outcome.verdict == "equivalent" and set(answer) & known.keys():
         lacking, foreign = sorted(fewest(known) - {*answer}), sorted({*answer} - fewest(known))
         parts = [f"lacks {', '.join(lacking)}"] * bool(lacking) + [f"adds {', '.join(foreign)}"] * bool(foreign)
         return f"The set of equivalent effects {' and '.join(parts)}."
-    if not standing["fitted"]:
-        return f"{truth} was not fitted: a linear step promised {percent(standing['promised'])} of the cost."
-    evidence = f"evidence {number(standing['evidence'], 3)} (at least {number(standing['evidence_low'], 3)})"
-    stood = f"{truth} came {standing['place']}. with χ² {number(standing['chi2'])}, {evidence}"
-    return f"{stood}, closing {percent(standing['gap'])} of the gap."
+    if not standing.fitted:
+        return f"{truth} was not fitted: a linear step promised {percent(standing.promised)} of the cost."
+    evidence = f"evidence {number(standing.evidence, 3)} (at least {number(standing.evidence_low, 3)})"
+    stood = f"{truth} came {standing.place}. with χ² {number(standing.chi2)}, {evidence}"
+    return f"{stood}, closing {percent(standing.gap)} of the gap."

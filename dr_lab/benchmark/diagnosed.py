@@ -3,12 +3,11 @@
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from dr_lab.benchmark.case import Case
 from dr_lab.benchmark.equivalence import TruthClasses
 from dr_lab.benchmark.observed import Compose, observe
-from dr_lab.benchmark.outcome import Outcome
+from dr_lab.benchmark.outcome import Outcome, Standing
 from dr_lab.comparison.climbing import climbed
 from dr_lab.comparison.entries import remaining
 from dr_lab.diagnosis.search.candidate import Candidate
@@ -44,7 +43,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
         found=found,
         absorbed=list(ladder.absorbed),
         ranking=[c.effect.label for c in _ordered(first.ranking, first.verdict.effects)],
-        standing={truth: _standing(ladder, truth) for truth in truths},
+        standing={truth: standing for truth in truths if (standing := _standing(ladder, truth))},
         classes=classes.of(case, truths, found, observed, compose),
         magnitudes=observed.magnitudes,
         fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
@@ -58,7 +57,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
 
 def _found(ladder: Ladder) -> list[list[str]]:
     """What was found, each with what the data cannot separate from it."""
-    labels = [step.explained.model.effects[-1].label for step in ladder.steps]
+    labels = [step.fitted_model.model.effects[-1].label for step in ladder.steps]
     rivals = [[c.effect.label for c in step.rivals] for step in ladder.steps]
     return [[label, *others] for label, others in zip(labels, rivals, strict=True)]
 
@@ -69,29 +68,29 @@ def _ordered(ranking: Sequence[Candidate], answer: Sequence[str]) -> list[Candid
     return sorted(ranking, key=lambda c: order.get(c.effect.label, len(order)))
 
 
-def _standing(ladder: Ladder, truth: str) -> dict[str, Any]:
-    """How a truth stood in the last ranking that it was part of."""
+def _standing(ladder: Ladder, truth: str) -> Standing | None:
+    """How a truth stood in the last ranking that it was part of; None where it was no candidate."""
     for rung in reversed(ladder.rungs):
         for place, candidate in enumerate(_ordered(rung.ranking, rung.verdict.effects), start=1):
             if candidate.effect.label == truth:
-                return {
-                    "place": place,
-                    "fitted": candidate.fitted,
-                    "promised": candidate.predicted,
-                    "chi2": candidate.explained.held_out.chi2,
-                    "evidence": candidate.gain.total,
-                    "evidence_low": candidate.gain.total_low,
-                    "gap": candidate.gain.gap,
-                    "status": rung.verdict.status[truth],
-                }
-    return {}
+                return Standing(
+                    place=place,
+                    fitted=candidate.fitted,
+                    promised=candidate.predicted,
+                    chi2=candidate.fitted_model.held_out.chi2,
+                    evidence=candidate.gain.total,
+                    evidence_low=candidate.gain.total_low,
+                    gap=candidate.gain.gap,
+                    status=rung.verdict.status[truth],
+                )
+    return None
 
 
 def _own_values(ladder: Ladder, truth: str) -> dict[str, float]:
     """Fitted parameters of a truth, by short name, in the model that the answer leads to; empty if it is not found."""
-    rivals = [c.explained for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
-    for explained in (ladder.models[-1], *rivals):
-        values = explained.model.space.mapping(explained.fit.z)
+    rivals = [c.fitted_model for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
+    for fitted_model in (ladder.models[-1], *rivals):
+        values = fitted_model.model.space.mapping(fitted_model.fit.z)
         own = {k.removeprefix(f"{truth}."): float(v) for k, v in values.items() if k.startswith(f"{truth}.")}
         if own:
             return own

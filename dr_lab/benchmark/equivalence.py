@@ -72,7 +72,7 @@ def equivalence_class(observed: Observed, truth: str, others: tuple[str, ...]) -
     most = _sum(exact) + study.bench.evidence.threshold
     if _sum(base) < most:
         return {truth: count, BASE: 0}
-    alike = {label: n for label, (explained, n) in _ranked(observed, base).items() if _sum(explained) < most}
+    alike = {label: n for label, (fitted_model, n) in _ranked(observed, base).items() if _sum(fitted_model) < most}
     return {truth: count, **alike}
 
 
@@ -82,8 +82,8 @@ def _ranked(observed: Observed, base: FittedModel, only: str | None = None) -> d
     placed = candidates(base.model, observed.effects, study.scales, study.compiled).placed
     kept = [effect for effect in placed if only in (None, effect.label)]
     ranking = rank(study.bench, base, kept, lambda _: None)
-    return {c.effect.label: (c.explained, len(c.effect.parameters)) for c in ranking.candidates}
+    return {c.effect.label: (c.fitted_model, len(c.effect.parameters)) for c in ranking.candidates}
 
 
-def _sum(explained: FittedModel) -> float:
-    return float(np.sum(explained.held_out.window_sum) + np.sum(explained.fit.residuals**2))
+def _sum(fitted_model: FittedModel) -> float:
+    return float(np.sum(fitted_model.held_out.window_sum) + np.sum(fitted_model.fit.residuals**2))

@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from dr_lab.benchmark.case import Case
+from dr_lab.benchmark.outcome import numbers_of
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.effects.effect import Effect
 from dr_lab.sources.source import write_logs
@@ -27,13 +28,13 @@ class Observed:
         study: model and logs.
         effects: the catalogue.
         truths: what is hidden, as ``effect@site``, which the diagnosis must not see.
-        magnitudes: the truth's numbers, neither; of several effects by their labels.
+        magnitudes: numbers of each truth, by the plant's names, neither.
     """
 
     study: Study
     effects: Mapping[str, Effect]
     truths: tuple[str, ...]
-    magnitudes: Mapping[str, Any]
+    magnitudes: Mapping[str, Mapping[str, float]]
 
 
 def observe(case: Case, compose: Compose) -> Observed:
@@ -73,4 +74,4 @@ def _observed(case: Case, compose: Compose, instruments: str, overrides: Sequenc
     # A machine that is its own model writes no hidden effect.
     hidden = truth.get("hidden", {"effect": "", "parameters": {}})
     truths = () if case.kind == "none" else tuple(hidden["effect"].split(_AND))
-    return Observed(study, built["effects"], truths, hidden["parameters"])
+    return Observed(study, built["effects"], truths, numbers_of(truths, hidden["parameters"]))

@@ -3,12 +3,36 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from dr_lab.benchmark.case import Case
-from dr_lab.reports.plain import to_plain
+from dr_lab.reports.plain import Number, from_plain, to_plain
 
 BASE = "base"  # in a class: the model without the effect
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How a truth stood in the ranking that it was last part of.
+
+    Attributes:
+        place: in the ranking, from 1 on.
+        fitted: whether it was fitted.
+        promised: share of the cost that a linear step could remove.
+        chi2: held-out χ² per sample with it.
+        evidence: for it over the model without it.
+        evidence_low: what the evidence exceeds.
+        gap: share of the gap that it closes.
+        status: that the verdict gives it.
+    """
+
+    place: int
+    fitted: bool
+    promised: Number
+    chi2: Number
+    evidence: Number
+    evidence_low: Number
+    gap: Number
+    status: str
 
 
 @dataclass(frozen=True)
@@ -23,10 +47,9 @@ class Outcome:
             empty where the verdict is ``unexplained``.
         absorbed: labels of effects whose place the model's own parameters can take.
         ranking: labels of the first ranking, best first.
-        standing: how each truth stood in the ranking it was last part of: ``place``, ``fitted``, ``promised``,
-            ``chi2``, ``evidence``, ``evidence_low``, ``gap``, ``status``; empty for one that was no candidate.
+        standing: how each truth stood that was a candidate.
         classes: for truths that were not named exactly, their equivalence class: label → number of parameters.
-        magnitudes: what the truth's numbers are, by the plant's names.
+        magnitudes: numbers of each truth, by the plant's names.
         fitted: own parameters of each truth that was found, by short name.
         chi2_base: held-out χ² per sample of the calibrated model.
         chi2: the same of the model with what was found.
@@ -41,9 +64,9 @@ class Outcome:
     found: Sequence[Sequence[str]]
     absorbed: Sequence[str]
     ranking: Sequence[str]
-    standing: Mapping[str, Mapping[str, Any]]
+    standing: Mapping[str, Standing]
     classes: Mapping[str, Mapping[str, int]]
-    magnitudes: Mapping[str, Any]
+    magnitudes: Mapping[str, Mapping[str, float]]
     fitted: Mapping[str, Mapping[str, float]]
     chi2_base: float
     chi2: float
@@ -63,6 +86,28 @@ class Outcome:
             ValueError, KeyError, TypeError: the text is not that of an outcome.
         """
         fields = json.loads(text)
-        case: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in fields["case"].items()}
-        numbers = {k: float("nan") for k in ("chi2_base", "chi2") if fields[k] is None}
-        return Outcome(**{**fields, **numbers, "case": Case(**case), "truths": tuple(fields["truths"])})
+        truths = tuple(fields["truths"])
+        read = {
+            "case": from_plain(Case, fields["case"]),
+            "truths": truths,
+            "standing": {truth: from_plain(Standing, each) for truth, each in fields["standing"].items() if each},
+            "magnitudes": numbers_of(truths, fields["magnitudes"]),
+        }
+        unknown = {key: float("nan") for key in ("chi2_base", "chi2") if fields[key] is None}
+        return Outcome(**{**fields, **read, **unknown})
+
+
+def numbers_of(truths: Sequence[str], parameters: Mapping[str, object]) -> dict[str, dict[str, float]]:
+    """Numbers of each truth, by the plant's names.
+
+    Args:
+        truths: what is hidden.
+        parameters: those of the only truth, or of several by their labels; what is no number is left out.
+    """
+    found = {}
+    for truth in truths:
+        own = parameters.get(truth, parameters)
+        assert isinstance(own, Mapping)
+        numbers = {name: float(value) for name, value in own.items() if isinstance(value, int | float)}
+        found |= {truth: numbers} if numbers else {}
+    return found

@@ -1,11 +1,12 @@
 """`report.md` of a benchmark, for a person."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from dr_lab.benchmark.outcome import Outcome
 from dr_lab.benchmark.rates import parameter_errors
 from dr_lab.benchmark.score import mark
+from dr_lab.benchmark.scoring import Aliases
+from dr_lab.reports.benchmark import BenchmarkReport, Rate
 from dr_lab.reports.quantity import ABSENT, number, percent
 from dr_lab.reports.tables import table
 
@@ -30,31 +31,31 @@ _SAID = {
 _KINDS = {"none": "nothing hidden", "single": "one effect", "several": "several", "outside": "outside"}
 
 
-def rates_page(summary: Mapping[str, Any]) -> str:
+def rates_page(report: BenchmarkReport) -> str:
     """The figures with their intervals and goals."""
     rows = []
     for name, said in _SAID.items():
-        goal = summary["goals"].get(name, {})
-        met = {True: "met", False: "MISSED", None: ""}[goal.get("met")]
-        rows.append([said, *_figure(summary, name), goal.get("goal", ""), met])
-    failed = [f"- failed: {name}: {message}" for name, message in summary["failed"].items()]
+        goal = report.goals.get(name)
+        told = ("", "") if goal is None else (goal.goal, {True: "met", False: "MISSED", None: ""}[goal.met])
+        rows.append([said, *_figure(report, name), *told])
+    failed = [f"- failed: {name}: {message}" for name, message in report.failed.items()]
     rows = [row for row in rows if row[1] != ABSENT]
     return "\n".join([table(["figure", "value", "95 % interval", "cases", "goal", ""], rows), "", *failed])
 
 
-def machines_page(summary: Mapping[str, Any]) -> str:
+def machines_page(report: BenchmarkReport) -> str:
     """The main figures of each machine."""
     names = ("top_1", "both_found", "false_alarm", "outside_unexplained")
     rows = [
         [
             machine,
-            str(own["cases"]),
-            *(_share(own["rates"][name]) for name in names),
-            number(own["medians"]["median_chi2"]),
-            percent(own["medians"]["median_parameter_error"]),
-            number(own["medians"]["mean_cpu"], 3),
+            str(own.cases),
+            *(_share(own.rates[name]) for name in names),
+            number(own.medians["median_chi2"]),
+            percent(own.medians["median_parameter_error"]),
+            number(own.medians["mean_cpu"], 3),
         ]
-        for machine, own in summary["machines"].items()
+        for machine, own in report.machines.items()
     ]
     header = ["one effect", "several", "false alarms", "outside", "median χ²", "parameter error", "CPU s a case"]
     return table(["machine", "cases", *header], rows)
@@ -70,7 +71,7 @@ def instruments_page(outcomes: Sequence[Outcome]) -> str:
     return table(["instruments", *_KINDS.values()], rows)
 
 
-def effects_page(outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Mapping[str, str]]) -> str:
+def effects_page(outcomes: Sequence[Outcome], parameter_aliases: Aliases) -> str:
     """Each hidden effect of each machine: how often it was judged right, what was answered, and how exactly."""
     rows = []
     for key in dict.fromkeys((o.case.machine, o.case.hidden, o.truths) for o in outcomes):
@@ -92,53 +93,51 @@ def effects_page(outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Ma
     return table(header, sorted(rows))
 
 
-def misses_page(summary: Mapping[str, Any]) -> str:
+def misses_page(report: BenchmarkReport) -> str:
     """Every wrong answer with its cause."""
     rows = [
         [
-            f"{row['machine']}, {row['instruments']}, seed {row['seed']}",
-            row["truth"],
-            row["verdict"] + (f": {row['answer']}" if row["answer"] else ""),
-            row["cause"],
+            f"{row.machine}, {row.instruments}, seed {row.seed}",
+            row.truth,
+            row.verdict + (f": {row.answer}" if row.answer else ""),
+            row.cause,
         ]
-        for row in summary["misses"]
+        for row in report.misses
     ]
     return table(["case", "hidden", "answered", "cause"], rows) or "None."
 
 
-def report_page(
-    summary: Mapping[str, Any], outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Mapping[str, str]]
-) -> str:
+def report_page(report: BenchmarkReport, outcomes: Sequence[Outcome], parameter_aliases: Aliases) -> str:
     """The whole report."""
     sections = {
-        "Figures": rates_page(summary),
-        "Machines": machines_page(summary),
+        "Figures": rates_page(report),
+        "Machines": machines_page(report),
         "Instruments": instruments_page(outcomes),
-        "Misses": misses_page(summary),
+        "Misses": misses_page(report),
         "Hidden effects": effects_page(outcomes, parameter_aliases),
         "Confusion": "![hidden against answered](confusion.png)",
     }
     body = [f"## {title}\n\n{text}" for title, text in sections.items()]
-    return "\n\n".join([f"# Benchmark: {summary['cases']} cases", *body]) + "\n"
+    return "\n\n".join([f"# Benchmark: {report.cases} cases", *body]) + "\n"
 
 
-def _figure(summary: Mapping[str, Any], name: str) -> tuple[str, str, str]:
+def _figure(report: BenchmarkReport, name: str) -> tuple[str, str, str]:
     """Value, interval and number of cases of a figure."""
-    if name in summary["medians"]:
-        value = summary["medians"][name]
+    if name in report.medians:
+        value = report.medians[name]
         return (percent(value) if "error" in name else number(value)), "", ""
-    rate = summary["rates"][name]
+    rate = report.rates[name]
     if rate is None:
         return ABSENT, "", ""
     return (
-        percent(rate["share"]),
-        f"{percent(rate['low'])} … {percent(rate['high'])}",
-        f"{rate['count']} of {rate['of']}",
+        percent(rate.share),
+        f"{percent(rate.low)} … {percent(rate.high)}",
+        f"{rate.count} of {rate.of}",
     )
 
 
-def _share(rate: Mapping[str, Any] | None) -> str:
-    return ABSENT if rate is None else f"{rate['count']} of {rate['of']}"
+def _share(rate: Rate | None) -> str:
+    return ABSENT if rate is None else f"{rate.count} of {rate.of}"
 
 
 def _answers(outcomes: Sequence[Outcome]) -> str:

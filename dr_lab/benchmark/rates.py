@@ -1,7 +1,6 @@
 """What a benchmark's outcomes come to: rates with their intervals, and errors."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from scipy.stats import binomtest
@@ -9,28 +8,11 @@ from scipy.stats import binomtest
 from dr_lab.benchmark.case import Kind
 from dr_lab.benchmark.outcome import Outcome
 from dr_lab.benchmark.score import identifiable, mark
+from dr_lab.benchmark.scoring import Aliases
+from dr_lab.reports.benchmark import Rate
 
 CONFIDENCE = 0.95
 _ABSTENTIONS = ("equivalent", "none", "unexplained")
-
-
-@dataclass(frozen=True)
-class Rate:
-    """How often something happened.
-
-    Attributes:
-        count: how often.
-        of: of how many.
-        share: count / of.
-        low: lower end of Wilson's 95 % interval (Wilson 1927).
-        high: upper end.
-    """
-
-    count: int
-    of: int
-    share: float
-    low: float
-    high: float
 
 
 def rate(happened: Iterable[bool]) -> Rate | None:
@@ -69,7 +51,7 @@ def rates(outcomes: Sequence[Outcome]) -> dict[str, Rate | None]:
     }
 
 
-def medians(outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Mapping[str, str]]) -> dict[str, float | None]:
+def medians(outcomes: Sequence[Outcome], parameter_aliases: Aliases) -> dict[str, float | None]:
     """Median held-out χ² where the catalogue holds what is hidden, median parameter error, and costs in s."""
     within = [o for o in outcomes if o.case.kind != "outside"]
     errors = [error for o in within for error in parameter_errors(o, parameter_aliases).values()]
@@ -83,18 +65,17 @@ def medians(outcomes: Sequence[Outcome], parameter_aliases: Mapping[str, Mapping
     }
 
 
-def parameter_errors(outcome: Outcome, parameter_aliases: Mapping[str, Mapping[str, str]]) -> dict[str, float]:
+def parameter_errors(outcome: Outcome, parameter_aliases: Aliases) -> dict[str, float]:
     """| |fitted| − |truth| | / |truth| of the main parameter of each truth that was found, by its full name.
 
     Args:
         outcome: whose truth is known by the plant's names.
-        parameter_aliases: effect → the plant's name → the catalogue's name, where they differ; ``inverse_…`` is the
-            reciprocal. The first of the plant's names that the catalogue has too is the main one.
+        parameter_aliases: names of the plant's numbers in the catalogue; ``inverse_…`` is the reciprocal. The first of
+            the plant's names that the catalogue has too is the main one.
     """
     errors = {}
     for truth, fitted in outcome.fitted.items():
-        own = outcome.magnitudes.get(truth, outcome.magnitudes)
-        names = parameter_aliases.get(truth.partition("@")[0], {})
+        own, names = outcome.magnitudes.get(truth, {}), parameter_aliases.get(truth.partition("@")[0], {})
         for name, value in own.items():
             short = names.get(name, name)
             if short in fitted and value:

@@ -96,7 +96,8 @@ def _single(outcome: Outcome, truth: str, known: Mapping[str, int]) -> bool:
 
 def _absorbed(outcome: Outcome, truth: str) -> bool:
     """Whether the data cannot show the truth, and the answer says so."""
-    listed = truth in outcome.absorbed or outcome.standing.get(truth, {}).get("status") == "not_excited"
+    standing = outcome.standing.get(truth)
+    listed = truth in outcome.absorbed or (standing is not None and standing.status == "not_excited")
     return BASE in members(outcome, truth) and listed
 
 

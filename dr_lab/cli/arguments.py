@@ -28,7 +28,11 @@ SUPPLIED = (RUN_DIR, COMPOSE)
 
 
 def compose_arguments(
-    verb: str, overrides: Sequence[str], folders: Sequence[Path], recorded: Path | None = None
+    verb: str,
+    overrides: Sequence[str],
+    folders: Sequence[Path],
+    recorded: Path | None = None,
+    only: Collection[str] | None = None,
 ) -> dict[str, Any]:
     """What a command line would call a verb's function with, its run folder apart.
 
@@ -37,19 +41,25 @@ def compose_arguments(
         overrides: as on the command line.
         folders: configuration folders, first searched first; the last one ships with dr_lab.
         recorded: run folder of that verb, whose configuration is taken instead of the verb's own.
+        only: the arguments that are wanted, whatever else the configuration holds; None for all.
 
     Raises:
         ConfigError: the configuration cannot be run.
         hydra.errors.ConfigCompositionException: an override names nothing.
     """
     if recorded is None:
-        return arguments_of(verb, compose_from(folders, verb, overrides), folders)[1]
-    again = (recorded.absolute(), *folders)
-    return arguments_of(verb, compose_from(again, Path(CONFIG_FILE).stem, overrides), folders)[1]
+        cfg = compose_from(folders, verb, overrides)
+    else:
+        cfg = compose_from((recorded.absolute(), *folders), Path(CONFIG_FILE).stem, overrides)
+    return arguments_of(verb, cfg, folders, only=only)[1]
 
 
 def arguments_of(
-    verb: str, cfg: DictConfig, folders: Sequence[Path], given: Collection[str] = ()
+    verb: str,
+    cfg: DictConfig,
+    folders: Sequence[Path],
+    given: Collection[str] = (),
+    only: Collection[str] | None = None,
 ) -> tuple[Callable[..., Any], dict[str, Any]]:
     """A verb's function and the arguments that its configuration gives.
 
@@ -60,33 +70,39 @@ def arguments_of(
         cfg: its composed configuration without Hydra's node.
         folders: configuration folders, first searched first.
         given: keys that the caller has built already.
+        only: as for `compose_arguments`.
 
     Raises:
         ConfigError: the configuration cannot be run.
     """
-    workflow, passed = checked(verb, cfg, folders)
+    workflow, passed = checked(verb, cfg, folders, only)
     # One key at a time: what only feeds another key is built there, and only there. Building resolves interpolations in
     # place, which are still to be recorded as they are.
     wanted = {str(key): value for key, value in copy.deepcopy(cfg).items() if key in passed - {*given}}
     return workflow, {k: instantiate(v, _convert_="all") if OmegaConf.is_config(v) else v for k, v in wanted.items()}
 
 
-def checked(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> tuple[Callable[..., Any], set[str]]:
+def checked(
+    verb: str, cfg: DictConfig, folders: Sequence[Path], only: Collection[str] | None = None
+) -> tuple[Callable[..., Any], set[str]]:
     """A verb's function and the keys that it is given, when the configuration is found sound; nothing is built.
 
     Args:
         verb: its name.
         cfg: its composed configuration without Hydra's node.
         folders: configuration folders, first searched first.
+        only: as for `compose_arguments`.
 
     Raises:
         ConfigError: the configuration cannot be run.
     """
     register_resolvers(folders)
     workflow = workflow_of(verb)
-    unused = not_passed(cfg, inspect.signature(workflow).parameters)
+    parameters = inspect.signature(workflow).parameters
+    unused = not_passed(cfg, parameters) if only is None else {str(key) for key in cfg} - {*only}
+    supplied = SUPPLIED if only is None else {*parameters} - {*only}
     _require_placed(cfg, folders)
-    check(cfg, workflow, verb, supplied=SUPPLIED, unused=unused)
+    check(cfg, workflow, verb, supplied, unused)
     return workflow, {str(key) for key in cfg} - unused
 
 

@@ -142,7 +142,9 @@ def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]
 
 
 def _in_value(value: object, hint: object, place: Place, name: str) -> Iterator[tuple[Place, DrLabError]]:
-    """What is wrong with a value by its type hint."""
+    """What is wrong with a value by its type hint; bounds of numbers are checked where they are declared."""
+    if typing.get_origin(hint) is typing.Annotated:
+        hint = typing.get_args(hint)[0]
     if isinstance(value, Mapping) and "_target_" in value:
         fault = _of_class(str(value["_target_"]), hint, place, name)
     elif isinstance(value, Mapping) and _objects(hint) is not None:

@@ -102,7 +102,7 @@ def _comments_of(path: Path, group: str, *, alone: bool) -> dict[str, str]:
     """The keys of a group's chosen option that are worth showing, with their comments."""
     header = path.read_text(encoding="utf-8").partition("\n")[0]
     if header.split() == ["#", "@package", "_global_"]:
-        return {key: comment for key, comment in _commented(path) if comment}
+        return {key: comment for key, comment in _commented(path) if comment or alone}
     if alone and "@package" not in header:
         return {f"{group.replace('/', '.')}.{key}": comment for key, comment in _commented(path)}
     return {}

@@ -15,11 +15,12 @@ from tensordict import TensorDict
 from tensordict.nn import TensorDictModule
 from torchrl.collectors.distributed import RayCollector as TorchRLRayCollector
 
+from dr_lab.bounds import Count, Positive, require_bounds
 from dr_lab.collectors.collector import Collector, PoliciesBySlot, Policy, SeededPolicy
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.collectors.torchrl import KEPT
 from dr_lab.envs.mujoco_env import MujocoEnv
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.errors import ConfigError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.ray_cluster import HERE, own_sigterm, prepare, unanswered
 from dr_lab.trajectory import Array
@@ -54,15 +55,15 @@ class RayCollector(Collector):
         policy: Policy,
         steps: int,
         setting: Mapping[str, Any],
-        workers: int,
-        cores: int,
+        workers: Count,
+        cores: Count,
         address: str,
-        patience: float,
+        patience: Positive,
     ) -> None:
         super().__init__(policy)
         self._env, self._steps, self._setting = env, steps, setting
         self.workers, self.cores, self.address, self.patience = workers, cores, address, patience
-        require_numbers(self, "collector", positive=("patience",), least={"workers": 1, "cores": 1})
+        require_bounds(self, "collector", RayCollector)
         if env.episodes.nsim % workers:
             raise ConfigError(
                 f"collector.workers is {workers}, which does not divide {env.episodes.nsim} episodes. "

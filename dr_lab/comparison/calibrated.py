@@ -16,12 +16,12 @@ class Described:
     """A fitted model with its entry in the ladder.
 
     Attributes:
-        explained: the fitted and scored model.
+        fitted_model: the fitted and scored model.
         estimate: mean and covariance of its context.
         rung: its entry in the report's ladder.
     """
 
-    explained: FittedModel
+    fitted_model: FittedModel
     estimate: ContextEstimate
     rung: RungEntry
 
@@ -31,13 +31,13 @@ def calibrate(study: Study) -> FittedModel:
     return fit_and_score(study.bench, study.model, study.model.space.nominal)
 
 
-def describe(study: Study, explained: FittedModel) -> Described:
+def describe(study: Study, fitted_model: FittedModel) -> Described:
     """Uncertainties and predicted score of a fitted model."""
-    estimate, table = entries.parameters(study, explained)
-    predicted = predicted_score(study, explained.model, explained.fit.z)
-    labels = [effect.label for effect in explained.model.effects]
-    rung = entries.rung(labels, explained.held_out, predicted, table)
-    return Described(explained, estimate, replace(rung, fit=entries.fitted(explained.fit)))
+    estimate, table = entries.parameters(study, fitted_model)
+    predicted = predicted_score(study, fitted_model.model, fitted_model.fit.z)
+    labels = [effect.label for effect in fitted_model.model.effects]
+    rung = entries.rung(labels, fitted_model.held_out, predicted, table)
+    return Described(fitted_model, estimate, replace(rung, fit=entries.fitted(fitted_model.fit)))
 
 
 def as_given(study: Study) -> tuple[Score, RungEntry]:

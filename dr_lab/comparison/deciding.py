@@ -38,7 +38,7 @@ def deciding_experiment(
         solver=study.bench.solver,
         threads=study.bench.threads,
     )
-    found = propose(step.explained, step.rivals[0].explained, machine, settings)
+    found = propose(step.fitted_model, step.rivals[0].fitted_model, machine, settings)
     if found is None:
         return None
     write_text(run_dir / FILE, _table(found.commands))

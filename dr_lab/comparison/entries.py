@@ -14,7 +14,7 @@ from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.evidence.trade import trades
 from dr_lab.diagnosis.fit import trust
 from dr_lab.diagnosis.fit.covariance import estimate, per_log
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.law_check import LawCheck
 from dr_lab.diagnosis.search.verdict import Verdict
@@ -99,12 +99,12 @@ def fitted(fit: Fit) -> FitEntry:
     return FitEntry(fit.converged, fit.iterations, len(fit.infeasible), int(fit.infeasible.sum()))
 
 
-def parameters(study: Study, explained: FittedModel) -> tuple[ContextEstimate, Parameters]:
+def parameters(study: Study, fitted_model: FittedModel) -> tuple[ContextEstimate, Parameters]:
     """Estimate of a fitted context and its table, with the scatter between logs in percent (CV)."""
-    space, bench = explained.model.space, study.bench
-    found = estimate(space, explained.fit, bench.fit, bench.evidence)
-    logs = per_log(space, explained.fit, bench.fit)
-    doubted = trust.doubts(found, explained.fit, bench.fit, bench.evidence)
+    space, bench = fitted_model.model.space, study.bench
+    found = estimate(space, fitted_model.fit, bench.fit, bench.evidence)
+    logs = per_log(space, fitted_model.fit, bench.fit)
+    doubted = trust.doubts(found, fitted_model.fit, bench.fit, bench.evidence)
     scatters = [
         LogScatterEntry(
             cv_percent=_cv_percent(logs[:, column], float(found.mean[column])),
@@ -133,7 +133,7 @@ def _candidate(study: Study, candidate: Candidate, verdict: Verdict) -> Candidat
     return CandidateEntry(
         effect=candidate.effect.effect.name,
         site=candidate.effect.site,
-        held_out_chi2=candidate.explained.held_out.chi2 if candidate.final or not candidate.fitted else None,
+        held_out_chi2=candidate.fitted_model.held_out.chi2 if candidate.final or not candidate.fitted else None,
         gain=gain.share,
         gain_ci=(gain.low, gain.high),
         evidence=gain.total,
@@ -154,7 +154,7 @@ def _candidate(study: Study, candidate: Candidate, verdict: Verdict) -> Candidat
 def _replaced_by(candidate: Candidate, told: float) -> dict[str, float]:
     """Parameters that take the effect's place, in widths of their bounds for a full width of the effect."""
     moves = candidate.identifiability.replacement
-    names, largest = candidate.explained.model.space.names, float(np.abs(moves).max(initial=0.0))
+    names, largest = candidate.fitted_model.model.space.names, float(np.abs(moves).max(initial=0.0))
     order = np.argsort(-np.abs(moves))
     return {names[k]: float(moves[k]) for k in order if abs(moves[k]) >= told * largest}
 
@@ -178,9 +178,9 @@ def confirmation(found: Confirmation | None) -> ConfirmationEntry | None:
     return ConfirmationEntry(found.status, found.predicted_worse, apart.windows, gained)
 
 
-def worst_direction(explained: FittedModel) -> dict[str, float]:
+def worst_direction(fitted_model: FittedModel) -> dict[str, float]:
     """Combination of parameters that the logs know least about, in widths of their bounds."""
-    return trust.worst_direction(explained.model.space, explained.fit)
+    return trust.worst_direction(fitted_model.model.space, fitted_model.fit)
 
 
 def trade(label: str, first: FittedModel, rival: str, second: FittedModel, bench: Bench) -> str:
@@ -219,9 +219,9 @@ def _own(candidate: Candidate, study: Study) -> Parameters:
     """The effect's fitted parameters; none where it was not fitted."""
     if not candidate.fitted:
         return {}
-    explained, bench = candidate.explained, study.bench
+    fitted_model, bench = candidate.fitted_model, study.bench
     windows = bench.fit if candidate.final else bench.screening().fit
-    table = _marked(estimate(explained.model.space, explained.fit, windows, bench.evidence))
+    table = _marked(estimate(fitted_model.model.space, fitted_model.fit, windows, bench.evidence))
     return {p.name: table[p.name] for p in candidate.effect.parameters}
 
 

@@ -35,7 +35,7 @@ def report_ladder(
         The report as written.
     """
     run.screen.phase("Scoring the models of the ladder")
-    described = [describe(study, explained) for explained in ladder.models]
+    described = [describe(study, fitted_model) for fitted_model in ladder.models]
     base, last = ladder.base, ladder.models[-1]
     judgement = _judgement(study, ladder)
     report = _answer(verb, study, ladder, described, judgement)
@@ -109,7 +109,7 @@ def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:
 
 def _reason(study: Study, rung: Rung) -> str:
     """The verdict's reason; of effects that cannot be separated, also what the other parameters make up for."""
-    found = {c.effect.label: c.explained for c in rung.ranking}
+    found = {c.effect.label: c.fitted_model for c in rung.ranking}
     labels = rung.verdict.effects
     told = [entries.trade(labels[0], found[labels[0]], rival, found[rival], study.bench) for rival in labels[1:]]
     return " ".join([rung.verdict.reason, *told])

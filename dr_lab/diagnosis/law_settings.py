@@ -1,8 +1,9 @@
-"""How the law of a named effect is checked; the values live in conf/evidence."""
+"""How the law of a named effect is checked; the values live in conf/comparison."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Count, Positive, at_least, at_most, require_bounds
 
 
 @dataclass(frozen=True)
@@ -18,10 +19,9 @@ class LawSettings:
         ConfigError: a number is out of its range.
     """
 
-    knots: int
-    factor: float
-    least_closed: float
+    knots: Count
+    factor: Positive
+    least_closed: Annotated[float, at_least(0.0), at_most(1.0)]
 
     def __post_init__(self) -> None:
-        least, most = {"knots": 1.0, "least_closed": 0.0}, {"least_closed": 1.0}
-        require_numbers(self, "evidence.law", positive=("factor",), least=least, most=most)
+        require_bounds(self, "evidence.law")

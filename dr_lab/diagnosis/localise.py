@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dr_lab.bounds import Count, Natural, Positive, Share, require_bounds
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.missing_force.force_formula import FormulaSettings
 from dr_lab.diagnosis.windows.channels import Tape
-from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.trajectory import Array
 
 if TYPE_CHECKING:
@@ -36,20 +36,17 @@ class LocaliseSettings:
         ConfigError: a number is too small, or `least` is no share.
     """
 
-    length: float
-    seconds: float
-    depth: int
-    least: float
-    regions: int
-    horizons: int
-    lags: int
+    length: Positive
+    seconds: Positive
+    depth: Count
+    least: Share
+    regions: Count
+    horizons: Count
+    lags: Natural
     formula: FormulaSettings
 
     def __post_init__(self) -> None:
-        least = dict.fromkeys(("depth", "regions", "horizons"), 1.0)
-        require_numbers(self, "localise", positive=("length", "seconds", "least"), least={**least, "lags": 0.0})
-        if self.least >= 1:
-            raise ConfigError(f"localise.least is {self.least:g}; expected a share of the samples below 1.")
+        require_bounds(self, "localise")
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,15 @@ from typing import Protocol
 
 import numpy as np
 
+from dr_lab.bounds import Count, Positive, require_bounds
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.experiment import readings
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows.windows import cut
-from dr_lab.errors import ConfigError, ModelError, require_numbers
+from dr_lab.errors import ConfigError, ModelError
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 
@@ -45,20 +47,15 @@ class ExperimentSettings:
 
     excitations: Mapping[str, Excitation]
     shares: Sequence[float]
-    draws: int
-    refitted: int
-    duration: float
-    command_rate: float
-    sample_rate: float
+    draws: Count
+    refitted: Count
+    duration: Positive
+    command_rate: Positive
+    sample_rate: Positive
     seed: int
 
     def __post_init__(self) -> None:
-        require_numbers(
-            self,
-            "next_experiment",
-            positive=("duration", "command_rate", "sample_rate"),
-            least={"draws": 1.0, "refitted": 1.0},
-        )
+        require_bounds(self, "next_experiment")
         if not self.excitations or not self.shares or not all(0 < share <= 1 for share in self.shares):
             raise ConfigError("next_experiment needs an excitation and shares between 0 and 1.")
 

@@ -1,11 +1,13 @@
-"""Settings of the diagnosis; their values live in conf/windows, conf/solver and conf/evidence."""
+"""Settings of the diagnosis; their values live in conf/comparison."""
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, at_least, require_bounds
 from dr_lab.diagnosis.law_settings import LawSettings
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.errors import ConfigError
 
 _ROUNDING = 1e-9
 
@@ -35,26 +37,23 @@ class WindowSettings:
         ConfigError: a number is too small.
     """
 
-    length: float
-    longest: float
-    longer: float
-    seconds: float
-    margin: float
-    run_in: float
-    past: float
-    memory: float
-    forgotten: float
-    longest_run_in: float
-    smoother: float
-    prior_scale: float
-    unmeasured_position: float
-    unmeasured_velocity: float
+    length: Positive
+    longest: Positive
+    longer: Annotated[float, at_least(1.1)]
+    seconds: Positive
+    margin: NotNegative
+    run_in: NotNegative
+    past: NotNegative
+    memory: NotNegative
+    forgotten: Positive
+    longest_run_in: NotNegative
+    smoother: Positive
+    prior_scale: Positive
+    unmeasured_position: Positive
+    unmeasured_velocity: Positive
 
     def __post_init__(self) -> None:
-        prior = ("prior_scale", "unmeasured_position", "unmeasured_velocity")
-        positive = ("length", "longest", "seconds", "forgotten", "smoother", *prior)
-        least = {"longer": 1.1, "margin": 0.0, "run_in": 0.0, "past": 0.0, "memory": 0.0, "longest_run_in": 0.0}
-        require_numbers(self, "windows", positive=positive, least=least)
+        require_bounds(self, "windows")
 
     @property
     def lengths(self) -> list[float]:
@@ -70,6 +69,20 @@ class WindowSettings:
     def most(self) -> int:
         """How many windows are taken of all logs together."""
         return max(1, round(self.seconds / self.length))
+
+
+def predicted_windows(windows: WindowSettings, length: float, run_in: float) -> WindowSettings:
+    """How logs are cut for prediction: as for fits, with the start known only from samples before the scored part.
+
+    Args:
+        windows: how logs are cut for fits.
+        length: scored part of a window, s.
+        run_in: time before the scored part whose samples alone estimate the start, s.
+
+    Raises:
+        ConfigError: a number is too small.
+    """
+    return replace(windows.of_length(length), run_in=run_in)
 
 
 @dataclass(frozen=True)
@@ -105,36 +118,29 @@ class SolverSettings:
         ConfigError: a number is too small.
     """
 
-    iterations: int
-    tolerance: float
-    state_tolerance: float
-    rough_tolerance: float
-    refresh: float
-    foretold: float
-    foreseen: float
-    hindered: float
-    damping: float
-    damping_up: float
-    damping_down: float
-    damping_max: float
-    parameter_step: float
-    state_step: float
-    huber: float
-    prior_spans: float
-    polish_iterations: int
-    start_iterations: int
-    restarts: int
-    batch: int
+    iterations: Count
+    tolerance: NotNegative
+    state_tolerance: NotNegative
+    rough_tolerance: NotNegative
+    refresh: NotNegative
+    foretold: NotNegative
+    foreseen: Positive
+    hindered: NotNegative
+    damping: Positive
+    damping_up: Annotated[float, at_least(1.0)]
+    damping_down: Annotated[float, at_least(1.0)]
+    damping_max: Positive
+    parameter_step: Positive
+    state_step: Positive
+    huber: Positive
+    prior_spans: Positive
+    polish_iterations: Count
+    start_iterations: Count
+    restarts: Natural
+    batch: Count
 
     def __post_init__(self) -> None:
-        positive = ("foreseen", "damping", "damping_max", "parameter_step", "state_step", "huber", "prior_spans")
-        least: dict[str, float] = dict.fromkeys(
-            ("iterations", "polish_iterations", "start_iterations", "batch", "damping_up", "damping_down"), 1.0
-        )
-        least |= dict.fromkeys(
-            ("tolerance", "state_tolerance", "rough_tolerance", "refresh", "foretold", "hindered", "restarts"), 0.0
-        )
-        require_numbers(self, "solver", positive=positive, least=least)
+        require_bounds(self, "solver")
 
 
 @dataclass(frozen=True)
@@ -179,69 +185,35 @@ class EvidenceSettings:
         ConfigError: a number is too small, or the confidence is no share.
     """
 
-    most_fits: int
-    least_promise: float
-    least_hope: float
-    enough_hope: float
-    screen_seconds: float
-    screen_windows: int
-    confidence: float
-    trial_confidence: float
-    block: int
-    least_blocks: int
-    least_trusted: int
-    least_clusters: int
-    astray: float
-    least_compared: int
-    resamples: int
-    gain_resamples: int
-    seed: int
-    threshold: float
-    least_gap: float
-    least_explained: float
-    least_named: float
-    penalty: float
-    floor: float
-    absorbed: float
-    replacement_share: float
+    most_fits: Count
+    least_promise: NotNegative
+    least_hope: NotNegative
+    enough_hope: NotNegative
+    screen_seconds: Positive
+    screen_windows: Count
+    confidence: Confidence
+    trial_confidence: Confidence
+    block: Count
+    least_blocks: Count
+    least_trusted: Count
+    least_clusters: Count
+    astray: Annotated[float, at_least(1.0)]
+    least_compared: Annotated[int, at_least(2)]
+    resamples: Count
+    gain_resamples: Count
+    seed: Natural
+    threshold: NotNegative
+    least_gap: NotNegative
+    least_explained: NotNegative
+    least_named: NotNegative
+    penalty: NotNegative
+    floor: Positive
+    absorbed: NotNegative
+    replacement_share: NotNegative
     law: LawSettings
 
     def __post_init__(self) -> None:
-        least: dict[str, float] = dict.fromkeys(
-            (
-                "most_fits",
-                "screen_windows",
-                "block",
-                "least_blocks",
-                "least_trusted",
-                "least_clusters",
-                "resamples",
-                "gain_resamples",
-                "astray",
-            ),
-            1.0,
-        )
-        least["least_compared"] = 2.0
-        least |= dict.fromkeys(
-            (
-                "least_promise",
-                "least_hope",
-                "enough_hope",
-                "seed",
-                "threshold",
-                "least_gap",
-                "least_explained",
-                "least_named",
-                "penalty",
-                "absorbed",
-                "replacement_share",
-            ),
-            0.0,
-        )
-        require_numbers(self, "evidence", positive=("floor", "screen_seconds"), least=least)
-        for name, each in (("confidence", self.confidence), ("trial_confidence", self.trial_confidence)):
-            if not 0 < each < 1:
-                raise ConfigError(f"evidence.{name} is {each:g}; expected a share between 0 and 1, as 0.99.")
+        require_bounds(self, "evidence")
         if self.trial_confidence > self.confidence:
             raise ConfigError(
                 f"evidence.trial_confidence is {self.trial_confidence:g}, above evidence.confidence "

@@ -53,3 +53,7 @@ class DistributionLearner(ABC):
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from what `state_dict` gave."""
         self.randomizer.load_state_dict(state["randomizer"])
+
+    def inherit(self, state: Mapping[str, Any]) -> None:
+        """Begin with the distribution that another run's `state_dict` holds; all else is this run's own."""
+        self.randomizer.load_state_dict(state["randomizer"])

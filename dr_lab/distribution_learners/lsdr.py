@@ -1,17 +1,18 @@
 """LSDR: learning the sweet-spot distribution range."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import torch
 from tensordict import TensorDict
 
+from dr_lab.bounds import Count, NotNegative, Positive, above, at_least, at_most, require_bounds
 from dr_lab.collectors.experience import Experience
 from dr_lab.collectors.play import undiscounted
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.distribution_learners.return_statistics import ReturnStatistics
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.divergence import divergence
 from dr_lab.randomizers.randomizer import Density, Randomizer
@@ -56,13 +57,13 @@ class LSDR(DistributionLearner):
         seed: int,
         prior: Callable[[ContextSpace], Density],
         source: Literal["prior", "learned"],
-        contexts: int,
-        steps: int,
-        learning_rate: float,
-        alpha: float,
-        return_rate: float,
-        divergence_samples: int,
-        every: int = 1,
+        contexts: Annotated[int, at_least(2)],
+        steps: Count,
+        learning_rate: Positive,
+        alpha: NotNegative,
+        return_rate: Annotated[float, above(0.0), at_most(1.0)],
+        divergence_samples: Count,
+        every: Count = 1,
     ) -> None:
         super().__init__(randomizer)
         self.every = every
@@ -72,9 +73,7 @@ class LSDR(DistributionLearner):
         self.alpha = alpha
         self.return_rate = return_rate
         self.divergence_samples = divergence_samples
-        positive = ("learning_rate", "return_rate")
-        least = {"every": 1, "contexts": 2, "steps": 1, "alpha": 0.0, "divergence_samples": 1}
-        require_numbers(self, "distribution_learner", positive=positive, least=least, most={"return_rate": 1.0})
+        require_bounds(self, "distribution_learner", LSDR)
         self.prior = prior(randomizer.space)
         self.density = _require_density(randomizer)
         self.tried_from = {"prior": self.prior, "learned": randomizer}[source]

@@ -15,11 +15,11 @@ _STEP = 1e-4  # of controls, rad, m, rad/s and m/s; actuators are affine but for
 
 @dataclass(frozen=True)
 class JointDrive:
-    """tau = constant + by_control · u + by_position q + by_velocity v, which every memoryless actuator follows.
+    """tau = constant + by_control · u + by_position q + by_velocity v within limits, as every memoryless actuator.
 
     Three things are left out:
 
-    1. limits of controls and forces;
+    1. limits of controls and voltages, and those of forces where actuators act through more than joints;
     2. delays and activations: a late command counts from the moment it is given;
     3. forces without a command that are bounded or cog, which follow no such line.
 
@@ -30,6 +30,8 @@ class JointDrive:
         by_control: of each control, shape (n, nu).
         by_position: N·m/rad or N/m, shape (n,).
         by_velocity: N·m·s/rad or N·s/m, shape (n,).
+        low: least force, −∞ where there is no limit, N·m or N, shape (n,).
+        high: largest force, shape (n,).
     """
 
     address: int
@@ -38,6 +40,8 @@ class JointDrive:
     by_control: Array
     by_position: Array
     by_velocity: Array
+    low: Array
+    high: Array
 
     @classmethod
     def of(cls, models: Sequence[mujoco.MjModel], joint: str) -> "JointDrive":
@@ -46,12 +50,14 @@ class JointDrive:
         row, data = unique[0].joint(joint).id, mujoco.MjData(unique[0])
         lines = np.array([_line(model, data, row) for model in unique])[which]
         address, dof = int(unique[0].jnt_qposadr[row]), int(unique[0].jnt_dofadr[row])
-        return cls(address, dof, lines[:, 0], lines[:, 3:], lines[:, 1], lines[:, 2])
+        low, high = np.array([_limits(model, row) for model in unique])[which].T
+        return cls(address, dof, lines[:, 0], lines[:, 3:], lines[:, 1], lines[:, 2], low, high)
 
     def force(self, qpos: Array, qvel: Array, control: Array) -> Array:
         """Generalised force in N·m or N of n simulations, shape (n,); arguments of shape (n, nq), (n, nv), (n, nu)."""
         moving = self.by_position * qpos[:, self.address] + self.by_velocity * qvel[:, self.dof]
-        return self.constant + np.einsum("nu,nu->n", control, self.by_control) + moving
+        asked = self.constant + np.einsum("nu,nu->n", control, self.by_control) + moving
+        return np.clip(asked, self.low, self.high)
 
 
 def _line(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> list[float]:
@@ -74,11 +80,26 @@ def _line(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> list[float]
     return [still - slopes[0] * float(model.qpos0[address]), *slopes, *by_control]
 
 
+def _limits(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
+    """Least and largest force that the actuators give the joint together, without limit where one of them has none."""
+    if (model.actuator_trntype != int(mujoco.mjtTrn.mjTRN_JOINT)).any():
+        return -np.inf, np.inf
+    straight = np.setdiff1d(np.flatnonzero(_at(model, joint)), _bent(model, joint))
+    ends = np.sort(model.actuator_forcerange[straight] * model.actuator_gear[straight, :1], axis=1)
+    ends = np.where(model.actuator_forcelimited[straight, None].astype(bool), ends, [-np.inf, np.inf])
+    low, high = ends.sum(axis=0)
+    return float(low), float(high)
+
+
+def _at(model: mujoco.MjModel, joint: int) -> NDArray[np.bool_]:
+    """Which actuators act at the joint."""
+    return (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (model.actuator_trnid[:, 0] == joint)
+
+
 def _bent(model: mujoco.MjModel, joint: int) -> NDArray[np.intp]:
     """Actuators at the joint that take no command and whose force is bounded or cogs."""
-    at_joint = (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (model.actuator_trnid[:, 0] == joint)
     cogs = model.actuator_biastype == int(mujoco.mjtBias.mjBIAS_DCMOTOR)
-    return np.flatnonzero(at_joint & (model.actuator_ctrlnum == 0) & (model.actuator_forcelimited | cogs))
+    return np.flatnonzero(_at(model, joint) & (model.actuator_ctrlnum == 0) & (model.actuator_forcelimited | cogs))
 
 
 def _hold_commands(model: mujoco.MjModel, data: mujoco.MjData) -> None:

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.bounds import Count, require_bounds
+from dr_lab.errors import ConfigError
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import interquartile_mean
 from dr_lab.physics.context import ContextSpace
@@ -43,14 +44,14 @@ class FineTuneEvaluator(Evaluator):
     """
 
     distribution: Callable[[ContextSpace], Randomizer]
-    contexts: int
-    rounds: int
-    frames: int
-    episodes: int
+    contexts: Count
+    rounds: Count
+    frames: Count
+    episodes: Count
     seed: int
 
     def __post_init__(self) -> None:
-        require_numbers(self, "evaluator", least={"contexts": 1, "rounds": 1, "frames": 1, "episodes": 1})
+        require_bounds(self, "evaluator")
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Train on in every context.

@@ -5,11 +5,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.bounds import Count, at_least, require_bounds
+from dr_lab.errors import ConfigError
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import means_of_contexts
 from dr_lab.physics.context import ContextSpace
@@ -36,13 +38,13 @@ class GridEvaluator(Evaluator):
     """
 
     axes: Mapping[str, Sequence[float]] | None
-    count: int
-    episodes: int
-    parallel: int
+    count: Annotated[int, at_least(2)]
+    episodes: Count
+    parallel: Count
     seed: int
 
     def __post_init__(self) -> None:
-        require_numbers(self, "evaluator", least={"count": 2, "episodes": 1, "parallel": 1})
+        require_bounds(self, "evaluator")
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Play every cell.

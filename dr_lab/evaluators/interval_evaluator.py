@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Confidence, Count, require_bounds
 from dr_lab.evaluators.evaluator import Evaluator
 from dr_lab.evaluators.statistics import Interval, iqm_interval
 from dr_lab.trajectory import Array
@@ -24,14 +24,13 @@ class IntervalEvaluator(Evaluator):
         ConfigError: a number is out of its range.
     """
 
-    episodes: int
-    confidence: float
-    resamples: int
+    episodes: Count
+    confidence: Confidence
+    resamples: Count
     seed: int
 
     def __post_init__(self) -> None:
-        least = {"episodes": 1, "resamples": 1}
-        require_numbers(self, "evaluator", positive=("confidence",), least=least, below={"confidence": 1.0})
+        require_bounds(self, "evaluator")
 
     def figures(self, values: Array) -> dict[str, float]:
         """Interquartile mean ``iqm`` of values (n,) with the ends ``low`` and ``high`` of its interval."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Count
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.evaluators.statistics import lower_tail, means_of_contexts
@@ -36,12 +36,8 @@ class ReturnsEvaluator(IntervalEvaluator):
     """
 
     distributions: Mapping[str, Callable[[ContextSpace], Randomizer]]
-    contexts: int
-    parallel: int
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_numbers(self, "evaluator", least={"contexts": 1, "parallel": 1})
+    contexts: Count
+    parallel: Count
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Play every distribution's contexts; an infeasible one counts for none of the means, and is counted."""

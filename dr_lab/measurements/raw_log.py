@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dr_lab.errors import ConfigError, DataError, require_numbers
+from dr_lab.bounds import Positive, require_bounds
+from dr_lab.errors import ConfigError, DataError
 from dr_lab.measurements.alignment import align
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.mcap import McapSource
@@ -37,7 +38,7 @@ class TimeAxis:
 
     column: str = "time"
     unit: str = "s"
-    scale: float = 1.0
+    scale: Positive = 1.0
     start: float | None = None
     stop: float | None = None
 
@@ -47,7 +48,7 @@ class TimeAxis:
             known = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
             if not known and not (value is None and key != "scale"):
                 raise ConfigError(f"time.{key} is {value!r}; expected a number{_EXAMPLES[key]}.")
-        require_numbers(self, "time", positive=("scale",))
+        require_bounds(self, "time")
         if self.start is not None and self.stop is not None and self.start >= self.stop:
             raise ConfigError(
                 f"time.start is {self.start:g} s and time.stop {self.stop:g} s; expected a stop behind the start."

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 import torch
 from torch import Tensor
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import NotNegative, require_bounds
 from dr_lab.networks.actor import Actor
 from dr_lab.networks.mlp import Activation
 from dr_lab.networks.normaliser import Normaliser
@@ -33,11 +33,11 @@ class DeterministicActor(Actor):
         normaliser: Callable[[int], Normaliser],
         hidden: Sequence[int],
         activation: Activation,
-        noise: float,
+        noise: NotNegative,
     ) -> None:
         super().__init__(observation, low, high, seed, normaliser, hidden, activation)
         self.noise = noise
-        require_numbers(self, "algorithm.actor", least={"noise": 0.0})
+        require_bounds(self, "algorithm.actor", DeterministicActor)
 
     @torch.no_grad()
     def act(self, observation: Tensor, noise: Tensor) -> Tensor:

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 import torch
 from torch import Tensor, nn
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Positive, require_bounds
 
 
 class Normaliser(nn.Module, ABC):
@@ -53,10 +53,10 @@ class RunningNormaliser(Normaliser):
     shift: Tensor
     scale: Tensor
 
-    def __init__(self, size: int, clip: float) -> None:
+    def __init__(self, size: int, clip: Positive) -> None:
         super().__init__()
         self.clip = clip
-        require_numbers(self, "algorithm.actor.normaliser", positive=("clip",))
+        require_bounds(self, "algorithm.actor.normaliser", RunningNormaliser)
         self.register_buffer("count", torch.zeros((), dtype=torch.float64))
         self.register_buffer("mean", torch.zeros(size, dtype=torch.float64))
         self.register_buffer("variance", torch.ones(size, dtype=torch.float64))

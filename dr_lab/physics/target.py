@@ -16,7 +16,7 @@ _ATTRIBUTES: dict[str, dict[str, int]] = {
     "body": {"mass": 1, "inertia_scale": 1, "ipos": 3, "pos": 3},
     "joint": {"damping": 1, "frictionloss": 1, "armature": 1, "stiffness": 1, "springref": 1},
     "geom": {"size": 3, "friction": 3, "density": 1, "mass": 1},
-    "actuator": {"gear": 6},
+    "actuator": {"gear": 6, "gainprm": 10, "force_limit": 1},
     "option": {"gravity": 3, "density": 1, "viscosity": 1, "wind": 3},
 }
 
@@ -31,6 +31,7 @@ _FIELDS = {
     ("joint", "springref"): "qpos_spring",
     ("geom", "friction"): "geom_friction",
     ("actuator", "gear"): "actuator_gear",
+    ("actuator", "gainprm"): "actuator_gainprm",
     ("option", "gravity"): "opt.gravity",
     ("option", "density"): "opt.density",
     ("option", "viscosity"): "opt.viscosity",
@@ -59,7 +60,8 @@ class Target:
     """Parsed address of one scalar of the physics.
 
     ``body.<b>.mass`` scales the body's inertia along (same shape, other density); ``body.<b>.inertia_scale`` scales
-    inertia alone, so every admissible pair is physically consistent.
+    inertia alone, so every admissible pair is physically consistent. ``actuator.<a>.force_limit`` is F of a symmetric
+    ``forcerange`` ±F.
     """
 
     kind: str
@@ -97,12 +99,15 @@ class Target:
         """Nominal value in the spec.
 
         Raises:
-            ModelError: a body's mass is asked for but the body has no <inertial>.
+            ModelError: a body's mass is asked for but the body has no <inertial>, or an actuator's force limit but its
+                force is not limited symmetrically.
             UnknownNameError: the element is not in the model.
         """
         if self.attribute == "inertia_scale":
             return 1.0
         element = self._element(spec)
+        if self.attribute == "force_limit":
+            return self._force_limit(element)
         if self.kind == "body" and self.attribute in ("mass", "ipos") and not element.explicitinertial:
             raise ModelError(f"Target {self}: body {self.element!r} needs an explicit <inertial> to vary its inertia.")
         value = np.atleast_1d(np.asarray(getattr(element, self.attribute), dtype=float))
@@ -120,6 +125,8 @@ class Target:
         element = self._element(spec)
         if self.attribute == "inertia_scale":
             _scale_inertia(element, value)
+        elif self.attribute == "force_limit":
+            element.forcerange = [-value, value]
         elif self.attribute == "mass" and self.kind == "body":
             _scale_inertia(element, value / element.mass)
             element.mass = value
@@ -137,6 +144,9 @@ class Target:
             inertia = FieldEdit("body_inertia", (row, slice(None)), relative=True)
             mass = FieldEdit("body_mass", (row,), relative=True)
             return (mass, inertia) if self.attribute == "mass" else (inertia,)
+        if self.attribute == "force_limit":
+            row = model.actuator(self.element).id
+            return (FieldEdit("actuator_forcerange", (row, slice(None)), relative=True),)
         field = _FIELDS.get((self.kind, self.attribute))
         if field is None:
             return ()
@@ -151,6 +161,15 @@ class Target:
         if field == "qpos_spring":
             return (int(model.jnt_qposadr[row]),)
         return (row, self.index) if _ATTRIBUTES[self.kind][self.attribute] > 1 else (row,)
+
+    def _force_limit(self, actuator: Any) -> float:  # noqa: ANN401 (MjsActuator)
+        low, high = (float(value) for value in actuator.forcerange)
+        if not (0.0 < high == -low):
+            raise ModelError(
+                f"Target {self}: actuator {self.element!r} has forcerange [{low:g}, {high:g}]; expected [-F, F] with "
+                "F > 0. Set it in the MJCF."
+            )
+        return high
 
     def _unit(self, spec: mujoco.MjSpec) -> float:
         """The spec's unit of the value in SI; where MJCF angles are degrees, a hinge's reference is one of them."""

@@ -139,9 +139,10 @@ class MujocoMachine:
         return self._altered(model)
 
     def with_drive_scaled(self, actuator: str, share: float) -> Self:
-        """With a weaker (or stronger) drive."""
-        model = copy.copy(self.model)
-        model.actuator_gear[index("actuator", actuator, self.actuators)] *= share
+        """With a share of an actuator's whole force, be it a motor's or a position controller's, its limit included."""
+        model, row = copy.copy(self.model), index("actuator", actuator, self.actuators)
+        for numbers in (model.actuator_gainprm, model.actuator_biasprm, model.actuator_forcerange):
+            numbers[row] *= share
         return self._altered(model)
 
     def with_contact(self, friction: float, time_constant: float, damping_ratio: float) -> Self:

@@ -113,15 +113,29 @@ def _returns(low: float, high: float) -> Axis:
 def _log_map(root: Branch, grid: Grid, low: float, high: float, look: Look) -> None:
     across, up = grid.axes
     chart = Chart(root, CANVAS, _axis(across, _half_cell(across)), _axis(up, _half_cell(up)))
-    shape = np.array(grid.mean.shape)
-    cells = heat_map(grid.mean.T[::-1], low, high, look)  # rows from the top down
-    size = _PIXELS * np.array([CANVAS.height, CANVAS.width]).astype(int)
-    rows, columns = (np.arange(n) * k // n for n, k in zip(size, shape[::-1], strict=True))
+    rows, columns = (np.arange(n) * k // n for n, k in zip(pixels(), grid.mean.T.shape, strict=True))
+    log_picture(root, grid.mean.T[::-1][np.ix_(rows, columns)], (low, high), look)
+    chart.frame(look.colour("axis"), look.colour("text"))
+
+
+def pixels() -> tuple[int, int]:
+    """Rows and columns of a picture that fills the canvas."""
+    return _PIXELS * int(CANVAS.height), _PIXELS * int(CANVAS.width)
+
+
+def log_picture(root: Branch, value: Array, span: tuple[float, float], look: Look) -> None:
+    """Fill the canvas with the colours of values, and draw their scale beside it.
+
+    Args:
+        root: where to.
+        value: of every pixel, rows from the top down, of the shape that `pixels` gives.
+        span: value of the darkest colour and of the lightest.
+        look: colours.
+    """
     place = root / "map"
     place.static(rr.Transform3D(scale=1 / _PIXELS))
-    place.static(rr.Image(cells[np.ix_(rows, columns)]))
-    chart.frame(look.colour("axis"), look.colour("text"))
-    _log_scale(root / "scale", low, high, look)
+    place.static(rr.Image(heat_map(value, *span, look)))
+    _log_scale(root / "scale", *span, look)
 
 
 def _log_scale(root: Branch, low: float, high: float, look: Look) -> None:

@@ -4,7 +4,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.bounds import Count, Natural, Positive, require_bounds
+from dr_lab.errors import ConfigError
 
 COLOURS = ("measured", "before", "after", "noise", "command", "ground", "fixed", "text", "axis")
 
@@ -34,32 +35,24 @@ class Look:
         ConfigError: a colour is missing or not ``#RRGGBB``, or a number is too small.
     """
 
-    longest: float
-    episodes: int
-    pose_rate: float
+    longest: Positive
+    episodes: Natural
+    pose_rate: Positive
     colours: Mapping[str, str]
     palette: Sequence[str]
-    ghost_alpha: int
-    ghost_swell: float
-    line_width: float
-    measured_width: float
-    scatter_points: int
-    scatter_bins: int
-    overview_channels: int
+    ghost_alpha: Natural
+    ghost_swell: Positive
+    line_width: Positive
+    measured_width: Positive
+    scatter_points: Count
+    scatter_bins: Count
+    overview_channels: Natural
     azimuth: float
     elevation: float
-    margin: float
+    margin: Positive
 
     def __post_init__(self) -> None:
-        positive = ("longest", "pose_rate", "ghost_swell", "line_width", "measured_width", "margin")
-        least = {
-            "ghost_alpha": 0.0,
-            "scatter_points": 1.0,
-            "scatter_bins": 1.0,
-            "episodes": 0.0,
-            "overview_channels": 0.0,
-        }
-        require_numbers(self, "recorder", positive=positive, least=least)
+        require_bounds(self, "recorder")
         given = {f"colours.{name}": self.colours.get(name, "nothing") for name in COLOURS}
         given |= {f"palette[{index}]": colour for index, colour in enumerate(self.palette or ["nothing"])}
         for name, colour in given.items():

@@ -7,7 +7,7 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
-from dr_lab.recorders import distributions, grids
+from dr_lab.recorders import course, distributions, grids
 from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
@@ -47,8 +47,8 @@ def write_training_review(path: Path, record: TrainingRecord, look: Look) -> Non
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<name>``, ``/distribution/<parameter>``, ``/distribution/<parameter>, <parameter>``,
-    ``/grid/<title>``, ``/pages/<title>`` on the timeline ``iteration``, curves over control steps on ``frames``,
-    ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the episode's start.
+    ``/course/<parameter>``, ``/grid/<title>``, ``/pages/<title>`` on the timeline ``iteration``, curves over control
+    steps on ``frames``, ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the episode's start.
 
     Args:
         path: the file, by custom ``review.rrd``.
@@ -73,6 +73,7 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
         place.over(curve.over, curve.at, rr.Scalars.columns(scalars=curve.value))
     for marginal in record.marginals:
         distributions.log_marginal(root / "distribution" / marginal.name, marginal, look)
+        course.log_course(root / "course" / marginal.name, marginal, look)
     for pair in record.pairs:
         distributions.log_pair(root / "distribution" / _joined(pair), pair, look)
     span = grids.return_span(record.grids)
@@ -134,7 +135,9 @@ def _curves(record: TrainingRecord) -> list[rrb.View]:
 
 def _learned(record: TrainingRecord) -> list[rrb.View]:
     names = [*(marginal.name for marginal in record.marginals), *(_joined(pair) for pair in record.pairs)]
-    return [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in names]
+    present = [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in names]
+    changed = [marginal.name for marginal in record.marginals if len(marginal.iteration) > 1]
+    return [*present, *(grids.CANVAS.view(["course", name], f"p(z) of {name} over iterations") for name in changed)]
 
 
 def _maps(record: TrainingRecord) -> list[rrb.View]:

@@ -16,13 +16,12 @@ from dr_lab.reports.gap_entries import (
     MissingForceEntry,
     NoiseEntry,
     NoteEntry,
-    Number,
     RegionEntry,
     RemainingEntry,
     RungEntry,
     WindowsEntry,
 )
-from dr_lab.reports.plain import IN_PLACE, OMITTED
+from dr_lab.reports.plain import IN_PLACE, OMITTED, Number
 from dr_lab.trajectory import ClockFit
 
 SCHEMA = "dr_lab/gap/1"

@@ -1,15 +1,13 @@
 """The entries of a gap report (schema dr_lab/gap/1).
 
-`gap.schema.json` says what each key means, once; here stands which there are and of which type. A `Number` is None
-where there is no finite value. SI units.
+`gap.schema.json` says what each key means, once; here stands which there are and of which type. SI units.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from dr_lab.reports.plain import IN_PLACE, OMITTED
+from dr_lab.reports.plain import IN_PLACE, OMITTED, Number
 
-Number = float | None
 Interval = tuple[Number, Number]
 ByChannel = Mapping[str, Number]
 Labels = tuple[str, ...]  # of effects, ``effect@site``

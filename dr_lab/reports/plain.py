@@ -1,6 +1,7 @@
 """Between dataclasses and what JSON can hold.
 
-A field of a dataclass is a key of a JSON object, with two exceptions that its metadata state: `OMITTED` and `IN_PLACE`.
+A field of a dataclass is a key of a JSON object, with three exceptions that its metadata state: `OMITTED`, `IN_PLACE`
+and `RETURN`.
 """
 
 import dataclasses
@@ -18,6 +19,10 @@ from dr_lab.errors import DataError
 T = TypeVar("T")
 OMITTED = {"key": "omitted"}  # metadata of a field that is no key where it is None
 IN_PLACE = {"key": "in place"}  # metadata of a field whose fields are keys in its place; no keys where it is None
+RETURN = {"key": "return"}  # metadata of a field whose key is Python's keyword
+
+Number = float | None
+"""A number of a report; None where there is no finite value."""
 
 
 def to_plain(value: object, place: str = "report") -> object:
@@ -57,16 +62,21 @@ def from_plain(kind: type[T], data: Mapping[str, Any]) -> T:
     for field in dataclasses.fields(kind):  # pyright: ignore[reportArgumentType]
         hint = _without_none(hints[field.name])
         if field.metadata == IN_PLACE:
-            own = {f.name: data[f.name] for f in dataclasses.fields(hint) if f.name in data}
+            own = {key_of(f): data[key_of(f)] for f in dataclasses.fields(hint) if key_of(f) in data}
             found[field.name] = from_plain(hint, own) if own else None
-        elif field.name in data:
-            found[field.name] = _typed(hint, data[field.name])
+        elif key_of(field) in data:
+            found[field.name] = _typed(hint, data[key_of(field)])
     return kind(**found)
 
 
 def finite(report: T) -> T:
     """The same dataclass as it is written and read back: tuples for arrays, None for what is not finite."""
     return from_plain(type(report), typing.cast(dict[str, Any], to_plain(report)))
+
+
+def key_of(field: "dataclasses.Field[Any]") -> str:
+    """The key of a field that is one."""
+    return "return" if field.metadata == RETURN else field.name
 
 
 def _keys(value: Any) -> dict[str, object]:  # noqa: ANN401 (any dataclass)
@@ -76,7 +86,7 @@ def _keys(value: Any) -> dict[str, object]:  # noqa: ANN401 (any dataclass)
         if field.metadata == IN_PLACE:
             found |= {} if content is None else _keys(content)
         elif content is not None or field.metadata != OMITTED:
-            found[field.name] = content
+            found[key_of(field)] = content
     return found
 
 
@@ -95,7 +105,8 @@ def _typed(hint: Any, value: Any) -> Any:  # noqa: ANN401 (types and values of f
 
 
 def _without_none(hint: Any) -> Any:  # noqa: ANN401 (a type)
-    """``X`` of ``X | None``."""
-    if typing.get_origin(hint) in (types.UnionType, typing.Union):
-        (hint,) = (each for each in typing.get_args(hint) if each is not type(None))
-    return hint
+    """``X`` of ``X | None``; a union of several others, which are numbers and words, as it is."""
+    if typing.get_origin(hint) not in (types.UnionType, typing.Union):
+        return hint
+    others = [each for each in typing.get_args(hint) if each is not type(None)]
+    return others[0] if len(others) == 1 else hint

@@ -1,13 +1,12 @@
 """The files of a gap report: `report.json` for programs, `report.md` for people, `metrics.csv` for spreadsheets."""
 
-import json
 from pathlib import Path
 
 from dr_lab.files import write_text
 from dr_lab.reports.gap import GapReport
+from dr_lab.reports.json_file import write_json
 from dr_lab.reports.markdown import report_markdown
 from dr_lab.reports.metrics import metrics_csv
-from dr_lab.reports.plain import to_plain
 
 
 def write_report(folder: Path, report: GapReport) -> None:
@@ -21,7 +20,6 @@ def write_report(folder: Path, report: GapReport) -> None:
         DataError: a value cannot be stored as JSON; the message names its place.
         DrLabError: the folder cannot be written to.
     """
-    text = json.dumps(to_plain(report), allow_nan=False, ensure_ascii=False, indent=2)
-    write_text(folder / "report.json", text + "\n")
+    write_json(folder / "report.json", report)
     write_text(folder / "report.md", report_markdown(report))
     write_text(folder / "metrics.csv", metrics_csv(report))

@@ -1,5 +1,6 @@
-"""The stable form of `report.json`: `gap.schema.json`, for us and for other people's tools."""
+"""The stable form of each report: `<its name>.schema.json`, for us and for other people's tools."""
 
+import functools
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,21 +8,32 @@ from typing import Any
 
 from jsonschema import Draft202012Validator
 
-from dr_lab.errors import DataError
-
-_SCHEMA = json.loads(Path(__file__).with_name("gap.schema.json").read_text("utf-8"))
+from dr_lab.errors import DataError, UnknownNameError
 
 
-def validate(report: Mapping[str, Any]) -> None:
-    """Check a report of compare, fit, diagnose, add or close against the schema.
+def validate(report: Mapping[str, Any], place: str = "The report") -> None:
+    """Check a report against the schema that it names.
 
     Args:
-        report: as read back from `report.json`.
+        report: as read back from its file.
+        place: where it stands, for the message.
 
     Raises:
         DataError: keys are missing or of another type; the message lists every place.
+        UnknownNameError: there is no such schema.
     """
-    problems = [f"{error.json_path}: {error.message}" for error in Draft202012Validator(_SCHEMA).iter_errors(report)]
+    name = str(report.get("schema"))
+    schemas = _schemas()
+    if name not in schemas:
+        raise UnknownNameError("schema", name, schemas, place)
+    problems = [f"{error.json_path}: {error.message}" for error in schemas[name].iter_errors(report)]
     if problems:
         listed = "\n  ".join(sorted(problems))
-        raise DataError(f"The report does not follow the schema {report.get('schema')!r}:\n  {listed}")
+        raise DataError(f"{place} does not follow the schema {name!r}:\n  {listed}")
+
+
+@functools.cache
+def _schemas() -> Mapping[str, Draft202012Validator]:
+    """The validator of each schema, by its name."""
+    read = [json.loads(path.read_text("utf-8")) for path in Path(__file__).parent.glob("*.schema.json")]
+    return {schema["properties"]["schema"]["const"]: Draft202012Validator(schema) for schema in read}

@@ -2,16 +2,17 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import mujoco
 import numpy as np
 import yaml
 
+from dr_lab.bounds import Positive, above, below, require_bounds
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.effects.effect import Effect
 from dr_lab.effects.named import with_named_effects
-from dr_lab.errors import ConfigError, ModelError, UnknownNameError, require_numbers
+from dr_lab.errors import ConfigError, ModelError, UnknownNameError
 from dr_lab.physics.model import Model, joints
 from dr_lab.plants.excitation import SinesAndSteps
 from dr_lab.plants.instruments import Instruments, RobotClock
@@ -61,15 +62,15 @@ class ModelSource:
     peaks: Mapping[str, float] | None
     start: Mapping[str, float] | None
     shares: Sequence[float]
-    duration: float
+    duration: Annotated[float, above(0.0), below(np.inf)]
     excitation: SinesAndSteps
     instruments: Instruments
-    travel: float
+    travel: Positive
     joint_topic: str
     command_topic: str
 
     def __post_init__(self) -> None:
-        require_numbers(self, "source", positive=("duration", "travel"), below={"duration": np.inf})
+        require_bounds(self, "source")
         for key in ("context", "peaks", "start"):
             _require_finite(key, getattr(self, key) or {})
         _require_finite("shares", dict(enumerate(self.shares)))

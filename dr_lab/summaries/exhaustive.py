@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from dr_lab.recorders.training import ContextAxis, Grid
-from dr_lab.summaries.groups import ABSENT, Group, is_known
-from dr_lab.summaries.runs import TRAIN_SCHEMA, Run
+from dr_lab.reports.train import TrainReport
+from dr_lab.summaries.groups import ABSENT, Group
+from dr_lab.summaries.runs import Run
 
 LABEL = "a policy for each context"
 _VALUES = "randomizer.values"  # where the only context of a run stands
@@ -29,7 +30,7 @@ def exhaustive(groups: Sequence[Group]) -> dict[str, Grid]:
     """
     found: dict[str, list[Group]] = {}
     for group in groups:
-        if all(_context(run) for run in group.runs):
+        if all(_at_one_context(run) for run in group.runs):
             others = [f"{key}={value}" for key, value in group.settings.items() if _tells_apart(key, value)]
             found.setdefault(", ".join([LABEL, *others]), []).append(group)
     drawn = {label: _grid(label, alike) for label, alike in found.items()}
@@ -37,28 +38,36 @@ def exhaustive(groups: Sequence[Group]) -> dict[str, Grid]:
 
 
 def _grid(label: str, groups: Sequence[Group]) -> Grid | None:
-    contexts = [_context(group.runs[0]) for group in groups]
+    reports = [_trained(group) for group in groups]
+    contexts = [_context(of_group[0]) for of_group in reports]
     values = {name: np.unique([context[name] for context in contexts]) for name in contexts[0]}
     varied = {name: each for name, each in values.items() if len(each) > 1}
     if not 1 <= len(varied) <= 2:
         return None
-    units = groups[0].runs[0].report["context"]
-    axes = [ContextAxis(name, units[name]["unit"], each) for name, each in varied.items()]
+    units = reports[0][0].context
+    axes = [ContextAxis(name, units[name].unit, each) for name, each in varied.items()]
     mean, spread = np.full((2, *(len(axis.values) for axis in axes)), np.nan)
-    for group, context in zip(groups, contexts, strict=True):
+    for of_group, context in zip(reports, contexts, strict=True):
         cell = tuple(int(np.searchsorted(axis.values, context[axis.name])) for axis in axes)
-        returns = [run.report["final_return"] for run in group.runs if is_known(run.report.get("final_return"))]
+        returns = [report.final_return for report in of_group if report.final_return is not None]
         if returns:
             mean[cell], spread[cell] = np.mean(returns), np.std(returns)
     return Grid(label, axes, mean, spread)
 
 
-def _context(run: Run) -> Mapping[str, float]:
-    """The only context that a run was trained at, value by parameter; empty where there were more."""
-    context = run.report.get("context") or {}
-    if run.report["schema"] != TRAIN_SCHEMA or any(entry.get("std") != 0.0 for entry in context.values()):
-        return {}
-    return {name: float(entry["mean"]) for name, entry in context.items()}
+def _trained(group: Group) -> list[TrainReport]:
+    """The reports of a group's runs that were trained."""
+    return [run.content for run in group.runs if isinstance(run.content, TrainReport)]
+
+
+def _context(report: TrainReport) -> Mapping[str, float]:
+    """The only context that a policy was trained at, value by parameter; empty where there were more."""
+    alone = {name: entry.mean for name, entry in report.context.items() if entry.mean is not None and entry.std == 0.0}
+    return alone if len(alone) == len(report.context) else {}
+
+
+def _at_one_context(run: Run) -> bool:
+    return isinstance(run.content, TrainReport) and bool(_context(run.content))
 
 
 def _tells_apart(key: str, value: str) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.bounds import Confidence, Count, Natural, require_bounds
 from dr_lab.evaluators.statistics import Interval, iqm_interval
 from dr_lab.summaries.configuration import experiment, holds
 from dr_lab.summaries.runs import Figure, Run, picked
@@ -48,15 +48,12 @@ class Statistics:
         ConfigError: a number is out of its bounds.
     """
 
-    confidence: float
-    resamples: int
-    seed: int
+    confidence: Confidence
+    resamples: Count
+    seed: Natural
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
-        require_numbers(self, "statistics", positive=("confidence", "resamples"), least={"seed": 0})
-        if not self.confidence < 1:
-            raise ConfigError(f"statistics.confidence is {self.confidence:g}; expected a share below 1, such as 0.95.")
+        require_bounds(self, "statistics")
 
 
 @dataclass(frozen=True)

@@ -2,20 +2,22 @@
 
 import functools
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 
 from dr_lab.errors import DataError
 from dr_lab.evaluators.statistics import iqm_band
 from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
+from dr_lab.reports.evaluate import Cell, EvaluateReport
+from dr_lab.reports.train import HistogramEntry, TrainReport
 from dr_lab.summaries.groups import Group, Statistics
-from dr_lab.summaries.runs import TRAIN_SCHEMA, Run, history
+from dr_lab.summaries.runs import Run, history
 from dr_lab.trajectory import Array
 
 _COUNTS = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
-_HISTOGRAM = {"edges", "initial", "probability"}  # what a run keeps of a distribution that it knows
 _FIRST = "episode_return"
+_GRID = "GridEvaluator"
 _CELL = ("return", "std")
 _OF_A_CELL = (*_CELL, "diverged")  # columns that are no axis
 
@@ -35,11 +37,12 @@ def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
     """By parameter and group, what was learnt in the end, averaged over runs; nothing where it is one value."""
     found: dict[str, dict[str, Marginal]] = {}
     for group in groups:
-        contexts = [run.report.get("context") or {} for run in group.runs if run.report["schema"] == TRAIN_SCHEMA]
-        for name in contexts[0] if contexts else ():
-            entries = [context[name] for context in contexts if set(context.get(name, {})) >= _HISTOGRAM]
-            if any(entry["std"] for entry in entries):
-                found.setdefault(name, {})[group.label] = _mean_marginal(name, entries)
+        contexts = [run.content.context for run in group.runs if isinstance(run.content, TrainReport)]
+        for name, first in contexts[0].items() if contexts else ():
+            entries = [context[name] for context in contexts if name in context and context[name].histogram]
+            if any(entry.std for entry in entries):
+                histograms = [entry.histogram for entry in entries if entry.histogram is not None]
+                found.setdefault(name, {})[group.label] = _mean_marginal(name, first.unit, histograms)
     return found
 
 
@@ -47,13 +50,14 @@ def grids(groups: Sequence[Group]) -> dict[str, Grid]:
     """By group, returns over contexts, averaged over its runs cell by cell.
 
     Raises:
-        DataError: runs of a group were evaluated over different contexts.
+        DataError: runs of a group were evaluated over different contexts, or a row lacks a column.
     """
     found: dict[str, Grid] = {}
     for group in groups:
-        runs = [run for run in group.runs if run.report.get("evaluator") == "GridEvaluator" and run.report.get("rows")]
-        if runs:
-            found[group.label] = _mean_grid(group.label, runs)
+        each = {run.folder: run.content for run in group.runs if isinstance(run.content, EvaluateReport)}
+        drawn = {folder: report for folder, report in each.items() if report.evaluator == _GRID and report.rows}
+        if drawn:
+            found[group.label] = _mean_grid(group.label, drawn)
     return found
 
 
@@ -79,12 +83,12 @@ def _by_frames(run: Run) -> dict[float, dict[str, float]]:
     return {row["frames"]: row for row in (dict(zip(columns, map(float, values), strict=True)) for values in rows)}
 
 
-def _mean_marginal(name: str, entries: Sequence[Mapping[str, Any]]) -> Marginal:
+def _mean_marginal(name: str, unit: str, each: Sequence[HistogramEntry]) -> Marginal:
     """Over the edges of all: where a distribution reaches, and with it its bins, differs from run to run."""
-    edges = functools.reduce(np.union1d, [entry["edges"] for entry in entries])
-    learned = np.mean([_rebinned(entry["probability"], entry["edges"], edges) for entry in entries], axis=0)
-    initial = _rebinned(entries[0]["initial"], entries[0]["edges"], edges)
-    return Marginal(name, entries[0]["unit"], edges, initial, np.zeros(1, int), learned[None])
+    edges = functools.reduce(np.union1d, [np.array(entry.edges) for entry in each])
+    learned = np.mean([_rebinned(entry.probability, entry.edges, edges) for entry in each], axis=0)
+    initial = _rebinned(each[0].initial, each[0].edges, edges)
+    return Marginal(name, unit, edges, initial, np.zeros(1, int), learned[None])
 
 
 def _rebinned(probability: Sequence[float], edges: Sequence[float], finer: Array) -> Array:
@@ -92,21 +96,29 @@ def _rebinned(probability: Sequence[float], edges: Sequence[float], finer: Array
     return np.diff(np.interp(finer, edges, np.concatenate([[0.0], np.cumsum(probability)])))
 
 
-def _mean_grid(title: str, runs: Sequence[Run]) -> Grid:
-    tables = [run.report["rows"] for run in runs]
-    names = [name for name in tables[0][0] if name not in _OF_A_CELL]
-    for run, rows in zip(runs, tables, strict=True):
-        if [[row.get(name) for name in names] for row in rows] != [[row[name] for name in names] for row in tables[0]]:
+def _mean_grid(title: str, reports: Mapping[Path, EvaluateReport]) -> Grid:
+    """Over the reports of grids, by their run folders."""
+    (folder, first), *_ = reports.items()
+    names = [name for name in first.rows[0] if name not in _OF_A_CELL]
+    contexts = [[row.get(name) for name in names] for row in first.rows]
+    for other, report in reports.items():
+        if [[row.get(name) for name in names] for row in report.rows] != contexts:
             raise DataError(
-                f"{run.folder} was evaluated over other contexts than {runs[0].folder}, with which it would be "
-                "averaged. Take one of them out, or aggregate over fewer keys: aggregate=…"
+                f"{other} was evaluated over other contexts than {folder}, with which it would be averaged. "
+                "Take one of them out, or aggregate over fewer keys: aggregate=…"
             )
-    units = runs[0].report.get("units", {})
-    axes = [ContextAxis(name, units.get(name, ""), np.unique([row[name] for row in tables[0]])) for name in names]
+    axes = [ContextAxis(name, first.units.get(name, ""), np.unique(_column(folder, first, name))) for name in names]
     shape = tuple(len(axis.values) for axis in axes)
-    mean, spread = (np.array([_column(table, key) for table in tables]).mean(axis=0).reshape(shape) for key in _CELL)
-    return Grid(title, axes, mean, spread)
+    columns = ([_column(*each, name) for each in reports.items()] for name in _CELL)
+    return Grid(title, axes, *(np.mean(column, axis=0).reshape(shape) for column in columns))
 
 
-def _column(table: Sequence[Mapping[str, Any]], name: str) -> Array:
-    return np.array([np.nan if row[name] is None else row[name] for row in table])
+def _column(folder: Path, report: EvaluateReport, name: str) -> Array:
+    """A column of a report's table, NaN where it is empty."""
+    if any(name not in row for row in report.rows):
+        raise DataError(f"{folder / 'report.json'}: a row lacks {name!r}, which those of evaluator=grid have.")
+    return np.array([_number(row[name]) for row in report.rows])
+
+
+def _number(cell: Cell) -> float:
+    return np.nan if cell is None else float(cell)

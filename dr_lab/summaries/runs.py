@@ -12,10 +12,14 @@ import numpy as np
 import yaml
 
 from dr_lab.errors import DataError
+from dr_lab.reports import evaluate, summarize, train
+from dr_lab.reports.evaluate import EvaluateReport
+from dr_lab.reports.json_file import typed
+from dr_lab.reports.train import TrainReport
 from dr_lab.sweeps.overrides import by_key
 from dr_lab.trajectory import Array
 
-SUMMARY_SCHEMA, TRAIN_SCHEMA = "dr_lab/summarize/1", "dr_lab/train/1"
+_TYPES = {train.SCHEMA: TrainReport, evaluate.SCHEMA: EvaluateReport}
 _REPORT, _CONFIG, _METRICS = "report.json", "config.yaml", "metrics.csv"
 _ANY = "*"
 _RESUMED = "resume"  # override that says where a run was gone on with, which makes no other run of it
@@ -34,14 +38,16 @@ class Run:
         folder: the same from here.
         overrides: what was typed for it, value by key, but for the run that it went on with.
         configuration: its ``config.yaml``.
-        report: its ``report.json``.
+        report: its ``report.json``, from which figures are picked by their paths.
+        content: the same of training or of an evaluation, typed; None of other verbs.
     """
 
     name: str
     folder: Path
     overrides: Mapping[str, str]
     configuration: Mapping[str, Any]
-    report: Mapping[str, Any]
+    report: Mapping[str, object]
+    content: TrainReport | EvaluateReport | None
 
 
 def find_runs(sweep: Path) -> tuple[list[Run], list[str]]:
@@ -62,13 +68,13 @@ def find_runs(sweep: Path) -> tuple[list[Run], list[str]]:
     folders = sorted(found, key=lambda folder: _place(folder, sweep))
     finished = [folder for folder in folders if (folder / _REPORT).is_file()]
     runs = [_read(folder, sweep) for folder in finished]
-    runs = [run for run in runs if run.report.get("schema") != SUMMARY_SCHEMA]
+    runs = [run for run in runs if run.report["schema"] != summarize.SCHEMA]
     if not runs:
         raise DataError(f"Below {sweep} no run is finished: no folder holds a {_CONFIG} and a {_REPORT}.")
     return runs, [str(folder.relative_to(sweep)) for folder in folders if folder not in finished]
 
 
-def picked(report: Mapping[str, Any], paths: Sequence[str]) -> dict[str, Figure]:
+def picked(report: Mapping[str, object], paths: Sequence[str]) -> dict[str, Figure]:
     """Numbers and words of a report.
 
     Args:
@@ -82,7 +88,7 @@ def picked(report: Mapping[str, Any], paths: Sequence[str]) -> dict[str, Figure]
     return {name: figure for name, value in found.items() for figure in _figures(value)}
 
 
-def beside(report: Mapping[str, Any], path: str) -> list[str]:
+def beside(report: Mapping[str, object], path: str) -> list[str]:
     """The paths that go on where one ends that leads to no figure; none where nothing goes on.
 
     Args:
@@ -101,7 +107,7 @@ def history(run: Run) -> dict[str, Array]:
         DataError: it cannot be read, or a value is no number.
     """
     path = run.folder / _METRICS
-    if run.report["schema"] != TRAIN_SCHEMA or not path.is_file():
+    if not isinstance(run.content, TrainReport) or not path.is_file():
         return {}
     try:
         with path.open(encoding="utf-8", newline="") as file:
@@ -111,7 +117,7 @@ def history(run: Run) -> dict[str, Array]:
         raise DataError(f"{path}: {error}. Expected the {_METRICS} of a training run.") from None
 
 
-def _places(report: Mapping[str, Any], parts: Sequence[str]) -> dict[str, object]:
+def _places(report: Mapping[str, object], parts: Sequence[str]) -> dict[str, object]:
     """What lies at a path, by its keys; ``*`` leads to several places."""
     places: dict[str, object] = {"": report}
     for part in parts:
@@ -150,9 +156,18 @@ def _read(folder: Path, sweep: Path) -> Run:
     made_with = configuration.get("made_with") if isinstance(configuration, dict) else None
     if not isinstance(made_with, dict) or not isinstance(made_with.get("overrides", []), list):
         raise DataError(_UNREADABLE.format(folder, f"its {_CONFIG} does not say what the run was made with", sweep))
-    typed = by_key([str(override) for override in made_with.get("overrides", [])])
-    typed.pop(_RESUMED, None)
-    return Run(str(folder.relative_to(sweep)), folder, typed, configuration, report)
+    overrides = by_key([str(override) for override in made_with.get("overrides", [])])
+    overrides.pop(_RESUMED, None)
+    try:
+        content = _content(report, folder / _REPORT)
+    except DataError as error:
+        raise DataError(f"{error}\nTake it out of {sweep}, or summarise it with the version that wrote it.") from None
+    return Run(str(folder.relative_to(sweep)), folder, overrides, configuration, report, content)
+
+
+def _content(report: Mapping[str, object], path: Path) -> TrainReport | EvaluateReport | None:
+    kind = _TYPES.get(str(report["schema"]))
+    return None if kind is None else typed(kind, report, path)
 
 
 def _is_of_summary(config: Path) -> bool:

@@ -1,10 +1,8 @@
 """The tables of a sweep: Markdown to be read, CSV to be worked with."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
-from typing import Any
 
+from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.reports.quantity import number
 from dr_lab.reports.tables import table
 from dr_lab.summaries.groups import (
@@ -74,7 +72,7 @@ def _cell(cell: Cell) -> str:
     return f"{number(cell.value)} ({number(cell.low)} … {number(cell.high)})"
 
 
-def _runs_table(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> list[dict[str, Any]]:
+def _runs_table(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> list[dict[str, Figure]]:
     keys = differing([run.overrides for run in runs])
     picked = [figures_of(run, figures) for run in runs]
     names = list(dict.fromkeys(name for row in picked for name in row))
@@ -95,14 +93,14 @@ def runs_page(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> str:
 
 def runs_csv(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> str:
     """Every run with what differs, one row each."""
-    return _csv(_runs_table(runs, figures))
+    return rows_csv(_runs_table(runs, figures))
 
 
 def groups_csv(groups: Sequence[Group], cells: Sequence[Cells]) -> str:
     """Every group with its figures, one row each; beside a figure the runs it is of, beside a number its interval."""
     rows = []
     for group, row in zip(groups, cells, strict=True):
-        entry: dict[str, Any] = {**group.settings, "runs": len(group.runs)}
+        entry: dict[str, Figure] = {**group.settings, "runs": len(group.runs)}
         for name, cell in row.items():
             if isinstance(cell, Estimate):
                 entry |= {name: cell.value, f"{name} low": cell.low, f"{name} high": cell.high}
@@ -110,12 +108,4 @@ def groups_csv(groups: Sequence[Group], cells: Sequence[Cells]) -> str:
                 entry[name] = _cell(cell)
             entry[f"{name} runs"] = known_in(cell)
         rows.append(entry)
-    return _csv(rows)
-
-
-def _csv(rows: Sequence[Mapping[str, Any]]) -> str:
-    text, header = io.StringIO(), list(dict.fromkeys(name for row in rows for name in row))
-    writer = csv.DictWriter(text, header, restval="", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue()
+    return rows_csv(rows)

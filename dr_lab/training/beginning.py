@@ -5,24 +5,26 @@ from pathlib import Path
 
 from dr_lab.errors import DataError
 from dr_lab.training.plan import Training
-from dr_lab.training.trained_run import TrainedRun
+from dr_lab.training.run_state import RunState
 
 
 @dataclass(frozen=True)
 class Beginning:
     """What a new run takes over from a finished one; all else, random numbers and counters included, is its own.
 
-    It takes over the policy that the finished run chose to be deployed, with its normaliser, and the rest of what was
-    learnt (value networks, optimisers, scale of rewards) as it was last.
+    The policy is the one that the finished run chose to be deployed, with its normaliser. The rest of what was
+    learnt (value networks, optimisers, scale of rewards) is taken over as it was last.
 
     Attributes:
         run: folder of the finished run, of the same algorithm on the same observations and actions; None takes nothing
             over.
-        distribution: whether p(z) is taken over beside the policy and its normaliser; the randomizer is to be the same.
+        distribution: whether p(z), and what shapes it, is taken over; randomizer and learner are to be the same.
+        policy: whether the policy, and what was learnt with it, is.
     """
 
     run: str | None
     distribution: bool
+    policy: bool = True
 
     def apply(self, training: Training, seed: int) -> None:
         """Put a training that has not begun into the state that the finished run left.
@@ -37,14 +39,15 @@ class Beginning:
         if self.run is None:
             return
         folder = Path(self.run).expanduser()
-        finished = TrainedRun.load(folder)
+        finished = RunState.load(folder)
         try:
-            finished.train_on(training.algorithm, seed)
+            if self.policy:
+                finished.train_on(training.algorithm, seed)
             if self.distribution:
-                training.randomizer.load_state_dict(finished.last["learner"]["randomizer"])
+                training.learner.inherit(finished.last["learner"])
         except (KeyError, RuntimeError, TypeError, ValueError) as error:
             raise DataError(
                 f"init={self.run} is a run with another algorithm, other networks or another distribution: "
-                f"{' '.join(str(error).split())} Give algorithm, env and, with init_distribution=true, randomizer as "
-                f"in {folder / 'config.yaml'}."
+                f"{' '.join(str(error).split())} Give algorithm, env and, with init_distribution=true, randomizer and "
+                f"distribution_learner as in {folder / 'config.yaml'}."
             ) from error

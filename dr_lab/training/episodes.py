@@ -1,8 +1,7 @@
 """Episodes of a trained policy that its run shows and keeps: in 3-D in ``review.rrd``, in full in ``episodes.mcap``."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from dr_lab.envs.setting import Setting
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes_mcap import write_episodes
+from dr_lab.reports.episode_entry import EpisodeEntry, ValueEntry
 from dr_lab.seeding import derived_seed, stream
 from dr_lab.training.recorded import record
 
@@ -51,15 +51,15 @@ def keep_episodes(run_dir: Path, setting: Setting, episodes: Sequence[Episode]) 
     write_episodes(run_dir / FILE, episodes, attachments, metadata)
 
 
-def described(episodes: Sequence[Episode]) -> list[Mapping[str, Any]]:
+def described(episodes: Sequence[Episode]) -> tuple[EpisodeEntry, ...]:
     """What `report.json` says of them."""
-    return [
-        {
-            "name": episode.name,
-            "return": episode.undiscounted,
-            "seconds": float(episode.time[-1]),
-            "ended": episode.ended,
-            "context": {name: {"value": value, "unit": unit} for name, (value, unit) in episode.context.items()},
-        }
+    return tuple(
+        EpisodeEntry(
+            name=episode.name,
+            undiscounted=episode.undiscounted,
+            seconds=float(episode.time[-1]),
+            ended=episode.ended,
+            context={name: ValueEntry(value, unit) for name, (value, unit) in episode.context.items()},
+        )
         for episode in episodes
-    ]
+    )

@@ -35,9 +35,10 @@ class Plan:
         checkpoint_every: control steps between two checkpoints.
         seed: of every random draw.
         threads: C threads of the physics; None takes every core.
+        final_share: share of the iterations whose episodes make up the final return, the last ones.
 
     Raises:
-        ConfigError: a number is too small.
+        ConfigError: a number is out of its range.
     """
 
     env: Setting
@@ -51,10 +52,12 @@ class Plan:
     checkpoint_every: int
     seed: int
     threads: int | None
+    final_share: float = 1.0
 
     def __post_init__(self) -> None:
         counted = ("episodes", "rollout_episodes", "frames", "checkpoint_every")
-        require_numbers(self, "", least=dict.fromkeys(counted, 1))
+        share = "final_share"
+        require_numbers(self, "", least=dict.fromkeys(counted, 1), positive=(share,), most={share: 1.0})
 
     def assemble(self, checkpoint: Path | None) -> "Training":
         """Build everything.

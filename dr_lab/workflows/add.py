@@ -56,7 +56,7 @@ def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[
     ranking = rank(study.bench, base, [effect], done)
     ladder = ladder.topped(ranking.base)
     rung = Rung(ranking.base, ranking.candidates, decide(*ranking, study.bench.evidence, study.bench.scored))
-    step = AddedEffect(ranking.candidates[0].explained, (), proven=bool(rung.verdict.effects))
+    step = AddedEffect(ranking.candidates[0].fitted_model, (), proven=bool(rung.verdict.effects))
     return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, step))
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
-from dr_lab.benchmark.case import BenchmarkMachine, Case, expand
+from dr_lab.benchmark.case import BenchmarkMachine, Case
 from dr_lab.benchmark.listed import Entry
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose
@@ -59,8 +59,7 @@ def test_logs_and_model_compose(name: str) -> None:
 
 
 def cases_of(preset: str) -> tuple[Case, ...]:
-    built = compose_arguments("benchmark", [f"benchmark={preset}"], (shipped(),))
-    return expand(built["cases"], built["machines"])
+    return compose_arguments("benchmark", [f"benchmark={preset}"], (shipped(),))["plan"].chosen()
 
 
 @pytest.mark.parametrize("preset", ["full", "quick"])

@@ -6,20 +6,22 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-KILLS = 10
 COMMAND = [
-    *(sys.executable, "-m", "dr_lab", "train", "experiment=lsdr_hopper_torso_small"),
+    *(sys.executable, "-m", "dr_lab", "train"),
     *("frames=20480", "algorithm.batch_frames=256", "algorithm.minibatch=64", "algorithm.epochs=2", "episodes=8"),
-    *("rollout_episodes=4", "distribution_learner.contexts=4", "checkpoint_every=1", "threads=1"),
+    *("rollout_episodes=4", "checkpoint_every=1", "threads=1"),
 ]
+LSDR = ("experiment=lsdr_hopper_torso_small", "distribution_learner.contexts=4")
+ADR = ("experiment=adr_hopper_mass", "distribution_learner.svpg.count=3", "distribution_learner.svpg.proposals=2")
 
 
-def start(folder: Path, *more: str) -> "subprocess.Popen[bytes]":
-    return subprocess.Popen([*COMMAND, f"hydra.run.dir={folder}", *more], stdout=subprocess.DEVNULL)
+def start(learner: Sequence[str], folder: Path, *more: str) -> "subprocess.Popen[bytes]":
+    return subprocess.Popen([*COMMAND, *learner, f"hydra.run.dir={folder}", *more], stdout=subprocess.DEVNULL)
 
 
 def rows(folder: Path) -> list[dict[str, str]]:
@@ -28,12 +30,13 @@ def rows(folder: Path) -> list[dict[str, str]]:
 
 
 @pytest.mark.slow
-def test_ends_as_if_nothing_had_happened(tmp_path: Path) -> None:
-    assert start(tmp_path / "whole").wait() == 0
+@pytest.mark.parametrize(("learner", "kills"), [(LSDR, 10), (ADR, 5)], ids=["lsdr", "adr"])
+def test_ends_as_if_nothing_had_happened(learner: Sequence[str], kills: int, tmp_path: Path) -> None:
+    assert start(learner, tmp_path / "whole").wait() == 0
     moments, last = random.Random(0), None
-    for number in range(KILLS):
+    for number in range(kills):
         folder = tmp_path / f"part_{number}"
-        run = start(folder, *([] if last is None else [f"resume={last}"]))
+        run = start(learner, folder, *([] if last is None else [f"resume={last}"]))
         while run.poll() is None and not (folder / "checkpoint.pt").is_file():
             time.sleep(0.01)
         time.sleep(moments.uniform(0.0, 0.5))
@@ -41,5 +44,5 @@ def test_ends_as_if_nothing_had_happened(tmp_path: Path) -> None:
         run.wait()
         last = folder
     end = tmp_path / "end"
-    assert start(end, f"resume={last}").wait() == 0
+    assert start(learner, end, f"resume={last}").wait() == 0
     assert rows(end) == rows(tmp_path / "whole")

@@ -49,7 +49,7 @@ def test_the_hidden_effect_is_named_and_measured(hidden: str, tmp_path: Path) ->
     assert rung.verdict.kind == "named", rung.verdict.reason
     assert rung.verdict.effects == (label,)
     assert rung.base.held_out.chi2 > 10
-    best = next(c.explained for c in rung.ranking if c.effect.label == label)
+    best = next(c.fitted_model for c in rung.ranking if c.effect.label == label)
     assert best.held_out.chi2 < 1.1
     assert not best.held_out.infeasible
     found = estimate(best.model.space, best.fit, study.bench.fit, study.bench.evidence).table()[parameter]
@@ -77,5 +77,5 @@ def test_the_whole_catalogue_does_not_mislead(hidden: str, tmp_path: Path) -> No
     _, rung = diagnosed(hidden, tmp_path, [], [])
     assert rung.verdict.kind == "named", rung.verdict.reason
     assert rung.verdict.effects[0].split("@")[0] in hidden
-    best = next(c.explained for c in rung.ranking if c.effect.label == rung.verdict.effects[0])
+    best = next(c.fitted_model for c in rung.ranking if c.effect.label == rung.verdict.effects[0])
     assert best.held_out.chi2 < 1.1

@@ -103,10 +103,10 @@ def test_a_late_command_is_no_damping() -> None:
     assert base.fit.z[study.model.space.index("hinge.damping")] > 2 * DAMPING  # the trap
     verdict, best = judged(study, base, cfg)
     assert (verdict.kind, verdict.effects) == ("named", ("actuator_delay@servo",)), verdict.reason
-    values = best.explained.model.space.mapping(best.explained.fit.z)
+    values = best.fitted_model.model.space.mapping(best.fitted_model.fit.z)
     assert values["actuator_delay@servo.delay"] == pytest.approx(DELAY, rel=0.02)
     assert values["hinge.damping"] == pytest.approx(DAMPING, rel=0.15)
-    assert best.explained.held_out.chi2 < 1.1
+    assert best.fitted_model.held_out.chi2 < 1.1
 
 
 @pytest.mark.slow
@@ -127,4 +127,4 @@ def test_stribeck_friction_is_not_passed_as_coulomb_and_viscous_friction(tmp_pat
     assert base.held_out.chi2 > 1.5
     verdict, best = judged(study, base, cfg)
     assert (verdict.kind, verdict.effects) == ("named", ("stribeck_friction@pendulum",)), verdict.reason
-    assert best.explained.held_out.chi2 - 1 < (base.held_out.chi2 - 1) / 2
+    assert best.fitted_model.held_out.chi2 - 1 < (base.held_out.chi2 - 1) / 2

@@ -3,7 +3,7 @@
 import copy
 import logging
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Annotated, Any
 
 import torch
 from tensordict import TensorDict
@@ -15,8 +15,8 @@ from torchrl.objectives import DDPGLoss, SoftUpdate
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.ddpg.uniform_start import UniformStart
+from dr_lab.bounds import Count, Natural, Positive, above, at_least, at_most, require_bounds
 from dr_lab.collectors.collector import Policy
-from dr_lab.errors import require_numbers
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.seeding import derived_seed
@@ -55,23 +55,21 @@ class DDPG(Algorithm):
         seed: int,
         actor: Callable[..., DeterministicActor],
         critic: Callable[..., Critic],
-        batch_frames: int,
-        gamma: float,
-        replay: int,
-        minibatch: int,
-        steps_per_frame: float,
-        learning_starts: int,
-        actor_rate: float,
-        critic_rate: float,
-        tau: float,
+        batch_frames: Count,
+        gamma: Annotated[float, at_least(0.0), at_most(1.0)],
+        replay: Count,
+        minibatch: Count,
+        steps_per_frame: Positive,
+        learning_starts: Natural,
+        actor_rate: Positive,
+        critic_rate: Positive,
+        tau: Annotated[float, above(0.0), at_most(1.0)],
     ) -> None:
         self.batch_frames, self.replay, self.minibatch = batch_frames, replay, minibatch
         self.gamma = gamma
         self.steps_per_frame, self.learning_starts = steps_per_frame, learning_starts
         self.actor_rate, self.critic_rate, self.tau = actor_rate, critic_rate, tau
-        positive = ("steps_per_frame", "actor_rate", "critic_rate", "tau")
-        least = {"batch_frames": 1, "replay": 1, "minibatch": 1, "learning_starts": 0, "gamma": 0.0}
-        require_numbers(self, "algorithm", positive=positive, least=least, most={"gamma": 1.0, "tau": 1.0})
+        require_bounds(self, "algorithm", DDPG)
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.explorer = UniformStart(self.actor)
         self.explorer.follows.fill_(learning_starts == 0)

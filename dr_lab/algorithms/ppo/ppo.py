@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import torch
 from tensordict import TensorDict
@@ -12,8 +12,8 @@ from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.ppo.gae import advantages
 from dr_lab.algorithms.ppo.reward_scale import RewardScale
 from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate, Terms
+from dr_lab.bounds import Count, NotNegative, Positive, above, at_least, at_most, require_bounds
 from dr_lab.collectors.collector import Policy
-from dr_lab.errors import require_numbers
 from dr_lab.networks.adam import Adam, clip_norm
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.gaussian_actor import GaussianActor
@@ -55,18 +55,18 @@ class PPO(Algorithm):
         critic: Callable[..., Critic],
         surrogate: Callable[..., Surrogate],
         reward_scale: Callable[[float], RewardScale],
-        batch_frames: int,
-        gamma: float,
-        lam: float,
-        epochs: int,
-        minibatch: int,
-        actor_rate: float,
-        critic_rate: float,
-        anneal_frames: int | None,
-        further_share: float,
-        max_kl: float | None,
-        max_gradient: float,
-        adam_epsilon: float,
+        batch_frames: Annotated[int, at_least(2)],
+        gamma: Annotated[float, at_least(0.0), at_most(1.0)],
+        lam: Annotated[float, at_least(0.0), at_most(1.0)],
+        epochs: Count,
+        minibatch: Annotated[int, at_least(2)],
+        actor_rate: Positive,
+        critic_rate: Positive,
+        anneal_frames: Annotated[int | None, above(0)],
+        further_share: Annotated[float, above(0.0), at_most(1.0)],
+        max_kl: Annotated[float | None, above(0.0)],
+        max_gradient: Positive,
+        adam_epsilon: NotNegative,
     ) -> None:
         self.batch_frames = batch_frames
         self.gamma, self.lam = gamma, lam
@@ -76,11 +76,7 @@ class PPO(Algorithm):
         self.max_kl = max_kl
         self.max_gradient = max_gradient
         self.adam_epsilon = adam_epsilon
-        limits = [name for name in ("anneal_frames", "max_kl") if getattr(self, name) is not None]
-        positive = ("actor_rate", "critic_rate", "further_share", "max_gradient", *limits)
-        least = {"batch_frames": 2, "epochs": 1, "minibatch": 2, "gamma": 0.0, "lam": 0.0, "adam_epsilon": 0.0}
-        most = {"gamma": 1.0, "lam": 1.0, "further_share": 1.0}
-        require_numbers(self, "algorithm", positive=positive, least=least, most=most)
+        require_bounds(self, "algorithm", PPO)
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.critic = critic(interface.observation, derived_seed(seed, "critic"))
         self.surrogate = surrogate(self.actor, self.critic)

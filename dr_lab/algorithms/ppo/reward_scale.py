@@ -7,7 +7,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Positive, require_bounds
 
 
 class RewardScale(ABC):
@@ -79,9 +79,9 @@ class RunningRewardScale(RewardScale):
         ConfigError: it is not above 0.
     """
 
-    def __init__(self, gamma: float, clip: float) -> None:
+    def __init__(self, gamma: float, clip: Positive) -> None:
         self._gamma, self.clip = gamma, clip
-        require_numbers(self, "algorithm.reward_scale", positive=("clip",))
+        require_bounds(self, "algorithm.reward_scale", RunningRewardScale)
         self.forget_episodes()
         self._count, self._mean, self._square = 0.0, 0.0, 0.0
 

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 from torch.func import functional_call
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Positive, require_bounds
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian_actor import GaussianActor
@@ -83,7 +83,7 @@ class Surrogate(ABC):
     """
 
     def __init__(
-        self, actor: GaussianActor, critic: Critic, clip: float, entropy_weight: float, critic_weight: float
+        self, actor: GaussianActor, critic: Critic, clip: Positive, entropy_weight: float, critic_weight: float
     ) -> None:
         self._policy, self._value = actor, critic
         self.actor_parameters = FlatParameters([actor.log_std, *actor.body.parameters()])
@@ -91,7 +91,7 @@ class Surrogate(ABC):
         self.clip = clip
         self.entropy_weight = entropy_weight
         self.critic_weight = critic_weight
-        require_numbers(self, "algorithm.surrogate", positive=("clip",))
+        require_bounds(self, "algorithm.surrogate", Surrogate)
 
     def actor_loss(self, parameters: Mapping[str, Tensor], samples: PolicySamples) -> Tensor:
         """−E[min(ρA, clip(ρ, 1 ± ε)A)] − c_H·H under other parameters than the actor's own.

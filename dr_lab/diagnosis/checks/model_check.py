@@ -1,10 +1,10 @@
-"""Settings of what is checked of a model before anything is blamed on the machine; values in conf/model_check."""
+"""Settings of what is checked of a model before anything is blamed on the machine; values in conf/comparison."""
 
 from dataclasses import dataclass
 
 from scipy.stats import chi2
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, require_bounds
 
 
 @dataclass(frozen=True)
@@ -24,18 +24,16 @@ class ModelCheckSettings:
         ConfigError: a number is too small.
     """
 
-    windows: int
-    lead: float
-    largest_chi2: float
-    confidence: float
-    seed: int
-    least_share: float
-    finest: int
+    windows: Natural
+    lead: NotNegative
+    largest_chi2: Positive
+    confidence: Confidence
+    seed: Natural
+    least_share: Positive
+    finest: Count
 
     def __post_init__(self) -> None:
-        least = {"windows": 0.0, "lead": 0.0, "seed": 0.0, "finest": 1.0}
-        positive = ("largest_chi2", "confidence", "least_share")
-        require_numbers(self, "model_check", positive=positive, least=least, below={"confidence": 1.0})
+        require_bounds(self, "model_check")
 
     def most_chi2(self, freedom: float) -> float:
         """Largest χ² per degree of freedom that a right model leaves: few samples scatter."""

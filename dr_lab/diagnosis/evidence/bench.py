@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 
 from dr_lab.diagnosis.evidence.left_out import left_out
 from dr_lab.diagnosis.evidence.score import Score, score_of
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
@@ -159,9 +160,9 @@ def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None,
     return Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta, goal=goal)
 
 
-def beyond_doubt(bench: Bench, explained: FittedModel) -> float:
+def beyond_doubt(bench: Bench, fitted_model: FittedModel) -> float:
     """Cost above which another model is worse than a fitted one without a doubt; see `Fitter.run`."""
-    return bench.beside(explained).cost_at(explained.fit, bench.enough)
+    return bench.beside(fitted_model).cost_at(fitted_model.fit, bench.enough)
 
 
 def fitted_alone(replay: Replay, fit: Fit) -> FittedModel:

@@ -31,6 +31,6 @@ def chance(known: ContextEstimate, values: Mapping[str, float]) -> float:
     return float(chi2.sf(away @ pinvh(together) @ away, len(rows)))
 
 
-def known_of(bench: Bench, explained: FittedModel) -> ContextEstimate:
+def known_of(bench: Bench, fitted_model: FittedModel) -> ContextEstimate:
     """What the fit windows tell of a model's parameters, the scatter between logs included."""
-    return estimate(explained.model.space, explained.fit, bench.fit, bench.evidence)
+    return estimate(fitted_model.model.space, fitted_model.fit, bench.fit, bench.evidence)

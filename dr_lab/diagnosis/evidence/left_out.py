@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter, movable
+from dr_lab.diagnosis.fit.fit import Fit, movable
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.normal_equations import inverse_root
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay

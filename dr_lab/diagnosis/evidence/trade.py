@@ -41,8 +41,8 @@ def trades(first: FittedModel, second: FittedModel, settings: EvidenceSettings) 
     )
 
 
-def _variance(explained: FittedModel) -> Array:
+def _variance(fitted_model: FittedModel) -> Array:
     """Formal variance of every parameter of a fit, in its own unit."""
-    information, _ = explained.fit.equations.window_information()
-    root = inverse_root(information.sum(0), explained.fit.equations.prior)
-    return (root**2).sum(1) * explained.model.space.span**2
+    information, _ = fitted_model.fit.equations.window_information()
+    root = inverse_root(information.sum(0), fitted_model.fit.equations.prior)
+    return (root**2).sum(1) * fitted_model.model.space.span**2

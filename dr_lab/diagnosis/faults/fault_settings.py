@@ -1,9 +1,10 @@
-"""When a fault of a log is told; the values live in conf/faults."""
+"""When a fault of a log is told; the values live in conf/comparison."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
+from dr_lab.bounds import NotNegative, Positive, Share, at_least, require_bounds
 from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings
-from dr_lab.errors import require_numbers
 
 
 @dataclass(frozen=True)
@@ -32,32 +33,19 @@ class FaultSettings:
     """
 
     equation: EquationErrorSettings
-    gain: float
-    contrast: float
-    share: float
-    longest_delay: float
-    longest_shift: float
-    shift_step: float
-    shortest_off: float
-    idle: float
-    idle_contrast: float
-    coarse: float
-    straight: float
-    resting: float
-    breakaway: float
+    gain: Share
+    contrast: Share
+    share: Positive
+    longest_delay: Positive
+    longest_shift: Positive
+    shift_step: Positive
+    shortest_off: Positive
+    idle: Positive
+    idle_contrast: Annotated[float, at_least(1.0)]
+    coarse: Positive
+    straight: Positive
+    resting: NotNegative
+    breakaway: Annotated[float, at_least(1.0)]
 
     def __post_init__(self) -> None:
-        positive = (
-            "gain",
-            "contrast",
-            "share",
-            "longest_delay",
-            "longest_shift",
-            "shift_step",
-            "shortest_off",
-            "idle",
-            "coarse",
-            "straight",
-        )
-        least = {"idle_contrast": 1.0, "resting": 0.0, "breakaway": 1.0}
-        require_numbers(self, "faults", positive=positive, least=least, below=dict.fromkeys(("gain", "contrast"), 1.0))
+        require_bounds(self, "faults")

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_smoothing_spline
 
+from dr_lab.bounds import Positive, require_bounds
 from dr_lab.diagnosis.windows.channels import available
 from dr_lab.diagnosis.windows.commands import actuator_columns, averages
-from dr_lab.errors import DataError, require_numbers
+from dr_lab.errors import ConfigError, DataError
 from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
 
 Mask = NDArray[np.bool_]
@@ -33,15 +34,17 @@ class EquationErrorSettings:
         ConfigError: a number is not above 0, or the grid is too coarse for the test functions.
     """
 
-    step: float
-    cutoff: float
+    step: Positive
+    cutoff: Positive
     half_width: float
-    hop: float
+    hop: Positive
 
     def __post_init__(self) -> None:
-        require_numbers(
-            self, "faults.equation", positive=("step", "cutoff", "hop"), least={"half_width": 4 * self.step}
-        )
+        require_bounds(self, "faults.equation")
+        if not self.half_width >= 4 * self.step:
+            raise ConfigError(
+                f"faults.equation.half_width is {self.half_width:g}; expected at least four steps, {4 * self.step:g}."
+            )
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.normal_equations import inverse_root
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.blocks import blocks, logs

@@ -6,11 +6,12 @@ smoothed measurement (multiple shooting, MAP). The cost is
 All columns of the Jacobian are one batch of simulations; the states are eliminated by a Schur complement.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.point import Point, better_start, window_costs
 from dr_lab.diagnosis.fit.replay import Replay
@@ -18,59 +19,6 @@ from dr_lab.diagnosis.fit.slopes import Slopes, around, differences
 from dr_lab.diagnosis.fit.states import polished
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.trajectory import Array
-
-
-@dataclass(frozen=True)
-class Fit(Point):
-    """The point at which the cost is lowest.
-
-    Attributes:
-        equations: Gauss–Newton model at the point, with the slopes of the last linearisation, in unit-cube parameters.
-        first: the same at the start.
-        window_costs: cost of each window, zero where it diverges, shape (w,).
-        slopes: Jacobian at the last linearisation.
-        iterations: steps taken.
-        converged: whether the certificate holds: a full linear step would lower the cost by less than the tolerance;
-            else only short steps lower the cost, or none.
-    """
-
-    equations: NormalEquations
-    first: NormalEquations
-    window_costs: Array
-    slopes: Slopes
-    iterations: int
-    converged: bool
-
-    @property
-    def order(self) -> tuple[int, float]:
-        """What makes one fit of the same windows better than another: fewer that diverge, then a lower cost."""
-        return int(self.infeasible.sum()), self.cost
-
-    def below(self, other: "Fit") -> float:
-        """By how much the cost is below another fit's of the same windows, in those that neither lets diverge."""
-        alone = self.window_costs[other.infeasible].sum() - other.window_costs[self.infeasible].sum()
-        return other.cost - self.cost + float(alone)
-
-    def pick(self, rows: NDArray[np.intp]) -> "Fit":
-        """The fit as seen in some windows, at the same context."""
-        every = np.zeros(len(self.infeasible), bool)
-        every[rows] = True
-        return replace(
-            self,
-            delta=self.delta[rows],
-            residuals=self.residuals[rows],
-            cost=self.cost - float(self.window_costs[~every].sum()),
-            infeasible=self.infeasible[rows],
-            equations=self.equations.pick(rows),
-            first=self.first.pick(rows),
-            window_costs=self.window_costs[rows],
-            slopes=self.slopes.pick(rows),
-        )
-
-
-def movable(unit: Array, gradient: Array) -> NDArray[np.bool_]:
-    """Parameters that their bounds do not hold back; `unit` from 0 to 1 between the bounds, both of shape (n,)."""
-    return ~(((unit <= 0) & (gradient > 0)) | ((unit >= 1) & (gradient < 0)))
 
 
 class Fitter:

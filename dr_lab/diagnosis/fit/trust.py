@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.blocks import blocks, logs
 from dr_lab.diagnosis.windows.windows import Windows

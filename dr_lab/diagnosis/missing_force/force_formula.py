@@ -3,11 +3,12 @@
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.errors import require_numbers
+from dr_lab.bounds import Count, Natural, Positive, at_least, require_bounds
 from dr_lab.trajectory import Array
 
 Groups = NDArray[np.intp]
@@ -30,17 +31,16 @@ class FormulaSettings:
         ConfigError: a number is too small.
     """
 
-    terms: int
-    harmonics: int
-    folds: int
-    worth: float
-    least: int
-    windows: int
-    trees: int
+    terms: Count
+    harmonics: Natural
+    folds: Annotated[int, at_least(2)]
+    worth: Positive
+    least: Annotated[int, at_least(2)]
+    windows: Count
+    trees: Count
 
     def __post_init__(self) -> None:
-        least = {"terms": 1.0, "harmonics": 0.0, "folds": 2.0, "least": 2.0, "windows": 1.0, "trees": 1.0}
-        require_numbers(self, "localise.formula", positive=("worth",), least=least)
+        require_bounds(self, "localise.formula")
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.diagnosis.search.screen import free

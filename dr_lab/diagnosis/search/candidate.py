@@ -15,7 +15,7 @@ class Candidate:
 
     Attributes:
         effect: the placed effect.
-        explained: the model with the effect; of one that is not final, fitted to and scored on a part of the windows.
+        fitted_model: the model with the effect; fitted to and scored on a part of the windows where it is not final.
         gain: paired gain over the model without it, on the windows that score it.
         identifiability: what the data can say of it.
         predicted: share of the cost on the fit windows that a linear step could remove.
@@ -27,7 +27,7 @@ class Candidate:
     """
 
     effect: PlacedEffect
-    explained: FittedModel
+    fitted_model: FittedModel
     gain: Gain
     identifiability: Identifiability
     predicted: float

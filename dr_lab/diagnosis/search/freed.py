@@ -6,7 +6,7 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.score import Score, score_of
-from dr_lab.diagnosis.fit.levenberg_marquardt import movable
+from dr_lab.diagnosis.fit.fit import movable
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
@@ -18,7 +18,7 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 
-def freed_score(bench: Bench, explained: FittedModel, effect: PlacedEffect, free: FreeLaw) -> Score:
+def freed_score(bench: Bench, fitted_model: FittedModel, effect: PlacedEffect, free: FreeLaw) -> Score:
     """Score of a fitted model with a free law beside one of its effects, to first order.
 
     The step Δθ of all parameters and of the free law's is a full one on the fit windows, the states being eliminated.
@@ -28,36 +28,36 @@ def freed_score(bench: Bench, explained: FittedModel, effect: PlacedEffect, free
 
     Args:
         bench: data and settings.
-        explained: the fitted model.
+        fitted_model: the fitted model.
         effect: the effect in it.
         free: the free law.
     """
-    effects = (free.beside(each) if each.label == effect.label else (each,) for each in explained.model.effects)
-    model = replace(explained.model, effects=tuple(part for parts in effects for part in parts))
-    fit, own = explained.fit, [p.name for p in free.own]
-    moved = _step(bench, explained, _columns(bench, model, explained, fit, bench.fit, own))
-    states = explained.states
-    named = list(explained.model.space.names)
-    slopes = Slopes(states.slopes, _columns(bench, model, explained, states, bench.held_out, named + own))
+    effects = (free.beside(each) if each.label == effect.label else (each,) for each in fitted_model.model.effects)
+    model = replace(fitted_model.model, effects=tuple(part for parts in effects for part in parts))
+    fit, own = fitted_model.fit, [p.name for p in free.own]
+    moved = _step(bench, fitted_model, _columns(bench, model, fitted_model, fit, bench.fit, own))
+    states = fitted_model.states
+    named = list(fitted_model.model.space.names)
+    slopes = Slopes(states.slopes, _columns(bench, model, fitted_model, states, bench.held_out, named + own))
     shifted = replace(states, residuals=states.residuals + slopes.parameter @ moved)
-    replay = Replay(explained.model, bench.held_out, bench.threads)
+    replay = Replay(fitted_model.model, bench.held_out, bench.threads)
     return score_of(replay, replace(shifted, residuals=_settled(bench, replay, shifted, slopes)))
 
 
 def _columns(
-    bench: Bench, model: Model, explained: FittedModel, point: Point, windows: Windows, names: list[str]
+    bench: Bench, model: Model, fitted_model: FittedModel, point: Point, windows: Windows, names: list[str]
 ) -> Array:
     """Slopes of the residuals of windows by parameters of the model with the free law, where that is absent."""
     space = model.space
-    at = replace(point, z=space.vector(explained.values()))
+    at = replace(point, z=space.vector(fitted_model.values()))
     columns = np.array([space.index(name) for name in names])
     return differences(Replay(model, windows, bench.threads), bench.solver, at, states=False, columns=columns)
 
 
-def _step(bench: Bench, explained: FittedModel, free: Array) -> Array:
+def _step(bench: Bench, fitted_model: FittedModel, free: Array) -> Array:
     """Step of the model's parameters and of the free law's, in widths of their bounds."""
-    fit, space, solver = explained.fit, explained.model.space, bench.solver
-    replay = Replay(explained.model, bench.fit, bench.threads)
+    fit, space, solver = fitted_model.fit, fitted_model.model.space, bench.solver
+    replay = Replay(fitted_model.model, bench.fit, bench.threads)
     unit, count = space.to_unit(fit.z) - space.to_unit(space.nominal), free.shape[2]
     prior = np.full(len(unit) + count, solver.prior_spans**-2.0)
     linear = NormalEquations.build(

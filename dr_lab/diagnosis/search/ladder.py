@@ -74,13 +74,13 @@ class Ladder:
     @property
     def models(self) -> tuple[FittedModel, ...]:
         """The ladder's models, the calibrated one first."""
-        return (self.base, *(step.explained for step in self.steps))
+        return (self.base, *(step.fitted_model for step in self.steps))
 
     def topped(self, last: FittedModel) -> "Ladder":
         """The ladder with a better fit of its last model."""
         if not self.steps:
             return replace(self, base=last)
-        return replace(self, steps=(*self.steps[:-1], replace(self.steps[-1], explained=last)))
+        return replace(self, steps=(*self.steps[:-1], replace(self.steps[-1], fitted_model=last)))
 
     def gained(self, settings: EvidenceSettings) -> Gain:
         """What all added effects gain together over the calibrated model."""
@@ -197,4 +197,4 @@ def step_from(rung: Rung) -> AddedEffect:
     """The first effect that a rung names, or else finds worth a trial, with its rivals; there must be one."""
     found, named = {c.effect.label: c for c in rung.ranking}, rung.verdict.effects
     chosen, *rivals = (found[label] for label in named or rung.verdict.trial)
-    return AddedEffect(chosen.explained, tuple(rivals), proven=bool(named))
+    return AddedEffect(chosen.fitted_model, tuple(rivals), proven=bool(named))

@@ -74,9 +74,9 @@ def check_laws(
         scales: size of the free laws.
         compiled: the compiled nominal model.
     """
-    if not steps or at_floor(steps[-1].explained.held_out, bench.evidence):
+    if not steps or at_floor(steps[-1].fitted_model.held_out, bench.evidence):
         return ()
-    last, found = steps[-1].explained, []
+    last, found = steps[-1].fitted_model, []
     for step in steps:
         free = None if step.rivals or _at_a_bound(step.effect, last) else _free(bench, step.effect, scales, compiled)
         if free is not None:
@@ -93,8 +93,8 @@ def _free(bench: Bench, effect: PlacedEffect, scales: Scales, compiled: mujoco.M
     return free_inertia(effect.site, compiled) if effect.effect.argument == "inertia" else None
 
 
-def _at_a_bound(effect: PlacedEffect, explained: FittedModel) -> bool:
-    values = explained.values()
+def _at_a_bound(effect: PlacedEffect, fitted_model: FittedModel) -> bool:
+    values = fitted_model.values()
     places = ((values[p.name] - p.low) / (p.high - p.low) for p in effect.parameters)
     return any(min(place, 1 - place) < _AT_A_BOUND for place in places)
 

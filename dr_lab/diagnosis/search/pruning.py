@@ -103,10 +103,10 @@ def prune(
         The steps that stay, refitted, and the labels of the effects that were dropped.
     """
     for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
-        effect, whole = steps[place].effect, steps[-1].explained
+        effect, whole = steps[place].effect, steps[-1].fitted_model
         goal = beyond_doubt(bench, whole)
         fewer, base = _without(bench, base, steps, place, goal)
-        without = fewer[-1].explained if fewer else base
+        without = fewer[-1].fitted_model if fewer else base
         gain = paired_gain(without.held_out, whole.held_out, bench.evidence)
         if not stays(gain, len(effect.parameters), bench.evidence):
             if _ended_early(without, goal):
@@ -132,7 +132,7 @@ def drop_absent(
     """
     if not steps:
         return (), ()
-    known = known_of(bench, steps[-1].explained)
+    known = known_of(bench, steps[-1].fitted_model)
     doubts = [chance(known, step.effect.absent) if len(step.effect.parameters) == 1 else 0.0 for step in steps]
     place = int(np.argmax(doubts))
     if doubts[place] < 1 - bench.evidence.confidence:
@@ -157,7 +157,7 @@ def simplify(
     Returns:
         The steps with the poorer effect in its place, refitted, and what was put back; None where all stand.
     """
-    whole = steps[-1].explained if steps else base
+    whole = steps[-1].fitted_model if steps else base
     for place, step in enumerate(steps):
         for poorer in cases.of(step.effect, whole.model):
             swap = _Swap(step.effect, poorer)
@@ -171,8 +171,8 @@ def simplify(
                     simpler = swap.made(bench, base, whole)
                 if not _stands(bench, base, steps, place, simpler, len(poorer.parameters)):
                     continue
-                between = (replace(s, explained=swap.made(bench, base, s.explained)) for s in steps[place:-1])
-                above = [*between, replace(steps[-1], explained=simpler)]
+                between = (replace(s, fitted_model=swap.made(bench, base, s.fitted_model)) for s in steps[place:-1])
+                above = [*between, replace(steps[-1], fitted_model=simpler)]
                 above[0] = replace(above[0], rivals=swap.rivals(step))
                 return (*steps[:place], *above), back
     return None
@@ -183,7 +183,7 @@ def _stands(
 ) -> bool:
     """Whether a model with another effect at a place, of so many parameters, is supported over one with none there."""
     fewer, base = _without(bench, base, steps, place)
-    without = fewer[-1].explained if fewer else base
+    without = fewer[-1].fitted_model if fewer else base
     return supported(paired_gain(without.held_out, swapped.held_out, bench.evidence), count, bench.evidence)
 
 
@@ -218,12 +218,12 @@ class _Swap:
         further = dict(zip(names.values(), values, strict=True))
         return PutBack(self.richer.label, self.poorer.label, further, compatible)
 
-    def made(self, bench: Bench, base: FittedModel, explained: FittedModel, goal: float = np.inf) -> FittedModel:
+    def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel, goal: float = np.inf) -> FittedModel:
         """The model with the poorer effect, fitted from where the richer one's fit ended; see `fit_and_score`."""
-        added = explained.model.effects[len(base.model.effects) :]
+        added = fitted_model.model.effects[len(base.model.effects) :]
         swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
         model = functools.reduce(Model.with_effect, swapped, base.model)
-        starts, delta = self._starts(model.space, explained.values()), explained.fit.delta
+        starts, delta = self._starts(model.space, fitted_model.values()), fitted_model.fit.delta
         found = (fit_and_score(bench, model, z, delta, goal) for z in starts)
         return min(found, key=lambda each: each.fit.order)
 
@@ -243,9 +243,9 @@ class _Swap:
         return tuple(c for c in step.rivals if c not in needless)
 
 
-def _ended_early(explained: FittedModel, goal: float) -> bool:
+def _ended_early(fitted_model: FittedModel, goal: float) -> bool:
     """Whether a fit was given up because it would not reach its goal."""
-    return bool(np.isfinite(goal)) and explained.fit.cost > goal
+    return bool(np.isfinite(goal)) and fitted_model.fit.cost > goal
 
 
 def _without(
@@ -253,14 +253,14 @@ def _without(
 ) -> tuple[tuple[AddedEffect, ...], FittedModel]:
     """The steps without one of them, and their base. The last model is fitted from two starts, up to a goal in cost."""
     fewer = stacked(bench, base, steps[:place], steps[place + 1 :], goal)
-    return _as_good_as_it_can(bench, base, fewer, steps[-1].explained, goal)
+    return _as_good_as_it_can(bench, base, fewer, steps[-1].fitted_model, goal)
 
 
 def _as_good_as_it_can(
     bench: Bench, base: FittedModel, fewer: tuple[AddedEffect, ...], whole: FittedModel, goal: float
 ) -> tuple[tuple[AddedEffect, ...], FittedModel]:
     """Steps that lack one effect of a whole ladder; the last model also fitted from where the whole ladder's ended."""
-    last = fewer[-1].explained if fewer else base
+    last = fewer[-1].fitted_model if fewer else base
     values = whole.values()
     start = np.array([values[name] for name in last.model.space.names])
     wanted = goal if last.fit.infeasible.any() else min(goal, last.fit.cost)
@@ -268,4 +268,4 @@ def _as_good_as_it_can(
     if again.order >= last.fit.order:
         return fewer, base
     better = scored(bench, last.model, again)
-    return ((*fewer[:-1], replace(fewer[-1], explained=better)), base) if fewer else (fewer, better)
+    return ((*fewer[:-1], replace(fewer[-1], fitted_model=better)), base) if fewer else (fewer, better)

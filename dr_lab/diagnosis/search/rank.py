@@ -4,26 +4,21 @@ Most candidates are out after a linear step on few windows. A fit to these windo
 Only those that stand are fitted to all windows, so the cost hardly grows with the catalogue or the length of the logs.
 """
 
-import functools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from threading import Event
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_alone, scored
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, scored
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
-from dr_lab.diagnosis.fit.identifiability import Identifiability
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
-from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.search.as_special_case import further, special_case
-from dr_lab.diagnosis.search.candidate import Candidate, resolved
-from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
+from dr_lab.diagnosis.search.as_special_case import special_case
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.candidate_fits import CandidateFits
+from dr_lab.diagnosis.search.screen import FirstLook
 from dr_lab.diagnosis.search.shortlist import shortlist
 from dr_lab.diagnosis.search.side_by_side import side_by_side
 from dr_lab.effects.effect import PlacedEffect
-from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 _In = TypeVar("_In")
@@ -73,10 +68,7 @@ class _Contest:
         self, bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: Callable[[str], None]
     ) -> None:
         self.bench, self.base, self.placed, self.done = bench.beside(base), base, placed, done
-        self.stop = Event()
-        self.thin = self.bench.screening()
-        self.start = base.fit if self.thin is self.bench else self._thinned()
-        self.ground = base if self.thin is self.bench else fitted_alone(self._replay(self.thin), self.start)
+        self.fits = CandidateFits(self.bench, base)
 
     def ranking(self) -> Ranking:
         """All candidates, and the base that they are compared with."""
@@ -85,8 +77,8 @@ class _Contest:
     def tried(self) -> dict[int, Candidate]:
         """All candidates by place; those that promise enough are fitted to the screening windows and scored."""
         settings = self.bench.evidence
-        looks = self._side_by_side(range(len(self.placed)), self._look)
-        promise = np.array([self.bench.promise(each.gain, self.start) for each in looks])
+        looks = self._side_by_side(self.placed, self.fits.look)
+        promise = np.array([self.bench.promise(each.gain, self.fits.start) for each in looks])
         self._ask_all_windows(promise, looks)
         order = [int(k) for k in np.argsort(-promise, kind="stable")]
         hopeful = [k for k in order if promise[k] >= self.bench.hope]
@@ -96,27 +88,31 @@ class _Contest:
             near = [k for k in hopeful if looks[k].gain >= settings.least_promise * reachable]
             wave = shortlist([k for k in near if k not in found], self.placed, settings.most_fits - len(found))
             self._fit_wave(wave, looks, found)
-            reachable = max((c.explained.fit.below(self.start) for c in found.values()), default=0.0)
+            reachable = max((c.fitted_model.fit.below(self.fits.start) for c in found.values()), default=0.0)
         for k in set(order) - found.keys():
-            first, predicted = looks[k], looks[k].gain / self.start.cost
-            found[k] = self._unfitted(self.placed[k], first.absent, first.identifiability, predicted)
-            self.done(self.placed[k].label)
+            found[k] = self._told(self.fits.unfitted(self.placed[k], looks[k]))
         return found
 
     def _fit_wave(self, wave: list[int], looks: Sequence[FirstLook], found: dict[int, Candidate]) -> None:
         """Fit some candidates. An effect waits for its special case, to which it may have nothing to add."""
         wave.sort(key=lambda k: -len(self.placed[k].parameters))  # those that take longest begin
         cases = self._special_cases(wave, sorted({*wave, *found}))
-        self._do([k for k in wave if k not in cases], lambda k: self._try(k, looks[k]), found)
-        self._do([*cases], lambda k: self._beside(k, looks[k], found[cases[k]]), found)
+        fits, placed = self.fits, self.placed
+        alone = [k for k in wave if k not in cases]
+        self._do(alone, lambda k: self._told(fits.fitted(placed[k], looks[k])), found)
+        self._do([*cases], lambda k: self._told(fits.fitted_beside(placed[k], looks[k], found[cases[k]])), found)
+
+    def _told(self, candidate: Candidate) -> Candidate:
+        self.done(candidate.effect.label)
+        return candidate
 
     def final(self, tried: dict[int, Candidate]) -> tuple[Candidate, ...]:
         """The candidates, most evidence first; those that stand are fitted to all windows."""
-        if self.thin is not self.bench:
+        if not self.fits.whole:
             standing = self._standing(tried)
             cases = self._special_cases(standing, standing)
-            self._do([k for k in standing if k not in cases], lambda k: self._refit(tried[k]), tried)
-            self._do([*cases], lambda k: self._refit_beside(tried[k], tried[cases[k]]), tried)
+            self._do([k for k in standing if k not in cases], lambda k: self.fits.refitted(tried[k]), tried)
+            self._do([*cases], lambda k: self.fits.refitted_beside(tried[k], tried[cases[k]]), tried)
         return _ordered(tried.values())
 
     def _do(self, items: Sequence[int], work: Callable[[int], Candidate], found: dict[int, Candidate]) -> None:
@@ -131,141 +127,22 @@ class _Contest:
         """The ranking, with the base fitted anew from where the best candidate's fit ended, if that is better."""
         settings = self.bench.evidence
         credited = [c for c in found if c.final and supported(c.gain, len(c.effect.parameters), settings)]
-        best = min(credited, key=lambda c: c.explained.fit.order, default=None)
+        best = min(credited, key=lambda c: c.fitted_model.fit.order, default=None)
         if best is None:
             return Ranking(self.base, found)
-        best = min(self.base.fit, self._below(best), key=lambda fit: fit.order)
+        best = min(self.base.fit, self.fits.without(best), key=lambda fit: fit.order)
         if self.base.fit.cost - best.cost <= self.bench.solver.tolerance * best.cost:
             return Ranking(self.base, found)
         base = scored(self.bench, self.base.model, best, near=self.base.states)
-        final = {c.effect.label: paired_gain(base.held_out, c.explained.held_out, settings) for c in found if c.final}
-        return Ranking(base, _ordered(replace(c, gain=final.get(c.effect.label, c.gain)) for c in found))
-
-    def _below(self, candidate: Candidate) -> Fit:
-        """The model without an effect, fitted from where the fit with it ended."""
-        fit = candidate.explained.fit
-        fitter = Fitter(self._replay(self.bench), self.bench.solver)
-        return fitter.rerun(fitter.begin(fit.z[: len(self.base.fit.z)], fit.delta), self.base.fit.cost)
-
-    def _thinned(self) -> Fit:
-        """The base fitted to the screening windows alone: an effect gets no credit for what only these windows ask."""
-        part = self.base.fit.pick(self.bench.screened)
-        return Fitter(self._replay(self.thin), self.bench.solver).run(part.z, part.delta, part.slopes)
+        gains = (paired_gain(base.held_out, c.fitted_model.held_out, settings) if c.final else c.gain for c in found)
+        return Ranking(base, _ordered(replace(c, gain=gain) for c, gain in zip(found, gains, strict=True)))
 
     def _ask_all_windows(self, promise: Array, looks: Sequence[FirstLook]) -> None:
         """Look at all windows if the few promise something, but so little that it may be chance."""
-        if self.thin is self.bench or promise.max(initial=0.0) > self.bench.enough:
+        if self.fits.whole or promise.max(initial=0.0) > self.bench.enough:
             return
         unsure = [int(k) for k in np.flatnonzero(promise >= self.bench.hope)]
-        promise[unsure] = self._side_by_side(unsure, lambda k: self._promise_of_all(k, looks[k]))
-
-    def _promise_of_all(self, k: int, first: FirstLook) -> float:
-        """What a candidate promises on all windows, linearised at the point where it promised most on the few."""
-        fitter, base = self._fitter(self.bench, self.placed[k]), self.base.fit
-        count = len(self.placed[k].parameters)
-        z = np.append(base.z, first.best[-count:])
-        (there,) = fitter.outlooks(z[None], base.delta, base.slopes)
-        return self.bench.promise(linear_gain(fitter, there, base), base, count)
-
-    def _look(self, k: int) -> FirstLook:
-        return look(self._fitter(self.thin, self.placed[k]), self.placed[k], self.start)
-
-    def _fitter(self, bench: Bench, effect: PlacedEffect) -> Fitter:
-        rough = bench is self.thin and bench is not self.bench  # those that stand will be fitted again
-        return Fitter(self._replay(bench, effect), bench.solver, rough=rough)
-
-    def _replay(self, bench: Bench, *effects: PlacedEffect) -> Replay:
-        return Replay(functools.reduce(Model.with_effect, effects, self.base.model), bench.fit, 1, self.stop)
-
-    def _beside(self, k: int, first: FirstLook, poorer: Candidate) -> Candidate:
-        """Fit a candidate from its special case if that explains much; go on only if a linear step promises more."""
-        effect, case, settings = self.placed[k], poorer.effect, self.bench.evidence
-        if self.thin is self.bench or not supported(poorer.gain, len(case.parameters), settings):
-            return self._try(k, first)
-        fitter, (there, more) = self._fitter(self.thin, effect), self._further(self.thin, effect, poorer)
-        found = fitter.run(there.z, there.delta, there.slopes) if more else there
-        self.done(effect.label)
-        return self._rough_candidate(fitter, effect, found, first)
-
-    def _further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool]:
-        """An effect at the fit of its special case, and whether a linear step from there promises enough."""
-        fit, extra = poorer.explained.fit, len(effect.parameters) - len(poorer.effect.parameters)
-        there = further(self._fitter(bench, effect), effect, poorer.effect, fit, poorer.explained.values())
-        beside = self.bench.beside(poorer.explained)
-        return there.fit, beside.promise(there.gain, fit, extra) >= beside.hope
-
-    def _try(self, k: int, first: FirstLook) -> Candidate:
-        """Fit one candidate from the base's solution and from its further starts.
-
-        A short run shows whether a start away from absent is worth going on from.
-        """
-        effect, base = self.placed[k], self.start
-        fitter = self._fitter(self.thin, effect)
-        fits = [fitter.run(first.absent.z, base.delta, base.slopes)]
-        steps = self.bench.solver.start_iterations * effect.effect.patience
-        for z in first.starts:
-            start = fitter.begin(z, base.delta)
-            rough = fitter.run(z, start.delta, base.slopes, steps)
-            if rough.order < min(f.order for f in fits):
-                fits.append(fitter.run(rough.z, rough.delta))
-        fit = min(fits, key=lambda f: f.order)
-        self.done(effect.label)
-        if self.thin is self.bench:
-            return self._candidate(effect, fit, first.identifiability, first.gain / base.cost)
-        return self._rough_candidate(fitter, effect, fit, first)
-
-    def _rough_candidate(self, fitter: Fitter, effect: PlacedEffect, fit: Fit, first: FirstLook) -> Candidate:
-        explained = fitted_alone(fitter.replay, fit)
-        gain = paired_gain(self.ground.held_out, explained.held_out, self.bench.evidence)
-        return Candidate(effect, explained, gain, first.identifiability, first.gain / self.start.cost, final=False)
-
-    def _refit(self, candidate: Candidate) -> Candidate:
-        """A candidate fitted to all windows, or left absent if it does not gain enough there.
-
-        An effect that acts at once and promises little begins at absent, where the base's slopes are known.
-        """
-        effect, base, fit = candidate.effect, self.base.fit, candidate.explained.fit
-        fitter, goal = self._fitter(self.bench, effect), self.bench.hoped(base)
-        nominal = np.append(base.z, [p.nominal for p in effect.parameters])
-        (absent,) = fitter.outlooks(nominal[None], base.delta, base.slopes, base)
-        if not effect.starts and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
-            again = fitter.run(nominal, base.delta, absent.slopes, goal=goal)
-        else:
-            delta = base.delta.copy()
-            delta[self.bench.screened] = fit.delta
-            again = fitter.rerun(fitter.begin(fit.z, delta), goal)
-        if again.cost > goal:
-            absent = replace(absent, slopes=base.slopes)  # to save memory
-            return self._unfitted(effect, absent, candidate.identifiability, candidate.predicted)
-        return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
-
-    def _refit_beside(self, candidate: Candidate, poorer: Candidate) -> Candidate:
-        """The same for an effect whose special case stands: the fit begins there, if that promises and gains enough."""
-        if not poorer.final:
-            return self._refit(candidate)
-        there, more = self._further(self.bench, candidate.effect, poorer)
-        if not more:
-            return candidate
-        fitter, beside = self._fitter(self.bench, candidate.effect), self.bench.beside(poorer.explained)
-        goal = beside.hoped(poorer.explained.fit)
-        again = fitter.run(there.z, there.delta, there.slopes, goal=goal)
-        if again.cost > goal:
-            return candidate
-        return self._candidate(candidate.effect, again, candidate.identifiability, candidate.predicted)
-
-    def _candidate(self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float) -> Candidate:
-        model = self.base.model.with_effect(effect)
-        explained = scored(self.bench, model, fit, 1, self.base.states, self.stop)
-        gain = paired_gain(self.base.held_out, explained.held_out, self.bench.evidence)
-        seen = resolved(effect, explained.values(), self.bench.timing_resolution)
-        return Candidate(effect, explained, gain, known, predicted, resolved=seen)
-
-    def _unfitted(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
-        """A candidate that stays absent and so equals the base."""
-        base = self.base
-        explained = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
-        gain = paired_gain(base.held_out, base.held_out, self.bench.evidence)
-        return Candidate(effect, explained, gain, known, predicted, False, False)
+        promise[unsure] = self._side_by_side(unsure, lambda k: self.fits.promise_of_all(self.placed[k], looks[k]))
 
     def _standing(self, tried: dict[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat."""
@@ -275,7 +152,7 @@ class _Contest:
             return []
         standing: list[int] = []
         for k in sorted(order, key=lambda k: len(tried[k].effect.parameters)):
-            best = paired_gain(tried[k].explained.held_out, tried[order[0]].explained.held_out, settings)
+            best = paired_gain(tried[k].fitted_model.held_out, tried[order[0]].fitted_model.held_out, settings)
             cases = [j for j in standing if self._special_cases([k], [j])]  # others may lead on few windows alone
             needless = any(self._needless(tried[k], tried[j]) for j in cases or standing)
             if not needless and not supported(best, 0, settings):
@@ -287,11 +164,11 @@ class _Contest:
         more = len(candidate.effect.parameters) - len(other.effect.parameters)
         if more <= 0:
             return False
-        ours, theirs = candidate.explained.fit, other.explained.fit
-        return self.bench.beside(other.explained).promise(ours.below(theirs), theirs, more) < self.bench.hope
+        ours, theirs = candidate.fitted_model.fit, other.fitted_model.fit
+        return self.bench.beside(other.fitted_model).promise(ours.below(theirs), theirs, more) < self.bench.hope
 
     def _side_by_side(self, items: Sequence[_In], work: Callable[[_In], _Out]) -> list[_Out]:
-        return side_by_side(items, work, self.bench.threads, self.stop)
+        return side_by_side(items, work, self.bench.threads, self.fits.stop)
 
 
 def _ordered(candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:

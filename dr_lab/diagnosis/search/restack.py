@@ -18,12 +18,12 @@ def reconsider(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...]) 
     """
     for place, step in enumerate(steps[:-1]):
         for rival in step.rivals:
-            added = {other.explained.model.effects[-1].label for k, other in enumerate(steps) if k != place}
+            added = {other.fitted_model.model.effects[-1].label for k, other in enumerate(steps) if k != place}
             if rival.effect.label in added:
                 steps = _without(steps, place, rival)
                 continue
             swapped = _swap(bench, base, steps, place, rival)
-            ours, theirs = steps[-1].explained.held_out, swapped[-1].explained.held_out
+            ours, theirs = steps[-1].fitted_model.held_out, swapped[-1].fitted_model.held_out
             if supported(paired_gain(ours, theirs, bench.evidence), 0, bench.evidence):
                 steps = swapped
             elif supported(paired_gain(theirs, ours, bench.evidence), 0, bench.evidence):
@@ -37,8 +37,8 @@ def stacked(
     """Steps on top of others than they stood on, refitted where that matters; of its `goal` see `Fitter.run`."""
     found = list(below)
     for step in above:
-        ground, wanted = found[-1].explained if found else base, goal if step is above[-1] else np.inf
-        found.append(replace(step, explained=_on(bench, ground, step.explained, wanted)))
+        ground, wanted = found[-1].fitted_model if found else base, goal if step is above[-1] else np.inf
+        found.append(replace(step, fitted_model=_on(bench, ground, step.fitted_model, wanted)))
     return tuple(found)
 
 
@@ -52,15 +52,15 @@ def _swap(
 ) -> tuple[AddedEffect, ...]:
     """The steps with a rival at one place, later models refitted; what it replaced explains less and is dropped."""
     others = tuple(r for r in steps[place].rivals if r is not rival)
-    swapped = replace(steps[place], explained=rival.explained, rivals=others)
+    swapped = replace(steps[place], fitted_model=rival.fitted_model, rivals=others)
     return stacked(bench, base, steps[:place], (swapped, *steps[place + 1 :]))
 
 
-def _on(bench: Bench, below: FittedModel, explained: FittedModel, goal: float) -> FittedModel:
+def _on(bench: Bench, below: FittedModel, fitted_model: FittedModel, goal: float) -> FittedModel:
     """The last effect of a fitted model on top of another model; refitted where that is not what it stood on."""
-    *others, last = explained.model.effects
+    *others, last = fitted_model.model.effects
     if [e.label for e in others] == [e.label for e in below.model.effects]:
-        return explained
-    model, values = below.model.with_effect(last), explained.values() | below.values()
+        return fitted_model
+    model, values = below.model.with_effect(last), fitted_model.values() | below.values()
     start = model.space.vector({name: value for name, value in values.items() if name in model.space.names})
     return fit_and_score(bench, model, start, below.fit.delta, goal)

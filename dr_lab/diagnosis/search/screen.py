@@ -4,8 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.identifiability import Identifiability, identifiability
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter, movable
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array

@@ -13,17 +13,17 @@ class AddedEffect:
     """One effect that was added.
 
     Attributes:
-        explained: the model with it.
+        fitted_model: the model with it.
         rivals: fitted alternatives that these data cannot separate from it, given all that was added since.
         proven: whether it was added with support, or kept when trials were over; else it is on trial, or a user added
             it.
     """
 
-    explained: FittedModel
+    fitted_model: FittedModel
     rivals: tuple[Candidate, ...]
     proven: bool = True
 
     @property
     def effect(self) -> PlacedEffect:
         """The effect, which is the last of the model's."""
-        return cast(PlacedEffect, self.explained.model.effects[-1])
+        return cast(PlacedEffect, self.fitted_model.model.effects[-1])

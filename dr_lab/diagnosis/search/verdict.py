@@ -103,7 +103,7 @@ def _reason(
     if kind == "named":
         return f"{labels} {_worth(base, group[0], settings)} on the {scored}, beyond every other candidate."
     if kind == "equivalent":
-        left = ", ".join(f"{c.effect.label} (mean χ² {c.explained.held_out.chi2:.4g})" for c in group)
+        left = ", ".join(f"{c.effect.label} (mean χ² {c.fitted_model.held_out.chi2:.4g})" for c in group)
         return f"The {scored} cannot separate {left}: what one explains better than another is not beyond doubt."
     floor = noise_floor(base.held_out.freedom, settings)
     place = f"above the noise floor of {floor:.3g}" if kind == "unexplained" else "at the noise floor"
@@ -128,7 +128,7 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
 
 def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) -> str:
     """The evidence, which decides for a candidate, and the mean χ², on which a single wild window weighs more."""
-    gain, means = candidate.gain, (base.held_out.chi2, candidate.explained.held_out.chi2)
+    gain, means = candidate.gain, (base.held_out.chi2, candidate.fitted_model.held_out.chi2)
     needed = settings.threshold + settings.penalty * len(candidate.effect.parameters)
     low = f"{100 * settings.confidence:.3g} % interval from {gain.total_low:.4g}"
     interval = f"{'too few data for an interval' if isnan(gain.total_low) else low}, {needed:g} needed"
@@ -157,7 +157,7 @@ def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> lis
 
 
 def _beats(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
-    gain = paired_gain(other.explained.held_out, candidate.explained.held_out, settings)
+    gain = paired_gain(other.fitted_model.held_out, candidate.fitted_model.held_out, settings)
     return supported(gain, 0, settings)
 
 
@@ -173,7 +173,7 @@ def _richer(candidate: Candidate, other: Candidate) -> bool:
 
 def _seems_ahead(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
     """Whether a candidate explains a fair part of what another one leaves, but the data are too few to be certain."""
-    gain = paired_gain(other.explained.held_out, candidate.explained.held_out, settings)
+    gain = paired_gain(other.fitted_model.held_out, candidate.fitted_model.held_out, settings)
     extra = max(len(candidate.effect.parameters) - len(other.effect.parameters), 0)
     return isnan(gain.total_low) and sizeable(gain, extra, settings) and gain.gap >= settings.least_explained
 
@@ -185,7 +185,7 @@ def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candi
     which would be wide for few blocks of data. Above the floor the models are wrong in ways that differ from log to
     log, and the intervals decide.
     """
-    if not any(at_floor(c.explained.held_out, settings) for c in group):
+    if not any(at_floor(c.fitted_model.held_out, settings) for c in group):
         return group
     likeliest = [c for c in group if not any(_less_likely(c, other, settings) for other in group)]
     # If one diverges, pairs are compared in different windows, and each can lose to another. Then all winners stay.
@@ -210,17 +210,17 @@ def _excess(candidate: Candidate, other: Candidate) -> tuple[float, ...]:
     Only windows that both simulate count. The unit is the noise that the other one leaves, per independent residual.
     Without held-out logs the scored ones are the fitted ones, which then count once.
     """
-    ours, theirs = candidate.explained.held_out, other.explained.held_out
+    ours, theirs = candidate.fitted_model.held_out, other.fitted_model.held_out
     both = (ours.window_count > 0) & (theirs.window_count > 0)
     unit = max(theirs.chi2, 1.0) * theirs.colour
     held_out = float((ours.window_sum - theirs.window_sum)[both].sum()) / unit
-    fitted = other.explained.fit.below(candidate.explained.fit) / unit
-    return (held_out, fitted) if candidate.explained.apart else (held_out,)
+    fitted = other.fitted_model.fit.below(candidate.fitted_model.fit) / unit
+    return (held_out, fitted) if candidate.fitted_model.apart else (held_out,)
 
 
 def _nearness(candidate: Candidate) -> tuple[int, float]:
     """Order among inseparable effects: the catalogue's families, from the joint outwards, then held-out χ²."""
-    return FAMILIES.index(candidate.effect.effect.family), candidate.explained.held_out.chi2
+    return FAMILIES.index(candidate.effect.effect.family), candidate.fitted_model.held_out.chi2
 
 
 def _absorbed(candidate: Candidate, settings: EvidenceSettings) -> bool:

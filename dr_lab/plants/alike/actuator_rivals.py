@@ -37,9 +37,10 @@ def actuator_rivals(
 
         late = [mean_held(replace(sent, edge=sent.edge + d), course.edge) for d in (0.0, *grids.delays)]
         yield Rival(f"actuator_delay@{name}", 1, along([changed(values) for values in late]))
-        slow = [mean, *(lagged(mean, course.step, constant) for constant in grids.lags)]
+        asked, steps, before = _with_history(course, row)
+        slow = [mean, *(lagged(asked, steps, constant)[before:] for constant in grids.lags)]
         yield Rival(f"actuator_lag@{name}", 1, along([changed(values) for values in slow]))
-        ramps = [mean, *(ramped(mean, course.step, largest / time) for time in grids.ramps)]
+        ramps = [mean, *(ramped(asked, steps, largest / time)[before:] for time in grids.ramps)]
         yield Rival(f"rate_limit@{name}", 1, along([changed(values) for values in ramps]))
         cut = [mean_clipped(mean, share * largest) for share in (1.0, *grids.limits)]
         yield Rival(f"saturation@{name}", 1, along([changed(values) for values in cut]))
@@ -49,6 +50,18 @@ def actuator_rivals(
         low, high = grids.scales
         yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-driven[:, :, row])], [low - 1], [high - 1]),))
         yield from _limited(course, grids, driven[:, :, row], name)
+
+
+def _with_history(course: Course, row: int) -> tuple[Array, Array, int]:
+    """Means and lengths of the intervals, with some before the first; what is slow still shows what was sent there.
+
+    Returns:
+        Mean commands, lengths in s, and how many intervals are before the first.
+    """
+    time = course.path[0].time
+    earlier = time[time < course.edge[0]]
+    edge = np.concatenate([earlier, course.edge])
+    return mean_held(course.sent[row], edge), np.diff(edge), len(earlier)
 
 
 def _limited(course: Course, grids: Grids, driven: Array, name: str) -> Iterator[Rival]:

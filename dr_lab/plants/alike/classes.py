@@ -91,4 +91,7 @@ def _truth(course: Course, parts: Sequence[HiddenEffect], part: HiddenEffect) ->
     """What the model lacks and reads otherwise that knows all hidden parts but one."""
     rest = Several({str(number): other for number, other in enumerate(parts) if other is not part})
     force = lacking_with(course, rest) - lacking_with(course, course.effect)
-    return Signature(force, course.read_with(rest) - course.reading)
+    pairs = zip(course.read_with(rest), course.measured, strict=True)
+    return Signature(
+        force, np.stack([(read.at(course.middle) - seen.at(course.middle)) for read, seen in pairs], axis=1)
+    )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.errors import ConfigError
+from dr_lab.plants.alike.path import Path
 from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
@@ -31,7 +32,8 @@ class Course:
         velocity: the same, rad/s or m/s.
         acceleration: mean over each interval, shape (K, n).
         kept: memories of the hidden effect in the middle, shape (K, memories).
-        shown: what the encoders see without delay and error, rad or m, shape (K, n).
+        path: positions from a little before the first interval to a little after the last, one for each joint.
+        shown: the same of what the encoders see without delay and error.
         sent: commands as they were sent, one for each actuator.
         effect: what is hidden.
     """
@@ -42,7 +44,8 @@ class Course:
     velocity: Array
     acceleration: Array
     kept: Array
-    shown: Array
+    path: Sequence[Path]
+    shown: Sequence[Path]
     sent: Sequence[Command]
     effect: HiddenEffect
 
@@ -62,26 +65,25 @@ class Course:
         return np.stack([mean_held(command, self.edge) for command in acting], axis=1)
 
     @cached_property
-    def reading(self) -> Array:
-        """What the encoders would show without noise, rad or m, shape (K, n)."""
+    def measured(self) -> Sequence[Path]:
+        """What the encoders show without noise, one for each joint."""
         return self._read(self.effect, self.shown)
 
-    def read_with(self, effect: HiddenEffect) -> Array:
-        """What the encoders would show along the course with another effect; a filter of theirs to second order."""
-        seen = self.position.copy()
+    def read_with(self, effect: HiddenEffect) -> Sequence[Path]:
+        """What the encoders would show along the course with another effect."""
+        seen = list(self.path)
         for place, memory in Body.of(self.machine, effect).memories:
             if isinstance(memory, SlowReading):
-                late = memory.constant
-                seen[:, place] += late**2 * self.acceleration[:, place] - late * self.velocity[:, place]
+                seen[place] = seen[place].filtered(memory.constant)
         return self._read(effect, seen)
 
-    def _read(self, effect: HiddenEffect, seen: Array) -> Array:
-        columns = []
-        for row, joint in enumerate(self.machine.joints):
-            late = effect.reading_delay(joint)
-            earlier = seen[:, row] - late * self.velocity[:, row] + 0.5 * late**2 * self.acceleration[:, row]
-            columns.append(effect.reading(joint, self.middle, earlier) + effect.reading_bias(joint))
-        return np.stack(columns, axis=1)
+    def _read(self, effect: HiddenEffect, seen: Sequence[Path]) -> Sequence[Path]:
+        paths = []
+        for path, joint in zip(seen, self.machine.joints, strict=True):
+            earlier = path.at(path.time - effect.reading_delay(joint))
+            shown = effect.reading(joint, path.time, earlier) + effect.reading_bias(joint)
+            paths.append(Path(path.time, shown))
+        return paths
 
     @cached_property
     def true_body(self) -> Body:
@@ -119,19 +121,25 @@ def courses(bench: Rig, seed: int, settling: float, parts: int) -> Iterator[Cour
         issued, wish = bench.asked(seed, number)
         acts = issued + bench.instruments.actuation_latency
         edge = _parted(acts[(acts > settling) & (acts < bench.duration)], parts)
-        instants = np.sort(np.concatenate([edge, 0.5 * (edge[1:] + edge[:-1])]))
+        instants, first = _around(edge, settling)
         states, command = bench.moved(machine, issued, instants, wish)
         sent = [Command(acts, column, float(column[0])) for column in command.T]
-        yield _course(machine, bench.hidden, edge, states, sent)
+        rows = slice(first, first + 2 * len(edge) - 1)
+        yield _course(machine, bench.hidden, edge, (instants, states, rows), sent)
 
 
 def _course(
-    machine: MujocoMachine, effect: HiddenEffect, edge: Array, states: Array, sent: Sequence[Command]
+    machine: MujocoMachine,
+    effect: HiddenEffect,
+    edge: Array,
+    motion: tuple[Array, Array, slice],
+    sent: Sequence[Command],
 ) -> Course:
-    """A log from its states at edges and, between them, middles."""
+    """A log from its instants, its states there and which of them are edges and, between these, middles."""
     joints, body = len(machine.joints), Body.of(machine, effect)
     moving = slice(body.degrees, body.degrees + joints)
-    ends, middles = states[0::2], states[1::2]
+    instants, states, rows = motion
+    ends, middles = states[rows][0::2], states[rows][1::2]
     velocity = middles[:, moving]
     acceleration = np.diff(ends[:, moving], axis=0) / np.diff(edge)[:, None]
     return Course(
@@ -141,10 +149,19 @@ def _course(
         velocity=velocity,
         acceleration=acceleration,
         kept=middles[:, 2 * body.degrees :],
-        shown=middles[:, body.read_columns],
+        path=[Path(instants, column) for column in states[:, :joints].T],
+        shown=[Path(instants, column) for column in states[:, body.read_columns].T],
         sent=sent,
         effect=effect,
     )
+
+
+def _around(edge: Array, margin: float) -> tuple[Array, int]:
+    """Edges and middles, with instants as close before and after them as far as a margin, and how many are before."""
+    inner = np.sort(np.concatenate([edge, 0.5 * (edge[1:] + edge[:-1])]))
+    before = np.arange(edge[0] - (inner[1] - inner[0]), edge[0] - margin, inner[0] - inner[1])[::-1]
+    after = np.arange(edge[-1], edge[-1] + margin, inner[-1] - inner[-2])[1:]
+    return np.concatenate([before, inner, after]), len(before)
 
 
 def rigid(machine: Machine) -> MujocoMachine:

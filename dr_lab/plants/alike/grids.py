@@ -15,7 +15,7 @@ class Grids:
         limits: of commands, shares of the largest, falling.
         dead: widths of dead zones, shares of the largest command.
         offsets: of encoders in time, s, from the earliest to the latest.
-        filters: time constants of encoders, s.
+        filter: largest time constant of an encoder, s.
         stribeck: Stribeck speeds, shares of the joint's largest speed.
         displacements: of hysteresis, shares of the joint's range.
         stops: distances of an end stop from the end of the joint's travel, shares of the travel.
@@ -34,7 +34,7 @@ class Grids:
     limits: Sequence[float]
     dead: Sequence[float]
     offsets: Sequence[float]
-    filters: Sequence[float]
+    filter: float
     stribeck: Sequence[float]
     displacements: Sequence[float]
     stops: Sequence[float]

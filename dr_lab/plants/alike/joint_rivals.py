@@ -70,8 +70,11 @@ def _forces(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Riva
 
 
 def _readings(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:
-    columns = (course.position, course.velocity, course.acceleration)
-    (q, v, a), count = (values[:, row] for values in columns), course.position.shape[1]
+    """What an encoder reads beyond the position of a model that shows what was measured, y.
+
+    A delay d reads y = q(t − d), so that q = y(t + d); a filter y' = (q − y) / c, so that q = y + c y'.
+    """
+    q, count, measured = course.position[:, row], course.position.shape[1], course.measured[row]
 
     def read(*shapes: Array) -> tuple[Choice]:
         return linear(*(showing(shape, row, count) for shape in shapes))
@@ -81,10 +84,11 @@ def _readings(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Ri
     most = grids.drift * float(np.ptp(q))
     yield Rival(f"sensor_drift@{joint}", 1, (Choice([showing(course.middle, row, count)], [-most], [most]),))
     yield Rival(f"encoder_eccentricity@{joint}", 2, read(np.sin(q), np.cos(q)))
-    late = [showing(-d * v + 0.5 * d**2 * a, row, count) for d in grids.offsets]
+    y = measured.at(course.middle)
+    late = [showing(y - measured.at(course.middle + delay), row, count) for delay in grids.offsets]
     yield Rival(f"sensor_time_offset@{joint}", 1, along(late))
-    slow = [showing(-c * v + c**2 * a, row, count) for c in (0.0, *grids.filters)]
-    yield Rival(f"sensor_low_pass@{joint}", 1, along(slow))
+    slow = showing(-measured.rate(course.middle), row, count)
+    yield Rival(f"sensor_low_pass@{joint}", 1, (Choice([slow], [0.0], [grids.filter]),))
 
 
 def bent(velocity: Array, step: Array, most: float) -> Array:

@@ -102,6 +102,21 @@ def test_help_shows_the_keys_that_an_option_puts_at_the_top(
     assert "width=" not in out
 
 
+def test_help_shows_the_sections_of_a_group_without_alternatives(
+    dr_lab: CommandLine, capsys: Capture, tmp_path: Path
+) -> None:
+    write(tmp_path / "conf/fit.yaml", "# fit\ndefaults: [{base: run}, {comparison: default}]")
+    sections = "solver:\n  damping: 0.1\n  steps: 3  # at most\nhanded:\n  steps: ${solver.steps}\n"
+    write(tmp_path / "conf/comparison/default.yaml", f"# @package _global_\n{sections}")
+    assert dr_lab("fit", "--help", "solver.steps=4") == 0
+    out = capsys.readouterr().out
+    lines = [line.split() for line in out.splitlines()]
+    assert ["comparison=default"] in lines
+    assert ["solver.damping=0.1"] in lines
+    assert ["solver.steps=4", "at", "most"] in lines
+    assert "handed.steps" not in out
+
+
 def test_help_leaves_out_keys_that_only_hand_on_another(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
     keys = (
         "pace: 31  # steps\nplan:\n  pace: ${pace}\n  model: ${model}\n  label: ${pace}_steps\nrest: ${pace}  # steps\n"

@@ -3,7 +3,8 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 
 from dr_lab.diagnosis.fit.covariance import estimate, per_log
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model

@@ -17,7 +17,8 @@ from diagnosis_machines import (
 )
 
 from dr_lab.diagnosis.fit.covariance import estimate
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.physics.model import Model

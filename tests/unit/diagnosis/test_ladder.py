@@ -100,7 +100,7 @@ def test_where_the_fit_logs_score_no_model_has_logs_apart() -> None:
     effects = {"constant_offset": catalogue_effect("constant_offset")}
     scales = machine_scales(compiled, logs, 0.03)
     ladder = climb(bench, base, effects, scales, compiled, most=0, watch=lambda _: lambda _: None)
-    assert not any(found.apart for found in (base, *(c.explained for c in ladder.rungs[0].ranking)))
+    assert not any(found.apart for found in (base, *(c.fitted_model for c in ladder.rungs[0].ranking)))
 
 
 def test_no_more_effects_are_added_than_allowed() -> None:
@@ -112,11 +112,11 @@ def test_no_more_effects_are_added_than_allowed() -> None:
 def test_a_rival_that_is_added_later_is_no_rival_any_more() -> None:
     ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset")
     first, second = ladder.steps
-    added = second.explained.model.effects[-1].label
+    added = second.fitted_model.model.effects[-1].label
     rival = next(c for c in ladder.rungs[0].ranking if c.effect.label == added)
     logs = rubbing(0.05, 0.1)
     bench = bench_of(logs, pendulum())
-    steps = reconsider(bench, ladder.base, (AddedEffect(first.explained, (rival,)), second))
+    steps = reconsider(bench, ladder.base, (AddedEffect(first.fitted_model, (rival,)), second))
     assert steps[0].rivals == ()
     assert steps[-1] is second
 
@@ -125,19 +125,19 @@ def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
     names = ("coulomb_friction", "constant_offset", "quadratic_drag", "actuator_delay")
     logs = rubbing(0.05, 0.1)
     bench, ladder = bench_of(logs, pendulum()), climbed(logs, *names, most=1)
-    ranking = (replace(c, explained=explain_on(bench, ladder.base, c)) for c in ladder.rungs[0].ranking)
+    ranking = (replace(c, fitted_model=explain_on(bench, ladder.base, c)) for c in ladder.rungs[0].ranking)
     found = {c.effect.effect.name: c for c in ranking}
     kept, wrong, right = (found[name] for name in ("constant_offset", "quadratic_drag", "coulomb_friction"))
     # the drag came first, with friction as its rival; then the offset, with the delay as its rival
-    second = explain_on(bench, wrong.explained, kept)
-    steps = (AddedEffect(wrong.explained, (right,)), AddedEffect(second, (found["actuator_delay"],)))
+    second = explain_on(bench, wrong.fitted_model, kept)
+    steps = (AddedEffect(wrong.fitted_model, (right,)), AddedEffect(second, (found["actuator_delay"],)))
     steps = (*steps, AddedEffect(explain_on(bench, second, found["actuator_delay"]), ()))
     better = reconsider(bench, ladder.base, steps)
-    stacked = [[e.label for e in step.explained.model.effects] for step in better]
+    stacked = [[e.label for e in step.fitted_model.model.effects] for step in better]
     assert stacked[0] == [right.effect.label]
     assert stacked[1] == [right.effect.label, kept.effect.label]
     assert [len(labels) for labels in stacked] == [1, 2, 3]
-    assert better[-1].explained.held_out.chi2 < steps[-1].explained.held_out.chi2
+    assert better[-1].fitted_model.held_out.chi2 < steps[-1].fitted_model.held_out.chi2
     assert better[0].rivals == better[1].rivals == ()
 
 
@@ -154,12 +154,12 @@ def test_what_later_effects_made_superfluous_is_dropped() -> None:
         next(c for c in ladder.rungs[0].ranking if c.effect.effect.name == name)
         for name in ("quadratic_drag", "coulomb_friction", "constant_offset")
     )
-    second = explain_on(bench, drag.explained, friction)
-    steps = tuple(AddedEffect(e, ()) for e in (drag.explained, second, explain_on(bench, second, offset)))
+    second = explain_on(bench, drag.fitted_model, friction)
+    steps = tuple(AddedEffect(e, ()) for e in (drag.fitted_model, second, explain_on(bench, second, offset)))
     kept, dropped = prune(bench, ladder.base, steps, supported)
     assert dropped == ("quadratic_drag@hinge",)
-    assert [s.explained.model.effects[-1].label for s in kept] == ["coulomb_friction@hinge", "constant_offset@hinge"]
-    assert kept[-1].explained.held_out.chi2 < 1.2
+    assert [s.fitted_model.model.effects[-1].label for s in kept] == ["coulomb_friction@hinge", "constant_offset@hinge"]
+    assert kept[-1].fitted_model.held_out.chi2 < 1.2
     assert prune(bench, ladder.base, kept, supported) == (kept, ())
 
 
@@ -184,7 +184,7 @@ def test_asymmetric_friction_beside_a_tilt_that_was_missing_is_put_back_to_coulo
     assert (back.richer, back.poorer) == (richer.label, friction.label)
     value, std = back.further["asymmetry"]
     assert abs(value) < 3 * std
-    values = found.steps[-1].explained.values()
+    values = found.steps[-1].fitted_model.values()
     np.testing.assert_allclose(values[f"{friction.label}.torque"], 0.05, rtol=0.05)
     np.testing.assert_allclose(values[f"{tilt.label}.about_y"], 0.04, rtol=0.05)
     assert finished(bench, base, found.steps, cases) == Pruned(found.steps)

@@ -9,7 +9,7 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 
 from dr_lab.diagnosis.evidence.bench import Bench, beyond_doubt, fit_and_score
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit
+from dr_lab.diagnosis.fit.fit import Fit
 
 WINDOWS = windows_of(pendulum(), [swinging("a", pendulum().nominal(), 0)])
 BENCH = Bench(WINDOWS, WINDOWS, solver_settings(), evidence_settings(), threads=1)

@@ -42,7 +42,7 @@ def test_where_no_logs_are_held_out_the_fitted_ones_count_once(left: float, kind
     worse = replace(best, window_sum=best.window_sum + left / WINDOWS, chi2=best.chi2 + left / COUNT / WINDOWS)
     scores = {"coulomb_friction": (best, 9000.0), "constant_offset": (worse, 9000.0 + left)}
     apart = [candidate(base, name, each, CLEAR, cost) for name, (each, cost) in scores.items()]
-    same = [replace(c, explained=replace(c.explained, apart=False)) for c in apart]
+    same = [replace(c, fitted_model=replace(c.fitted_model, apart=False)) for c in apart]
     assert decide(base, apart, SETTINGS).kind == "named"
     assert decide(base, same, SETTINGS, "fit logs").kind == kind
 
@@ -124,7 +124,8 @@ def test_effects_each_of_which_loses_to_another_one_all_stay() -> None:
     base, names = model(20.0), ("coulomb_friction", "viscous_friction", "quadratic_drag")
     ranking = [candidate(base, name, 1.0, CLEAR) for name in names]
     ranking = [
-        replace(c, explained=replace(c.explained, fit=cast(Any, InTurn(place)))) for place, c in enumerate(ranking)
+        replace(c, fitted_model=replace(c.fitted_model, fit=cast(Any, InTurn(place))))
+        for place, c in enumerate(ranking)
     ]
     verdict = decide(base, ranking, SETTINGS)
     assert verdict.kind == "equivalent"

@@ -78,7 +78,7 @@ def test_only_what_promises_enough_is_fitted(most_fits: int, least_promise: floa
     for rest in (c for c in ranking if not c.fitted):
         assert rest.gain.total == 0
         assert rest.predicted <= min(c.predicted for c in fitted)
-        assert rest.explained.held_out.chi2 == base.held_out.chi2
+        assert rest.fitted_model.held_out.chi2 == base.held_out.chi2
     assert np.isfinite([c.predicted for c in ranking]).all()
 
 

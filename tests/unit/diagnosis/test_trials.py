@@ -44,7 +44,7 @@ def score(excess: Array) -> Score:
     return Score(float(sums.sum() / counts.sum()), {}, {}, {}, sums, counts, np.zeros(WINDOWS, np.intp), 0)
 
 
-def explained(effects: Sequence[PlacedEffect], excess: Array) -> FittedModel:
+def fitted_model(effects: Sequence[PlacedEffect], excess: Array) -> FittedModel:
     model, fit = SimpleNamespace(effects=tuple(effects)), SimpleNamespace(below=lambda _: 0.0)
     return FittedModel(cast(Any, model), cast(Any, fit), cast(Any, None), score(excess))
 
@@ -65,7 +65,7 @@ class Machine:
         self.effects, self.left, self.known = effects, left, known or {}
 
     def explain(self, effects: tuple[PlacedEffect, ...]) -> FittedModel:
-        return explained(effects, self.left(effects))
+        return fitted_model(effects, self.left(effects))
 
     def candidates(self, model: Any, *_: object) -> SimpleNamespace:  # noqa: ANN401 (a model's double)
         return SimpleNamespace(placed=[e for e in self.effects if e not in model.effects], refused={})
@@ -136,7 +136,7 @@ def test_what_is_in_doubt_takes_no_place_of_what_is_not(monkeypatch: pytest.Monk
     climbed = climb(machine, monkeypatch)
     assert [rung.verdict.effects for rung in climbed.rungs] == [(SIMPLE.label,), (), ()]
     assert climbed.rungs[1].verdict.trial == (RICH.label,)
-    assert [step.explained.model.effects[-1].label for step in climbed.steps] == [SIMPLE.label]
+    assert [step.fitted_model.model.effects[-1].label for step in climbed.steps] == [SIMPLE.label]
     assert all(step.proven for step in climbed.steps)
     assert climbed.dropped == (RICH.label,)
     assert [rung.verdict.absorbed for rung in climbed.rungs] == [(), (RICH.label,), ()]
@@ -192,8 +192,8 @@ def test_what_is_in_doubt_falls_when_the_climb_is_over_not_before(monkeypatch: p
 
 @pytest.mark.parametrize(("base", "verdict"), [(WIDE, "unexplained"), (np.repeat(0.09, BLOCKS), "none")])
 def test_where_all_that_was_added_is_dropped_nothing_is_named(base: Array, verdict: str) -> None:
-    below = explained((), base)
-    ranking = (candidate(below, explained((SIMPLE,), np.zeros(BLOCKS))),)
+    below = fitted_model((), base)
+    ranking = (candidate(below, fitted_model((SIMPLE,), np.zeros(BLOCKS))),)
     rung = Rung(below, ranking, decide(below, ranking, SETTINGS))
     whole = Ladder((rung,), below, ())
     assert whole.verdict(SETTINGS) == "named"  # `most` is 0: nothing was tried beside it

@@ -5,8 +5,9 @@ import pytest
 from diagnosis_machines import evidence_settings, model_of, pendulum, solver_settings, swinging, windows_of
 
 from dr_lab.diagnosis.fit.covariance import estimate
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import identifiability
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fit, Fitter
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.trust import at_bounds, doubts, worst_direction

@@ -39,10 +39,10 @@ def test_the_reason_prints_what_decides_and_where_it_is_from() -> None:
     base = model(20.0)
     found = candidate(base, "coulomb_friction", wild(1.0), CLEAR)
     reason = decide(base, [found], SETTINGS, "fit logs").reason
-    assert found.explained.held_out.chi2 > base.held_out.chi2  # one wild window, which the mean alone follows
+    assert found.fitted_model.held_out.chi2 > base.held_out.chi2  # one wild window, which the mean alone follows
     assert f"closes {100 * found.gain.gap:.3g} % of a typical window's gap" in reason
     assert f"evidence Δχ² {found.gain.total:.4g} (99 % interval from {found.gain.total_low:.4g}, 27 needed)" in reason
-    assert f"mean χ² {base.held_out.chi2:.3f} before and {found.explained.held_out.chi2:.3f} after" in reason
+    assert f"mean χ² {base.held_out.chi2:.3f} before and {found.fitted_model.held_out.chi2:.3f} after" in reason
     assert "on the fit logs" in reason
     assert "lowers" not in reason
 
@@ -87,7 +87,7 @@ def test_the_first_step_is_what_the_first_rung_names() -> None:
     ranking = (candidate(base, "coulomb_friction", 12.0, CLEAR),)
     ladder = Ladder((Rung(base, ranking, decide(base, ranking, SETTINGS)),), base, ())
     assert ladder.verdict(SETTINGS) == "named"  # of the first ranking, which is judged alone
-    assert ladder.with_first_step().models == (base, ranking[0].explained)
+    assert ladder.with_first_step().models == (base, ranking[0].fitted_model)
     assert ladder.with_first_step().verdict(SETTINGS) == "unexplained"
 
 

@@ -44,5 +44,5 @@ def test_the_machine_loses_the_impulse_of_the_lag() -> None:
 
 def test_the_past_is_long_enough_for_the_longest() -> None:
     (parameter,) = placed(block(), "actuator_lag", "drive").parameters
-    past = OmegaConf.load(CONF / "windows" / "default.yaml").past
+    past = OmegaConf.load(CONF / "comparison" / "default.yaml").windows.past
     assert parameter.high == pytest.approx(past / 5)

@@ -98,6 +98,17 @@ def test_a_drive_is_what_its_actuators_give() -> None:
     np.testing.assert_allclose(servo.force(*at), [10 * (2.0 - 0.2) - 2 * 0.5], rtol=1e-9)
 
 
+def test_a_drive_ends_at_its_actuators_force_limits() -> None:
+    at = np.zeros((3, 1)), np.zeros((3, 1)), np.array([[-9.0], [0.5], [9.0]])
+    limited = '<motor name="drive" joint="rail" gear="-2" forcerange="-1 3"/>'
+    _, motor = drive(limited)
+    np.testing.assert_allclose(motor.force(*at), [2.0, -1.0, -6.0], rtol=1e-9)
+    _, both = drive(limited + '<position name="hold" joint="rail" kp="10" ctrlrange="-1 1" forcerange="-5 5"/>')
+    assert (both.low[0], both.high[0]) == (-11.0, 7.0)
+    _, one = drive(limited + '<damper name="brake" joint="rail" ctrlrange="0 1"/>')
+    assert (one.low[0], one.high[0]) == (-np.inf, np.inf)
+
+
 def test_a_clipped_command_is_made_up_for() -> None:
     """The drive asks for twice of what arrives; the centre of mass moves under what does."""
     model = block('<motor name="drive" joint="rail" ctrlrange="-2 2" ctrllimited="true"/>')

@@ -53,7 +53,7 @@ def test_looks_back_no_farther_than_the_windows_keep() -> None:
     def transform(read: Reading) -> Reading:
         return model.reading(bounds, "rail.position", read, START)
 
-    windows = instantiate(OmegaConf.load(CONF / "windows" / "default.yaml"))
+    windows = instantiate(OmegaConf.load(CONF / "comparison" / "default.yaml").windows)
     assert isinstance(windows, WindowSettings)
     assert reach(transform) == pytest.approx((2 + np.sqrt(2)) * 0.0058)
     assert reach(transform) < windows.margin

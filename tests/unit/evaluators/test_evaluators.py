@@ -167,7 +167,7 @@ def test_returns_over_a_distribution_are_those_of_its_contexts(subject: Subject,
 
 
 def test_a_confidence_of_one_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1; expected a number below 1\."):
+    with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1; expected a share between 0 and 1"):
         ReturnsEvaluator(distributions={}, contexts=1, episodes=1, parallel=1, confidence=1.0, resamples=1, seed=0)
 
 

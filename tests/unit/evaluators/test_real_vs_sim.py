@@ -119,5 +119,5 @@ def test_a_plant_of_another_machine_is_refused() -> None:
 
 
 def test_a_confidence_beyond_one_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1\.5; expected a number below 1\."):
+    with pytest.raises(ConfigError, match=r"evaluator\.confidence is 1\.5; expected a share between 0 and 1"):
         RealVsSimEvaluator(target=cast(Any, PlantTarget), episodes=1, confidence=1.5, resamples=1, seed=0)

@@ -15,7 +15,11 @@ XML = """
     </body>
     <body name="bare"><joint name="slide" type="slide"/><geom name="ball" size="0.2"/></body>
   </worldbody>
-  <actuator><motor name="motor" joint="hinge" gear="7"/></actuator>
+  <actuator>
+    <motor name="motor" joint="hinge" gear="7" forcerange="-5 5"/>
+    <motor name="skew" joint="hinge" forcerange="-5 4"/>
+    <dcmotor name="servo" joint="slide" motorconst="1" resistance="1" input="pos" controller="10 0 1 0 0 18"/>
+  </actuator>
 </mujoco>
 """
 
@@ -33,6 +37,8 @@ def spec() -> mujoco.MjSpec:
         ("joint.hinge.damping", 0.5),
         ("geom.ball.size[0]", 0.2),
         ("actuator.motor.gear[0]", 7.0),
+        ("actuator.motor.force_limit", 5.0),
+        ("actuator.servo.gainprm[7]", 18.0),
         ("option.gravity[2]", -9.81),
     ],
 )
@@ -58,7 +64,17 @@ def test_linear_damping_leaves_the_polynomial_alone() -> None:
     np.testing.assert_allclose(one.joint("hinge").damping, [0.9, 0.1, 0.0])
 
 
-@pytest.mark.parametrize("text", ["body.arm.mass", "joint.hinge.damping", "actuator.motor.gear[0]", "body.arm.ipos[2]"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "body.arm.mass",
+        "joint.hinge.damping",
+        "actuator.motor.gear[0]",
+        "actuator.motor.force_limit",
+        "actuator.servo.gainprm[7]",
+        "body.arm.ipos[2]",
+    ],
+)
 def test_compiled_fields_hold_what_recompiling_gives(text: str) -> None:
     target, one = Target.parse(text), spec()
     nominal = target.read(one)
@@ -68,6 +84,14 @@ def test_compiled_fields_hold_what_recompiling_gives(text: str) -> None:
     for edit in target.fields(before):
         old, new = getattr(before, edit.field)[edit.index], getattr(after, edit.field)[edit.index]
         np.testing.assert_allclose(new, old * 1.5 if edit.relative else 1.5 * nominal)
+
+
+def test_a_force_limit_is_symmetric() -> None:
+    one = spec()
+    Target.parse("actuator.motor.force_limit").write(one, 2.0)
+    np.testing.assert_array_equal(one.compile().actuator("motor").forcerange, [-2.0, 2.0])
+    with pytest.raises(ModelError, match=r"'skew' has forcerange \[-5, 4\]; expected \[-F, F\]"):
+        Target.parse("actuator.skew.force_limit").read(one)
 
 
 def test_sizes_must_be_recompiled() -> None:

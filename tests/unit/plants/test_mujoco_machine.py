@@ -65,6 +65,14 @@ def test_armature_and_drive_enter_where_they_should() -> None:
     np.testing.assert_allclose(np.array(weaker) - force, [5, 5, 4, 5, 5, 5], rtol=0, atol=1e-9)
 
 
+def test_a_weak_position_controller_pulls_and_brakes_less() -> None:
+    servo = nominal("strangers/elbow_servo").machine({})
+    q, v, target, none = [0.3, -0.2], [1.0, -2.0], [0.5, 0.1], [0.0, 0.0]
+    full, weak = (np.array(m.terms(q, v, target, none)[1]) for m in (servo, servo.with_drive_scaled("shoulder", 0.7)))
+    pull = 60.0 * (target[0] - q[0]) - 2.5 * v[0]  # kp, kv of the file
+    np.testing.assert_allclose(weak - full, [-0.3 * pull, 0.0], rtol=0, atol=1e-9)
+
+
 def contact(machine: MujocoMachine, depth: float, speed: float, lift: float) -> Array:
     """Force on carriage and foot in N at a depth in m, sliding at a speed in m/s under a lift in N."""
     return np.array(machine.terms([0.0, -depth], [speed, 0.0], [0.0, lift], [0.0, 0.0])[1])

@@ -10,6 +10,7 @@ from dr_lab.plants.alike.actuator_rivals import lagged, ramped
 from dr_lab.plants.alike.classes import Classes
 from dr_lab.plants.alike.course import mean_held
 from dr_lab.plants.alike.joint_rivals import bent
+from dr_lab.plants.alike.path import Path
 from dr_lab.plants.alike.regression import remaining, without
 from dr_lab.plants.alike.response import Signature
 from dr_lab.plants.alike.rival import Choice
@@ -18,10 +19,10 @@ from dr_lab.plants.command import Command
 NOTHING = Signature(np.zeros((1, 1)), np.zeros((1, 1)))
 
 
-def classes(*overrides: str) -> dict[str, dict[str, int]]:
+def classes(*overrides: str, machine: str = "wheel") -> dict[str, dict[str, int]]:
     rule: Classes = instantiate(compose("benchmark", ["benchmark=strangers"]).classes.rule)
     short = ["plant.duration=1.6", "plant.peaks=[0.5,0.4]"]
-    bench = instantiate(compose("record", ["plant=strangers/wheel", *short, *overrides]).plant, _convert_="all")
+    bench = instantiate(compose("record", [f"plant=strangers/{machine}", *short, *overrides]).plant, _convert_="all")
     return rule.of(bench, seed=5)
 
 
@@ -54,6 +55,38 @@ def test_a_wrong_zero_is_a_leaning_base_to_a_wheel() -> None:
     (known,) = classes(*hidden("sensor_bias", "site=wheel", "bias=0.05")).values()
     assert {"sensor_bias@wheel", "base_tilt@world"} <= known.keys()
     assert known.keys().isdisjoint({"base", "coulomb_friction@wheel", "sensor_scale@wheel"})
+
+
+@needs_pinocchio
+@pytest.mark.parametrize(
+    ("late", "shown"),
+    [
+        (hidden("actuator_delay", "site=motor", "delay=0.008"), "sensor_time_offset@wheel"),
+        (hidden("actuator_lag", "site=motor", "constant=0.004"), "sensor_low_pass@wheel"),
+    ],
+)
+def test_with_one_command_a_late_command_is_a_late_reading(late: list[str], shown: str) -> None:
+    # A delay or a lag of the only input commutes with a motion that is linear, as the wheel's nearly is.
+    ((truth, known),) = classes(*late).items()
+    assert {truth, shown} <= known.keys()
+    assert "base" not in known
+
+
+@needs_pinocchio
+def test_a_centre_farther_out_is_a_payload_and_less_mass() -> None:
+    # Mass, first and second moment of a link are three numbers; a payload with a free mass of the link moves all three.
+    moved = hidden("centre_of_mass_offset", "site=forearm", "offset=[0.01,0.0,0.0]")
+    (known,) = classes(*moved, machine="elbow").values()
+    assert known.keys() == {"centre_of_mass_offset@forearm", "payload@forearm"}
+
+
+def test_a_filtered_path_is_that_of_the_closed_form() -> None:
+    time, constant, pulse = np.linspace(0.0, 2.0, 2001), 0.004, 30.0
+    shown = Path(time, np.sin(pulse * time)).filtered(constant)
+    gain, lag = 1 / np.hypot(1, pulse * constant), np.arctan(pulse * constant)
+    settled = time > 0.1
+    np.testing.assert_allclose(shown.value[settled], gain * np.sin(pulse * time[settled] - lag), atol=1e-8)
+    np.testing.assert_allclose(shown.at(np.array([1.0005])), gain * np.sin(pulse * 1.0005 - lag), atol=1e-8)
 
 
 def test_commands_are_averaged_lagged_and_ramped_exactly() -> None:

@@ -5,6 +5,7 @@ import pytest
 from recorder_samples import read_recording
 from scipy.stats import chi2
 
+from dr_lab.recorders.course import course
 from dr_lab.recorders.distributions import CANVAS, ellipse
 from dr_lab.recorders.grids import heat_map, return_span
 from dr_lab.recorders.look import Look
@@ -101,7 +102,16 @@ def test_a_recording_of_training_has_everything_at_its_iteration(
     strips = np.array(found[f"{ellipses}/0"]["LineStrips2D:strips"][-1])
     middle = strips.reshape(-1, 2)[:-1].mean(axis=0)
     np.testing.assert_allclose(middle, [CANVAS.width / 2, CANVAS.height / 2], rtol=1e-3)
-    assert {"/grid/line/mean", "/grid/area/map", "/pages/Report"} < found.keys()
+    assert {"/grid/line/mean", "/grid/area/map", "/course/torso.size/map", "/pages/Report"} < found.keys()
+
+
+def test_a_distributions_course_shows_the_histogram_taken_last() -> None:
+    shares = np.array([[0.5, 0.5], [0.9, 0.1], [0.2, 0.8]])
+    learned = Marginal("torso.size", "m", EDGES, shares[0], np.array([0, 1, 4]), shares)
+    density = shares / [0.1, 0.2]
+    # iterations 0.5, 1.5, 2.5, 3.5 at 0.25, 0.15 and 0.05 m
+    expected = density[[0, 1, 1, 1]].T[[1, 1, 0]]
+    np.testing.assert_allclose(course(learned, rows=3, columns=4), expected)
 
 
 def test_a_density_and_not_a_probability_is_drawn(tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch) -> None:

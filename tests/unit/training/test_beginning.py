@@ -90,6 +90,14 @@ def test_the_distribution_is_taken_over_where_asked_for(finished: Path) -> None:
     assert (training.randomizer.state_dict()["loc"] == 0.25).all()
 
 
+def test_the_distribution_is_taken_over_without_the_policy_where_asked_for(finished: Path) -> None:
+    training, new = begun(f"init={finished}", "init_policy=false", "init_distribution=true"), begun()
+    assert (training.randomizer.state_dict()["loc"] == 0.25).all()
+    actors = (each.algorithm.state_dict()["actor"] for each in (training, new))
+    for one, other in zip(*(actor.values() for actor in actors), strict=True):
+        assert torch.equal(one, other)
+
+
 def test_another_run_is_refused(finished: Path, tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"init=.* is a run with another algorithm, other networks or another distr"):
         begun(f"init={finished}", "env.show_context=true")

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 from math import sqrt
 from pathlib import Path
 
@@ -13,16 +14,19 @@ from recorder_samples import read_recording
 
 from dr_lab.benchmark.pages import report_page
 from dr_lab.benchmark.rates import parameter_errors, rate, rates
-from dr_lab.benchmark.summary import Goals, answers, cases_csv, summary
+from dr_lab.benchmark.scoring import Goals, Scoring
+from dr_lab.benchmark.summary import answers, benchmark_report, cases_csv
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.groups import every
 from dr_lab.effects.effect import Effect
 from dr_lab.recorders.benchmark_review import write_benchmark_review
 from dr_lab.recorders.confusion import confusion, confusion_csv, confusion_picture
 from dr_lab.recorders.look import Look
+from dr_lab.reports.benchmark import BenchmarkReport, GoalEntry
+from dr_lab.reports.json_file import typed, write_json
 
 GOALS = Goals({"top_1": 0.7}, {"false_alarm": 0.02})
-SPELT = {"saturation": {"limit": "inverse_limit"}}
+ALIASES = {"saturation": {"limit": "inverse_limit"}}
 OUTCOMES = [
     named(A, seed=0),
     named(A, seed=1),
@@ -68,25 +72,33 @@ def test_rates_count_the_cases_that_they_speak_of() -> None:
 
 
 def test_parameter_errors_speak_the_catalogues_names() -> None:
-    limit = named("saturation@motor", magnitudes={"limit": 4.0}, fitted={"saturation@motor": {"inverse_limit": 0.2}})
-    assert parameter_errors(limit, SPELT) == {"saturation@motor.inverse_limit": pytest.approx(0.25)}
+    limit = named(
+        "saturation@motor",
+        magnitudes={"saturation@motor": {"limit": 4.0}},
+        fitted={"saturation@motor": {"inverse_limit": 0.2}},
+    )
+    assert parameter_errors(limit, ALIASES) == {"saturation@motor.inverse_limit": pytest.approx(0.25)}
     two = {A: {"torque": 2e-3}, B: {"stiffness": 2.0, "rest": 0.1}}
     both = outcome_of("several", A, B, magnitudes=two, fitted={A: {"torque": -2.1e-3}, B: {"stiffness": 1.8}})
     expected = {f"{A}.torque": pytest.approx(0.05), f"{B}.stiffness": pytest.approx(0.1)}
-    assert parameter_errors(both, SPELT) == expected
-    assert parameter_errors(named(A, magnitudes={"torque": 2e-3}), SPELT) == {}
+    assert parameter_errors(both, ALIASES) == expected
+    assert parameter_errors(named(A, magnitudes={A: {"torque": 2e-3}}), ALIASES) == {}
 
 
-def test_the_summary_holds_goals_machines_and_misses() -> None:
-    found = summary(OUTCOMES, {case_of("none", seed=9): "DataError: no logs"}, GOALS, SPELT)
-    assert found["goals"] == {"top_1": {"goal": "≥ 0.7", "met": False}, "false_alarm": {"goal": "≤ 0.02", "met": False}}
-    assert found["medians"]["median_chi2"] == pytest.approx(1.01)
-    assert found["machines"]["crank"]["cases"] == found["cases"] == 8
-    assert [row["truth"] for row in found["misses"]] == [A, B, "none"]
-    page = report_page(found, OUTCOMES, SPELT)
+def test_the_report_holds_goals_machines_and_misses(tmp_path: Path) -> None:
+    failed = {case_of("none", seed=9): "DataError: no logs"}
+    found = benchmark_report(OUTCOMES, failed, Scoring(GOALS, ALIASES, {}))
+    assert found.goals == {"top_1": GoalEntry("≥ 0.7", met=False), "false_alarm": GoalEntry("≤ 0.02", met=False)}
+    assert found.medians["median_chi2"] == pytest.approx(1.01)
+    assert found.machines["crank"].cases == found.cases == 8
+    assert [row.truth for row in found.misses] == [A, B, "none"]
+    path = tmp_path / "benchmark.json"
+    write_json(path, found)
+    assert typed(BenchmarkReport, json.loads(path.read_text(encoding="utf-8")), path) == found
+    page = report_page(found, OUTCOMES, ALIASES)
     assert "| effect and site right, one hidden effect | 50 % | 15 % … 85 % | 2 of 4 | ≥ 0.7 | MISSED |" in page
     assert "failed: crank-none-encoders-9: DataError: no logs" in page
-    rows = list(csv.DictReader(io.StringIO(cases_csv(OUTCOMES, SPELT))))
+    rows = list(csv.DictReader(io.StringIO(cases_csv(OUTCOMES, ALIASES))))
     assert [row["right"] for row in rows] == ["True", "True", "False", "False", "True", "True", "False", "True"]
 
 

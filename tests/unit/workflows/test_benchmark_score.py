@@ -1,5 +1,8 @@
 """The rules by which an answer is right, each with an answer whose judgement is known."""
 
+import json
+from dataclasses import replace
+
 import pytest
 from pretended_cases import STANDING, A, B, C, named, outcome_of
 
@@ -18,7 +21,7 @@ RIGHT = {
     "the class without richer members": outcome_of("single", A, verdict="equivalent", found=[[A, B]], classes=RICHER),
     "absorbed and listed": outcome_of("single", A, absorbed=[C, A], classes=HIDDEN),
     "not excited and listed": outcome_of(
-        "single", A, classes=HIDDEN, standing={A: {**STANDING, "status": "not_excited"}}
+        "single", A, classes=HIDDEN, standing={A: replace(STANDING, status="not_excited")}
     ),
     "nothing hidden": outcome_of("none"),
     "outside": outcome_of("outside", verdict="unexplained"),
@@ -83,9 +86,9 @@ def test_the_truth_named_exactly_is_matched_before_its_rivals() -> None:
 
 
 def test_causes_say_what_stood_in_the_way() -> None:
-    unfitted = outcome_of("single", A, classes={A: {A: 1}}, standing={A: {**STANDING, "fitted": False}})
+    unfitted = outcome_of("single", A, classes={A: {A: 1}}, standing={A: replace(STANDING, fitted=False)})
     assert cause(unfitted) == f"{A} was not fitted: a linear step promised 40 % of the cost."
-    assert cause(outcome_of("single", A, classes={A: {A: 1}}, standing={A: {}})) == f"{A} was no candidate."
+    assert cause(outcome_of("single", A, classes={A: {A: 1}}, standing={})) == f"{A} was no candidate."
     assert "came 2. with χ² 1.3, evidence 300 (at least -5), closing 60 %" in cause(WRONG["another effect"])
     assert cause(WRONG["a set that is too small"]) == f"The set of equivalent effects lacks {C}."
     assert cause(WRONG["a set that is too large"]) == f"The set of equivalent effects adds {B}."
@@ -96,3 +99,10 @@ def test_an_outcome_survives_its_file() -> None:
     again = Outcome.from_json(outcome.to_json())
     assert again == outcome
     assert hash(again.case) == hash(outcome.case)
+
+
+def test_an_outcome_of_an_earlier_version_is_read() -> None:
+    """Numbers of an only truth stood alone, and a truth that was no candidate had an empty standing."""
+    outcome = outcome_of("single", A, magnitudes={A: {"torque": 2e-3}}, standing={})
+    earlier = json.loads(outcome.to_json()) | {"magnitudes": {"torque": 2e-3, "site": "arm"}, "standing": {A: {}}}
+    assert Outcome.from_json(json.dumps(earlier)) == outcome

@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,9 +18,12 @@ from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.job import Job, run_job
 from dr_lab.errors import ConfigError, DataError
+from dr_lab.evaluators.trained_run import TrainedRun, subject_of
 from dr_lab.randomizers.fixed import FixedRandomizer
+from dr_lab.reports.evaluate import EvaluateReport
+from dr_lab.reports.json_file import typed
 from dr_lab.training.checkpoint import load, save
-from dr_lab.workflows.evaluate import evaluate, subject_of, trained
+from dr_lab.workflows.evaluate import evaluate
 
 TRAIN = [*OVERRIDES, "env=furuta", "frames=320", "randomizer=fixed"]
 
@@ -49,7 +51,7 @@ def test_a_context_that_is_fixed_has_no_spread(run: Path) -> None:
     assert (arm["mean"], arm["std"]) == (0.095, 0.0)
 
 
-def evaluated(run: Path, folder: Path, *overrides: str) -> dict[str, Any]:
+def evaluated(run: Path, folder: Path, *overrides: str) -> EvaluateReport:
     folder.mkdir()
     arguments = compose_arguments("evaluate", [f"run={run}", *overrides], (shipped(),))
     compose = functools.partial(compose_arguments, folders=(shipped(),))
@@ -59,27 +61,28 @@ def evaluated(run: Path, folder: Path, *overrides: str) -> dict[str, Any]:
 def test_a_grid_is_played_written_and_drawn(run: Path, tmp_path: Path) -> None:
     cells = "evaluator.axes={arm.mass: [0.05, 0.15, 3]}"
     report = evaluated(run, tmp_path / "grid", "evaluator=grid", cells, "evaluator.episodes=2", "evaluator.parallel=4")
-    assert report["schema"] == "dr_lab/evaluate/1"
-    assert report == json.loads((tmp_path / "grid" / "report.json").read_text(encoding="utf-8"))
+    written = tmp_path / "grid" / "report.json"
+    assert report == typed(EvaluateReport, json.loads(written.read_text(encoding="utf-8")), written)
+    assert report.trained == str(run)
     with (tmp_path / "grid" / "returns.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [float(row["return"]) for row in rows] == pytest.approx([row["return"] for row in report["rows"]])
+    assert [float(row["return"]) for row in rows] == pytest.approx([row["return"] for row in report.rows])
     assert len(rows) == 3
-    assert report["units"] == {"arm.mass": "kg"}
+    assert report.units == {"arm.mass": "kg"}
     page = (tmp_path / "grid" / "report.md").read_text(encoding="utf-8")
     assert "| arm.mass [kg] | return | std | diverged |" in page
     assert "2 episodes in each of 3 contexts" in page
     for name in ("review.rrd", "episodes.mcap"):
         assert (tmp_path / "grid" / name).stat().st_size > 0
-    assert len(report["episodes"]) == 3
+    assert len(report.episodes) == 3
 
 
 def test_a_policy_is_trained_on_in_a_context(run: Path, tmp_path: Path) -> None:
     few = ["evaluator.contexts=1", "evaluator.rounds=1", "evaluator.frames=160", "evaluator.episodes=2"]
     report = evaluated(run, tmp_path / "tuned", "evaluator=fine_tune", *few)
-    assert np.isfinite([report["figures"]["jump_start"], report["figures"]["asymptote"]]).all()
+    assert None not in (report.figures["jump_start"], report.figures["asymptote"])
     assert not list((tmp_path / "tuned").glob("*.pt"))
-    assert (report["units"]["arm.mass"], report["units"]["arm.damping"]) == ("kg", "N·m·s/rad")
+    assert (report.units["arm.mass"], report.units["arm.damping"]) == ("kg", "N·m·s/rad")
 
 
 def test_training_on_begins_with_episodes_that_have_no_past(run: Path, tmp_path: Path) -> None:
@@ -104,11 +107,11 @@ def test_training_on_explores_by_the_seed_it_is_given(run: Path) -> None:
 
 def test_every_policy_that_was_kept_is_evaluated_with_and_without_exploration(run: Path, tmp_path: Path) -> None:
     report = evaluated(run, tmp_path / "kept", "evaluator=snapshots", "evaluator.episodes=3")
-    assert [row["frames"] for row in report["rows"]] == [160, 320]
-    figures = report["figures"]
+    assert [row["frames"] for row in report.rows] == [160, 320]
+    figures = report.figures
     for name in ("deterministic", "stochastic"):
-        assert figures[f"{name}.last"] == report["rows"][-1][name]
-        assert figures[f"{name}.iqm"] == pytest.approx(np.mean([row[name] for row in report["rows"]]))
+        assert figures[f"{name}.last"] == report.rows[-1][name]
+        assert figures[f"{name}.iqm"] == pytest.approx(np.mean([float(row[name] or "nan") for row in report.rows]))
     assert figures["deterministic.last"] != figures["stochastic.last"]
 
 
@@ -164,6 +167,14 @@ def test_the_command_line_evaluates_what_it_has_trained(run: Path, tmp_path: Pat
     assert "uniform" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
 
 
+def test_a_run_is_evaluated_whatever_else_its_configuration_holds(run: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(run, tmp_path / "run")
+    with (folder / "config.yaml").open("a", encoding="utf-8") as file:
+        file.write("gone_since: 1\n")
+    subject = subject_of(folder, functools.partial(compose_arguments, folders=(shipped(),)), threads=1)
+    assert subject.setting.name == "furuta"
+
+
 def test_a_checkpoint_of_another_run_is_told(run: Path, tmp_path: Path) -> None:
     folder = shutil.copytree(run, tmp_path / "run")
     state = load(folder / "checkpoint.pt")
@@ -174,16 +185,20 @@ def test_a_checkpoint_of_another_run_is_told(run: Path, tmp_path: Path) -> None:
         subject_of(folder, compose, threads=1)
 
 
+def folder_of(run: Path | str, runs: Path) -> Path:
+    return TrainedRun(str(run), str(runs), threads=1).folder()
+
+
 def test_a_run_without_a_checkpoint_is_told(tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"holds no checkpoint\.pt\. Give run=FOLDER"):
-        trained(str(tmp_path), tmp_path)
+        folder_of(tmp_path, tmp_path)
     (tmp_path / "config.yaml").write_text("# dr-lab compare model=furuta\nseed: 0\n")
     with pytest.raises(DataError, match=r"holds no checkpoint\.pt; it is that of a run of dr-lab compare\. Give run="):
-        trained(str(tmp_path), tmp_path)
+        folder_of(tmp_path, tmp_path)
     (tmp_path / "config.yaml").write_text("")
     with pytest.raises(DataError, match=r"holds no checkpoint\.pt\. Give run=FOLDER"):
-        trained(str(tmp_path), tmp_path)
+        folder_of(tmp_path, tmp_path)
     with pytest.raises(DataError, match=r"There is no folder .*/nowhere\. Give run=FOLDER of a training run"):
-        trained(str(tmp_path / "nowhere"), tmp_path)
+        folder_of(tmp_path / "nowhere", tmp_path)
     with pytest.raises(DataError, match=r"There is no training run below"):
-        trained("latest", tmp_path)
+        folder_of("latest", tmp_path)

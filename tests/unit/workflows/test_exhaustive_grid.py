@@ -2,7 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from written_runs import write_run
+from written_runs import train_report, write_run
 
 from dr_lab.recorders.training import Grid
 from dr_lab.summaries.exhaustive import LABEL, exhaustive
@@ -15,7 +15,7 @@ def trained_at(folder: Path, values: dict[str, float], final: float | None, *ove
     histogram = {"edges": [0.0, 1.0], "initial": [1.0], "probability": [1.0]}
     context = {name: {"unit": "m", "mean": value, "std": std, **histogram} for name, value in values.items()}
     typed = [f"randomizer.values.{name}={value}" for name, value in values.items()]
-    write_run(folder, {"schema": "dr_lab/train/1", "final_return": final, "context": context}, *typed, *overrides)
+    write_run(folder, train_report(final, context), *typed, *overrides)
 
 
 def drawn(sweep: Path) -> dict[str, Grid]:

@@ -27,7 +27,7 @@ def test_the_file_of_episodes_carries_the_model_that_was_played(tmp_path: Path) 
         (model,) = make_reader(file).iter_attachments()
     assert mujoco.MjModel.from_xml_string(model.data.decode()).nq == found.model.nominal().nq
     told = described(episodes)
-    assert [(each["name"], each["ended"], each["context"]) for each in told] == [
+    assert [(each.name, each.ended, each.context) for each in told] == [
         ("episode_1", "truncated", {}),
         ("episode_2", "truncated", {}),
     ]

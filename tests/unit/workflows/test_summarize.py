@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rerun as rr
-from written_runs import STATISTICS, trained, two_kinds, write_configuration, write_run
+from written_runs import STATISTICS, train_report, trained, two_kinds, write_configuration, write_run
 
 from dr_lab.__main__ import main
 from dr_lab.errors import DataError
@@ -103,7 +103,7 @@ def test_words_are_counted(tmp_path: Path) -> None:
 
 def test_a_figure_counts_the_runs_that_have_it(tmp_path: Path) -> None:
     for seed, final in enumerate([None, 2.0, None, 4.0, 6.0]):
-        report = {"schema": "dr_lab/train/1", "final_return": final, "context": {}}
+        report = train_report(final, {})
         write_run(tmp_path / f"sweep/good/{seed}", report, "env=hopper", f"seed={seed}")
         lost = report | {"final_return": None}
         write_run(tmp_path / f"sweep/lost/{seed}", lost, "env=walker", f"seed={seed}")
@@ -168,9 +168,9 @@ def test_what_no_run_has_is_told(sweep: Path, tmp_path: Path, capsys: pytest.Cap
     ("override", "message"),
     [
         ("aggregate=[sed]", "no override 'sed' in these runs (aggregate). Did you mean 'seed'?"),
-        ("statistics.confidence=95", "statistics.confidence is 95; expected a share below 1"),
-        ("statistics.confidence=0", "statistics.confidence is 0; expected a number above 0"),
-        ("statistics.resamples=0", "statistics.resamples is 0; expected a number above 0"),
+        ("statistics.confidence=95", "statistics.confidence is 95; expected a share between 0 and 1"),
+        ("statistics.confidence=0", "statistics.confidence is 0; expected a share between 0 and 1"),
+        ("statistics.resamples=0", "statistics.resamples is 0; expected at least 1"),
         ("statistics.seed=-1", "statistics.seed is -1; expected at least 0"),
     ],
 )
@@ -214,6 +214,9 @@ def test_summaries_are_no_runs(
         ("report.json", b"[]", "its report.json has no schema"),
         ("report.json", b"{}", "its report.json has no schema"),
         ("report.json", b"\xff", "codec can't decode"),
+        ("report.json", b'{"schema": "dr_lab/train/1"}', "report.json does not follow the schema 'dr_lab/train/1'"),
+        ("report.json", b'{"schema": "dr_lab/train/1"}', "$: 'context' is a required property"),
+        ("report.json", b'{"schema": "dr_lab/evaluate/1", "rows": {}}', "$.rows: {} is not of type 'array'"),
         ("config.yaml", b"made_with: null", "does not say what the run was made with"),
         ("config.yaml", b"- 1", "does not say what the run was made with"),
         ("metrics.csv", b"frames\n\xff\n", "codec can't decode"),

@@ -3,7 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from written_runs import STATISTICS, two_kinds, write_run
+from written_runs import STATISTICS, grid_report, train_report, two_kinds, write_run
 
 from dr_lab.errors import DataError
 from dr_lab.summaries.groups import grouped
@@ -35,8 +35,7 @@ def test_distributions_that_reach_apart_are_averaged_where_they_are(tmp_path: Pa
     reached = {0: ([0.0, 0.1, 0.2], [0.2, 0.8]), 1: ([0.0, 0.1, 0.2, 0.3], [0.0, 0.4, 0.6])}
     for seed, (edges, learned) in reached.items():
         entry = {"unit": "m", "std": 0.1, "edges": edges, "initial": learned, "probability": learned}
-        report = {"schema": "dr_lab/train/1", "context": {"size": entry}}
-        write_run(tmp_path / str(seed), report, f"seed={seed}")
+        write_run(tmp_path / str(seed), train_report(1.0, {"size": entry}), f"seed={seed}")
     (mean,) = marginals(grouped(find_runs(tmp_path)[0], ["seed"]))["size"].values()
     np.testing.assert_allclose(mean.edges, [0.0, 0.1, 0.2, 0.3])
     np.testing.assert_allclose(mean.probability, [[0.1, 0.6, 0.3]])
@@ -50,8 +49,7 @@ def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
         ]
         rows[0]["return"] = None  # infeasible
         units = {"size": "m", "mass": "kg"}
-        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "units": units, "rows": rows}
-        write_run(tmp_path / str(seed), report, f"seed={seed}")
+        write_run(tmp_path / str(seed), grid_report(rows, units), f"seed={seed}")
     (grid,) = grids(grouped(find_runs(tmp_path)[0], ["seed"])).values()
     assert [(axis.name, axis.unit) for axis in grid.axes] == [("size", "m"), ("mass", "kg")]
     np.testing.assert_allclose(grid.mean, [[np.nan, 5.5, 6.5], [5.5, 6.5, 7.5]])
@@ -60,7 +58,12 @@ def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
 def test_grids_over_different_contexts_are_not_averaged(tmp_path: Path) -> None:
     for seed, sizes in enumerate([(1.0, 2.0), (1.0, 2.0, 3.0)]):
         rows = [{"size": size, "return": size, "std": 1.0} for size in sizes]
-        report = {"schema": "dr_lab/evaluate/1", "evaluator": "GridEvaluator", "rows": rows}
-        write_run(tmp_path / str(seed), report, f"seed={seed}")
+        write_run(tmp_path / str(seed), grid_report(rows, {}), f"seed={seed}")
     with pytest.raises(DataError, match=r"1 was evaluated over other contexts than .*0"):
+        grids(grouped(find_runs(tmp_path)[0], ["seed"]))
+
+
+def test_a_grid_without_returns_is_told(tmp_path: Path) -> None:
+    write_run(tmp_path / "run", grid_report([{"size": 1.0, "return": 1.0}], {}), "seed=0")
+    with pytest.raises(DataError, match=r"run/report\.json: a row lacks 'std', which those of evaluator=grid have"):
         grids(grouped(find_runs(tmp_path)[0], ["seed"]))

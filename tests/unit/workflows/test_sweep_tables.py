@@ -14,7 +14,7 @@ def group(label: str, *returns: float | None) -> Group:
     reports = [
         {"schema": "dr_lab/train/1", "final_return": value, "mass": 0.05, "verdict": "none"} for value in returns
     ]
-    runs = [Run(str(k), Path(str(k)), {}, {}, report) for k, report in enumerate(reports)]
+    runs = [Run(str(k), Path(str(k)), {}, {}, report, None) for k, report in enumerate(reports)]
     return Group({"learner": label}, runs, label)
 
 

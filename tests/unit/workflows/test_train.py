@@ -4,7 +4,6 @@ import csv
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,8 +15,11 @@ from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.job import Job, run_job
 from dr_lab.errors import ConfigError, DataError
+from dr_lab.reports.json_file import typed
+from dr_lab.reports.train import TrainReport
 from dr_lab.training.checkpoint import load
-from dr_lab.workflows.train import final_return, metrics_csv, train
+from dr_lab.training.history import final_return, metrics_csv
+from dr_lab.workflows.train import train
 
 OVERRIDES = [
     "env=cartpole",
@@ -34,7 +36,7 @@ OVERRIDES = [
 ]
 
 
-def run(folder: Path, *more: str) -> dict[str, Any]:
+def run(folder: Path, *more: str) -> TrainReport:
     folder.mkdir()
     return train(**compose_arguments("train", [*OVERRIDES, *more], (shipped(),)), run_dir=folder)
 
@@ -56,10 +58,10 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
     rows = [rows_of(tmp_path / name / "metrics.csv") for name in ("whole", "second")]
     assert rows[0] == rows[1]
     assert [row["frames"] for row in rows[0]] == ["160", "320", "480", "640"]
-    assert report["schema"] == "dr_lab/train/1"
-    assert report == json.loads((tmp_path / "whole" / "report.json").read_text(encoding="utf-8"))
-    assert math.isfinite(report["final_return"])
-    assert [episode["ended"] for episode in report["episodes"]] == ["truncated"] * 3
+    path = tmp_path / "whole" / "report.json"
+    assert report == typed(TrainReport, json.loads(path.read_text(encoding="utf-8")), path)
+    assert report.final_return is not None
+    assert [episode.ended for episode in report.episodes] == ["truncated"] * 3
     for name in ("report.md", "review.rrd", "episodes.mcap"):
         assert (tmp_path / "whole" / name).stat().st_size > 0
     assert load(tmp_path / "second" / "checkpoint.pt")["history"][-1]["frames"] == 640
@@ -73,8 +75,8 @@ def test_a_run_that_is_resumed_at_its_end_says_so(tmp_path: Path, capsys: pytest
 
 
 def test_a_report_calls_the_algorithm_by_its_name(tmp_path: Path) -> None:
-    assert run(tmp_path / "one", "frames=160")["algorithm"] == "PPO"
-    assert run(tmp_path / "other", "algorithm=epopt", "frames=160")["algorithm"] == "EPOpt"
+    assert run(tmp_path / "one", "frames=160").algorithm == "PPO"
+    assert run(tmp_path / "other", "algorithm=epopt", "frames=160").algorithm == "EPOpt"
 
 
 def test_a_run_keeps_its_last_policies_and_deploys_the_best_of_them(tmp_path: Path) -> None:
@@ -82,12 +84,14 @@ def test_a_run_keeps_its_last_policies_and_deploys_the_best_of_them(tmp_path: Pa
     kept = load(tmp_path / "run" / "checkpoint.pt")
     taken = kept["policies"]["taken"]
     assert [each["frames"] for each in taken] == [160 * k for k in range(3, 13)]  # the last ten of twelve
-    assert [each["frames"] for each in report["snapshots"]] == [each["frames"] for each in taken]
-    best = max(report["snapshots"], key=lambda each: each["return"])
-    assert report["chosen"] == best["frames"]
-    assert report["choice_frames"] == 10 * 16 * 20  # no episode of the cart-pole ends before its 20 steps
+    choice = report.choice
+    assert choice is not None
+    assert [each.frames for each in choice.snapshots] == [each["frames"] for each in taken]
+    best = max(choice.snapshots, key=lambda each: each.mean_return or -math.inf)
+    assert choice.chosen == best.frames
+    assert choice.choice_frames == 10 * 16 * 20  # no episode of the cart-pole ends before its 20 steps
     deployed = load(tmp_path / "run" / "policy.pt")
-    assert deployed["frames"] == report["chosen"]
+    assert deployed["frames"] == choice.chosen
     for name, value in kept["algorithm"]["actor"].items():  # the last is what the run goes on from
         assert torch.equal(value, taken[-1]["policies"]["policy"][name])
     assert "Choosing took 3200 control steps" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
@@ -140,7 +144,7 @@ def test_infeasible_episodes_are_told_and_no_part_of_the_final_return(tmp_path: 
     sizes = ["env=hopper", "env/context=hopper/torso_size", "env.task.time_limit=20", "randomizer=uniform"]
     report = run(tmp_path / "run", *sizes, "env.infeasible_return=-1e6", "frames=160", "recorder.episodes=1")
     (row,) = rows_of(tmp_path / "run" / "metrics.csv")
-    assert report["infeasible_episodes"] == int(row["infeasible_episodes"]) > 0
+    assert report.infeasible_episodes == int(row["infeasible_episodes"]) > 0
     assert abs(float(row["episode_return"])) < 100.0
     assert "Episodes in infeasible contexts" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
 

@@ -1,0 +1,165 @@
+"""Fits of the candidates beside one model: on a part of the windows at first, on all of them where they stand there."""
+
+import functools
+from dataclasses import replace
+from threading import Event
+
+import numpy as np
+
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_alone, scored
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.identifiability import Identifiability
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.search.as_special_case import further
+from dr_lab.diagnosis.search.candidate import Candidate, resolved
+from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.physics.model import Model
+
+
+class CandidateFits:
+    """How candidates beside one model are fitted and scored, each on one thread.
+
+    Args:
+        bench: all windows, beside the model.
+        base: the model without the candidates.
+
+    Attributes:
+        thin: the part of the windows (`Bench.screening`).
+        start: the base's fit to the part: an effect gets no credit for what only these windows ask.
+        stop: set to end all fits at their next simulation.
+    """
+
+    def __init__(self, bench: Bench, base: FittedModel) -> None:
+        self.bench, self.base = bench, base
+        self.stop = Event()
+        self.thin = bench.screening()
+        self.start = base.fit if self.whole else self._thinned()
+        self._ground = base if self.whole else fitted_alone(self._replay(self.thin), self.start)
+
+    @property
+    def whole(self) -> bool:
+        """Whether the part of the windows is all of them, so that nothing is fitted twice."""
+        return self.thin is self.bench
+
+    def look(self, effect: PlacedEffect) -> FirstLook:
+        """An effect linearised on the part of the windows."""
+        return look(self._fitter(self.thin, effect), effect, self.start)
+
+    def promise_of_all(self, effect: PlacedEffect, first: FirstLook) -> float:
+        """What a candidate promises on all windows, linearised at the point where it promised most on the few."""
+        fitter, base = self._fitter(self.bench, effect), self.base.fit
+        count = len(effect.parameters)
+        z = np.append(base.z, first.best[-count:])
+        (there,) = fitter.outlooks(z[None], base.delta, base.slopes)
+        return self.bench.promise(linear_gain(fitter, there, base), base, count)
+
+    def fitted(self, effect: PlacedEffect, first: FirstLook) -> Candidate:
+        """Fit one candidate from the base's solution and from its further starts.
+
+        A short run shows whether a start away from absent is worth going on from.
+        """
+        base, fitter = self.start, self._fitter(self.thin, effect)
+        fits = [fitter.run(first.absent.z, base.delta, base.slopes)]
+        steps = self.bench.solver.start_iterations * effect.effect.patience
+        for z in first.starts:
+            start = fitter.begin(z, base.delta)
+            rough = fitter.run(z, start.delta, base.slopes, steps)
+            if rough.order < min(f.order for f in fits):
+                fits.append(fitter.run(rough.z, rough.delta))
+        fit = min(fits, key=lambda f: f.order)
+        if self.whole:
+            return self._candidate(effect, fit, first.identifiability, first.gain / base.cost)
+        return self._rough_candidate(fitter, effect, fit, first)
+
+    def fitted_beside(self, effect: PlacedEffect, first: FirstLook, poorer: Candidate) -> Candidate:
+        """Fit a candidate from its special case if that explains much; go on only if a linear step promises more."""
+        case, settings = poorer.effect, self.bench.evidence
+        if self.whole or not supported(poorer.gain, len(case.parameters), settings):
+            return self.fitted(effect, first)
+        fitter, (there, more) = self._fitter(self.thin, effect), self._further(self.thin, effect, poorer)
+        found = fitter.run(there.z, there.delta, there.slopes) if more else there
+        return self._rough_candidate(fitter, effect, found, first)
+
+    def unfitted(self, effect: PlacedEffect, first: FirstLook) -> Candidate:
+        """An effect that promises too little to be fitted."""
+        return self._at_absent(effect, first.absent, first.identifiability, first.gain / self.start.cost)
+
+    def refitted(self, candidate: Candidate) -> Candidate:
+        """A candidate fitted to all windows, or left absent if it does not gain enough there.
+
+        An effect that acts at once and promises little begins at absent, where the base's slopes are known.
+        """
+        effect, base, fit = candidate.effect, self.base.fit, candidate.fitted_model.fit
+        fitter, goal = self._fitter(self.bench, effect), self.bench.hoped(base)
+        nominal = np.append(base.z, [p.nominal for p in effect.parameters])
+        (absent,) = fitter.outlooks(nominal[None], base.delta, base.slopes, base)
+        if not effect.starts and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
+            again = fitter.run(nominal, base.delta, absent.slopes, goal=goal)
+        else:
+            delta = base.delta.copy()
+            delta[self.bench.screened] = fit.delta
+            again = fitter.rerun(fitter.begin(fit.z, delta), goal)
+        if again.cost > goal:
+            absent = replace(absent, slopes=base.slopes)  # to save memory
+            return self._at_absent(effect, absent, candidate.identifiability, candidate.predicted)
+        return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
+
+    def refitted_beside(self, candidate: Candidate, poorer: Candidate) -> Candidate:
+        """The same for an effect whose special case stands: the fit begins there, if that promises and gains enough."""
+        if not poorer.final:
+            return self.refitted(candidate)
+        there, more = self._further(self.bench, candidate.effect, poorer)
+        if not more:
+            return candidate
+        fitter, beside = self._fitter(self.bench, candidate.effect), self.bench.beside(poorer.fitted_model)
+        goal = beside.hoped(poorer.fitted_model.fit)
+        again = fitter.run(there.z, there.delta, there.slopes, goal=goal)
+        if again.cost > goal:
+            return candidate
+        return self._candidate(candidate.effect, again, candidate.identifiability, candidate.predicted)
+
+    def without(self, candidate: Candidate) -> Fit:
+        """The model without an effect, fitted from where the fit with it ended."""
+        fit = candidate.fitted_model.fit
+        fitter = Fitter(self._replay(self.bench), self.bench.solver)
+        return fitter.rerun(fitter.begin(fit.z[: len(self.base.fit.z)], fit.delta), self.base.fit.cost)
+
+    def _thinned(self) -> Fit:
+        part = self.base.fit.pick(self.bench.screened)
+        return Fitter(self._replay(self.thin), self.bench.solver).run(part.z, part.delta, part.slopes)
+
+    def _further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool]:
+        """An effect at the fit of its special case, and whether a linear step from there promises enough."""
+        fit, extra = poorer.fitted_model.fit, len(effect.parameters) - len(poorer.effect.parameters)
+        there = further(self._fitter(bench, effect), effect, poorer.effect, fit, poorer.fitted_model.values())
+        beside = self.bench.beside(poorer.fitted_model)
+        return there.fit, beside.promise(there.gain, fit, extra) >= beside.hope
+
+    def _rough_candidate(self, fitter: Fitter, effect: PlacedEffect, fit: Fit, first: FirstLook) -> Candidate:
+        fitted_model = fitted_alone(fitter.replay, fit)
+        gain = paired_gain(self._ground.held_out, fitted_model.held_out, self.bench.evidence)
+        return Candidate(effect, fitted_model, gain, first.identifiability, first.gain / self.start.cost, final=False)
+
+    def _candidate(self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float) -> Candidate:
+        model = self.base.model.with_effect(effect)
+        fitted_model = scored(self.bench, model, fit, 1, self.base.states, self.stop)
+        gain = paired_gain(self.base.held_out, fitted_model.held_out, self.bench.evidence)
+        seen = resolved(effect, fitted_model.values(), self.bench.timing_resolution)
+        return Candidate(effect, fitted_model, gain, known, predicted, resolved=seen)
+
+    def _at_absent(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
+        """A candidate that stays absent and so equals the base."""
+        base = self.base
+        fitted_model = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
+        gain = paired_gain(base.held_out, base.held_out, self.bench.evidence)
+        return Candidate(effect, fitted_model, gain, known, predicted, False, False)
+
+    def _fitter(self, bench: Bench, effect: PlacedEffect) -> Fitter:
+        rough = bench is self.thin and not self.whole  # those that stand will be fitted again
+        return Fitter(self._replay(bench, effect), bench.solver, rough=rough)
+
+    def _replay(self, bench: Bench, *effects: PlacedEffect) -> Replay:
+        return Replay(functools.reduce(Model.with_effect, effects, self.base.model), bench.fit, 1, self.stop)

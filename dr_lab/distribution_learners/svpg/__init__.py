@@ -1,0 +1,1 @@
+"""Stein variational policy gradient: policies that climb and keep apart."""

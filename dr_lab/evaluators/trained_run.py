@@ -1,0 +1,107 @@
+"""The training run that is evaluated: where it is, and its policy as it left it."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from dr_lab.collectors.collector import Policy
+from dr_lab.distribution_learners.none import NoLearner
+from dr_lab.errors import DataError
+from dr_lab.evaluators.evaluator import Subject
+from dr_lab.randomizers.context_source import ContextSource
+from dr_lab.training.plan import CHECKPOINT, Plan, Training
+from dr_lab.training.policy_snapshots import PolicySnapshot, PolicySnapshots
+from dr_lab.training.run_state import RunState
+from dr_lab.training.trainer import Trainer
+
+Compose = Callable[..., Mapping[str, Any]]
+"""Gives the arguments of a verb, built from its name, overrides and the folder that records them."""
+
+
+@dataclass(frozen=True)
+class TrainedRun:
+    """A training run that is evaluated.
+
+    Attributes:
+        run: its folder, or ``latest`` for the newest below `runs`.
+        runs: folder that collects training runs.
+        threads: C threads of the physics; None takes every core.
+    """
+
+    run: str
+    runs: str
+    threads: int | None
+
+    def folder(self) -> Path:
+        """Its folder.
+
+        Raises:
+            DataError: there is none.
+        """
+        if self.run == "latest":
+            found = sorted(Path(self.runs).rglob(CHECKPOINT), key=lambda path: path.stat().st_mtime)
+            if not found:
+                raise DataError(
+                    f"There is no training run below {self.runs}. Run dr-lab train first, or give run=FOLDER."
+                )
+            return found[-1].parent
+        folder = Path(self.run).expanduser()
+        remedy = "Give run=FOLDER of a training run, or run=latest."
+        if not folder.is_dir():
+            raise DataError(f"There is no folder {folder}. {remedy}")
+        if not (folder / CHECKPOINT).is_file():
+            raise DataError(f"{folder} holds no {CHECKPOINT}{_origin(folder)}. {remedy}")
+        return folder
+
+
+def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:
+    """The policy of a training run, and what it takes to play it and to train it on.
+
+    Args:
+        folder: the training run.
+        compose: gives the arguments of a verb.
+        threads: C threads of the physics; None takes every core.
+
+    Raises:
+        DataError: the checkpoint cannot be read, or is not of what the configuration beside it describes.
+    """
+    recorded: Plan = compose("train", [], recorded=folder, only=["plan"])["plan"]
+    plan = replace(recorded, threads=threads)
+    training = plan.assemble(None)
+    left, snapshots = _restored(training, folder)
+    training.trainer.close()
+
+    def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
+        further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
+        fresh = further.assemble(None)
+        left.train_on(fresh.algorithm, seed)
+        return fresh.trainer, fresh.algorithm.deployed
+
+    contexts, policy = training.randomizer, training.algorithm.deployed
+    return Subject(folder.name, plan.env, policy, again, threads, contexts, snapshots)
+
+
+def _origin(folder: Path) -> str:
+    """Which verb made a run folder, where its configuration says so in its first line, the command."""
+    config = folder / "config.yaml"
+    lines = config.read_text(encoding="utf-8", errors="replace").splitlines() if config.is_file() else []
+    made = re.match(r"# dr-lab (\w+)", lines[0]) if lines else None
+    return f"; it is that of a run of dr-lab {made[1]}" if made else ""
+
+
+def _restored(training: Training, folder: Path) -> tuple[RunState, list[PolicySnapshot]]:
+    """Put algorithm and distribution into the state that a run left; gives that, and the policies that it kept."""
+    left, policies = RunState.load(folder), PolicySnapshots(training.algorithm, 0)  # takes none
+    try:
+        left.restore(training.algorithm)
+        training.learner.load_state_dict(left.last["learner"])
+        policies.load_state_dict(left.last["policies"])
+        snapshots = policies.restored()
+    except (KeyError, RuntimeError, TypeError, ValueError) as error:
+        raise DataError(
+            f"{folder / CHECKPOINT} does not fit {folder / 'config.yaml'}, or is of another version of dr_lab: "
+            f"{' '.join(str(error).split())} Give run=FOLDER of a training run as it was left, or train again."
+        ) from error
+    return left, snapshots

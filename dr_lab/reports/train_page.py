@@ -1,0 +1,35 @@
+"""`report.md` of a training run, for a person."""
+
+from dr_lab.reports.quantity import number
+from dr_lab.reports.tables import table
+from dr_lab.reports.train import TrainReport
+
+_NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate plays whole ones."
+
+
+def train_markdown(report: TrainReport) -> str:
+    """How long was trained, what the policy returns, which one is deployed, and what it was trained on."""
+    lines = [f"# {report.algorithm} on {report.env}", _trained(report), _deployed(report)]
+    if report.rollout_frames:
+        lines.append(f"The distribution was learnt from further episodes: {report.rollout_frames} control steps.")
+    if report.infeasible_episodes:
+        lines.append(f"Episodes in infeasible contexts, which no mean return counts: {report.infeasible_episodes}.")
+    rows = [[name, number(p.mean), number(p.std, 3), p.unit] for name, p in report.context.items()]
+    lines.append(table(["parameter", "mean", "std", "unit"], rows))
+    return "\n\n".join(line for line in lines if line) + "\n"
+
+
+def _trained(report: TrainReport) -> str:
+    value = report.final_return
+    returns = _NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."
+    return f"{report.frames} control steps in {report.seconds:.0f} s, {report.iterations} iterations. {returns}"
+
+
+def _deployed(report: TrainReport) -> str:
+    choice = report.choice
+    if choice is None:
+        return ""
+    return (
+        f"Deployed is the policy of control step {choice.chosen}, the best of those that were kept "
+        f"({len(choice.snapshots)}). Choosing took {choice.choice_frames} control steps of other episodes."
+    )

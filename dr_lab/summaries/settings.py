@@ -1,0 +1,23 @@
+"""How the runs of a sweep are summarised."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from dr_lab.summaries.groups import Statistics
+
+
+@dataclass(frozen=True)
+class SummarySettings:
+    """Which runs are taken together, and what of them is compared.
+
+    Attributes:
+        aggregate: overrides over which runs are taken together.
+        ignored: keys of their configurations that say nothing about the experiment.
+        figures: paths into a report that are compared, by its schema.
+        statistics: how runs of a group are summed up.
+    """
+
+    aggregate: Sequence[str]
+    ignored: Sequence[str]
+    figures: Mapping[str, Sequence[str]]
+    statistics: Statistics

@@ -1,0 +1,41 @@
+"""The end of the verbs that train and evaluate: the run folder's files, and the page on the screen."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+from rich.markdown import Markdown
+
+from dr_lab.envs.setting import Setting
+from dr_lab.files import write_text
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.training_review import TrainingRecord, write_training_review
+from dr_lab.reports.evaluate import EvaluateReport
+from dr_lab.reports.json_file import write_json
+from dr_lab.reports.train import TrainReport
+from dr_lab.training.episodes import keep_episodes
+
+
+def finish(
+    run_dir: Path,
+    report: TrainReport | EvaluateReport,
+    page: str,
+    setting: Setting,
+    record: TrainingRecord,
+    look: Look,
+) -> None:
+    """Write ``report.json``, ``report.md``, ``episodes.mcap`` and ``review.rrd``, and print the page.
+
+    Args:
+        run_dir: the run folder.
+        report: what was found.
+        page: the same for a person, as Markdown.
+        setting: machine and task.
+        record: what the recording holds beside the page.
+        look: how it looks.
+    """
+    write_json(run_dir / "report.json", report)
+    write_text(run_dir / "report.md", page)
+    keep_episodes(run_dir, setting, record.episodes)
+    write_training_review(run_dir / "review.rrd", replace(record, pages={"Report": page}), look)
+    Console().print(Markdown(page))

@@ -1,0 +1,50 @@
+"""What the figures of a training run's iterations say together."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from dr_lab.recorders.training import Curve
+from dr_lab.reports.csv_rows import rows_csv
+
+History = Sequence[Mapping[str, float]]
+"""Figures of every iteration by name."""
+
+_NOT_PLOTTED = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
+
+
+def final_return(history: History, share: float) -> float | None:
+    """Mean return of the feasible episodes that ended in the last iterations; None where none did.
+
+    Args:
+        history: of the run.
+        share: of the iterations, the last ones, one at least.
+    """
+    last = history[-max(1, round(share * len(history))) :]
+    feasible = [(row["episodes"] - _infeasible(row), row["episode_return"]) for row in last]
+    known = [(count, value) for count, value in feasible if count]
+    return sum(count * value for count, value in known) / sum(count for count, _ in known) if known else None
+
+
+def infeasible_episodes(history: History) -> int:
+    """How many episodes an infeasible context ended."""
+    return int(sum(map(_infeasible, history)))
+
+
+def metrics_csv(history: History) -> str:
+    """One row an iteration; what an iteration does not know is empty."""
+    return rows_csv(
+        [{name: "" if np.isnan(value) else f"{value:.10g}" for name, value in row.items()} for row in history]
+    )
+
+
+def curves(history: History) -> list[Curve]:
+    """Every figure over iterations, but for those that only count."""
+    iteration = np.array([int(row["iteration"]) for row in history])
+    names = dict.fromkeys(name for row in history for name in row if name not in _NOT_PLOTTED)
+    return [Curve(name, "", iteration, np.array([row.get(name, np.nan) for row in history])) for name in names]
+
+
+def _infeasible(row: Mapping[str, float]) -> float:
+    """Number of infeasible episodes; a checkpoint of an earlier version counts them among the others."""
+    return row.get("infeasible_episodes", 0.0)
