@@ -33,11 +33,12 @@ class PointCollector(Collector):
         self.steps = steps
         self.rng = np.random.default_rng(seed)
         self.x, self.z, self.age = np.zeros(n), np.ones(n), np.zeros(n, int)
+        self.given: Array | None = None
         self._begin(np.ones(n, bool))
 
     def _begin(self, rows: np.ndarray) -> None:
         self.x[rows] = self.rng.uniform(-1.0, 1.0, rows.sum())
-        self.z[rows] = self.rng.uniform(0.5, 1.5, rows.sum())
+        self.z[rows] = self.rng.uniform(0.5, 1.5, rows.sum()) if self.given is None else self.given[rows]
         self.age[rows] = 0
 
     def _collect(self) -> TensorDict:
@@ -59,7 +60,7 @@ class PointCollector(Collector):
         return TensorDict(now, batch_size=shape)
 
     def begin(self, z: Array | None) -> None:
-        assert z is None
+        self.given = None if z is None else z[:, 0]
         self._begin(np.ones(len(self.x), bool))
 
     def state_dict(self) -> dict[str, Any]:

@@ -5,16 +5,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import Episodes
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.environment import Environment
+from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.training import Curve, Grid
+from dr_lab.recorders.training import Curve, Grid, Matrix
 from dr_lab.seeding import derived_seed
 from dr_lab.training.policy_snapshots import PolicySnapshot
 from dr_lab.training.rollouts import PolicyRollouts
 from dr_lab.training.trainer import Trainer
+from dr_lab.trajectory import Array
 
 Row = Mapping[str, float | str]
 Progress = Callable[[float], None]
@@ -36,7 +39,7 @@ class Subject:
     """
 
     name: str
-    setting: Setting
+    setting: Environment
     policy: Policy
     again: Callable[[ContextSource, int], tuple[Trainer, Policy]]
     threads: int | None = None
@@ -47,7 +50,13 @@ class Subject:
         """Whole episodes, so many side by side, of the policy or of another one on the same task."""
         return PolicyRollouts(self.slots(episodes, seed), policy or self.policy)
 
-    def slots(self, episodes: int, seed: int) -> Episodes:
+    def contexts(self, count: int, rng: np.random.Generator) -> Array:
+        """Draws of the distribution that was trained on, shape (count, n)."""
+        if self.trained_on is None:
+            return np.tile(self.setting.space.nominal, (count, 1))
+        return self.trained_on.propose([rng] * count, np.arange(count)).z
+
+    def slots(self, episodes: int, seed: int) -> EpisodeSlots:
         """Slots of the task, side by side, whose starts are not those that training drew from the same seed."""
         return self.setting.make(None, episodes, derived_seed(seed, "evaluation"), self.threads).episodes
 
@@ -61,7 +70,8 @@ class Evaluation:
         rows: the table behind them, one row a context, policy or whatever the evaluator compares; same keys in each.
         units: of the table's columns that have one.
         grids: returns over contexts.
-        curves: figures over the control steps of further training.
+        matrices: cosines between the gradients of contexts, the most telling first.
+        curves: figures over the control steps of training.
         episodes: that are worth being looked at.
         told: what was played and what the figures mean, for the page.
     """
@@ -70,6 +80,7 @@ class Evaluation:
     rows: Sequence[Row]
     units: Mapping[str, str] = field(default_factory=dict)
     grids: Sequence[Grid] = field(default_factory=tuple)
+    matrices: Sequence[Matrix] = field(default_factory=tuple)
     curves: Sequence[Curve] = field(default_factory=tuple)
     episodes: Sequence[Episode] = field(default_factory=tuple)
     told: str = ""

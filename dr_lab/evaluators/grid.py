@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
@@ -11,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.bounds import Count, at_least, require_bounds
-from dr_lab.errors import ConfigError
+from dr_lab.evaluators.context_axes import cells, context_axes
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import means_of_contexts
-from dr_lab.physics.context import ContextSpace
 from dr_lab.recorders.training import ContextAxis, Grid
 from dr_lab.trajectory import Array
 
@@ -54,7 +52,7 @@ class GridEvaluator(Evaluator):
             UnknownNameError: an axis is no parameter of the model.
         """
         del folder
-        axes = self._axes(subject.setting.space)
+        axes = context_axes(subject.setting.space, self.axes, self.count, 2)
         z = cells(subject.setting.space, axes)
         rollouts = subject.rollouts(self.parallel, self.seed)
         repeated = np.repeat(z, self.episodes, axis=0)
@@ -72,37 +70,6 @@ class GridEvaluator(Evaluator):
             "that the task declares, and diverged is their share in a context. infeasible is the share of contexts in "
             "which every episode does, or which do not compile; these have no return."
         )
-
-    def _axes(self, space: ContextSpace) -> list[ContextAxis]:
-        every = zip(space.names, space.low, space.high, strict=True)
-        chosen = self.axes if self.axes is not None else {name: (low, high, self.count) for name, low, high in every}
-        if not 1 <= len(chosen) <= 2:
-            raise ConfigError(
-                f"evaluator=grid draws one or two parameters; here it is {len(chosen)}: {', '.join(chosen) or 'none'}. "
-                "Choose with evaluator.axes={parameter: [lowest, highest, number of values]}; the model has "
-                f"{', '.join(space.names) or 'no parameters'}."
-            )
-        return [_axis(space, name, *given) for name, given in chosen.items()]
-
-
-def _axis(space: ContextSpace, name: str, *given: float) -> ContextAxis:
-    index = space.index(name)
-    if len(given) != 3 or not all(map(isfinite, given)) or given[0] >= given[1] or given[2] < 2 or given[2] % 1:
-        raise ConfigError(
-            f"evaluator.axes.{name} is {list(given)}; expected [lowest, highest, number of values], at least two."
-        )
-    return ContextAxis(name, space.parameters[index].unit, np.linspace(given[0], given[1], int(given[2])))
-
-
-def cells(space: ContextSpace, axes: Sequence[ContextAxis]) -> Array:
-    """Contexts of a grid, the last axis running fastest, shape (cells, n)."""
-    z = []
-    for values in itertools.product(*(axis.values for axis in axes)):
-        row = space.nominal.copy()
-        for axis, value in zip(axes, values, strict=True):
-            row[space.index(axis.name)] = value
-        z.append(row)
-    return np.array(z)
 
 
 def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array, infeasible: NDArray[np.bool_]) -> Evaluation:

@@ -35,7 +35,7 @@ class SnapshotsEvaluator(IntervalEvaluator):
         del folder
         if not subject.snapshots:
             raise DataError(f"Run {subject.name} has kept no policy yet. Give run=FOLDER of one that has saved some.")
-        z = self._contexts(subject)
+        z = subject.contexts(self.episodes, stream(self.seed, "snapshots"))
         rows = []
         for place, each in enumerate(subject.snapshots, start=1):
             returns = [self._return(subject, policy, z) for policy in (each.deployed, each.exploring)]
@@ -43,11 +43,6 @@ class SnapshotsEvaluator(IntervalEvaluator):
             progress(place / len(subject.snapshots))
         figures = {key: value for name in ("deterministic", "stochastic") for key, value in self._over(rows, name)}
         return Evaluation(figures, rows, told=self._told(len(rows)))
-
-    def _contexts(self, subject: Subject) -> Array:
-        if subject.trained_on is None:
-            return np.tile(subject.setting.space.nominal, (self.episodes, 1))
-        return subject.trained_on.propose([stream(self.seed, "snapshots")] * self.episodes, np.arange(self.episodes)).z
 
     def _return(self, subject: Subject, policy: Policy, z: Array) -> float:
         """Mean of what the policy got."""

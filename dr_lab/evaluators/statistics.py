@@ -50,6 +50,14 @@ def iqm_interval(values: Array, confidence: float, resamples: int, seed: int) ->
     return Interval(float(value[0]), float(low[0]), float(high[0]))
 
 
+def mean_interval(values: Array, confidence: float, resamples: int, seed: int) -> Interval:
+    """Mean of independent results (k,), one at least, with a percentile bootstrap interval; arguments as above."""
+    rng, alpha = np.random.default_rng(seed), (1.0 - confidence) / 2.0
+    drawn = rng.multinomial(len(values), np.full(len(values), 1.0 / len(values)), resamples) @ values / len(values)
+    low, high = np.quantile(drawn, [alpha, 1.0 - alpha])
+    return Interval(float(values.mean()), float(low), float(high))
+
+
 def iqm_band(values: Array, confidence: float, resamples: int, seed: int) -> tuple[Array, Array, Array]:
     """Interquartile mean of independent curves, point by point, with a percentile bootstrap interval.
 

@@ -1,9 +1,11 @@
 """Parameters as one vector, so that an optimiser's step is a handful of operations whatever the number of layers."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import torch
 from torch import Tensor, nn
+
+from dr_lab.networks.mlp import MLP
 
 
 class FlatParameters:
@@ -34,6 +36,17 @@ class FlatParameters:
         slopes = torch.autograd.grad(loss, self._parameters, retain_graph=keep_graph)
         torch.cat([slope.flatten() for slope in slopes], out=self.gradient)
 
+    def gradients_of(self, body: MLP) -> tuple[list[Tensor], list[Tensor]]:
+        """The parts of `gradient` that belong to a network's weights and biases, as `MLP.backward` takes them."""
+        weights, biases = ([self.gradient_of(p) for p in part] for part in (body.weights, body.biases))
+        return weights, biases
+
     def _views(self, vector: Tensor) -> list[Tensor]:
         parts = vector.split([p.numel() for p in self._parameters])
         return [part.view(p.shape) for part, p in zip(parts, self._parameters, strict=True)]
+
+
+def parts_of(vector: Tensor, like: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """The parts of a vector (p,) by name, in the order and shapes of some parameters; `torch.func` goes through it."""
+    parts = vector.split([value.numel() for value in like.values()])
+    return {name: part.view(value.shape) for part, (name, value) in zip(parts, like.items(), strict=True)}

@@ -4,7 +4,7 @@ import numpy as np
 
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Chart, linear_axis
-from dr_lab.recorders.grids import CANVAS, log_picture, pixels
+from dr_lab.recorders.heat_map import CANVAS, DARK_TO_LIGHT, ColourScale, log_picture, pixels
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training import Marginal
 from dr_lab.reports.quantity import titled
@@ -26,7 +26,7 @@ def log_course(root: Branch, marginal: Marginal, look: Look) -> None:
     value = linear_axis(titled(marginal.name, marginal.unit), low, high)
     chart = Chart(root, CANVAS, linear_axis("iteration", first, last), value)
     density = course(marginal, *pixels())
-    log_picture(root, density, (0.0, float(density.max())), look)
+    log_picture(root, density, ColourScale(0.0, float(density.max()), DARK_TO_LIGHT), look)
     chart.frame(look.colour("axis"), look.colour("text"))
 
 

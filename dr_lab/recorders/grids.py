@@ -3,19 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import rerun as rr
 
 from dr_lab.recorders.branch import Branch
-from dr_lab.recorders.chart import Axis, Canvas, Chart, linear_axis
+from dr_lab.recorders.chart import Axis, Chart, linear_axis
+from dr_lab.recorders.heat_map import CANVAS, DARK_TO_LIGHT, ColourScale, cell_axis, log_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.shape import Colour
-from dr_lab.recorders.training import ContextAxis, Grid
-from dr_lab.reports.quantity import number, titled
-from dr_lab.trajectory import Array
-
-CANVAS = Canvas(width=130.0, height=90.0, left=18.0, right=24.0, top=12.0, bottom=16.0)
-_PIXELS = 10  # of the heat map's picture, a canvas unit
-_SCALE = (6.0, 8.0)  # distance and width of the colour scale beside the map
+from dr_lab.recorders.training import Grid
+from dr_lab.reports.quantity import titled
 
 
 def log_grid(root: Branch, grid: Grid, look: Look, span: tuple[float, float] | None = None) -> None:
@@ -31,7 +26,7 @@ def log_grid(root: Branch, grid: Grid, look: Look, span: tuple[float, float] | N
     if len(grid.axes) == 1:
         _log_line(root, grid, low, high, look)
     else:
-        _log_map(root, grid, low, high, look)
+        log_map(root, grid.axes, grid.mean, ColourScale(low, high, DARK_TO_LIGHT), look)
 
 
 def return_span(grids: Sequence[Grid]) -> tuple[float, float]:
@@ -43,25 +38,6 @@ def return_span(grids: Sequence[Grid]) -> tuple[float, float]:
     drawn = [grid.mean + sign * grid.spread for grid in grids for sign in off[len(grid.axes)]]
     known = np.concatenate([np.empty(0), *(each[np.isfinite(each)] for each in drawn)])
     return (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
-
-
-def heat_map(value: Array, low: float, high: float, look: Look) -> np.ndarray:
-    """Colours of a map, dark at `low` over blue to white at `high`; NaN takes the ground's colour.
-
-    Args:
-        value: shape (n, m).
-        low: value of the darkest colour.
-        high: value of the lightest, > low.
-        look: ``fixed``, ``after`` and ``measured`` are the three stops.
-
-    Returns:
-        Red, green and blue, shape (n, m, 3), 0 … 255.
-    """
-    stops = np.array([look.colour(name)[:3] for name in ("fixed", "after", "measured")], dtype=float)
-    share = np.clip((value - low) / max(high - low, np.finfo(float).tiny), 0.0, 1.0)
-    at = np.linspace(0.0, 1.0, len(stops))
-    colour = np.stack([np.interp(share, at, stops[:, channel]) for channel in range(3)], axis=-1)
-    return np.where(np.isfinite(value)[..., None], colour, look.colour("ground")[:3]).astype(np.uint8)
 
 
 def log_lines(
@@ -77,7 +53,7 @@ def log_lines(
         span: lowest and highest return shown.
     """
     axes = [grid.axes[0] for grid in lines.values()]
-    across = [linear_axis("", float(a.values[0]) - _half_cell(a), float(a.values[-1]) + _half_cell(a)) for a in axes]
+    across = [cell_axis(axis) for axis in axes]
     low, high = min(axis.low for axis in across), max(axis.high for axis in across)
     chart = Chart(root, CANVAS, linear_axis(titled(axes[0].name, axes[0].unit), low, high), _returns(*span))
     chart.frame(look.colour("axis"), look.colour("text"))
@@ -88,7 +64,7 @@ def log_lines(
 
 def _log_line(root: Branch, grid: Grid, low: float, high: float, look: Look) -> None:
     (axis,) = grid.axes
-    chart = Chart(root, CANVAS, _axis(axis, _half_cell(axis)), _returns(low, high))
+    chart = Chart(root, CANVAS, cell_axis(axis), _returns(low, high))
     chart.frame(look.colour("axis"), look.colour("text"))
     _log_cells(chart, grid, look, look.colour("after"))
 
@@ -108,59 +84,3 @@ def _log_cells(chart: Chart, grid: Grid, look: Look, colour: Colour) -> None:
 def _returns(low: float, high: float) -> Axis:
     room = 0.05 * (high - low)
     return linear_axis("return", low - room, high + room)
-
-
-def _log_map(root: Branch, grid: Grid, low: float, high: float, look: Look) -> None:
-    across, up = grid.axes
-    chart = Chart(root, CANVAS, _axis(across, _half_cell(across)), _axis(up, _half_cell(up)))
-    rows, columns = (np.arange(n) * k // n for n, k in zip(pixels(), grid.mean.T.shape, strict=True))
-    log_picture(root, grid.mean.T[::-1][np.ix_(rows, columns)], (low, high), look)
-    chart.frame(look.colour("axis"), look.colour("text"))
-
-
-def pixels() -> tuple[int, int]:
-    """Rows and columns of a picture that fills the canvas."""
-    return _PIXELS * int(CANVAS.height), _PIXELS * int(CANVAS.width)
-
-
-def log_picture(root: Branch, value: Array, span: tuple[float, float], look: Look) -> None:
-    """Fill the canvas with the colours of values, and draw their scale beside it.
-
-    Args:
-        root: where to.
-        value: of every pixel, rows from the top down, of the shape that `pixels` gives.
-        span: value of the darkest colour and of the lightest.
-        look: colours.
-    """
-    place = root / "map"
-    place.static(rr.Transform3D(scale=1 / _PIXELS))
-    place.static(rr.Image(heat_map(value, *span, look)))
-    _log_scale(root / "scale", *span, look)
-
-
-def _log_scale(root: Branch, low: float, high: float, look: Look) -> None:
-    """The colour scale, at the map's right."""
-    distance, width = _SCALE
-    ramp = heat_map(np.linspace(high, low, int(CANVAS.height) * _PIXELS)[:, None], low, high, look)
-    place = root / "ramp"
-    place.static(rr.Transform3D(scale=1 / _PIXELS, translation=[CANVAS.width + distance, 0.0, 0.0]))
-    place.static(rr.Image(np.repeat(ramp, int(width) * _PIXELS, axis=1)))
-    at = CANVAS.width + distance + width / 2
-    words: Colour = look.colour("text")
-    labels = rr.Points2D(
-        [[at, -7.0], [at, CANVAS.height + 1.0]],
-        labels=[number(high), number(low)],
-        colors=[words],
-        radii=0.0,
-        show_labels=True,
-    )
-    (root / "ends").static(labels)
-
-
-def _half_cell(axis: ContextAxis) -> float:
-    """Half the distance of neighbours, by which a cell reaches beyond its middle."""
-    return float(axis.values[-1] - axis.values[0]) / max(len(axis.values) - 1, 1) / 2
-
-
-def _axis(axis: ContextAxis, room: float) -> Axis:
-    return linear_axis(titled(axis.name, axis.unit), float(axis.values[0]) - room, float(axis.values[-1]) + room)

@@ -124,3 +124,20 @@ class Grid:
     axes: Sequence[ContextAxis]
     mean: Array
     spread: Array
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """Cosines of the angles between the policy gradients of every two contexts along one parameter.
+
+    Attributes:
+        title: of which policy, and how they were estimated.
+        axis: the contexts.
+        value: shape (n, n); NaN where it is unknown.
+        doubtful: whether its sign is, shape (n, n).
+    """
+
+    title: str
+    axis: ContextAxis
+    value: Array
+    doubtful: NDArray[np.bool_]

@@ -7,13 +7,14 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
-from dr_lab.recorders import course, distributions, grids
+from dr_lab.recorders import course, distributions, grids, heat_map
 from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.matrices import log_matrix
 from dr_lab.recorders.recording import recording_file
-from dr_lab.recorders.training import Curve, Grid, Marginal, Pair
+from dr_lab.recorders.training import Curve, Grid, Marginal, Matrix, Pair
 from dr_lab.reports.quantity import titled
 
 # Rerun keeps one layout an application: every recording of training and evaluation shares this one.
@@ -32,6 +33,7 @@ class TrainingRecord:
         grids: returns over contexts.
         pages: Markdown by title; the first stands on the first page.
         episodes: of the trained policy.
+        matrices: cosines between the gradients of contexts, that of the first page first.
     """
 
     name: str
@@ -41,14 +43,16 @@ class TrainingRecord:
     grids: Sequence[Grid] = ()
     pages: Mapping[str, str] = field(default_factory=dict)
     episodes: Sequence[Episode] = ()
+    matrices: Sequence[Matrix] = ()
 
 
 def write_training_review(path: Path, record: TrainingRecord, look: Look) -> None:
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<name>``, ``/distribution/<parameter>``, ``/distribution/<parameter>, <parameter>``,
-    ``/course/<parameter>``, ``/grid/<title>``, ``/pages/<title>`` on the timeline ``iteration``, curves over control
-    steps on ``frames``, ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the episode's start.
+    ``/course/<parameter>``, ``/grid/<title>``, ``/matrix/<title>``, ``/pages/<title>`` on the timeline ``iteration``,
+    curves over control steps on ``frames``, ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the
+    episode's start.
 
     Args:
         path: the file, by custom ``review.rrd``.
@@ -79,6 +83,8 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
     span = grids.return_span(record.grids)
     for grid in record.grids:
         grids.log_grid(root / "grid" / grid.title, grid, look, span)
+    for matrix in record.matrices:
+        log_matrix(root / "matrix" / matrix.title, matrix, look)
     if record.episodes:
         log_episodes(root / ROOT, record.episodes, look)
     counting = _counting(record)
@@ -91,12 +97,13 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
 def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=rr.new_entity_path(["pages", title]), name=title) for title in record.pages]
     # A view stands in one place only: the overview has its own.
-    plots = [*_curves(record)[:1], *(_learned(record) or _maps(record))[:1]]
+    plots = [*_curves(record)[:1], *(_learned(record) or _maps(record) or _matrices(record))[:1]]
     overview = rrb.Horizontal(*text[:1], *([rrb.Vertical(*plots)] if plots else []), name="Overview")
     sheets = {
         "Curves": _curves(record),
         "Learned distribution": _learned(record),
         "Returns over contexts": _maps(record),
+        "Gradients of contexts": _matrices(record),
     }
     pages: list[rrb.Container | rrb.View] = [
         *([overview] if text or plots else []),
@@ -142,6 +149,10 @@ def _learned(record: TrainingRecord) -> list[rrb.View]:
 
 def _maps(record: TrainingRecord) -> list[rrb.View]:
     return [grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}") for grid in record.grids]
+
+
+def _matrices(record: TrainingRecord) -> list[rrb.View]:
+    return [heat_map.CANVAS.view(["matrix", each.title], each.title) for each in record.matrices]
 
 
 def _plot(curve: Curve) -> rrb.TimeSeriesView:

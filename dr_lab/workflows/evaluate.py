@@ -53,7 +53,8 @@ def evaluate(
         found = replace(found, episodes=shown)
     report = _report(folder, setting.name, evaluator, found, run_dir)
     name = f"{setting.name} · {subject.name}"
-    record = TrainingRecord(name, found.curves, grids=found.grids, episodes=found.episodes)
+    parts = {"grids": found.grids, "matrices": found.matrices, "episodes": found.episodes}
+    record = TrainingRecord(name, found.curves, **parts)
     write_text(run_dir / "returns.csv", rows_csv(found.rows))
     finish(run_dir, report, evaluate_markdown(report, found.told), setting, record, recorder)
     return report

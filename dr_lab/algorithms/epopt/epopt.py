@@ -13,6 +13,7 @@ from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.surrogate import PolicySamples
 from dr_lab.collectors.experience import Experience
+from dr_lab.collectors.first_episodes import first_episodes
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.seeding import stream
 
@@ -122,11 +123,8 @@ def worst_contexts(batch: TensorDict, episodes_per_context: int, share: float) -
         episodes_per_context: neighbouring slots with one context.
         share: kept.
     """
-    reward, done, infeasible = (
-        cast(Tensor, batch["next", key]).squeeze(-1) for key in ("reward", "done", "infeasible")
-    )
-    before = done.long().cumsum(1) - done.long()
-    first = before == 0  # the steps of each slot's first episode, the last one included
+    reward, infeasible = (cast(Tensor, batch["next", key]).squeeze(-1) for key in ("reward", "infeasible"))
+    first = first_episodes(batch)
     returns = torch.where(first, reward, 0.0).sum(1, dtype=torch.float64)
     failed = (infeasible & first).any(1).view(-1, episodes_per_context).any(1)
     means = returns.view(-1, episodes_per_context).mean(1).masked_fill(failed, torch.inf)

@@ -7,7 +7,8 @@ from scipy.stats import chi2
 
 from dr_lab.recorders.course import course
 from dr_lab.recorders.distributions import CANVAS, ellipse
-from dr_lab.recorders.grids import heat_map, return_span
+from dr_lab.recorders.grids import return_span
+from dr_lab.recorders.heat_map import ColourScale, heat_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.recorders.training import ContextAxis, Curve, Grid, Marginal, Pair
@@ -41,7 +42,8 @@ def test_an_ellipse_holds_its_share() -> None:
 
 
 def test_a_heat_map_runs_through_its_three_colours(look: Look) -> None:
-    colours = heat_map(np.array([[0.0, 5.0, 10.0, 20.0, np.nan]]), 0.0, 10.0, look)[0]
+    scale = ColourScale(0.0, 10.0, ("fixed", "after", "measured"))
+    colours = heat_map(np.array([[0.0, 5.0, 10.0, 20.0, np.nan]]), scale, look)[0]
     stops = [look.colour(name)[:3] for name in ("fixed", "after", "measured", "measured", "ground")]
     assert [tuple(map(int, colour)) for colour in colours] == stops
 

@@ -1,0 +1,1 @@
+"""REINFORCE: the score-function gradient of whole episodes."""

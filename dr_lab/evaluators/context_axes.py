@@ -1,0 +1,58 @@
+"""Which contexts an evaluator compares: a grid over some parameters, the others nominal."""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from math import isfinite
+
+import numpy as np
+
+from dr_lab.errors import ConfigError
+from dr_lab.physics.context import ContextSpace
+from dr_lab.recorders.training import ContextAxis
+from dr_lab.trajectory import Array
+
+
+def context_axes(
+    space: ContextSpace, given: Mapping[str, Sequence[float]] | None, count: int, most: int
+) -> list[ContextAxis]:
+    """The axes of a grid.
+
+    Args:
+        space: all parameters.
+        given: by parameter, [lowest, highest, number of values] in SI units; None takes all, within their bounds.
+        count: values of a parameter where `given` is None.
+        most: axes that the evaluator can draw.
+
+    Raises:
+        ConfigError: there are more parameters to vary, or none, or a range is none.
+        UnknownNameError: an axis is no parameter.
+    """
+    every = zip(space.names, space.low, space.high, strict=True)
+    chosen = given if given is not None else {name: (low, high, count) for name, low, high in every}
+    if not 1 <= len(chosen) <= most:
+        raise ConfigError(
+            f"The evaluator draws {' or '.join(['one', 'two'][:most])} parameter{'s' * (most > 1)}; here it is "
+            f"{len(chosen)}: {', '.join(chosen) or 'none'}. Choose with evaluator.axes={{parameter: [lowest, highest, "
+            f"number of values]}}; the model has {', '.join(space.names) or 'no parameters'}."
+        )
+    return [_axis(space, name, *limits) for name, limits in chosen.items()]
+
+
+def _axis(space: ContextSpace, name: str, *given: float) -> ContextAxis:
+    index = space.index(name)
+    if len(given) != 3 or not all(map(isfinite, given)) or given[0] >= given[1] or given[2] < 2 or given[2] % 1:
+        raise ConfigError(
+            f"evaluator.axes.{name} is {list(given)}; expected [lowest, highest, number of values], at least two."
+        )
+    return ContextAxis(name, space.parameters[index].unit, np.linspace(given[0], given[1], int(given[2])))
+
+
+def cells(space: ContextSpace, axes: Sequence[ContextAxis]) -> Array:
+    """Contexts of a grid, the last axis running fastest, shape (cells, n)."""
+    z = []
+    for values in itertools.product(*(axis.values for axis in axes)):
+        row = space.nominal.copy()
+        for axis, value in zip(axes, values, strict=True):
+            row[space.index(axis.name)] = value
+        z.append(row)
+    return np.array(z)

@@ -1,0 +1,69 @@
+"""Whole episodes of a stochastic policy in a context, to take its gradient or its curvature from."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from dr_lab.algorithms.reinforce.baseline import Baseline
+from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes, whole_episodes
+from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.play import play
+from dr_lab.envs.slots import EpisodeSlots
+from dr_lab.errors import ConfigError
+from dr_lab.networks.gaussian_actor import GaussianActor
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Played:
+    """What a policy played and how well it went.
+
+    Attributes:
+        episodes: the feasible ones, float64.
+        advantage: G_t − b_t of every step, shape (k, t).
+        returns: G_0, discounted, shape (k,).
+    """
+
+    episodes: WholeEpisodes
+    advantage: Tensor
+    returns: Tensor
+
+
+def played(slots: EpisodeSlots, actor: GaussianActor, z: Array, baseline: Baseline, gamma: float) -> Played:
+    """Play one episode in each context.
+
+    Args:
+        slots: that run side by side.
+        actor: acts, with exploration.
+        z: contexts, shape (k, n); episodes in all of them share one baseline.
+        baseline: what is taken off the returns-to-go.
+        gamma: discount per control step.
+    """
+    course = play(slots, actor, z)
+    mask = course["mask"]
+    assert isinstance(mask, torch.Tensor)
+    with torch.no_grad():
+        episodes = whole_episodes(course, mask, actor).double()
+        to_go = episodes.returns_to_go(gamma)
+        return Played(episodes, to_go - baseline(episodes, to_go), to_go[:, 0])
+
+
+def require_gaussian(policy: Policy, evaluator: str) -> GaussianActor:
+    """The policy, where it can say how likely its actions are.
+
+    Raises:
+        ConfigError: it cannot.
+    """
+    if not isinstance(policy, GaussianActor):
+        raise ConfigError(
+            f"evaluator={evaluator} asks how likely an action is, which {type(policy).__name__} does not know. Give "
+            "run=FOLDER of a run with a Gaussian policy: algorithm=reinforce, ppo or epopt."
+        )
+    return policy
+
+
+def spread_over(count: int, most: int) -> list[int]:
+    """Indices of at most so many of `count` things, the last among them, at equal distances: ⌈i·count/m⌉ − 1."""
+    chosen = min(count, most)
+    return [-(-i * count // chosen) - 1 for i in range(1, chosen + 1)]
