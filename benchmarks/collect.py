@@ -51,7 +51,7 @@ from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.normaliser import NoNormaliser
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.uniform import UniformRandomizer
-from dr_lab.training.trained_state import TrainedState
+from dr_lab.training.run_state import RunState
 from dr_lab.trajectory import Array
 
 Arm = Callable[[], int]
@@ -132,8 +132,10 @@ def untrained(of: Setting) -> Policy:
 
 def trained(run: Path) -> Policy:
     """The policy that a run chose, as it explores."""
-    algorithm = compose_arguments("train", [], (shipped(),), recorded=run)["plan"].assemble(None).algorithm
-    TrainedState.load(run).restore(algorithm)
+    algorithm = (
+        compose_arguments("train", [], (shipped(),), recorded=run, only=["plan"])["plan"].assemble(None).algorithm
+    )
+    RunState.load(run).restore(algorithm)
     return algorithm.policies["policy"]
 
 

@@ -13,7 +13,7 @@ from dr_lab.evaluators.evaluator import Subject
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
 from dr_lab.training.policy_snapshots import PolicySnapshot, PolicySnapshots
-from dr_lab.training.trained_state import TrainedState
+from dr_lab.training.run_state import RunState
 from dr_lab.training.trainer import Trainer
 
 Compose = Callable[..., Mapping[str, Any]]
@@ -91,9 +91,9 @@ def _origin(folder: Path) -> str:
     return f"; it is that of a run of dr-lab {made[1]}" if made else ""
 
 
-def _restored(training: Training, folder: Path) -> tuple[TrainedState, list[PolicySnapshot]]:
+def _restored(training: Training, folder: Path) -> tuple[RunState, list[PolicySnapshot]]:
     """Put algorithm and distribution into the state that a run left; gives that, and the policies that it kept."""
-    left, policies = TrainedState.load(folder), PolicySnapshots(training.algorithm, 0)  # takes none
+    left, policies = RunState.load(folder), PolicySnapshots(training.algorithm, 0)  # takes none
     try:
         left.restore(training.algorithm)
         training.learner.load_state_dict(left.last["learner"])

@@ -5,21 +5,21 @@ from pathlib import Path
 
 from dr_lab.errors import DataError
 from dr_lab.training.plan import Training
-from dr_lab.training.trained_state import TrainedState
+from dr_lab.training.run_state import RunState
 
 
 @dataclass(frozen=True)
 class Beginning:
     """What a new run takes over from a finished one; all else, random numbers and counters included, is its own.
 
-    It takes over the policy that the finished run chose to be deployed, with its normaliser, and the rest of what was
-    learnt (value networks, optimisers, scale of rewards) as it was last.
+    The policy is the one that the finished run chose to be deployed, with its normaliser. The rest of what was
+    learnt (value networks, optimisers, scale of rewards) is taken over as it was last.
 
     Attributes:
         run: folder of the finished run, of the same algorithm on the same observations and actions; None takes nothing
             over.
         distribution: whether p(z), and what shapes it, is taken over; randomizer and learner are to be the same.
-        policy: whether the policy and its normaliser are.
+        policy: whether the policy, and what was learnt with it, is.
     """
 
     run: str | None
@@ -39,7 +39,7 @@ class Beginning:
         if self.run is None:
             return
         folder = Path(self.run).expanduser()
-        finished = TrainedState.load(folder)
+        finished = RunState.load(folder)
         try:
             if self.policy:
                 finished.train_on(training.algorithm, seed)

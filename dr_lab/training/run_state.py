@@ -12,7 +12,7 @@ from dr_lab.training.policy_snapshots import load_states
 
 
 @dataclass(frozen=True)
-class TrainedState:
+class RunState:
     """The state in which a run was left, and the policy that it chose to be deployed.
 
     Attributes:
