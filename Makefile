@@ -54,7 +54,7 @@ bench: $(STAMP)  ## the benchmarks, one after the other
 	set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python "$$script"; done
 
 lock: pyproject.toml  ## resolve requirements.lock anew (needs uv)
-	uv pip compile pyproject.toml --quiet --extra dev --extra ray --extra strangers --universal --python-version 3.11 --upgrade \
+	uv pip compile pyproject.toml --quiet --extra box2d --extra dev --extra ray --extra strangers --universal --python-version 3.11 --upgrade \
 		--generate-hashes --no-emit-index-url --no-header --output-file requirements.lock
 
 clean:  ## caches and built packages; runs and .venv stay

@@ -19,7 +19,7 @@ from dr_lab.bounds import Count, Positive, require_bounds
 from dr_lab.collectors.collector import Collector, PoliciesBySlot, Policy, SeededPolicy
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.collectors.torchrl import KEPT
-from dr_lab.envs.mujoco_env import MujocoEnv
+from dr_lab.envs.batched_env import BatchedEnv
 from dr_lab.errors import ConfigError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.ray_cluster import HERE, own_sigterm, prepare, unanswered
@@ -38,7 +38,8 @@ class RayCollector(Collector):
         env: the episodes as they begin; they go on at the workers.
         policy: what acts.
         steps: control steps of each episode slot in a batch.
-        setting: configuration of the environment. MuJoCo's models cannot be sent, so every worker builds its own.
+        setting: configuration of the environment. Neither models nor running episodes can be sent, so that every worker
+            builds its own.
         workers: that share the episodes; their number divides that of the slots.
         cores: of each worker, for its physics.
         address: of a running Ray cluster, whose machines must have dr_lab; ``local`` starts Ray on this one, whatever
@@ -51,7 +52,7 @@ class RayCollector(Collector):
 
     def __init__(
         self,
-        env: MujocoEnv,
+        env: BatchedEnv,
         policy: Policy,
         steps: int,
         setting: Mapping[str, Any],
@@ -134,7 +135,7 @@ class RayCollector(Collector):
         make = partial(_make, self._setting, episodes.nsim // self.workers, self.cores)
         here = {"num_cpus": self.workers * self.cores} if self.address == HERE else {}  # a cluster knows its own
         return TorchRLRayCollector(
-            [cast(Callable[[], MujocoEnv], make)] * self.workers,
+            [cast(Callable[[], BatchedEnv], make)] * self.workers,
             TensorDictModule(_dealt(self._policy, self.workers)[0], ["observation"], ["action"]),  # tried out by each
             trust_policy=True,
             frames_per_batch=self._steps * episodes.nsim,
@@ -181,11 +182,11 @@ class Worker(torchrl.collectors.Collector):
             torch.default_generator.manual_seed(seed)
 
     @property
-    def _played(self) -> MujocoEnv:
-        return cast(MujocoEnv, self.env)
+    def _played(self) -> BatchedEnv:
+        return cast(BatchedEnv, self.env)
 
 
-def _make(setting: Mapping[str, Any], slots: int, cores: int) -> MujocoEnv:
+def _make(setting: Mapping[str, Any], slots: int, cores: int) -> BatchedEnv:
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
     return instantiate(setting, _convert_="all").make(None, slots, 0, cores)
 

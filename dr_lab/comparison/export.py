@@ -16,8 +16,8 @@ from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.files import atomic, write_text
-from dr_lab.physics.compiling import written
 from dr_lab.physics.context import ContextEstimate, ContextSpace
+from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
@@ -75,13 +75,6 @@ def inexpressible(model: Model, z: Array) -> list[str]:
     return [f"model.xml cannot say: {each}." for each in missing if each]
 
 
-def mjcf(model: Model, z: Array) -> str:
-    """The model at context z as MJCF text; meshes and pictures stay where they are, and the text says where that is."""
-    spec = model.spec_at(z)
-    _keep_assets(spec)
-    return written(spec)
-
-
 def write_model(path: Path, model: Model, z: Array) -> tuple[ExportedModel, list[str]]:
     """Write the model at context z as MJCF and read it back.
 
@@ -95,15 +88,6 @@ def write_model(path: Path, model: Model, z: Array) -> tuple[ExportedModel, list
     write_text(path, comments + mjcf(model, z))
     effects, read = model.effects if missing else (), mujoco.MjSpec.from_file(str(path))
     return ExportedModel(model.name, read, (), {}, effects, model.space.mapping(z)), missing
-
-
-def _keep_assets(spec: mujoco.MjSpec) -> None:
-    """Let the files that a spec names be found from any folder."""
-    base = Path(spec.modelfiledir).absolute()
-    if any(asset.file for asset in (*spec.meshes, *spec.hfields, *spec.skins)):
-        spec.compiler.meshdir = str(base / spec.compiler.meshdir)
-    if any(texture.file or any(texture.cubefiles) for texture in spec.textures):
-        spec.compiler.texturedir = str(base / spec.compiler.texturedir)
 
 
 def play(study: Study, model: Model, z: Array, windows: Windows) -> Played:

@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from dr_lab.comparison.export import mjcf, write_context, write_model, write_rollout
+from dr_lab.comparison.export import write_context, write_model, write_rollout
 from dr_lab.comparison.fault_notes import KIND, faults_markdown
 from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.comparison.progress import Screen
 from dr_lab.comparison.study import Study
 from dr_lab.comparison.write_simulated import write_simulated
 from dr_lab.physics.context import ContextEstimate
+from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE

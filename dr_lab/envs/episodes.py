@@ -1,27 +1,24 @@
 """Episodes of one task that run side by side, each with its own context, in NumPy."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from dr_lab.envs.context_slots import ContextSlots, first_ages
 from dr_lab.envs.drivers import stepwise
 from dr_lab.envs.slots import Flags, Rows, Starts, StepOutcome
 from dr_lab.envs.task import Change, Fields, Task, Values, context_space, required_bounds
-from dr_lab.errors import ModelError
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import Simulator
-from dr_lab.randomizers.context_source import UNKEYED, ContextSource, Proposals
-from dr_lab.seeding import stream
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
 
 _FORCES = "cfrc_ext"
-_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
-class Episodes:
+class Episodes(ContextSlots):
     """n episodes on one `Simulator`; each slot draws its contexts and starts from a random stream of its own.
 
     Fulfils `EpisodeSlots`.
@@ -69,26 +66,21 @@ class Episodes:
         threads: int | None = None,
         staggered: bool = False,
     ) -> None:
-        self.model, self.task, self.source = model, task, source
-        self.space = context_space(model, task)
+        super().__init__(context_space(model, task), source, nsim, seed, show_context=show_context)
+        self.model, self.task = model, task
         self.simulator = Simulator(stepwise(model), nsim, threads, persistent=_FORCES in task.reads)
         compiled = self.simulator.compiled
         self.low, self.high = required_bounds(task, compiled)
         self.seconds = task.frame_skip * float(compiled.opt.timestep)
-        self._show_context, self._infeasible_return, self._speed_limit = show_context, infeasible_return, speed_limit
+        self._infeasible_return, self._speed_limit = infeasible_return, speed_limit
         self._fields = {name: self.simulator.batch.bind(name) for name in task.reads if name != _FORCES}
         self._forces = ContactForces(self.simulator.batch) if _FORCES in task.reads else None
         if self._forces is not None:
             self._fields[_FORCES] = self._forces.values
         self._qpos, self._qvel = self.simulator.batch.bind("qpos"), self.simulator.batch.bind("qvel")
-        self._streams = [stream(seed, "episode", slot) for slot in range(nsim)]
-        self._slots = np.arange(nsim)  # among all that train, some of which others may play
-        self._given: Array | None = None
         self._steps, self._returns = np.zeros(nsim, np.intp), np.zeros(nsim)
         self._failed = np.zeros(nsim, bool)  # ended as infeasible and not begun anew
         self.infeasible = 0
-        self.contexts = np.tile(self.space.nominal, (nsim, 1))
-        self.proposals = np.full(nsim, UNKEYED, np.int64)
         self._marker = task.marker(self._fields)
         self.observation = self._seen(self._fields, self.contexts)
         self.begin(np.arange(nsim))
@@ -96,20 +88,9 @@ class Episodes:
             self._steps[:] = first_ages(nsim, task.time_limit)
 
     @property
-    def nsim(self) -> int:
-        """Number of episodes that run side by side."""
-        return len(self._steps)
-
-    @property
     def state(self) -> tuple[Array, Array]:
         """Copies of the positions (n, nq) and velocities (n, nv)."""
         return self._qpos.copy(), self._qvel.copy()
-
-    def give_contexts(self, z: Array | None) -> None:
-        """Let slot i begin every further episode with context z[i], shape (n, parameters); None draws again."""
-        if z is not None and z.shape != self.contexts.shape:
-            raise ModelError(f"Contexts have shape {z.shape}; expected one for each episode, {self.contexts.shape}.")
-        self._given = None if z is None else np.array(z, dtype=float)
 
     def begin(self, rows: Rows, starts: Starts | None = None) -> None:
         """Begin new episodes in these slots; the others are not touched.
@@ -118,10 +99,7 @@ class Episodes:
             rows: the slots.
             starts: what they begin with, row by row; None lets the task draw it from each slot's stream.
         """
-        streams = [self._streams[row] for row in rows]
-        drawn = self._draw(streams, rows)
-        self.contexts, self.proposals = self.contexts.copy(), self.proposals.copy()  # what was handed out stays
-        self.contexts[rows], self.proposals[rows] = drawn.z, drawn.keys
+        streams = self._renew(rows)
         self.simulator.set_contexts(self._of_machine(self.contexts[rows]), rows)
         self.simulator.reset(rows)
         if starts is not None:
@@ -166,58 +144,34 @@ class Episodes:
     def state_dict(self) -> dict[str, Any]:
         """All that the episodes' future depends on."""
         return {
+            **self._context_state(),
             "simulator": self.simulator.memory,
-            "contexts": self.contexts,
-            "proposals": self.proposals,
-            "slots": self._slots,
-            "given": self._given,
             "steps": self._steps.copy(),
             "returns": self._returns.copy(),
             "marker": self._marker.copy(),
             "observation": self.observation.copy(),
             "infeasible": self.infeasible,
-            "streams": [rng.bit_generator.state for rng in self._streams],
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Go on where the `state_dict` of episodes of the same machine and task was taken."""
-        self.contexts, self._given = state["contexts"], state["given"]
-        self.proposals, self._slots = state["proposals"], state["slots"]
+        self._load_context_state(state)
         self.simulator.set_contexts(self._of_machine(self.contexts))
         self.simulator.restore(state["simulator"])
         self._steps[:], self._returns[:] = state["steps"], state["returns"]
         self._marker, self.observation = state["marker"].copy(), state["observation"].copy()
         self._failed = self._diverged() & (self._steps > 0)
         self.infeasible = state["infeasible"]
-        for rng, remembered in zip(self._streams, state["streams"], strict=True):
-            rng.bit_generator.state = remembered
-
-    def _draw(self, streams: Sequence[np.random.Generator], rows: Rows) -> Proposals:
-        if self._given is None and self.source is not None:
-            return self.source.propose(streams, self._slots[rows])
-        z = np.tile(self.space.nominal, (len(rows), 1)) if self._given is None else self._given[rows]
-        return Proposals(z, np.full(len(rows), UNKEYED, np.int64))
 
     def _diverged(self) -> Flags:
         slow = np.abs(self._qvel).max(axis=1, initial=0.0) < self._speed_limit  # NaN is not
         return self.simulator.infeasible | ~slow
 
     def _seen(self, fields: Fields, contexts: Array) -> Array:
-        seen = self.task.observe(fields, self._by_name(contexts))
-        return np.concatenate([seen, self.space.to_unit(contexts)], axis=1) if self._show_context else seen
+        return self._with_context(self.task.observe(fields, self._by_name(contexts)), contexts)
 
     def _of_machine(self, z: Array) -> Array:
         return z[:, : len(self.model.space.names)]
 
     def _by_name(self, z: Array) -> Values:
         return {name: z[:, i] for i, name in enumerate(self.space.names)}
-
-
-def first_ages(slots: int, time_limit: int) -> Rows:
-    """Control steps that the time limit counts for each slot before its first episode begins, shape (slots,).
-
-    Slots that begin together would stay in step wherever every episode lasts to the time limit: each batch would hold
-    one phase of the episode, and all contexts would change at once. Slot i starts at the age ⌊T·frac(i·φ)⌋, T being the
-    time limit and φ the golden ratio's fraction 0.618, so that ages are even over any neighbouring slots.
-    """
-    return (time_limit * ((np.arange(slots) * _GOLDEN) % 1.0)).astype(np.intp)

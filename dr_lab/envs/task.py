@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.errors import ModelError, require_numbers
+from dr_lab.bounds import Count, require_bounds
+from dr_lab.errors import ModelError
 from dr_lab.physics.context import ContextSpace, concatenate
 from dr_lab.physics.model import Model
 from dr_lab.physics.parameter import Parameter
@@ -65,12 +66,12 @@ class Task(ABC):
         ConfigError: one of them is not at least 1.
     """
 
-    frame_skip: int
-    time_limit: int
+    frame_skip: Count
+    time_limit: Count
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel")
 
     def __post_init__(self) -> None:
-        require_numbers(self, "env.task", least={"frame_skip": 1, "time_limit": 1})
+        require_bounds(self, "env.task")
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.envs.episodes import Episodes
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.environment import Environment
+from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.errors import DataError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
@@ -40,7 +40,7 @@ class Subject:
     """
 
     name: str
-    setting: Setting
+    setting: Environment
     policy: Policy
     again: Callable[[ContextSource, int], tuple[Trainer, Policy]]
     threads: int | None = None
@@ -67,7 +67,7 @@ class Subject:
             raise DataError(f"Run {self.name} has kept no policy yet. Give run=FOLDER of one that has saved some.")
         return self.snapshots
 
-    def slots(self, episodes: int, seed: int) -> Episodes:
+    def slots(self, episodes: int, seed: int) -> EpisodeSlots:
         """Slots of the task, side by side, whose starts are not those that training drew from the same seed."""
         return self.setting.make(None, episodes, derived_seed(seed, "evaluation"), self.threads).episodes
 

@@ -10,7 +10,7 @@ import numpy as np
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.score_function import episode_gradients
 from dr_lab.bounds import Count, at_least, at_most
-from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.evaluators.context_axes import cells, context_axes
 from dr_lab.evaluators.cosines import Cosines, cosines
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
@@ -76,7 +76,7 @@ class GradientInterferenceEvaluator(IntervalEvaluator):
             found[snapshot.frames] = cosines(gradients, self.confidence, self.resamples, self.seed)
         return self._evaluation(axis, found)
 
-    def _gradients(self, slots: Episodes, actor: GaussianActor, z: Array) -> Array:
+    def _gradients(self, slots: EpisodeSlots, actor: GaussianActor, z: Array) -> Array:
         """Of each episode in one context, shape (k, p); k is smaller where some are infeasible."""
         course = played(slots, actor, np.tile(z, (self.episodes, 1)), self.baseline, self.gamma)
         if not len(course.advantage):

@@ -11,7 +11,7 @@ from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes, whole_episodes
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import play
-from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.errors import ConfigError
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.trajectory import Array
@@ -34,7 +34,7 @@ class Played:
     returns: Tensor
 
 
-def played(slots: Episodes, actor: GaussianActor, z: Array, baseline: Baseline, gamma: float) -> Played:
+def played(slots: EpisodeSlots, actor: GaussianActor, z: Array, baseline: Baseline, gamma: float) -> Played:
     """Play one episode in each context.
 
     Args:

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from tensordict import TensorDict
 
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.setting import Setting, require_mujoco
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.recorders.episode import Episode
@@ -73,15 +73,15 @@ class RealVsSimEvaluator(IntervalEvaluator):
         """Play both.
 
         Raises:
-            ConfigError: the target does not fit the task.
+            ConfigError: the target does not fit the task, or MuJoCo does not simulate the machine.
         """
         del folder
-        setting, pairs = subject.setting, []
+        setting, pairs = require_mujoco(subject.setting, "evaluator=real_vs_sim"), []
         target, slots = self.target(setting), subject.slots(self.episodes, self.seed)
-        simulated = record(slots, subject.policy, np.tile(setting.space.nominal, (self.episodes, 1)))
+        simulated = record(setting, slots, subject.policy, np.tile(setting.space.nominal, (self.episodes, 1)))
         for number, twin in enumerate(simulated, start=1):
             course = cast(TensorDict, target.play(subject.policy, (twin.qpos[:1], twin.qvel[:1]), 1)[0])
-            real = as_episode(course, f"real_{number}", twin.geometry, slots.seconds, {})
+            real = as_episode(course, f"real_{number}", twin.geometry, setting.seconds, {})
             pairs.append(Pair(real, replace(twin, name=f"simulated_{number}")))
             progress(number / self.episodes)
         widest = max(pairs, key=lambda pair: np.nan_to_num(abs(pair.difference)))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.errors import DataError
-from dr_lab.measurements.clocks import describe, fit_line, pool, require_rate, steps
+from dr_lab.measurements.clocks import ClockLine, describe, fit_line, pool, require_rate, steps
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.samples import Samples, Stamps
 from dr_lab.measurements.signal_map import ChannelMap
@@ -38,9 +38,8 @@ def align(
     """Put every channel on the file's log clock.
 
     Stamps of the log, of the publisher and of a table's column are taken as they are. Header stamps are another
-    computer's clock: offset and drift against the log time are estimated for each topic (see
-    `dr_lab.measurements.clocks.fit_line`), once for topics that share a clock. The log time stands for header stamps
-    that nobody set.
+    computer's clock: `clocks.fit_line` estimates offset and drift against the log time for each topic, once for those
+    that share a clock. The log time stands for header stamps that nobody set.
 
     Args:
         channels: all channels.
@@ -56,13 +55,10 @@ def align(
     stamps = {channel.name: _stamps(channel, samples[channel.name], chosen[channel.name], file) for channel in channels}
     headed = {samples[name].stream: samples[name].stamps for name, clock in chosen.items() if clock == "header"}
     pairs = {topic: _pair(found) for topic, found in headed.items()}
-    for topic, pair in pairs.items():
-        require_rate(topic, *pair, contract)
-    lines = pool({topic: fit_line(*pair, contract) for topic, pair in pairs.items()}, pairs, contract)
+    lines = _lines(pairs, contract)
     notes = [note for topic, found in headed.items() for note in _unset(topic, found["header"].elapsed)]
     notes += [note for topic, pair in pairs.items() for note in steps(topic, *pair, lines[topic], contract)]
-    times: dict[str, Array] = {}
-    clocks: dict[str, ClockFit] = {}
+    times, clocks = dict[str, Array](), dict[str, ClockFit]()
     for channel in channels:
         name, clock = channel.name, chosen[channel.name]
         time, clocks[name] = stamps[name].elapsed + stamps[name].zero, ClockFit(clock, 0.0, 0.0, 0.0)
@@ -72,6 +68,13 @@ def align(
             clocks[name] = describe(clock, *_pair(both), line, stamps[name].zero)
         times[name] = time - channel.latency
     return Aligned(times, clocks, tuple(notes))
+
+
+def _lines(pairs: Mapping[str, tuple[Array, Array]], contract: DataContract) -> dict[str, ClockLine]:
+    """How the clock of each topic's header stamps runs against the log's."""
+    for topic, pair in pairs.items():
+        require_rate(topic, *pair, contract)
+    return pool({topic: fit_line(*pair, contract) for topic, pair in pairs.items()}, pairs, contract)
 
 
 def _pair(stamps: Mapping[str, Stamps]) -> tuple[Array, Array]:

@@ -38,13 +38,11 @@ def read(
         outputs: measured channels by name; see `dr_lab.measurements.signal_map.channel_map`.
         contract: thresholds of the data contract.
         commands: commands by actuator name, in the same form; None for a machine that swings freely.
-        fit: logs to fit on, ``stem`` or ``stem[a:b]`` in s, with the wildcards ``*``, ``?`` and ``[05]``; None takes
-            every log that is not held out.
+        fit: logs to fit on, ``stem`` or ``stem[a:b]`` in s, wildcards ``*``, ``?``, ``[05]``; None: all not held out.
         held_out: logs never fitted; None holds nothing out.
         clock: default clock of all channels, ``header``, ``publish``, ``log`` or ``column``; None takes the file's own.
         time: for tables ``column``, ``unit`` and ``scale`` of the time, and for any log ``start`` and ``stop`` in s.
-        group: column of tables that hold several logs each, called ``stem/value``; see
-            `dr_lab.measurements.recordings.recordings`.
+        group: column of tables that hold several logs each, called ``stem/value``; see `recordings.recordings`.
 
     Returns:
         The logs; per channel one noise std pooled over all logs and the longest wait that is not a gap.
@@ -54,17 +52,18 @@ def read(
         UnknownNameError: a log, topic, field, joint, column or key that does not exist; the message lists the others.
         ConfigError: the configuration contradicts itself.
     """
-    if not outputs:
-        raise ConfigError(f"Measurements {name!r} name no outputs; give at least one measured channel.")
-    measured, sent = channel_maps(outputs, clock or ""), channel_maps(commands or {}, clock or "")
+    measured, sent = _channels(name, outputs, clock), channel_maps(commands or {}, clock or "")
     known = recordings(find_files(logs), group)
     fitted, scored = split(known, fit, held_out)
     loaded = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
     fit_logs, held_out_logs = mark_faults(loaded[: len(fitted)], loaded[len(fitted) :], contract)
-    every = (*fit_logs, *held_out_logs)
-    gaps = _gaps(measured, sent, every, contract)
-    noise = {c.name: _noise(c, every, gaps[c.name], contract) for c in measured}
-    return MeasurementSet(name, fit_logs, held_out_logs, noise, gaps)
+    return MeasurementSet(name, fit_logs, held_out_logs, *_pooled(measured, sent, fit_logs + held_out_logs, contract))
+
+
+def _channels(name: str, outputs: Entries, clock: str | None) -> tuple[ChannelMap, ...]:
+    if not outputs:
+        raise ConfigError(f"Measurements {name!r} name no outputs; give at least one measured channel.")
+    return channel_maps(outputs, clock or "")
 
 
 def _load(
@@ -83,12 +82,13 @@ def _load(
     return tuple(clean(raw[part.log], part.name, part.start, part.stop, contract) for part in parts)
 
 
-def _gaps(
+def _pooled(
     measured: Sequence[ChannelMap], sent: Sequence[ChannelMap], logs: Sequence[Log], contract: DataContract
-) -> dict[str, float]:
+) -> tuple[dict[str, Noise], dict[str, float]]:
+    """Noise of each measured channel, and the longest wait of each channel that is not a gap."""
     waits = {c.name: longest_wait([g.outputs[c.name].time for g in logs], contract, on_change=False) for c in measured}
     held = {c.name: longest_wait([g.commands[c.name].time for g in logs], contract, on_change=True) for c in sent}
-    return waits | held
+    return {c.name: _noise(c, logs, waits[c.name], contract) for c in measured}, waits | held
 
 
 def _noise(channel: ChannelMap, logs: Sequence[Log], wait: float, contract: DataContract) -> Noise:

@@ -63,18 +63,23 @@ def local_polynomial(
     times = np.asarray(at, dtype=np.float64)
     flat, last = (np.ravel(part) for part in np.broadcast_arrays(times, np.asarray(until, dtype=np.float64)))
     usable = np.searchsorted(signal.time, last, side="right")
-    if (usable <= degree).any():
-        worst = int(np.argmin(usable))
-        raise DataError(
-            f"Signal {signal.name!r}: {usable[worst]} samples up to {last[worst]:.6g} s; a local polynomial of degree "
-            f"{degree} needs {degree + 1}. Take a later time or a longer log."
-        )
+    _require_samples(signal, usable, last, degree)
     blocks = [
         _solve(signal.time, signal.value, flat[i : i + _BLOCK], usable[i : i + _BLOCK], half_width, degree)
         for i in range(0, max(len(flat), 1), _BLOCK)
     ]
     joined = [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
     return LocalFit(*(part.reshape(times.shape + part.shape[1:]) for part in joined))
+
+
+def _require_samples(signal: Signal, usable: Indices, last: Array, degree: int) -> None:
+    """Refuse times up to which a signal has fewer samples than a polynomial has coefficients."""
+    if (usable <= degree).any():
+        worst = int(np.argmin(usable))
+        raise DataError(
+            f"Signal {signal.name!r}: {usable[worst]} samples up to {last[worst]:.6g} s; a local polynomial of degree "
+            f"{degree} needs {degree + 1}. Take a later time or a longer log."
+        )
 
 
 def _solve(time: Array, value: Array, at: Array, usable: Indices, half_width: float, degree: int) -> LocalFit:

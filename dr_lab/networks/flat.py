@@ -5,6 +5,8 @@ from collections.abc import Iterable, Mapping
 import torch
 from torch import Tensor, nn
 
+from dr_lab.networks.mlp import MLP
+
 
 class FlatParameters:
     """Moves parameters into one vector, of which each is then a view; the modules work as before.
@@ -33,6 +35,11 @@ class FlatParameters:
         """Write ∂loss/∂parameters into `gradient` by autograd."""
         slopes = torch.autograd.grad(loss, self._parameters, retain_graph=keep_graph)
         torch.cat([slope.flatten() for slope in slopes], out=self.gradient)
+
+    def gradients_of(self, body: MLP) -> tuple[list[Tensor], list[Tensor]]:
+        """The parts of `gradient` that belong to a network's weights and biases, as `MLP.backward` takes them."""
+        weights, biases = ([self.gradient_of(p) for p in part] for part in (body.weights, body.biases))
+        return weights, biases
 
     def _views(self, vector: Tensor) -> list[Tensor]:
         parts = vector.split([p.numel() for p in self._parameters])

@@ -99,7 +99,18 @@ class MLP(nn.Module):
             torch.mm(slope.t(), layers[k], out=weights[k])
             torch.sum(slope, 0, out=biases[k])
             if k:
-                slope = _BACKWARD[self._activation](torch.mm(slope, every[k]), layers[k])
+                slope = self._through(k, every[k], layers, slope)
+
+    def input_slope(self, layers: Sequence[Tensor], slope: Tensor) -> Tensor:
+        """∂L/∂x, shape (b, inputs); arguments as `backward`."""
+        for k, weight in reversed(list(enumerate(self.weights))):
+            slope = self._through(k, weight, layers, slope)
+        return slope
+
+    def _through(self, k: int, weight: Tensor, layers: Sequence[Tensor], slope: Tensor) -> Tensor:
+        """∂L by what goes into the activation that gave layer k, or by x, from ∂L by what W of the next layer gives."""
+        before = torch.mm(slope, weight)
+        return _BACKWARD[self._activation](before, layers[k]) if k else before
 
 
 def _affine(x: Tensor, weight: Tensor, bias: Tensor) -> Tensor:

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.comparison.export import mjcf
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.environment import Environment
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes_mcap import write_episodes
@@ -19,12 +18,12 @@ FILE = "episodes.mcap"
 
 
 def play_episodes(
-    setting: Setting, policy: Policy, source: ContextSource | None, count: int, seed: int, threads: int | None
+    environment: Environment, policy: Policy, source: ContextSource | None, count: int, seed: int, threads: int | None
 ) -> list[Episode]:
     """Play a policy in contexts drawn from a distribution, one episode in each.
 
     Args:
-        setting: machine and task.
+        environment: what is played.
         policy: what acts.
         source: p(z); None for the nominal context.
         count: number of episodes; 0 gives none.
@@ -34,20 +33,24 @@ def play_episodes(
     if count == 0:
         return []
     streams = [stream(seed, "shown", episode) for episode in range(count)]
-    z = np.tile(setting.space.nominal, (count, 1)) if source is None else source.propose(streams, np.arange(count)).z
+    z = (
+        np.tile(environment.space.nominal, (count, 1))
+        if source is None
+        else source.propose(streams, np.arange(count)).z
+    )
     starts = derived_seed(seed, "shown")
-    return record(setting.make(None, count, starts, threads).episodes, policy, z)
+    return record(environment, environment.make(None, count, starts, threads).episodes, policy, z)
 
 
-def keep_episodes(run_dir: Path, setting: Setting, episodes: Sequence[Episode]) -> None:
-    """Write ``episodes.mcap`` with the nominal model and the run's configuration in it, if there are episodes."""
+def keep_episodes(run_dir: Path, environment: Environment, episodes: Sequence[Episode]) -> None:
+    """Write ``episodes.mcap`` with the nominal scene and the run's configuration in it, if there are episodes."""
     if not episodes:
         return
-    attachments = {"model.xml": mjcf(setting.model, setting.model.space.nominal).encode()}
+    attachments = {"model.xml": environment.scene_xml().encode()}
     config = run_dir / "config.yaml"
     if config.is_file():
         attachments[config.name] = config.read_bytes()
-    metadata = {"schema": "dr_lab/episodes/1", "env": setting.name, "run": str(run_dir)}
+    metadata = {"schema": "dr_lab/episodes/1", "env": environment.name, "run": str(run_dir)}
     write_episodes(run_dir / FILE, episodes, attachments, metadata)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.markdown import Markdown
 
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.environment import Environment
 from dr_lab.files import write_text
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
@@ -20,7 +20,7 @@ def finish(
     run_dir: Path,
     report: TrainReport | EvaluateReport,
     page: str,
-    setting: Setting,
+    environment: Environment,
     record: TrainingRecord,
     look: Look,
 ) -> None:
@@ -30,12 +30,12 @@ def finish(
         run_dir: the run folder.
         report: what was found.
         page: the same for a person, as Markdown.
-        setting: machine and task.
+        environment: what shows the episodes.
         record: what the recording holds beside the page.
         look: how it looks.
     """
     write_json(run_dir / "report.json", report)
     write_text(run_dir / "report.md", page)
-    keep_episodes(run_dir, setting, record.episodes)
+    keep_episodes(run_dir, environment, record.episodes)
     write_training_review(run_dir / "review.rrd", replace(record, pages={"Report": page}), look)
     Console().print(Markdown(page))

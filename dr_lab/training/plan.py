@@ -8,7 +8,7 @@ from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.collectors.collector import Collector
 from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.environment import Environment
 from dr_lab.errors import ConfigError, require_numbers
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
@@ -41,7 +41,7 @@ class Plan:
         ConfigError: a number is out of its range.
     """
 
-    env: Setting
+    env: Environment
     algorithm: Callable[..., Algorithm]
     randomizer: Callable[[ContextSpace], Randomizer]
     distribution_learner: Callable[..., DistributionLearner]
@@ -83,9 +83,7 @@ class Plan:
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
         experience = Experience(self.collector(env, policy, steps), policy, played, learner.source)
         more: dict[str, Stateful] = {}
-        trainer = Trainer(
-            experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.task.time_limit
-        )
+        trainer = Trainer(experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.time_limit)
         return Training(trainer, algorithm, randomizer, learner, more)
 
     def _seed_of_rollouts(self) -> int:

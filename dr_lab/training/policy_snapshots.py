@@ -11,9 +11,9 @@ from torch import Tensor, nn
 from dr_lab.algorithms.algorithm import Algorithm
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import outcomes, play
-from dr_lab.envs.episodes import ContextSource
-from dr_lab.envs.setting import Setting
+from dr_lab.envs.environment import Environment
 from dr_lab.errors import require_numbers
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.seeding import derived_seed, stream
 
 
@@ -122,7 +122,7 @@ class Choice:
     def choose(
         self,
         snapshots: Sequence[PolicySnapshot],
-        setting: Setting,
+        environment: Environment,
         source: ContextSource,
         seed: int,
         threads: int | None,
@@ -131,7 +131,7 @@ class Choice:
 
         Args:
             snapshots: one at least.
-            setting: machine and task.
+            environment: what is played.
             source: p(z).
             seed: of contexts and starts, which no training or evaluation of the same seed draws.
             threads: C threads of the physics; None takes every core.
@@ -139,7 +139,7 @@ class Choice:
         z = source.propose([stream(seed, "choice")] * self.episodes, np.arange(self.episodes)).z
         returns, frames = list[float](), 0
         for snapshot in snapshots:
-            slots = setting.make(None, self.episodes, derived_seed(seed, "choice"), threads).episodes
+            slots = environment.make(None, self.episodes, derived_seed(seed, "choice"), threads).episodes
             played = play(slots, snapshot.deployed, z)
             returns.append(float(outcomes(played)[0].mean()))
             frames += int(cast(Tensor, played["mask"]).sum())

@@ -11,19 +11,20 @@ from torch import Tensor
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import play
-from dr_lab.envs.episodes import Episodes
-from dr_lab.envs.slots import Starts
-from dr_lab.errors import ModelError
-from dr_lab.physics.model import Model
+from dr_lab.envs.environment import Environment
+from dr_lab.envs.slots import EpisodeSlots, Starts
 from dr_lab.recorders.episode import Episode
 from dr_lab.trajectory import Array
 
 
-def record(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None = None) -> list[Episode]:
+def record(
+    environment: Environment, episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts | None = None
+) -> list[Episode]:
     """Play one episode in each context, from its start to its end.
 
     Args:
-        episodes: slots that run side by side.
+        environment: what shows them.
+        episodes: its slots that run side by side.
         policy: what acts.
         z: contexts, shape (k, n), k ≥ 1.
         starts: as `collectors.play.play` takes them.
@@ -37,9 +38,8 @@ def record(episodes: Episodes, policy: Policy, z: Array, starts: Starts | None =
     found = []
     for i, values in enumerate(z):
         known = zip(episodes.space.parameters, values.tolist(), strict=True)
-        geometry = _geometry(episodes.model, values[: len(episodes.model.space.names)])
         course, context = cast(TensorDict, played[i]), {p.name: (value, p.unit) for p, value in known}
-        found.append(as_episode(course, f"episode_{i + 1}", geometry, episodes.seconds, context))
+        found.append(as_episode(course, f"episode_{i + 1}", environment.scene(values), environment.seconds, context))
     return found
 
 
@@ -76,14 +76,6 @@ def as_episode(
 def _before_and_after(course: TensorDict, key: str) -> Array:
     """The state before the first and after every step, shape (t + 1, …)."""
     return torch.cat([cast(Tensor, course[key]), cast(Tensor, course["next", key])[-1:]]).numpy()
-
-
-def _geometry(model: Model, z: Array) -> mujoco.MjModel:
-    """The machine in a context; the nominal one where the context does not compile, so that nothing moves in it."""
-    try:
-        return model.compile(z)
-    except ModelError:
-        return model.nominal()
 
 
 def _ending(course: TensorDict) -> Literal["terminated", "truncated", "infeasible"]:

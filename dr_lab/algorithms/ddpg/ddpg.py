@@ -1,31 +1,30 @@
 """Deep deterministic policy gradient."""
 
-import copy
 import logging
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any
 
 import torch
 from tensordict import TensorDict
-from tensordict.nn import TensorDictModule
-from torch import Tensor, nn
+from torch import Tensor
 from torchrl.data import LazyTensorStorage, RandomSampler, TensorDictReplayBuffer
-from torchrl.modules import ValueOperator
-from torchrl.objectives import DDPGLoss, SoftUpdate
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
+from dr_lab.algorithms.ddpg.loss import DDPGLoss, Transitions
 from dr_lab.algorithms.ddpg.uniform_start import UniformStart
 from dr_lab.bounds import Count, Natural, Positive, above, at_least, at_most, require_bounds
 from dr_lab.collectors.collector import Policy
+from dr_lab.networks.adam import Adam
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.seeding import derived_seed
 
+_EPSILON = 1e-8  # torch's own; Kingma and Ba 2015
 logging.getLogger("torchrl").setLevel(logging.WARNING)  # it tells of every buffer that is made
 
 
 class DDPG(Algorithm):
-    """Learns Q from a replay buffer and follows its slope (Lillicrap et al. 2016); TorchRL's loss, buffer and targets.
+    """Learns Q from a replay buffer and follows its slope (Lillicrap et al. 2016); TorchRL's buffer.
 
     The networks see normalised observations and actions scaled to ±1. The buffer holds observations as they are, so
     that old and new ones are normalised alike.
@@ -74,11 +73,9 @@ class DDPG(Algorithm):
         self.explorer = UniformStart(self.actor)
         self.explorer.follows.fill_(learning_starts == 0)
         self.critic = critic(interface.observation + len(interface.low), derived_seed(seed, "critic"))
-        self.loss = _loss(self.actor, self.critic)
-        self.loss.make_value_estimator(gamma=gamma)
-        self.targets = SoftUpdate(self.loss, tau=tau)
-        self.actor_adam = torch.optim.Adam(self.actor.body.parameters(), lr=actor_rate)
-        self.critic_adam = torch.optim.Adam(self.critic.parameters(), lr=critic_rate)
+        self.loss = DDPGLoss(self.actor, self.critic, gamma)
+        self.actor_adam = Adam(self.loss.actor_parameters, _EPSILON)
+        self.critic_adam = Adam(self.loss.critic_parameters, _EPSILON)
         self.generator = torch.Generator().manual_seed(derived_seed(seed, "replay"))
         self.buffer = TensorDictReplayBuffer(
             storage=LazyTensorStorage(replay),
@@ -130,17 +127,19 @@ class DDPG(Algorithm):
 
     def _step(self) -> Tensor:
         """One step of both networks and their targets; gives the loss of Q and its mean."""
-        sample = self.buffer.sample()
-        for key in ("observation", ("next", "observation")):
-            sample[key] = self.actor.normaliser(sample[key])
-        terms = self.loss(sample)
-        self.actor_adam.zero_grad(set_to_none=True)
-        self.critic_adam.zero_grad(set_to_none=True)
-        (terms["loss_actor"] + terms["loss_value"]).backward()
-        self.actor_adam.step()
-        self.critic_adam.step()
-        self.targets.step()
-        return torch.stack([terms["loss_value"], terms["pred_value"].mean()]).detach()
+        sample, normaliser = self.buffer.sample(), self.actor.normaliser
+        batch = Transitions(
+            normaliser(sample["observation"]),
+            sample["action"],
+            sample["next", "reward"],
+            normaliser(sample["next", "observation"]),
+            sample["next", "terminated"],
+        )
+        critic_loss, _, value = self.loss.differentiate(batch)
+        self.actor_adam.step(self.actor_rate)
+        self.critic_adam.step(self.critic_rate)
+        self.loss.follow(self.tau)
+        return torch.stack([critic_loss, value])
 
     def begin_schedules(self) -> None:
         """Experience is collected anew, `learning_starts` control steps of it before the next gradient step.
@@ -168,8 +167,8 @@ class DDPG(Algorithm):
         """Continue from what `state_dict` gave."""
         for part, name in ((self.explorer, "explorer"), (self.critic, "critic"), (self.loss, "targets")):
             part.load_state_dict(state[name])
-        self.actor_adam.load_state_dict(copy.deepcopy(state["actor_adam"]))  # Adam goes on in the tensors it is given
-        self.critic_adam.load_state_dict(copy.deepcopy(state["critic_adam"]))
+        self.actor_adam.load_state_dict(state["actor_adam"])
+        self.critic_adam.load_state_dict(state["critic_adam"])
         self._hold(state["buffer"])
         self.generator.set_state(state["generator"])
         self.frames = state["frames"]
@@ -189,25 +188,3 @@ class DDPG(Algorithm):
         if held["_len"]:
             self.buffer.extend(TensorDict().load_state_dict(held["_storage"], strict=False)[: held["_len"]])
         self.buffer.writer.load_state_dict(state["_writer"])
-
-
-def _loss(actor: DeterministicActor, critic: Critic) -> DDPGLoss:
-    """TorchRL's loss of both networks, on actions in units of their bounds."""
-    return DDPGLoss(
-        TensorDictModule(nn.Sequential(actor.body, nn.Tanh()), ["observation"], ["action"]),
-        ValueOperator(_Joined(critic.body), ["observation", "action"]),
-        loss_function="l2",
-        delay_actor=True,
-        delay_value=True,
-    )
-
-
-class _Joined(nn.Module):
-    """A network of observation and action joined."""
-
-    def __init__(self, body: nn.Module) -> None:
-        super().__init__()
-        self.body = body
-
-    def forward(self, observation: Tensor, action: Tensor) -> Tensor:
-        return self.body(torch.cat([observation, action], -1))

@@ -5,10 +5,8 @@ from torch import Tensor
 
 from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate, Terms
 from dr_lab.networks.critic import Critic
-from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian import Gaussian
 from dr_lab.networks.gaussian_actor import GaussianActor
-from dr_lab.networks.mlp import MLP
 
 
 class ExplicitSurrogate(Surrogate):
@@ -27,8 +25,8 @@ class ExplicitSurrogate(Surrogate):
         self._actor, self._log_std = actor.body, actor.log_std
         self._critic = critic.body
         self._log_std_gradient = self.actor_parameters.gradient_of(actor.log_std)
-        self._actor_gradients = _gradients(actor.body, self.actor_parameters)
-        self._critic_gradients = _gradients(critic.body, self.critic_parameters)
+        self._actor_gradients = self.actor_parameters.gradients_of(actor.body)
+        self._critic_gradients = self.critic_parameters.gradients_of(critic.body)
 
     @torch.no_grad()
     def differentiate(self, samples: PolicySamples) -> Terms:
@@ -57,8 +55,3 @@ class ExplicitSurrogate(Surrogate):
         error = layers[-1] - samples.target.unsqueeze(-1)
         self._critic.backward(layers, error * (2.0 * self.critic_weight / len(error)), *self._critic_gradients)
         return self.critic_weight * error.square().mean()
-
-
-def _gradients(body: MLP, parameters: FlatParameters) -> tuple[list[Tensor], list[Tensor]]:
-    weights, biases = ([parameters.gradient_of(p) for p in part] for part in (body.weights, body.biases))
-    return weights, biases

@@ -68,14 +68,11 @@ class PPO(Algorithm):
         max_gradient: Positive,
         adam_epsilon: NotNegative,
     ) -> None:
-        self.batch_frames = batch_frames
-        self.gamma, self.lam = gamma, lam
+        self.batch_frames, self.gamma, self.lam = batch_frames, gamma, lam
         self.epochs, self.minibatch = epochs, minibatch
         self.actor_rate, self.critic_rate = actor_rate, critic_rate
         self.anneal_frames, self.further_share = anneal_frames, further_share
-        self.max_kl = max_kl
-        self.max_gradient = max_gradient
-        self.adam_epsilon = adam_epsilon
+        self.max_kl, self.max_gradient, self.adam_epsilon = max_kl, max_gradient, adam_epsilon
         require_bounds(self, "algorithm", PPO)
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.critic = critic(interface.observation, derived_seed(seed, "critic"))

@@ -67,9 +67,9 @@ def refine(
         floor: error of the model as given in all windows.
         threads: C threads.
     """
-    given, share = floor.step, floor.largest
+    share = floor.largest
     if share <= check.least_share:
-        return Refinement(model, given, share, share, "")
+        return _as_given(model, floor, "")
     few = replace(settings, seconds=check.windows * settings.length)
     tried = []
     for finer, cost in _finer(model, check.finest):
@@ -81,11 +81,8 @@ def refine(
     if best is not None and best.share < _CONVERGING * min(share, _share(model, logs, measured, few, threads)):
         allowed = f" That is still more than {check.least_share:g}; model_check.finest={check.finest} ends the search."
         return _refined(model, floor, best, allowed)
-    message = (
-        f"{_moved(floor)} Finer steps, down to a {check.finest}th, do not take that away (contacts, or chaos), so that "
-        "the step stays."
-    )
-    return Refinement(model, given, share, share, message)
+    remains = f"Finer steps, down to a {check.finest}th, do not take that away (contacts, or chaos)"
+    return _as_given(model, floor, f"{_moved(floor)} {remains}, so that the step stays.")
 
 
 def unneeded(model: Model, floor: NumericalFloor) -> Refinement:
@@ -94,6 +91,10 @@ def unneeded(model: Model, floor: NumericalFloor) -> Refinement:
         f"{_moved(floor)} As the calibrated model leaves no more than noise with it, it stays; another simulator, or "
         "the machine, may show the difference."
     )
+    return _as_given(model, floor, message)
+
+
+def _as_given(model: Model, floor: NumericalFloor, message: str) -> Refinement:
     return Refinement(model, floor.step, floor.largest, floor.largest, message)
 
 

@@ -31,10 +31,9 @@ def require_own_logs_explained(
 ) -> dict[str, float]:
     """Fit the states alone to logs that the model made under the machine's commands.
 
-    From measured states the model goes on by itself for `check.lead`, so that all its
-    hidden states are its own. What its sensors then report, with white noise, is cut into windows as real logs are. The
-    fit starts at the true positions and velocities, so that only what is neither restored nor an unknown of a window
-    can leave more than noise, not a contact between the prior's mean and the truth. Effects are left out.
+    From measured states the model, without its effects, goes on by itself for `check.lead`, so that all its hidden
+    states are its own. What its sensors then report, with white noise, is cut into windows as real logs are. The fit
+    starts at the truth: only what is neither restored nor an unknown of a window can leave more than noise.
 
     Args:
         model: the model as given.

@@ -85,22 +85,19 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     drawn, n = resampled(every.rows, every.log, settings), block_count(every.log, settings)
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
-    total_low, trial_low = (
-        -np.inf if diverges else _least(every, drawn[3], 1 - confidence, settings)
-        for confidence in (settings.confidence, settings.trial_confidence)
-    )
-    closed = {name: found[1] for name, found in each.items()}
+    tails = (1 - settings.confidence, 1 - settings.trial_confidence)
+    lows = [-np.inf if diverges else _least(every, drawn[3], tail, settings) for tail in tails]
     return Gain(
         share=share,
         low=low,
         high=float(np.minimum(high, 1.0)),
         error=max(1 - 1 / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
         gap=_gap(theirs, ours, worse.window_count[both]),
-        channels=closed,
+        channels={name: found[1] for name, found in each.items()},
         place=max(each, key=lambda name: float(each[name][0].sum())),
         total=float(every.rows[3].sum()),
-        total_low=total_low,
-        trial_low=trial_low,
+        total_low=lows[0],
+        trial_low=lows[1],
         wins=float((theirs > ours).mean()),
         clear=bool((theirs > ours).all() and not diverges and not at_floor(worse, settings)),
     )

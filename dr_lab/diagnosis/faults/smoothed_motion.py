@@ -102,9 +102,8 @@ def smoothed_motion(
 
     The spline minimises Σ_i (y_i − f(t_i))² + λ ∫ f''² dt; samples every Δ s are passed with the gain
     1 / (1 + λ Δ ω⁴), so that λ = 1 / (Δ (2π cutoff)⁴). All derivatives are those of one function: noise that a test
-    function averages out of an acceleration is averaged out as if the equation had been integrated by parts. A joint
-    whose position is measured takes that alone; of a measured velocity the position is the integral, from the model's
-    reference on.
+    function averages out of an acceleration is averaged out as if the equation had been integrated by parts. Where the
+    velocity of a joint is measured and not its position, that is the integral, from the model's reference on.
 
     Args:
         model: compiled model; see `untestable`.
@@ -117,10 +116,7 @@ def smoothed_motion(
 
     Source: Craven and Wahba 1979 for the spline; Silverman 1984 for its gain.
     """
-    grids = [_grid(log, settings) for log in logs]
-    if not sum(map(len, grids)):
-        raise DataError(f"No log is longer than two periods of the smoother's cutoff ({2 / settings.cutoff:g} s).")
-    time, index = np.concatenate(grids), np.repeat(np.arange(len(logs)), [len(grid) for grid in grids])
+    index, time = _even_times(logs, settings)
     qpos, (qvel, qacc) = np.tile(model.qpos0, (len(time), 1)), np.zeros((2, len(time), model.nv))
     known = np.ones(len(time), bool)
     period, std, order = np.zeros(model.nv), np.zeros(model.nv), np.zeros(model.nv, np.intp)
@@ -167,6 +163,14 @@ def controls_at(
             edges = np.append(time, time[-1] + motion.step) - 0.5 * motion.step
             controls[rows, columns[name]] = averages({name: signal}, {name: 0}, 1, edges[None])[0, :, 0]
     return controls
+
+
+def _even_times(logs: Sequence[Log], settings: EquationErrorSettings) -> tuple[Index, Array]:
+    """The grid: places of the logs, and their times, log after log."""
+    grids = [_grid(log, settings) for log in logs]
+    if not sum(map(len, grids)):
+        raise DataError(f"No log is longer than two periods of the smoother's cutoff ({2 / settings.cutoff:g} s).")
+    return np.repeat(np.arange(len(logs)), [len(grid) for grid in grids]), np.concatenate(grids)
 
 
 def _grid(log: Log, settings: EquationErrorSettings) -> Array:

@@ -14,8 +14,8 @@ class OpenProposals:
     """The proposals of one round, with running keys; a `ContextSource`.
 
     A slot that begins an episode draws among the proposals that wait: no episode has answered them, and none was under
-    way with them when the last batch ended. Where none waits it draws among those that are not answered. One at least
-    is not: when all are, `renew` is due before the next batch.
+    way with them when the last batch ended. Where none waits it draws among all of the round: if it took up what is
+    still under way, contexts with long episodes would be trained on more than others.
 
     Attributes:
         z: contexts of the round, shape (k, n).
@@ -54,8 +54,8 @@ class OpenProposals:
     def propose(self, rngs: Sequence[np.random.Generator], slots: NDArray[np.intp]) -> Proposals:
         """One of the proposals a stream, alike in every slot."""
         del slots
-        unanswered, waiting = ~self._answered, ~self._answered & ~self._running
-        choice = np.flatnonzero(waiting if waiting.any() else unanswered)
+        waiting = np.flatnonzero(~self._answered & ~self._running)
+        choice = waiting if len(waiting) else np.arange(len(self.z))
         picked = np.array([choice[rng.integers(len(choice))] for rng in rngs], np.int64)
         return Proposals(self.z[picked], self.first + picked)
 

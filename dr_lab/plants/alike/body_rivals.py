@@ -1,6 +1,7 @@
 """What effects of bodies and of what surrounds the machine could give along a course."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,28 +25,54 @@ def body_rivals(course: Course, grids: Grids, command: Array, base: Array) -> It
         command: mean over each interval, shape (K, actuators).
         base: what the machine without any effect lacks, shape (K, n).
     """
-    machine = course.machine
+    response = _Response(course, command, base)
+    for body in course.machine.bodies:
+        yield from _of_body(response, body, grids)
+    yield from _of_world(response)
 
-    def slope(altered: MujocoMachine, by: float) -> Array:
-        return (lacking(course, altered, command) - base) / by
 
-    def felt(*columns: Array) -> list[Array]:
-        sizes = [float(np.abs(column).max()) for column in columns]
-        return [c for c, size in zip(columns, sizes, strict=True) if size > _FELT * max(np.abs(base).max(), 1.0)]
+@dataclass(frozen=True)
+class _Response:
+    """What the machine lacks where it is altered a little.
 
-    for body in machine.bodies:
-        lever = machine.lever(body)
-        near, middle, far = (slope(machine.with_load(body, _SMALL, share * lever), _SMALL) for share in (0.0, 1.0, 2.0))
-        # What a point mass adds is of second order in its distance.
-        bend, rise = 0.5 * (far - 2 * middle + near), 0.5 * (4 * middle - 3 * near - far)
-        loads = [lacked(near + share * rise + share**2 * bend) for share in grids.reaches]
-        yield Rival(f"payload@{body}", 2, tuple(linear(load, positive=True)[0] for load in loads))
-        moved = felt(*(slope(machine.with_centre_moved(body, _SMALL * axis), _SMALL) for axis in np.eye(3)))
-        if moved:
-            yield Rival(f"centre_of_mass_offset@{body}", len(moved), linear(*map(lacked, moved)))
-        wider = felt(slope(machine.with_inertia_scaled(body, 1 + _SMALL), _SMALL))
-        if wider:
-            yield Rival(f"inertia_error@{body}", 1, linear(*map(lacked, wider)))
+    Attributes:
+        course: where the machine moves.
+        command: mean over each interval, shape (K, actuators).
+        base: what the machine as it is lacks, shape (K, n).
+    """
+
+    course: Course
+    command: Array
+    base: Array
+
+    def slope(self, altered: MujocoMachine, by: float) -> Array:
+        """Change of what is lacking, for each unit of what was altered."""
+        return (lacking(self.course, altered, self.command) - self.base) / by
+
+    def felt(self, *columns: Array) -> list[Array]:
+        """Those of some slopes that change a force."""
+        least = _FELT * max(np.abs(self.base).max(), 1.0)
+        return [column for column in columns if float(np.abs(column).max()) > least]
+
+
+def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
+    machine, slope, felt = response.course.machine, response.slope, response.felt
+    lever = machine.lever(body)
+    near, middle, far = (slope(machine.with_load(body, _SMALL, share * lever), _SMALL) for share in (0.0, 1.0, 2.0))
+    # What a point mass adds is of second order in its distance.
+    bend, rise = 0.5 * (far - 2 * middle + near), 0.5 * (4 * middle - 3 * near - far)
+    loads = [lacked(near + share * rise + share**2 * bend) for share in grids.reaches]
+    yield Rival(f"payload@{body}", 2, tuple(linear(load, positive=True)[0] for load in loads))
+    moved = felt(*(slope(machine.with_centre_moved(body, _SMALL * axis), _SMALL) for axis in np.eye(3)))
+    if moved:
+        yield Rival(f"centre_of_mass_offset@{body}", len(moved), linear(*map(lacked, moved)))
+    wider = felt(slope(machine.with_inertia_scaled(body, 1 + _SMALL), _SMALL))
+    if wider:
+        yield Rival(f"inertia_error@{body}", 1, linear(*map(lacked, wider)))
+
+
+def _of_world(response: _Response) -> Iterator[Rival]:
+    machine, slope, felt = response.course.machine, response.slope, response.felt
     x, y, z = machine.gravity
     tilted = felt(
         slope(machine.with_gravity((x, y + _SMALL * z, z - _SMALL * y)), _SMALL),

@@ -5,7 +5,8 @@ import pytest
 from playing import Uniform, actions
 from settings import setting
 
-from dr_lab.envs.episodes import Episodes, StepOutcome, first_ages
+from dr_lab.envs.context_slots import first_ages
+from dr_lab.envs.episodes import Episodes, StepOutcome
 
 LIMIT, SLOTS = 40, 8
 

@@ -81,7 +81,7 @@ def test_goals_are_drawn_collected_and_recorded() -> None:
     goals = batch["context"][:, 0, 1]
     torch.testing.assert_close(batch["observation"][:, 0, 0], goals)
     assert goals.std() > 0.2
-    (episode,) = record(found.make(None, 1, 0, threads=1).episodes, push, np.array([[2.0, 0.5]]))
+    (episode,) = record(found, found.make(None, 1, 0, threads=1).episodes, push, np.array([[2.0, 0.5]]))
     assert episode.context == {"cube.mass": (2.0, "kg"), "goal.x": (0.5, "m")}
 
 

@@ -103,5 +103,6 @@ def test_an_effect_that_does_not_exist_is_told() -> None:
 
 @pytest.mark.parametrize("name", options("target", (shipped(),)))
 def test_every_target_is_composed_with_the_evaluator(name: str) -> None:
-    made = instantiate(compose("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={name}"]).evaluator)
-    assert isinstance(made.target(furuta()), Target)
+    cfg = compose("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={name}"])
+    made = instantiate(cfg.evaluator, _convert_="all")
+    assert isinstance(made.target(setting("ergo_reacher") if name == "ergo_robot" else furuta()), Target)

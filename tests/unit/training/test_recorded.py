@@ -7,6 +7,7 @@ from block_on_rail import BlockOnRail, constant
 from numpy.typing import NDArray
 
 from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.setting import Setting
 from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.physics.model import from_spec
 from dr_lab.training.recorded import record
@@ -38,16 +39,22 @@ class Push(BlockOnRail):
 push = constant(10.0 * FORCE)  # cut off at FORCE
 
 
+block = Setting(
+    name="block",
+    model=from_spec("block", mujoco.MjSpec.from_string(XML), PARAMETERS),
+    task=Push(frame_skip=1, time_limit=LIMIT),
+    show_context=False,
+    infeasible_return=-7.0,
+    speed_limit=200.0,
+)
+
+
 def episodes(count: int) -> Episodes:
-    model = from_spec("block", mujoco.MjSpec.from_string(XML), PARAMETERS)
-    task = Push(frame_skip=1, time_limit=LIMIT)
-    return Episodes(
-        model, task, None, count, 0, show_context=False, infeasible_return=-7.0, speed_limit=200.0, threads=1
-    )
+    return block.make(None, count, 0, threads=1).episodes
 
 
 def test_an_episode_holds_its_course_from_start_to_end() -> None:
-    heavy, light = record(episodes(3), push, np.array([[4.0], [0.5]]))
+    heavy, light = record(block, episodes(3), push, np.array([[4.0], [0.5]]))
     steps = np.arange(LIMIT + 1)
     velocity = FORCE / 4.0 * DT * steps
     np.testing.assert_allclose(heavy.time, DT * steps)
@@ -65,7 +72,7 @@ def test_an_episode_holds_its_course_from_start_to_end() -> None:
 
 
 def test_an_infeasible_context_is_told_and_has_the_declared_return() -> None:
-    (broken,) = record(episodes(1), push, np.array([[-1.0]]))
+    (broken,) = record(block, episodes(1), push, np.array([[-1.0]]))
     assert broken.ended == "infeasible"
     assert broken.undiscounted == -7.0
     assert broken.geometry.body("block").mass[0] == pytest.approx(2.0)
@@ -74,4 +81,4 @@ def test_an_infeasible_context_is_told_and_has_the_declared_return() -> None:
 def test_what_is_recorded_returns_what_is_returned() -> None:
     z = np.array([[0.5], [1.0], [4.0]])
     returns = PolicyRollouts(episodes(2), push).returns(z)
-    np.testing.assert_allclose([each.undiscounted for each in record(episodes(3), push, z)], returns)
+    np.testing.assert_allclose([each.undiscounted for each in record(block, episodes(3), push, z)], returns)
