@@ -71,9 +71,7 @@ class CurvatureEvaluator(IntervalEvaluator):
             ConfigError: the policy is not Gaussian.
             DataError: the run has kept no policy, or hardly an episode is feasible.
         """
-        if not subject.snapshots:
-            raise DataError(f"Run {subject.name} has kept no policy yet. Give run=FOLDER of one that has saved some.")
-        chosen = [subject.snapshots[place] for place in spread_over(len(subject.snapshots), self.snapshots)]
+        chosen = spread_over(subject.kept(), self.snapshots)
         actors = [require_gaussian(each.exploring, "curvature") for each in chosen]
         rows, vectors = list[Row](), np.empty((0, 0))
         for number, (snapshot, actor) in enumerate(zip(chosen, actors, strict=True), start=1):

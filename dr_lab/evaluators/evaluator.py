@@ -10,6 +10,7 @@ import numpy as np
 from dr_lab.collectors.collector import Policy
 from dr_lab.envs.environment import Environment
 from dr_lab.envs.slots import EpisodeSlots
+from dr_lab.errors import DataError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid, Matrix
@@ -55,6 +56,16 @@ class Subject:
         if self.trained_on is None:
             return np.tile(self.setting.space.nominal, (count, 1))
         return self.trained_on.propose([rng] * count, np.arange(count)).z
+
+    def kept(self) -> Sequence[PolicySnapshot]:
+        """The snapshots, one at least.
+
+        Raises:
+            DataError: there is none.
+        """
+        if not self.snapshots:
+            raise DataError(f"Run {self.name} has kept no policy yet. Give run=FOLDER of one that has saved some.")
+        return self.snapshots
 
     def slots(self, episodes: int, seed: int) -> EpisodeSlots:
         """Slots of the task, side by side, whose starts are not those that training drew from the same seed."""

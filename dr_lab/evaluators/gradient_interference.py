@@ -11,7 +11,6 @@ from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.score_function import episode_gradients
 from dr_lab.bounds import Count, at_least, at_most
 from dr_lab.envs.slots import EpisodeSlots
-from dr_lab.errors import DataError
 from dr_lab.evaluators.context_axes import cells, context_axes
 from dr_lab.evaluators.cosines import Cosines, cosines
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
@@ -65,9 +64,7 @@ class GradientInterferenceEvaluator(IntervalEvaluator):
         space = subject.setting.space
         (axis,) = context_axes(space, self.axes, self.count, 1)
         z, slots = cells(space, [axis]), subject.slots(self.parallel, self.seed)
-        if not subject.snapshots:
-            raise DataError(f"Run {subject.name} has kept no policy yet. Give run=FOLDER of one that has saved some.")
-        chosen = [subject.snapshots[place] for place in spread_over(len(subject.snapshots), self.snapshots)]
+        chosen = spread_over(subject.kept(), self.snapshots)
         found = dict[int, Cosines]()
         for number, snapshot in enumerate(chosen):
             actor = require_gaussian(snapshot.exploring, "gradient_interference")

@@ -1,6 +1,8 @@
 """Whole episodes of a stochastic policy in a context, to take its gradient or its curvature from."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import torch
 from torch import Tensor
@@ -13,6 +15,8 @@ from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.errors import ConfigError
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.trajectory import Array
+
+_Thing = TypeVar("_Thing")
 
 
 @dataclass(frozen=True)
@@ -63,7 +67,7 @@ def require_gaussian(policy: Policy, evaluator: str) -> GaussianActor:
     return policy
 
 
-def spread_over(count: int, most: int) -> list[int]:
-    """Indices of at most so many of `count` things, the last among them, at equal distances: ⌈i·count/m⌉ − 1."""
-    chosen = min(count, most)
-    return [-(-i * count // chosen) - 1 for i in range(1, chosen + 1)]
+def spread_over(things: Sequence[_Thing], most: int) -> list[_Thing]:
+    """At most so many, the last among them, at equal distances: numbers ⌈i·n/m⌉ of n for i = 1 … m."""
+    chosen = min(len(things), most)
+    return [things[-(-i * len(things) // chosen) - 1] for i in range(1, chosen + 1)]

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from dr_lab.collectors.collector import Policy
-from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.reports.quantity import percent
@@ -33,14 +32,13 @@ class SnapshotsEvaluator(IntervalEvaluator):
             DataError: the run has kept none.
         """
         del folder
-        if not subject.snapshots:
-            raise DataError(f"Run {subject.name} has kept no policy yet. Give run=FOLDER of one that has saved some.")
+        snapshots = subject.kept()
         z = subject.contexts(self.episodes, stream(self.seed, "snapshots"))
         rows = []
-        for place, each in enumerate(subject.snapshots, start=1):
+        for place, each in enumerate(snapshots, start=1):
             returns = [self._return(subject, policy, z) for policy in (each.deployed, each.exploring)]
             rows.append({"frames": float(each.frames), "deterministic": returns[0], "stochastic": returns[1]})
-            progress(place / len(subject.snapshots))
+            progress(place / len(snapshots))
         figures = {key: value for name in ("deterministic", "stochastic") for key, value in self._over(rows, name)}
         return Evaluation(figures, rows, told=self._told(len(rows)))
 

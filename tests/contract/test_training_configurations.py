@@ -8,6 +8,11 @@ PLACE = {"normaliser": "normaliser@algorithm.actor.normaliser", "reward_scale": 
 NEEDED = {"from_run": ["randomizer.run=outputs"]}
 
 
+@pytest.mark.parametrize("option", options_of("evaluator"))
+def test_evaluator_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb("evaluate", [f"evaluator={option}"], monkeypatch)
+
+
 @pytest.mark.parametrize("option", options_of("baseline"))
 def test_baseline_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
     check_verb("train", ["algorithm=reinforce", f"baseline@algorithm.baseline={option}"], monkeypatch)
