@@ -1,7 +1,7 @@
 """Errors a user can act on: what was given, what was expected, what is available, and the remedy."""
 
 import difflib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 MOST_LISTED = 60  # names that a message lists one by one
 
@@ -46,44 +46,3 @@ class ModelError(DrLabError):
 
 class ConfigError(DrLabError):
     """A configuration that cannot be run (missing value, wrong type, unknown key)."""
-
-
-def require_numbers(
-    settings: object,
-    key: str,
-    *,
-    positive: Sequence[str] = (),
-    least: Mapping[str, float] | None = None,
-    most: Mapping[str, float] | None = None,
-    below: Mapping[str, float] | None = None,
-) -> None:
-    """Check the numbers of a settings object.
-
-    Args:
-        settings: holds the numbers as attributes.
-        key: where they stand in the configuration, for the message; empty at its root.
-        positive: attributes that must be above 0.
-        least: smallest value of further attributes.
-        most: largest value of attributes.
-        below: what attributes must stay below.
-
-    Raises:
-        ConfigError: a number is out of its range or not a number.
-    """
-    place = f"{key}." if key else ""
-    for name in positive:
-        value = getattr(settings, name)
-        if not value > 0:
-            raise ConfigError(f"{place}{name} is {value:g}; expected a number above 0.")
-    for name, low in (least or {}).items():
-        value = getattr(settings, name)
-        if not value >= low:
-            raise ConfigError(f"{place}{name} is {value:g}; expected at least {low:g}.")
-    for name, high in (most or {}).items():
-        value = getattr(settings, name)
-        if not value <= high:
-            raise ConfigError(f"{place}{name} is {value:g}; expected at most {high:g}.")
-    for name, end in (below or {}).items():
-        value = getattr(settings, name)
-        if not value < end:
-            raise ConfigError(f"{place}{name} is {value:g}; expected a number below {end:g}.")

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import mujoco
 
+from dr_lab.bounds import Positive, require_bounds
 from dr_lab.envs.environment import Environment
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.envs.task import Task, context_space
-from dr_lab.errors import ConfigError, ModelError, require_numbers
+from dr_lab.errors import ConfigError, ModelError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import Model
@@ -34,10 +35,10 @@ class Setting(Environment):
     model: Model
     task: Task
     infeasible_return: float
-    speed_limit: float = math.inf
+    speed_limit: Positive = math.inf
 
     def __post_init__(self) -> None:
-        require_numbers(self, "env", positive=("speed_limit",))
+        require_bounds(self, "env")
 
     @property
     def space(self) -> ContextSpace:

@@ -3,13 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
+from dr_lab.bounds import Count, above, at_most, require_bounds
 from dr_lab.collectors.collector import Collector
 from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.envs.environment import Environment
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.seeding import derived_seed
@@ -46,18 +48,16 @@ class Plan:
     randomizer: Callable[[ContextSpace], Randomizer]
     distribution_learner: Callable[..., DistributionLearner]
     collector: Callable[..., Collector]
-    episodes: int
-    rollout_episodes: int
-    frames: int
-    checkpoint_every: int
+    episodes: Count
+    rollout_episodes: Count
+    frames: Count
+    checkpoint_every: Count
     seed: int
     threads: int | None
-    final_share: float = 1.0
+    final_share: Annotated[float, above(0.0), at_most(1.0)] = 1.0
 
     def __post_init__(self) -> None:
-        counted = ("episodes", "rollout_episodes", "frames", "checkpoint_every")
-        share = "final_share"
-        require_numbers(self, "", least=dict.fromkeys(counted, 1), positive=(share,), most={share: 1.0})
+        require_bounds(self, "")
 
     def assemble(self, checkpoint: Path | None) -> "Training":
         """Build everything.

@@ -9,10 +9,10 @@ import numpy as np
 from torch import Tensor, nn
 
 from dr_lab.algorithms.algorithm import Algorithm
+from dr_lab.bounds import Count, require_bounds
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import outcomes, play
 from dr_lab.envs.environment import Environment
-from dr_lab.errors import require_numbers
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.seeding import derived_seed, stream
 
@@ -113,11 +113,11 @@ class Choice:
         ConfigError: a number is too small.
     """
 
-    snapshots: int
-    episodes: int
+    snapshots: Count
+    episodes: Count
 
     def __post_init__(self) -> None:
-        require_numbers(self, "choice", least={"snapshots": 1, "episodes": 1})
+        require_bounds(self, "choice")
 
     def choose(
         self,

@@ -17,7 +17,8 @@ from hydra.plugins.launcher import Launcher
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict
 
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.bounds import NotNegative, Positive, require_bounds
+from dr_lab.errors import ConfigError
 from dr_lab.ray_cluster import own_sigterm, prepare, unanswered
 
 
@@ -37,9 +38,9 @@ class RayLauncher(Launcher):
         patience: time that a running cluster has to answer [s].
     """
 
-    def __init__(self, init: Mapping[str, Any], job: Mapping[str, Any], grace: float, patience: float) -> None:
+    def __init__(self, init: Mapping[str, Any], job: Mapping[str, Any], grace: NotNegative, patience: Positive) -> None:
         self.init, self.job, self.grace, self.patience = init, job, grace, patience
-        require_numbers(self, "hydra.launcher", positive=("patience",), least={"grace": 0.0})
+        require_bounds(self, "hydra.launcher", RayLauncher)
         self.sweep: tuple[HydraContext, TaskFunction, DictConfig] | None = None
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:

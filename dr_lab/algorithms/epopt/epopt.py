@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from math import ceil
-from typing import Any, cast
+from typing import Annotated, Any, cast
 
 import numpy as np
 import torch
@@ -12,9 +12,10 @@ from torch import Tensor
 from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.surrogate import PolicySamples
+from dr_lab.bounds import Count, NotNegative, above, at_most, require_bounds
 from dr_lab.collectors.experience import Experience
 from dr_lab.collectors.first_episodes import first_episodes
-from dr_lab.errors import ConfigError, require_numbers
+from dr_lab.errors import ConfigError
 from dr_lab.seeding import stream
 
 
@@ -47,18 +48,17 @@ class EPOpt(PPO):
         interface: Interface,
         seed: int,
         *,
-        epsilon: float,
-        warm_up: float,
+        epsilon: Annotated[float, above(0.0), at_most(1.0)],
+        warm_up: NotNegative,
         frames: int,
         slots: int,
-        episodes_per_context: int,
+        episodes_per_context: Count,
         **ppo: Any,  # noqa: ANN401 (PPO's own)
     ) -> None:
         super().__init__(interface, seed, **ppo)
         self.epsilon, self.warm_up, self.planned = epsilon, warm_up, frames
         self.slots, self.episodes_per_context = slots, episodes_per_context
-        least = {"warm_up": 0.0, "episodes_per_context": 1}
-        require_numbers(self, "algorithm", positive=("epsilon",), least=least, most={"epsilon": 1.0})
+        require_bounds(self, "algorithm", EPOpt)
         if warm_up >= 1.0:
             raise ConfigError(
                 f"algorithm.warm_up is {warm_up:g} of the {frames} control steps (frames), which leaves nothing to "
