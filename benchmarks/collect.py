@@ -1,10 +1,10 @@
 """How fast is experience collected with a policy in the loop, beside TorchRL's own environments and the physics alone?
 
-One policy, two hidden layers of 64, acts in every arm. Mass, friction and damping of every body, joint and shape are
-drawn anew for each episode, by writing model fields. The arms take turns, round after round, so that all meet the same
-load of the machine; figures are medians over the rounds, ratios are taken within a round.
+One policy acts in every arm: untrained, with two hidden layers of 64, or that of a run. Mass, friction and damping of
+every body, joint and shape are drawn anew for each episode, by writing model fields. The arms take turns, round after
+round, so that all meet the same load; figures are medians over the rounds, ratios are taken within a round.
 
-limit       `mujoco.batch.Batch.step` alone, with controls drawn beforehand; what has fallen is put upright again
+limit       `mujoco.batch.Batch.step` alone, on starts and actions of a batch of lean
 lean        `dr_lab.collectors.lean`
 torchrl     `dr_lab.collectors.torchrl`, the default
 compiled    lean, the torso's size drawn for each episode: a model is compiled each time (not for every machine)
@@ -12,6 +12,7 @@ gymnasium   `torchrl.collectors.Collector` on `ParallelEnv` of 8 `GymEnv`, nothi
 
     python benchmarks/collect.py
     python benchmarks/collect.py --machines hopper --rounds 3 --seconds 2
+    python benchmarks/collect.py --machines hopper --alone --trained outputs/train/hopper/2026-01-31_12-00-00
 """
 
 import argparse
@@ -24,7 +25,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from types import ModuleType
+from typing import cast
 
 import hydra
 import numpy as np
@@ -32,12 +35,14 @@ import torch
 from rich.console import Console
 from rich.table import Table
 from tensordict import TensorDictBase
+from torch import Tensor
 from torchrl.collectors import Collector as PlainCollector
 from torchrl.envs import EnvBase, GymEnv, ParallelEnv
 
+from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import HYDRA_VERSION, prepare
 from dr_lab.cli.folders import shipped
-from dr_lab.collectors.collector import Collector
+from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.lean import LeanCollector
 from dr_lab.collectors.torchrl import Acting, TorchRLCollector
 from dr_lab.envs.gymnasium_model import load
@@ -46,6 +51,8 @@ from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.normaliser import NoNormaliser
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.uniform import UniformRandomizer
+from dr_lab.training.run_state import RunState
+from dr_lab.trajectory import Array
 
 Arm = Callable[[], int]
 """Collects for a while and says how many control steps."""
@@ -85,21 +92,27 @@ def uniform(space: ContextSpace) -> UniformRandomizer:
     return UniformRandomizer(space, {})
 
 
-def limit(of: Setting, slots: int, steps: int, threads: int) -> Arm:
-    """The physics alone."""
-    episodes = of.make(None, slots, 0, threads).episodes
-    simulator, task = episodes.simulator, of.task
-    fields = {name: simulator.batch.bind(name) for name in ("qpos", "qvel")}
-    nominal = dict.fromkeys(of.space.names, np.full(slots, np.nan))  # a fall does not depend on it
-    controls = np.random.default_rng(0).normal(0.0, 0.5, (steps, slots, len(episodes.low)))
-    controls = np.clip(controls, -1.0, 1.0) * episodes.high
+def limit(of: Setting, policy: Policy, slots: int, steps: int, threads: int) -> Arm:
+    """The physics alone, of a batch of this policy."""
+    env = of.make(uniform(of.space), slots, 0, threads)
+    simulator, states = env.episodes.simulator, list[Array]()
+
+    def watched(observation: Tensor) -> Tensor:
+        states.append(simulator.batch.state.copy())
+        return policy(observation)
+
+    batch = next(LeanCollector(env, watched, steps))
+    taken, done = (
+        cast(Tensor, batch[key]).transpose(0, 1).contiguous().numpy() for key in ("action", ("next", "done"))
+    )
+    actions = taken.clip(env.episodes.low, env.episodes.high)
+    begun = [np.arange(slots), *(np.flatnonzero(each) for each in done[:-1])]
 
     def run() -> int:
-        for control in controls:
-            simulator.step(control, task.frame_skip)
-            fallen = np.flatnonzero(task.terminated(fields, nominal))
-            if len(fallen):
-                simulator.reset(fallen)
+        for state, action, rows in zip(states, actions, begun, strict=True):
+            if len(rows):
+                simulator.batch.state[rows] = state[rows]
+            simulator.step(action, of.task.frame_skip)
         return steps * slots
 
     return run
@@ -110,11 +123,20 @@ def gathered(collector: Collector) -> Arm:
     return lambda: next(collector).numel()
 
 
-def policy_of(of: Setting) -> GaussianActor:
-    """The policy of all arms."""
+def untrained(of: Setting) -> Policy:
+    """A policy as it is at first."""
     episodes = of.make(None, 1, 0, 1).episodes
     width = episodes.observation.shape[1]
     return GaussianActor(width, episodes.low, episodes.high, 0, NoNormaliser, [64, 64], "tanh", -0.5)
+
+
+def trained(run: Path) -> Policy:
+    """The policy that a run chose, as it explores."""
+    algorithm = (
+        compose_arguments("train", [], (shipped(),), recorded=run, only=["plan"])["plan"].assemble(None).algorithm
+    )
+    RunState.load(run).restore(algorithm)
+    return algorithm.policies["policy"]
 
 
 def peer(name: str) -> EnvBase:
@@ -124,7 +146,7 @@ def peer(name: str) -> EnvBase:
     return GymEnv(name, **contacts)
 
 
-def plain(name: str, policy: GaussianActor, frames: int, stack: ExitStack) -> Arm:
+def plain(name: str, policy: Policy, frames: int, stack: ExitStack) -> Arm:
     """TorchRL's collector on its own environments."""
     environments = ParallelEnv(WORKERS, partial(peer, PEERS[name]))
     collector = PlainCollector(
@@ -139,14 +161,14 @@ def arms_of(name: str, options: argparse.Namespace, stack: ExitStack) -> dict[st
     """The arms by name."""
     slots, steps, threads = options.slots, options.steps, options.threads
     fields = everything(setting(name))
-    policy = policy_of(fields)
+    policy = untrained(fields) if options.trained is None else trained(options.trained)
 
     def environment(of: Setting) -> Collector:
         return LeanCollector(of.make(uniform(of.space), slots, 0, threads), policy, steps)
 
     default = TorchRLCollector(fields.make(uniform(fields.space), slots, 0, threads), policy, steps)
     stack.callback(default.close)
-    arms = {"limit": limit(setting(name), slots, steps, threads), "lean": gathered(environment(fields))}
+    arms = {"limit": limit(fields, policy, slots, steps, threads), "lean": gathered(environment(fields))}
     arms["torchrl"] = gathered(default)
     if name in SIZES:
         sized = setting(name, f"env/context={name}/torso_size")
@@ -196,6 +218,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--steps", type=int, default=64, help="control steps of each in a batch")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--alone", action="store_true", help="without gymnasium's arm")
+    parser.add_argument("--trained", type=Path, help="folder of a training run on the machine, whose policy acts")
     options = parser.parse_args(arguments)
     torch.set_num_threads(1)
     figures = {name: measured(name, options) for name in options.machines.split(",")}

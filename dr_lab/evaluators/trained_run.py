@@ -11,10 +11,9 @@ from dr_lab.distribution_learners.none import NoLearner
 from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Subject
 from dr_lab.randomizers.context_source import ContextSource
-from dr_lab.training.beginning import go_on_from
-from dr_lab.training.checkpoint import load
-from dr_lab.training.plan import CHECKPOINT, POLICY, Plan, Training
-from dr_lab.training.policy_snapshots import PolicySnapshot, PolicySnapshots, load_states, states
+from dr_lab.training.plan import CHECKPOINT, Plan, Training
+from dr_lab.training.policy_snapshots import PolicySnapshot, PolicySnapshots
+from dr_lab.training.run_state import RunState
 from dr_lab.training.trainer import Trainer
 
 Compose = Callable[..., Mapping[str, Any]]
@@ -71,16 +70,13 @@ def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:
     recorded: Plan = compose("train", [], recorded=folder, only=["plan"])["plan"]
     plan = replace(recorded, threads=threads)
     training = plan.assemble(None)
-    state, snapshots = _restored(training, folder)
+    left, snapshots = _restored(training, folder)
     training.trainer.close()
-    deployed = states(training.algorithm)
 
     def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
         further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
         fresh = further.assemble(None)
-        go_on_from(fresh.algorithm, state, seed)
-        load_states(fresh.algorithm, deployed)
-        fresh.algorithm.explore_anew(seed)
+        left.train_on(fresh.algorithm, seed)
         return fresh.trainer, fresh.algorithm.deployed
 
     contexts, policy = training.randomizer, training.algorithm.deployed
@@ -95,27 +91,17 @@ def _origin(folder: Path) -> str:
     return f"; it is that of a run of dr-lab {made[1]}" if made else ""
 
 
-def _restored(training: Training, folder: Path) -> tuple[Mapping[str, Any], list[PolicySnapshot]]:
-    """Put algorithm and distribution into the state that a run left, with the policy that it chose to be deployed.
-
-    A run that has not ended has chosen none; its last policy stands.
-
-    Returns:
-        The algorithm's state as the run left it, and the policies that it kept.
-    """
-    saved = load(folder / CHECKPOINT)
-    chosen = load(folder / POLICY) if (folder / POLICY).is_file() else None
-    policies = PolicySnapshots(training.algorithm, 0)  # takes none
+def _restored(training: Training, folder: Path) -> tuple[RunState, list[PolicySnapshot]]:
+    """Put algorithm and distribution into the state that a run left; gives that, and the policies that it kept."""
+    left, policies = RunState.load(folder), PolicySnapshots(training.algorithm, 0)  # takes none
     try:
-        training.algorithm.load_state_dict(saved["algorithm"])
-        training.learner.load_state_dict(saved["learner"])
-        policies.load_state_dict(saved["policies"])
-        if chosen is not None:
-            load_states(training.algorithm, chosen["policies"])
+        left.restore(training.algorithm)
+        training.learner.load_state_dict(left.last["learner"])
+        policies.load_state_dict(left.last["policies"])
         snapshots = policies.restored()
     except (KeyError, RuntimeError, TypeError, ValueError) as error:
         raise DataError(
             f"{folder / CHECKPOINT} does not fit {folder / 'config.yaml'}, or is of another version of dr_lab: "
             f"{' '.join(str(error).split())} Give run=FOLDER of a training run as it was left, or train again."
         ) from error
-    return saved["algorithm"], snapshots
+    return left, snapshots

@@ -14,6 +14,7 @@ from settings import composed
 
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.envs.environment import Environment
+from dr_lab.envs.lunar_lander import episodes as lander_episodes
 from dr_lab.envs.lunar_lander.episodes import LanderEpisodes
 from dr_lab.envs.lunar_lander.lander import Lander, original
 from dr_lab.envs.setting import require_mujoco
@@ -24,6 +25,11 @@ from dr_lab.training.recorded import record
 from dr_lab.trajectory import Array
 
 BOTH = "env/context=[lunar_lander/main_engine,lunar_lander/side_engine]"
+
+
+@pytest.fixture(autouse=True)
+def _few_landers_have_processes_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lander_episodes, "_LEAST", 8)
 
 
 def environment(*overrides: str) -> Environment:
@@ -125,6 +131,7 @@ def test_results_do_not_depend_on_the_number_of_processes() -> None:
     varied = [
         landers("env/context=lunar_lander/main_engine", slots=25, threads=threads, source=source) for threads in (1, 3)
     ]
+    assert [len(episodes._workers) for episodes in varied] == [0, 2]
     same(*(played(episodes, 150) for episodes in varied))
     for key in ("contexts", "proposals", "observation"):
         np.testing.assert_array_equal(*(getattr(episodes, key) for episodes in varied))

@@ -16,7 +16,7 @@ from dr_lab.physics.simulator import thread_count
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
 
-_LEAST = 8  # landers that step no faster in another process: asking it takes 0.1 ms, a step of a lander 0.03 ms
+_LEAST = 32  # landers of a process: asking one takes 0.1 ms and a wait for it on a busy machine, 32 steps take 1 ms
 
 
 class LanderEpisodes(ContextSlots):

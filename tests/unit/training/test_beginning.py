@@ -10,7 +10,9 @@ from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.folders import shipped
 from dr_lab.errors import DataError
 from dr_lab.training.beginning import Beginning
-from dr_lab.training.plan import CHECKPOINT, Plan, Training
+from dr_lab.training.checkpoint import save
+from dr_lab.training.plan import CHECKPOINT, POLICY, Plan, Training
+from dr_lab.training.policy_snapshots import PolicySnapshots
 
 OVERRIDES = [
     "env=hopper",
@@ -18,18 +20,18 @@ OVERRIDES = [
     "env.task.time_limit=20",
     "randomizer=gaussian",
     "algorithm.batch_frames=80",
-    "algorithm.minibatch=40",
-    "algorithm.epochs=1",
     "collector=lean",
     "episodes=4",
     "rollout_episodes=2",
     "frames=160",
     "threads=1",
 ]
+PPO = ("algorithm.minibatch=40", "algorithm.epochs=1")
+DDPG = ("algorithm=ddpg", "algorithm.minibatch=8", "algorithm.learning_starts=40")
 
 
-def plan(*more: str) -> tuple[Plan, Beginning]:
-    arguments = compose_arguments("train", [*OVERRIDES, *more], (shipped(),))
+def plan(*more: str, algorithm: tuple[str, ...] = PPO) -> tuple[Plan, Beginning]:
+    arguments = compose_arguments("train", [*OVERRIDES, *algorithm, *more], (shipped(),))
     return arguments["plan"], arguments["beginning"]
 
 
@@ -44,8 +46,8 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def begun(*more: str) -> Training:
-    planned, beginning = plan("seed=1", *more)
+def begun(*more: str, algorithm: tuple[str, ...] = PPO) -> Training:
+    planned, beginning = plan("seed=1", *more, algorithm=algorithm)
     training = planned.assemble(None)
     beginning.apply(training, planned.seed)
     training.trainer.close()
@@ -66,6 +68,21 @@ def test_policy_and_normaliser_are_taken_over_and_all_else_is_new(finished: Path
     assert training.trainer.frames == 0
     assert not torch.equal(training.algorithm.state_dict()["generator"], left["algorithm"]["generator"])
     assert not training.randomizer.state_dict()["loc"].any()
+
+
+@pytest.mark.parametrize("algorithm", [PPO, DDPG])
+def test_the_chosen_policy_is_taken_over_and_the_last_value_network(tmp_path: Path, algorithm: tuple[str, ...]) -> None:
+    training = plan(algorithm=algorithm)[0].assemble(tmp_path / CHECKPOINT)
+    snapshots, observation = PolicySnapshots(training.algorithm, 2), torch.linspace(-1.0, 1.0, 22).view(2, 11)
+    training.trainer.run(160, lambda *_: snapshots.take(training.trainer.frames))
+    training.trainer.close()
+    save(tmp_path / POLICY, snapshots.taken[0])
+    first, last = (each.deployed(observation) for each in snapshots.restored())
+    assert not torch.equal(first, last)
+    found = begun(f"init={tmp_path}", algorithm=algorithm).algorithm
+    assert torch.equal(found.deployed(observation), first)
+    for key, value in training.algorithm.state_dict()["critic"].items():
+        assert torch.equal(found.state_dict()["critic"][key], value)
 
 
 def test_the_distribution_is_taken_over_where_asked_for(finished: Path) -> None:
