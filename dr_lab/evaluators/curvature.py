@@ -16,7 +16,7 @@ from dr_lab.bounds import Count, Positive, at_least, at_most
 from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
-from dr_lab.evaluators.policy_gradients import Played, played, require_gaussian, spread_over
+from dr_lab.evaluators.policy_gradients import PlayedEpisodes, played, require_gaussian, spread_over
 from dr_lab.evaluators.statistics import mean_interval
 from dr_lab.files import write_text
 from dr_lab.networks.flat import parts_of
@@ -97,7 +97,7 @@ class CurvatureEvaluator(IntervalEvaluator):
     def _distances(self) -> Array:
         return np.linspace(-self.reach, self.reach, self.steps)
 
-    def _played(self, subject: Subject, actor: GaussianActor, half: str) -> Played:
+    def _played(self, subject: Subject, actor: GaussianActor, half: str) -> PlayedEpisodes:
         """Episodes in contexts that were trained on; the same ones, with the same noise, whatever the policy."""
         seed = derived_seed(self.seed, "curvature", half)
         actor.reseed(seed)
@@ -110,12 +110,12 @@ class CurvatureEvaluator(IntervalEvaluator):
             )
         return course
 
-    def _spectrum(self, actor: GaussianActor, course: Played) -> tuple[Array, Array]:
+    def _spectrum(self, actor: GaussianActor, course: PlayedEpisodes) -> tuple[Array, Array]:
         losses, at = _losses(actor, course)
         product = hessian_product(lambda vector: losses(vector).mean(), at)
         return ends_of_spectrum(product, len(at), self.eigenvalues, self.seed)
 
-    def _row(self, frames: int, actor: GaussianActor, course: Played, eigenvalue: float, along: Array) -> Row:
+    def _row(self, frames: int, actor: GaussianActor, course: PlayedEpisodes, eigenvalue: float, along: Array) -> Row:
         losses, at = _losses(actor, course)
         measured = mean_interval(curvatures(losses, at, along), self.confidence, self.resamples, self.seed)
         return {
@@ -127,7 +127,7 @@ class CurvatureEvaluator(IntervalEvaluator):
         }
 
     def _moved(
-        self, subject: Subject, actor: GaussianActor, course: Played, along: Array, distance: float
+        self, subject: Subject, actor: GaussianActor, course: PlayedEpisodes, along: Array, distance: float
     ) -> dict[str, float]:
         """What the policy returns when it is moved, discounted, and what the surrogate says of it."""
         losses, at = _losses(actor, course)
@@ -168,7 +168,7 @@ def _figures(rows: Sequence[Row]) -> dict[str, float]:
     return {f"{name}.{key}": float(rows[place][key]) for name, place in _ENDS.items() for key in shown}
 
 
-def _losses(actor: GaussianActor, course: Played) -> tuple[Callable[[Tensor], Tensor], Tensor]:
+def _losses(actor: GaussianActor, course: PlayedEpisodes) -> tuple[Callable[[Tensor], Tensor], Tensor]:
     """Loss of each episode as a function of all parameters (p,), 0 at the policy's own, which come second."""
     parameters = {name: value.detach().double() for name, value in actor.named_parameters()}
 

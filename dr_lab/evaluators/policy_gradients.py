@@ -20,7 +20,7 @@ _Thing = TypeVar("_Thing")
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayedEpisodes:
     """What a policy played and how well it went.
 
     Attributes:
@@ -34,7 +34,7 @@ class Played:
     returns: Tensor
 
 
-def played(slots: EpisodeSlots, actor: GaussianActor, z: Array, baseline: Baseline, gamma: float) -> Played:
+def played(slots: EpisodeSlots, actor: GaussianActor, z: Array, baseline: Baseline, gamma: float) -> PlayedEpisodes:
     """Play one episode in each context.
 
     Args:
@@ -50,7 +50,7 @@ def played(slots: EpisodeSlots, actor: GaussianActor, z: Array, baseline: Baseli
     with torch.no_grad():
         episodes = whole_episodes(course, mask, actor).double()
         to_go = episodes.returns_to_go(gamma)
-        return Played(episodes, to_go - baseline(episodes, to_go), to_go[:, 0])
+        return PlayedEpisodes(episodes, to_go - baseline(episodes, to_go), to_go[:, 0])
 
 
 def require_gaussian(policy: Policy, evaluator: str) -> GaussianActor:

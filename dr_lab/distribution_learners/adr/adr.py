@@ -12,7 +12,7 @@ from dr_lab.bounds import Count, require_bounds
 from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.adr.discriminator import Discriminator
 from dr_lab.distribution_learners.adr.proposals import OpenProposals
-from dr_lab.distribution_learners.adr.whole_episodes import WholeEpisode, WholeEpisodes, transitions
+from dr_lab.distribution_learners.adr.whole_episodes import EpisodeAssembler, WholeEpisode, transitions
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.distribution_learners.svpg.svpg import SVPG
 from dr_lab.errors import ConfigError
@@ -82,7 +82,7 @@ class ADR(DistributionLearner):
         self._discriminator: Discriminator | None = None  # until the width of a transition is known
         self._hidden = size if context_shown else 0
         self._proposals = OpenProposals(self._contexts())
-        self._episodes = WholeEpisodes(self._hidden)
+        self._episodes = EpisodeAssembler(self._hidden)
         self._answers: dict[int, WholeEpisode] = {}  # by the place of the proposal
         self._references: list[Tensor] = []  # transitions of each episode
         self._frames, self._lowest = 0, 0.0

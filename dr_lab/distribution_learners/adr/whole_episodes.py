@@ -36,7 +36,7 @@ def transitions(batch: TensorDict, hidden: int) -> Tensor:
     return torch.cat([now[..., :shown], action, then[..., :shown]], -1)
 
 
-class WholeEpisodes:
+class EpisodeAssembler:
     """Follows the episodes of n slots from batch to batch.
 
     The first episode of a slot is left out where it was truncated: slots are staggered, so that it may have been cut

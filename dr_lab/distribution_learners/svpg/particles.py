@@ -7,7 +7,7 @@ import torch
 from torch import Tensor, nn
 
 from dr_lab.distribution_learners.svpg.stacked import Stacked
-from dr_lab.distribution_learners.svpg.walk import Step
+from dr_lab.distribution_learners.svpg.walk import WalkStep
 from dr_lab.networks.gaussian import Gaussian
 from dr_lab.networks.mlp import MLP
 
@@ -81,7 +81,7 @@ class Particles:
         """V(u) of each particle at its points (N, …, n), shape (N, …)."""
         return self.critics(u).squeeze(-1)
 
-    def gradients(self, steps: Sequence[Step], rewards: Tensor) -> Gradients:
+    def gradients(self, steps: Sequence[WalkStep], rewards: Tensor) -> Gradients:
         """What the steps of the walks teach.
 
         Args:

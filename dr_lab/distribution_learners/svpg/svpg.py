@@ -9,7 +9,7 @@ from torch import Tensor
 from dr_lab.bounds import Count, Positive, require_bounds
 from dr_lab.distribution_learners.svpg.particles import Particles
 from dr_lab.distribution_learners.svpg.stein import ascent_direction
-from dr_lab.distribution_learners.svpg.walk import Step, Walk
+from dr_lab.distribution_learners.svpg.walk import Walk, WalkStep
 
 
 class SVPG:
@@ -53,7 +53,7 @@ class SVPG:
         self.particles = particles(count, size, self._generator)
         self.walk = walk(count, size, self._generator)
         self._optimiser = torch.optim.Adam(self._rows, lr=learning_rate)
-        self._steps: Sequence[Step] = ()
+        self._steps: Sequence[WalkStep] = ()
 
     @torch.no_grad()
     def propose(self) -> Tensor:
@@ -93,7 +93,7 @@ class SVPG:
         self.inherit(state)
         self._optimiser.load_state_dict(state["optimiser"])
         self.walk.load_state_dict(state["walk"])
-        self._steps = [Step(*step) for step in state["steps"]]
+        self._steps = [WalkStep(*step) for step in state["steps"]]
         self._generator.set_state(state["generator"])
 
     def inherit(self, state: Mapping[str, Any]) -> None:

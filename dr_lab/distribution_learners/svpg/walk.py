@@ -9,7 +9,7 @@ from torch import Tensor
 from dr_lab.bounds import Count, Positive, require_bounds
 
 
-class Step(NamedTuple):
+class WalkStep(NamedTuple):
     """One step of N walks.
 
     Attributes:
@@ -55,7 +55,7 @@ class Walk:
         self.position = torch.rand(count, size, generator=generator)
         self._age = torch.zeros(count, dtype=torch.int64)
 
-    def step(self, action: Tensor) -> Step:
+    def step(self, action: Tensor) -> WalkStep:
         """Move all points by their actions (N, n)."""
         before = self.position
         length = action.norm(dim=-1, keepdim=True).clamp(min=1.0)
@@ -65,7 +65,7 @@ class Walk:
         anew = torch.rand(before.shape, generator=self._generator)
         self.position = torch.where(cut[:, None], anew, after)
         self._age = torch.where(cut, 0, self._age)
-        return Step(before, action, after, cut)
+        return WalkStep(before, action, after, cut)
 
     def state_dict(self) -> dict[str, Any]:
         """Where the walks are."""

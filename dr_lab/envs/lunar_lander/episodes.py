@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.envs.context_slots import ContextSlots, first_ages
 from dr_lab.envs.lunar_lander.lander import Landers
-from dr_lab.envs.lunar_lander.worker import Worker
+from dr_lab.envs.lunar_lander.worker import LanderWorker
 from dr_lab.envs.slots import Rows, Starts, StepOutcome
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
@@ -63,7 +63,7 @@ class LanderEpisodes(ContextSlots):
         processes = max(1, min(thread_count(threads), nsim // _LEAST))
         self._edges = np.arange(processes + 1) * nsim // processes
         counts = np.diff(self._edges).tolist()
-        self._workers = [Worker(count) for count in counts[1:]]
+        self._workers = [LanderWorker(count) for count in counts[1:]]
         self._here = Landers(counts[0])
         self._seeds, self._actions = np.zeros(nsim, np.int64), np.zeros((nsim, time_limit, 2))
         self._played, self._ages = np.zeros(nsim, np.intp), np.zeros(nsim, np.intp)

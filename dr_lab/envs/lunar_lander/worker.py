@@ -13,7 +13,7 @@ from dr_lab.envs.lunar_lander.lander import Landers
 from dr_lab.errors import DrLabError
 
 
-class Worker:
+class LanderWorker:
     """Calls methods of `Landers` in a process of its own, which ends with this object or with this process.
 
     The process is a new Python that imports little: a fork would inherit the threads' locks of torch and MuJoCo.

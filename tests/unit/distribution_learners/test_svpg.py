@@ -13,7 +13,7 @@ from dr_lab.distribution_learners.svpg.particles import Particles, WalkActor, di
 from dr_lab.distribution_learners.svpg.stacked import Stacked
 from dr_lab.distribution_learners.svpg.stein import ascent_direction
 from dr_lab.distribution_learners.svpg.svpg import SVPG, spread
-from dr_lab.distribution_learners.svpg.walk import Step, Walk
+from dr_lab.distribution_learners.svpg.walk import Walk, WalkStep
 from dr_lab.errors import ConfigError
 
 
@@ -88,7 +88,7 @@ def test_returns_by_hand() -> None:
 
 def test_walks_stay_in_the_cube_keep_to_the_longest_step_and_begin_anew() -> None:
     walk = Walk(64, 2, torch.Generator().manual_seed(0), max_step=0.1, horizon=5)
-    steps, positions = list[Step](), list[Tensor]()
+    steps, positions = list[WalkStep](), list[Tensor]()
     for _ in range(5):
         steps.append(walk.step(torch.full((64, 2), 3.0)))
         positions.append(walk.position)

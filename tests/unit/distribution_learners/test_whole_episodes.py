@@ -9,7 +9,7 @@ from settings import setting
 from torch import Tensor
 
 from dr_lab.collectors.lean import LeanCollector
-from dr_lab.distribution_learners.adr.whole_episodes import WholeEpisodes, transitions
+from dr_lab.distribution_learners.adr.whole_episodes import EpisodeAssembler, transitions
 
 
 def stagger(steps: int) -> tuple[LeanCollector, int]:
@@ -34,7 +34,7 @@ def test_episodes_are_those_of_one_long_batch(steps: int) -> None:
             if begin or terminated[slot, end - 1]:  # the first may have been cut early, as slots are staggered
                 expected.append(rows[slot, begin:end])
             begin = int(end)
-    parts, (short, _) = WholeEpisodes(0), stagger(steps)
+    parts, (short, _) = EpisodeAssembler(0), stagger(steps)
     found = [each.transitions for _ in range(60 // steps) for each in parts.take(next(short))]
     assert sorted(map(fingerprint, found)) == sorted(map(fingerprint, expected))
     assert {len(each) for each in expected} >= {limit}
@@ -48,7 +48,7 @@ def fingerprint(rows: Tensor) -> tuple[int, float]:
 def test_goes_on_where_its_state_was_taken() -> None:
     collector, _ = stagger(4)
     batches = [next(collector) for _ in range(10)]
-    whole, first, second = WholeEpisodes(0), WholeEpisodes(0), WholeEpisodes(0)
+    whole, first, second = EpisodeAssembler(0), EpisodeAssembler(0), EpisodeAssembler(0)
     expected = [each for batch in batches for each in whole.take(batch)][-5:]
     for batch in batches[:5]:
         first.take(batch)
