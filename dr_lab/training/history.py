@@ -39,10 +39,19 @@ def metrics_csv(history: History) -> str:
 
 
 def curves(history: History) -> list[Curve]:
-    """Every figure over iterations, but for those that only count."""
-    iteration = np.array([int(row["iteration"]) for row in history])
-    names = dict.fromkeys(name for row in history for name in row if name not in _NOT_PLOTTED)
-    return [Curve(name, "", iteration, np.array([row.get(name, np.nan) for row in history])) for name in names]
+    """Every figure over the iterations that know it, but for those that only count or that none knows.
+
+    A figure of a learner's rounds, which take many iterations, is a line from round to round.
+    """
+    known = (name for row in history for name, value in row.items() if not np.isnan(value))
+    names = dict.fromkeys(name for name in known if name not in _NOT_PLOTTED)
+    return [_curve(name, history) for name in names]
+
+
+def _curve(name: str, history: History) -> Curve:
+    known = [row for row in history if not np.isnan(row.get(name, np.nan))]
+    iteration = np.array([int(row["iteration"]) for row in known], np.int64)
+    return Curve(name, "", iteration, np.array([row[name] for row in known], np.float64))
 
 
 def _infeasible(row: Mapping[str, float]) -> float:

@@ -1,0 +1,18 @@
+import numpy as np
+
+from dr_lab.training.history import curves
+
+
+def test_a_figure_is_a_line_through_the_iterations_that_know_it() -> None:
+    rows = [
+        {"iteration": 1.0, "loss": 3.0},
+        {"iteration": 2.0, "loss": np.nan, "round": 5.0},
+        {"iteration": 3.0, "loss": 1.0},
+    ]
+    by_name = {curve.name: (curve.at.tolist(), curve.value.tolist()) for curve in curves(rows)}
+    assert by_name == {"loss": ([1, 3], [3.0, 1.0]), "round": ([2], [5.0])}
+
+
+def test_a_figure_that_is_never_known_is_no_curve() -> None:
+    # The viewer panics at a line without any point.
+    assert not curves([{"iteration": 1.0, "loss": np.nan}])
