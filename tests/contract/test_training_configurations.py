@@ -5,7 +5,11 @@ from test_configurations import check_verb, options_of
 
 GROUPS = ("algorithm", "randomizer", "distribution_learner", "collector", "normaliser", "reward_scale")
 PLACE = {"normaliser": "normaliser@algorithm.actor.normaliser", "reward_scale": "reward_scale@algorithm.reward_scale"}
-NEEDED = {"from_run": ["randomizer.run=outputs"]}
+NEEDED = {
+    "from_run": ["randomizer.run=outputs"],
+    "gail": ["algorithm.expert.path=episodes.mcap"],
+    "adr_plus": ["distribution_learner.expert.path=episodes.mcap"],
+}
 
 
 @pytest.mark.parametrize("option", options_of("evaluator"))
@@ -21,6 +25,12 @@ def test_baseline_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("option", options_of("target"))
 def test_target_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
     check_verb("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={option}"], monkeypatch)
+
+
+@pytest.mark.parametrize("option", options_of("expert"))
+def test_expert_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = {"mcap": "algorithm.expert.path=episodes.mcap", "logs": "algorithm.expert.episodes=2"}[option]
+    check_verb("train", ["algorithm=gail", f"expert@algorithm.expert={option}", given], monkeypatch)
 
 
 @pytest.mark.parametrize(("group", "option"), [(group, option) for group in GROUPS for option in options_of(group)])
