@@ -80,7 +80,8 @@ class GridEvaluator(Evaluator):
         return share | {"lowest_solved": float(axis.values[reached].min()) if reached.any() else float("nan")}
 
     def _told(self, contexts: int) -> str:
-        solved = (
+        told = f" solved is the share of contexts whose mean is {self.solved or 0.0:g} or more."
+        solved = "" if self.solved is None else told
             "" if self.solved is None else f" solved is the share of contexts that return {self.solved:g} on average."
         )
         return (
