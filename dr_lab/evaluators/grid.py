@@ -80,16 +80,14 @@ class GridEvaluator(Evaluator):
         return share | {"lowest_solved": float(axis.values[reached].min()) if reached.any() else float("nan")}
 
     def _told(self, contexts: int) -> str:
-        told = f" solved is the share of contexts whose mean is {self.solved or 0.0:g} or more."
-        solved = "" if self.solved is None else told
-            "" if self.solved is None else f" solved is the share of contexts that return {self.solved:g} on average."
-        )
-        return (
+        told = (
             f"{self.episodes} episodes in each of {contexts} contexts. An episode that diverges counts with the return "
             "that the task declares, and diverged is their share in a context. infeasible is the share of contexts in "
             "which every episode does, or which do not compile; these have no return."
-            f"{solved}"
         )
+        if self.solved is None:
+            return told
+        return f"{told} solved is the share of contexts whose mean is {self.solved:g} or more."
 
 
 def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array, infeasible: NDArray[np.bool_]) -> Evaluation:
