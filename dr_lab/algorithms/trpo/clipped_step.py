@@ -70,7 +70,7 @@ class ClippedStep(PolicyStep):
             clip_norm([self.parameters.gradient], self.max_gradient)
             self.adam.step(self.rate)
             losses.append(loss.item())
-        return {"objective": -losses[0], "gradient": norms[0], "kl": kl, "epochs": float(len(losses))}
+        return {"gradient": norms[0], "kl": kl, "improvement": losses[0] - losses[-1], "epochs": float(len(losses))}
 
     def state_dict(self) -> dict[str, Any]:
         """The moments of Adam."""

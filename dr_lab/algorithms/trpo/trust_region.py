@@ -68,7 +68,7 @@ class TrustRegion(PolicyStep):
 
         direction = conjugate_gradients(damped, -slope, self.iterations, self.tolerance)
         curvature = float(direction @ damped(direction))
-        figures = {"objective": -loss.item(), "gradient": slope.norm().item()}
+        figures = {"gradient": slope.norm().item()}
         if not curvature > 0.0:  # also NaN; there is no slope, or no direction of descent
             return figures | {"kl": 0.0, "improvement": 0.0, "trials": 0.0}
         return figures | self._search(policy_at, rows, loss.item(), sqrt(2.0 * self.max_kl / curvature) * direction)
