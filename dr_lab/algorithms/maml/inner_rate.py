@@ -38,7 +38,9 @@ class FixedRate(InnerRate):
         super().__init__()
         self.rate = rate
         require_bounds(self, "algorithm.adaptation.rate", FixedRate)
-        self._rates = dict.fromkeys(dict(actor.named_parameters()), torch.tensor(float(rate)))
+        self._rates = dict.fromkeys(
+            dict(actor.named_parameters()), torch.tensor(float(rate), dtype=torch.float64)
+        )  # takes any's type
 
     def of(self, own: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
         """The number."""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import cast
 
 from tensordict import TensorDict, TensorDictBase
-from tensordict.nn import TensorDictParams
+from tensordict.nn import TensorDictModule, TensorDictParams
 from torch import Tensor, nn
 from torchrl.objectives import LossModule
 
@@ -18,8 +18,8 @@ OuterLoss = Callable[[Gaussian, PolicyRows], Tensor]
 class MAMLLoss(LossModule):
     """L(θ, α) = mean over tasks i of L_outer(π_θᵢ, rows after), θᵢ = θ adapted on the rows before.
 
-    A meta-batch is a tensordict of size [T], T tasks, which `meta_batch` lays out: under ``phase_0``, ``phase_1`` … it
-    has the fields of `PolicyRows`, of what was played before the first update, before the second, …, and after the last.
+    A meta-batch is a tensordict of size [T], T tasks, which `meta_batch` lays out: under ``phase_0``, ``phase_1`` … are
+    the fields of `PolicyRows`, of what was played before the first update, before the second, …, and after the last.
 
     Source: Finn et al. 2017, equation 4; the terms of the loss that come from what the phases before an update look
     like under another θ are left out, as there.
@@ -36,14 +36,13 @@ class MAMLLoss(LossModule):
     rate_network_params: TensorDictParams
     target_rate_network_params: TensorDictParams
 
-    out_keys = ("loss_objective", "kl")
-
     def __init__(self, adaptation: Adaptation, outer: OuterLoss) -> None:
         super().__init__()
         self.adaptation, self.outer = adaptation, outer
-        self.in_keys = [phase_key(k) for k in range(adaptation.updates + 1)]
-        self.convert_to_functional(adaptation.actor, "actor_network")
-        self.convert_to_functional(adaptation.rate, "rate_network")
+        self._phases = [phase_key(k) for k in range(adaptation.updates + 1)]
+        self.in_keys, self.out_keys = list(self._phases), ["loss_objective", "kl"]
+        self.convert_to_functional(cast(TensorDictModule, adaptation.actor), "actor_network")  # any module is taken
+        self.convert_to_functional(cast(TensorDictModule, adaptation.rate), "rate_network")
         self._actor_names = [name for name, _ in adaptation.actor.named_parameters()]
         self._rate_names = [name for name, _ in adaptation.rate.named_parameters()]
 
@@ -65,13 +64,13 @@ class MAMLLoss(LossModule):
             parameters: θ under ``actor.…``, what is learnt of α under ``rate.…``.
             tensordict: a meta-batch.
         """
-        *before, after = (_rows(tensordict, key) for key in self.in_keys)
+        *before, after = (_rows(tensordict, key) for key in self._phases)
         adapted = self.adaptation.adapted(*self.split(parameters), before)
         return self.adaptation.acting(adapted, after.observation)
 
     def rows_after(self, tensordict: TensorDictBase) -> PolicyRows:
         """What was played after the last update."""
-        return _rows(tensordict, self.in_keys[-1])
+        return _rows(tensordict, self._phases[-1])
 
     def split(self, parameters: Mapping[str, Tensor]) -> tuple[Parameters, Parameters]:
         """Θ and α of every parameter of the policy."""

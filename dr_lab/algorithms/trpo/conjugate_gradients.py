@@ -10,7 +10,7 @@ Product = Callable[[Tensor], Tensor]
 
 
 def conjugate_gradients(product: Product, wanted: Tensor, iterations: int, tolerance: float) -> Tensor:
-    """x with H x = b, nearly; exactly after p iterations in exact arithmetic.
+    """Solve H x = b: nearly, and in exact arithmetic exactly after p iterations.
 
     Source: Hestenes, Stiefel 1952.
 

@@ -10,7 +10,7 @@ from dr_lab.networks.gaussian import Gaussian
 
 
 def divergence_product(policy: Gaussian, rows: PolicyRows, at: Tensor) -> Product:
-    """v ↦ ∇²_θ E[KL(π_acted‖π_θ)] v at the parameters θ that acted, exactly.
+    """The map v ↦ ∇²_θ E[KL(π_acted‖π_θ)] v at the parameters θ that acted, exactly.
 
     There KL and its slope by y = (μ, log σ) are 0, so that the Hessian is Jᵀ F J with J = ∂y/∂θ and
     F = ∇²_y KL = diag(1/σ², 2). J v is the derivative of u ↦ Jᵀ u, which is linear: both passes go back through graphs

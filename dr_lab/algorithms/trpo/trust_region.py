@@ -70,8 +70,9 @@ class TrustRegion(PolicyStep):
         curvature = float(direction @ damped(direction))
         figures = {"gradient": slope.norm().item()}
         if not curvature > 0.0:  # also NaN; there is no slope, or no direction of descent
-            return figures | {"kl": 0.0, "improvement": 0.0, "trials": 0.0}
-        return figures | self._search(policy_at, rows, loss.item(), sqrt(2.0 * self.max_kl / curvature) * direction)
+            return {**figures, "kl": 0.0, "improvement": 0.0, "trials": 0.0}
+        longest = sqrt(2.0 * self.max_kl / curvature) * direction
+        return {**figures, **self._search(policy_at, rows, loss.item(), longest)}
 
     @torch.no_grad()
     def _search(self, policy_at: PolicyAt, rows: PolicyRows, loss: float, step: Tensor) -> Mapping[str, float]:
