@@ -31,3 +31,9 @@ class Gaussian(NamedTuple):
     def entropy(self) -> Tensor:
         """Entropy in nats, shape of `log_std` without its last dimension."""
         return self.log_std.sum(-1) + 0.5 * self.log_std.shape[-1] * (1.0 + _LOG_2_PI)
+
+    def divergence(self, other: "Gaussian") -> Tensor:
+        """KL(self‖other) in nats, shape (…): Σ log σ'/σ + (σ² + (μ − μ')²)/(2σ'²) − ½."""
+        precision = (-2.0 * other.log_std).exp()
+        spread = other.log_std - self.log_std + 0.5 * ((2.0 * self.log_std).exp() * precision - 1.0)
+        return (spread + 0.5 * (self.mean - other.mean) ** 2 * precision).sum(-1)

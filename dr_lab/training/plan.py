@@ -79,9 +79,9 @@ class Plan:
                 f"algorithm.batch_frames is {algorithm.batch_frames}, less than one control step for each of "
                 f"{self.episodes} episodes. Raise it, or lower episodes."
             )
-        policy = algorithm.policies["policy"]
+        policy, collecting = algorithm.policies["policy"], algorithm.collecting
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
-        experience = Experience(self.collector(env, policy, steps), policy, played, learner.source)
+        experience = Experience(self.collector(env, collecting, steps), policy, played, learner.source)
         more: dict[str, Stateful] = {}
         trainer = Trainer(experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.time_limit)
         return Training(trainer, algorithm, randomizer, learner, more)
