@@ -8,10 +8,11 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor, vmap
 
-from dr_lab.algorithms.algorithm import Algorithm, Interface
-from dr_lab.algorithms.maml.adaptation import Adaptation, Parameters
+from dr_lab.algorithms.algorithm import Interface
+from dr_lab.algorithms.maml.adaptation import Adaptation
 from dr_lab.algorithms.maml.loss import MAMLLoss, meta_batch
 from dr_lab.algorithms.maml.played_phase import PlayedPhase, figures_of
+from dr_lab.algorithms.meta_algorithm import MetaAlgorithm
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes, every_episode
 from dr_lab.algorithms.trpo.policy_rows import policy_rows
@@ -29,7 +30,7 @@ from dr_lab.randomizers.context_source import Proposals
 from dr_lab.seeding import derived_seed, stream
 
 
-class MAML(Algorithm):
+class MAML(MetaAlgorithm):
     """Learns θ, and with it what is learnt of α, so that the policies that follow from it by adaptation do well.
 
     An iteration draws T tasks, contexts of p(z). All slots play a whole episode, an equal share in each task; θ is
@@ -129,7 +130,6 @@ class MAML(Algorithm):
         rows = self.loss.rows_after(batch)
         return {**self.step(policy_at, rows), "std": self.actor.log_std.exp().mean().item()}
 
-    @torch.no_grad()
     def adapt(self, experience: Experience, tasks: Proposals) -> list[PlayedPhase]:
         """Adapt the present policy to some tasks; gives what was played before, between and after the updates.
 
@@ -137,16 +137,26 @@ class MAML(Algorithm):
             experience: collects with `collecting`.
             tasks: T of them.
         """
-        theta, rates = self.loss.split(self._like)
-        parameters, phases = self.adaptation.beginning(theta, self.tasks), list[PlayedPhase]()
-        for updates in range(self.adaptation.updates + 1):
-            if phases:
-                parameters = self.adaptation.updated(parameters, rates, phases[-1].rows)
-            self.adapted_policies.assign(parameters)
-            phases.append(self._play(experience, tasks, parameters, updates))
-        return phases
+        self.begin_adapting()
+        phases = [self.adapt_once(experience, tasks, done) for done in range(self.adaptation.updates)]
+        return [*phases, self._play(experience, tasks, self.adaptation.updates)]
 
-    def _play(self, experience: Experience, tasks: Proposals, parameters: Parameters, updates: int) -> PlayedPhase:
+    @torch.no_grad()
+    def begin_adapting(self) -> None:
+        """Let every adapted policy be the present one."""
+        theta, _ = self.loss.split(self._like)
+        self.adapted_policies.assign(self.adaptation.beginning(theta, self.tasks))
+
+    @torch.no_grad()
+    def adapt_once(self, experience: Experience, tasks: Proposals, done: int) -> PlayedPhase:
+        """Play some tasks with the adapted policies, and update each of these by what it has played."""
+        _, rates = self.loss.split(self._like)
+        phase = self._play(experience, tasks, done)
+        self.adapted_policies.assign(self.adaptation.updated(self.adapted_policies.stacked(), rates, phase.rows))
+        return phase
+
+    @torch.no_grad()
+    def _play(self, experience: Experience, tasks: Proposals, updates: int) -> PlayedPhase:
         """One phase: a whole episode in every slot."""
         share = self.slots // self.tasks
         labels = {"proposal": tasks.keys.repeat(share), "updates": np.full(self.slots, updates, np.int64)}
@@ -157,7 +167,7 @@ class MAML(Algorithm):
         of_tasks, wanted = WholeEpisodes(*(self._by_task(field) for field in episodes)), self._by_task(to_go)
         value = vmap(self.baseline)(of_tasks, wanted).flatten(0, 1)
         advantage = self._by_task(episodes.advantages(value, self.gamma, self.lam))
-        acted = self.adaptation.acting(parameters, of_tasks.observation.flatten(1, 2))
+        acted = self.adaptation.acting(self.adapted_policies.stacked(), of_tasks.observation.flatten(1, 2))
         return PlayedPhase(
             policy_rows(of_tasks, acted, advantage), of_tasks, wanted, cast(Tensor, batch["observation"])[first]
         )
