@@ -16,7 +16,7 @@ class InnerRate(nn.Module, ABC):
 
     @abstractmethod
     def of(self, own: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
-        """α by the name of the policy's parameter, in a shape that broadcasts to it.
+        """α by the name of the policy's parameter, in a shape that broadcasts to it; linear in what is learnt, if any.
 
         Args:
             own: parameters in place of this module's own, as ``dict(rate.named_parameters())`` names them.

@@ -64,9 +64,12 @@ class MAMLLoss(LossModule):
             parameters: θ under ``actor.…``, what is learnt of α under ``rate.…``.
             tensordict: a meta-batch.
         """
-        *before, after = (_rows(tensordict, key) for key in self._phases)
-        adapted = self.adaptation.adapted(*self.split(parameters), before)
-        return self.adaptation.acting(adapted, after.observation)
+        adapted = self.adaptation.adapted(*self.split(parameters), self.rows_before(tensordict))
+        return self.adaptation.acting(adapted, self.rows_after(tensordict).observation)
+
+    def rows_before(self, tensordict: TensorDictBase) -> list[PolicyRows]:
+        """What was played before each update."""
+        return [_rows(tensordict, key) for key in self._phases[:-1]]
 
     def rows_after(self, tensordict: TensorDictBase) -> PolicyRows:
         """What was played after the last update."""

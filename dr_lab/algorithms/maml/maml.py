@@ -10,6 +10,7 @@ from torch import Tensor, vmap
 
 from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.maml.adaptation import Adaptation
+from dr_lab.algorithms.maml.adapted_policy import AdaptedPolicy
 from dr_lab.algorithms.maml.loss import MAMLLoss, meta_batch
 from dr_lab.algorithms.maml.played_phase import PlayedPhase, figures_of
 from dr_lab.algorithms.meta_algorithm import MetaAlgorithm
@@ -22,8 +23,7 @@ from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.experience import Experience
 from dr_lab.collectors.first_episodes import first_episodes
 from dr_lab.errors import ConfigError
-from dr_lab.networks.flat import FlatParameters, parts_of
-from dr_lab.networks.gaussian import Gaussian
+from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.policy_stack import PolicyStack
 from dr_lab.randomizers.context_source import Proposals
@@ -123,12 +123,8 @@ class MAML(MetaAlgorithm):
         Args:
             batch: a meta-batch as `MAMLLoss` reads it, of the present θ and α.
         """
-
-        def policy_at(vector: Tensor) -> Gaussian:
-            return self.loss.policy(parts_of(vector, self._like), batch)
-
-        rows = self.loss.rows_after(batch)
-        return {**self.step(policy_at, rows), "std": self.actor.log_std.exp().mean().item()}
+        policy_at = AdaptedPolicy(self.loss, self._like, batch)
+        return {**self.step(policy_at, self.loss.rows_after(batch)), "std": self.actor.log_std.exp().mean().item()}
 
     def adapt(self, experience: Experience, tasks: Proposals) -> list[PlayedPhase]:
         """Adapt the present policy to some tasks; gives what was played before, between and after the updates.

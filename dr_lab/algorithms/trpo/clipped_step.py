@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-import torch
 from torch import Tensor
 
 from dr_lab.algorithms.ppo.clipped import clipped
@@ -57,19 +56,16 @@ class ClippedStep(PolicyStep):
         """All epochs."""
         losses, norms, kl = list[float](), list[float](), 0.0
         for _ in range(self.epochs):
-            at = self.parameters.vector.clone().requires_grad_()
-            policy = policy_at(at)
-            loss = self.loss(policy, rows)
-            kl = divergence(policy, rows).item()
+            near = policy_at.linearised(self.parameters.vector)
+            kl = divergence(near.policy, rows).item()
             if self.max_kl is not None and kl > self.max_kl:
                 break
-            torch.autograd.backward(loss, inputs=[at])
-            assert at.grad is not None
-            self.parameters.gradient.copy_(at.grad)
-            norms.append(self.parameters.gradient.norm().item())
+            loss, slope = self.differentiate(near, rows)
+            losses.append(loss)
+            norms.append(slope.norm().item())
+            self.parameters.gradient.copy_(slope)
             clip_norm([self.parameters.gradient], self.max_gradient)
             self.adam.step(self.rate)
-            losses.append(loss.item())
         return {"gradient": norms[0], "kl": kl, "improvement": losses[0] - losses[-1], "epochs": float(len(losses))}
 
     def state_dict(self) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Conjugate gradients for a matrix that is known by its products with vectors alone."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
@@ -9,7 +10,19 @@ Product = Callable[[Tensor], Tensor]
 """v ↦ H v, shape (p,) each."""
 
 
-def conjugate_gradients(product: Product, wanted: Tensor, iterations: int, tolerance: float) -> Tensor:
+class Solved(NamedTuple):
+    """What was found.
+
+    Attributes:
+        found: x, shape (p,).
+        image: H x.
+    """
+
+    found: Tensor
+    image: Tensor
+
+
+def conjugate_gradients(product: Product, wanted: Tensor, iterations: int, tolerance: float) -> Solved:
     """Solve H x = b: nearly, and in exact arithmetic exactly after p iterations.
 
     Source: Hestenes, Stiefel 1952.
@@ -21,7 +34,7 @@ def conjugate_gradients(product: Product, wanted: Tensor, iterations: int, toler
         tolerance: of |b − H x|/|b|, at which it ends before.
 
     Returns:
-        x, shape (p,); where a direction is met along which H is not positive, what was found before it.
+        X and H x; where a direction is met along which H is not positive, what was found before it.
     """
     found, residual = torch.zeros_like(wanted), wanted.clone()
     direction, square = wanted.clone(), float(wanted @ wanted)
@@ -37,4 +50,4 @@ def conjugate_gradients(product: Product, wanted: Tensor, iterations: int, toler
         residual -= square / curvature * image
         before, square = square, float(residual @ residual)
         direction = residual + square / before * direction
-    return found
+    return Solved(found, wanted - residual)

@@ -10,11 +10,11 @@ from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.episodic import EpisodicAlgorithm
 from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes
+from dr_lab.algorithms.trpo.own_policy import OwnPolicy
 from dr_lab.algorithms.trpo.policy_rows import policy_rows
 from dr_lab.algorithms.trpo.policy_step import PolicyStep
 from dr_lab.bounds import Count, at_least, at_most, require_bounds
-from dr_lab.networks.flat import FlatParameters, parts_of
-from dr_lab.networks.gaussian import Gaussian
+from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian_actor import GaussianActor
 
 
@@ -46,12 +46,7 @@ class TRPO(EpisodicAlgorithm):
         self.step = step(FlatParameters(self._like.values()))
 
     def _step(self, episodes: WholeEpisodes, advantage: Tensor) -> Mapping[str, float]:
-        observation = episodes.observation.flatten(0, 1)
-
-        def policy_at(vector: Tensor) -> Gaussian:
-            policy = self.actor.distribution(parts_of(vector, self._like), observation)
-            return Gaussian(policy.mean, policy.log_std.unsqueeze(0))
-
+        policy_at = OwnPolicy(self.actor, self._like, episodes.observation.flatten(0, 1))
         with torch.no_grad():
             rows = policy_rows(episodes, policy_at(self.step.parameters.vector), advantage)
         return self.step(policy_at, rows)

@@ -57,22 +57,16 @@ class TrustRegion(PolicyStep):
 
     def __call__(self, policy_at: PolicyAt, rows: PolicyRows) -> Mapping[str, float]:
         """One step; `kl` and `improvement` of −L are those of the step that was taken, 0 where none was."""
-        at = self.parameters.vector.clone().requires_grad_()
-        policy = policy_at(at)
-        loss = self.loss(policy, rows)
-        (slope,) = torch.autograd.grad(loss, at, retain_graph=True)
-        hessian = divergence_product(policy, rows, at)
-
-        def damped(vector: Tensor) -> Tensor:
-            return hessian(vector) + self.damping * vector
-
-        direction = conjugate_gradients(damped, -slope, self.iterations, self.tolerance)
-        curvature = float(direction @ damped(direction))
+        near = policy_at.linearised(self.parameters.vector)
+        loss, slope = self.differentiate(near, rows)
+        hessian = divergence_product(near, rows)
+        solved = conjugate_gradients(lambda v: hessian(v) + self.damping * v, -slope, self.iterations, self.tolerance)
+        curvature = float(solved.found @ solved.image)
         figures = {"gradient": slope.norm().item()}
         if not curvature > 0.0:  # also NaN; there is no slope, or no direction of descent
             return {**figures, "kl": 0.0, "improvement": 0.0, "trials": 0.0}
-        longest = sqrt(2.0 * self.max_kl / curvature) * direction
-        return {**figures, **self._search(policy_at, rows, loss.item(), longest)}
+        longest = sqrt(2.0 * self.max_kl / curvature) * solved.found
+        return {**figures, **self._search(policy_at, rows, loss, longest)}
 
     @torch.no_grad()
     def _search(self, policy_at: PolicyAt, rows: PolicyRows, loss: float, step: Tensor) -> Mapping[str, float]:

@@ -11,24 +11,29 @@ from tensordict import TensorDict
 from torch import Tensor
 
 from dr_lab.algorithms.maml.adaptation import Adaptation
+from dr_lab.algorithms.maml.adapted_policy import AdaptedPolicy
 from dr_lab.algorithms.maml.inner_loss import ClippedLoss, InnerLoss, ScoreLoss
 from dr_lab.algorithms.maml.inner_rate import FixedRate, LearnedRate
 from dr_lab.algorithms.maml.loss import MAMLLoss, meta_batch
 from dr_lab.algorithms.trpo.divergence_product import divergence_product
+from dr_lab.algorithms.trpo.own_policy import AutogradLinearised
 from dr_lab.algorithms.trpo.policy_rows import PolicyRows, divergence, mean, ratio
 from dr_lab.errors import ConfigError
 from dr_lab.networks.flat import parts_of
 from dr_lab.networks.gaussian import Gaussian
 from dr_lab.networks.gaussian_actor import GaussianActor
+from dr_lab.networks.mlp import Activation
 from dr_lab.networks.normaliser import NoNormaliser
 
 RATE = 0.1
 
 
-def actor(observation: int = 3, action: int = 2, hidden: list[int] | None = None) -> GaussianActor:
+def actor(
+    observation: int = 3, action: int = 2, hidden: list[int] | None = None, activation: Activation = "tanh"
+) -> GaussianActor:
     bound = np.ones(action)
     layers = [6, 5] if hidden is None else hidden
-    return GaussianActor(observation, -bound, bound, 0, NoNormaliser, layers, "tanh", log_std=-0.3).double()
+    return GaussianActor(observation, -bound, bound, 0, NoNormaliser, layers, activation, log_std=-0.3).double()
 
 
 def surrogate(policy: Gaussian, rows: PolicyRows) -> Tensor:
@@ -80,7 +85,7 @@ def value_at(loss: MAMLLoss, batch: TensorDict, vector: Tensor, like: dict[str, 
 def test_the_gradient_of_second_order_is_that_of_finite_differences(
     inner: InnerLoss, updates: int, rate: type[FixedRate] | type[LearnedRate]
 ) -> None:
-    policy = actor()
+    policy = actor(hidden=[4, 3])
     loss = loss_of(policy, inner, updates=updates, rate=partial(rate, rate=RATE)).double()
     batch = meta_batch(phases(policy, loss.adaptation, tasks=3))
     like = {name: value.detach() for name, value in loss.functional_parameters().items()}
@@ -206,19 +211,42 @@ def test_learned_rates_have_the_gradient_of_the_update_that_they_scale() -> None
     assert slope.tolist() == pytest.approx([-inner * (adapted - 0.5) if n == "body.bias0" else 0.0 for n in names])
 
 
+@pytest.mark.parametrize("inner", [ScoreLoss(), ClippedLoss(0.3), Quadratic()])
+@pytest.mark.parametrize("updates", [1, 2])
+@pytest.mark.parametrize(
+    ("activation", "rate", "order"), [("tanh", FixedRate, 2), ("relu", LearnedRate, 2), ("tanh", LearnedRate, 1)]
+)
+def test_the_derivatives_that_are_written_out_are_those_of_autograd(
+    inner: InnerLoss, updates: int, activation: Activation, rate: type[FixedRate] | type[LearnedRate], order: int
+) -> None:
+    policy = actor(activation=activation)
+    loss = loss_of(policy, inner, updates=updates, rate=partial(rate, rate=RATE), order=order).double()
+    batch = meta_batch(phases(policy, loss.adaptation, tasks=3))
+    like = {name: value.detach() for name, value in loss.functional_parameters().items()}
+    vector = torch.cat([value.flatten() for value in like.values()])
+    vector = vector + 1e-3 * draw(len(vector), seed=5)
+    policy_at = AdaptedPolicy(loss, like, batch)
+    near = policy_at.linearised(vector)
+    at = vector.clone().requires_grad_()
+    wanted = AutogradLinearised(policy_at(at), at)
+    for found, expected in zip(near.policy, wanted.policy, strict=True):
+        torch.testing.assert_close(found, expected)
+    direction = draw(len(vector), seed=6)
+    for found, expected in zip(near.pushed(direction), wanted.pushed(direction), strict=True):
+        torch.testing.assert_close(found, expected)
+    slope = Gaussian(*(draw(*part.shape, seed=7 + k) for k, part in enumerate(near.policy)))
+    torch.testing.assert_close(near.pulled(slope), wanted.pulled(slope))
+
+
 def test_the_hessian_of_the_divergence_goes_through_the_adaptation() -> None:
     policy = actor(hidden=[3])
     loss = loss_of(policy, ScoreLoss(), updates=2, rate=partial(LearnedRate, rate=RATE)).double()
     batch = meta_batch(phases(policy, loss.adaptation, tasks=3))
     like = {name: value.detach() for name, value in loss.functional_parameters().items()}
     vector, rows = torch.cat([value.flatten() for value in like.values()]), loss.rows_after(batch)
-
-    def policy_at(at: Tensor) -> Gaussian:
-        return loss.policy(parts_of(at, like), batch)
-
+    policy_at = AdaptedPolicy(loss, like, batch)
     dense = torch.autograd.functional.hessian(lambda at: divergence(policy_at(at), rows), vector)
-    at = vector.clone().requires_grad_()
-    product = divergence_product(policy_at(at), rows, at)
+    product = divergence_product(policy_at.linearised(vector), rows)
     found = torch.stack([product(unit) for unit in torch.eye(len(vector), dtype=torch.float64)])
     torch.testing.assert_close(found, cast(Tensor, dense), rtol=1e-7, atol=1e-9)
 

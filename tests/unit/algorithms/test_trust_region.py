@@ -17,6 +17,7 @@ from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes
 from dr_lab.algorithms.trpo.clipped_step import ClippedStep
 from dr_lab.algorithms.trpo.conjugate_gradients import conjugate_gradients
 from dr_lab.algorithms.trpo.divergence_product import divergence_product
+from dr_lab.algorithms.trpo.own_policy import OwnPolicy
 from dr_lab.algorithms.trpo.policy_rows import PolicyRows, divergence, policy_rows
 from dr_lab.algorithms.trpo.policy_step import PolicyStep
 from dr_lab.algorithms.trpo.trpo import TRPO
@@ -24,7 +25,7 @@ from dr_lab.algorithms.trpo.trust_region import TrustRegion
 from dr_lab.collectors.experience import Experience
 from dr_lab.errors import ConfigError
 from dr_lab.networks.critic import Critic
-from dr_lab.networks.flat import FlatParameters, parts_of
+from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian import Gaussian
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.normaliser import NoNormaliser
@@ -46,7 +47,7 @@ def draw(*shape: int, seed: int = 0) -> Tensor:
 def test_conjugate_gradients_give_what_a_dense_solve_gives() -> None:
     factor = draw(40, 40)
     matrix, wanted = factor @ factor.T + torch.eye(40), draw(40, seed=1)
-    found = conjugate_gradients(lambda v: matrix @ v, wanted, 200, 1e-12)
+    found = conjugate_gradients(lambda v: matrix @ v, wanted, 200, 1e-12).found
     torch.testing.assert_close(found, torch.linalg.solve(matrix, wanted), rtol=1e-8, atol=1e-8)
 
 
@@ -60,13 +61,14 @@ def test_conjugate_gradients_end_with_as_many_products_as_there_are_eigenvalues(
         return matrix @ vector
 
     wanted = draw(30, seed=1)
-    found = conjugate_gradients(product, wanted, 30, 1e-10)
+    solved = conjugate_gradients(product, wanted, 30, 1e-10)
     assert len(products) == 3
-    torch.testing.assert_close(matrix @ found, wanted)
+    torch.testing.assert_close(matrix @ solved.found, wanted)
+    torch.testing.assert_close(solved.image, wanted)
 
 
 def test_conjugate_gradients_keep_what_they_had_before_a_direction_that_curves_down() -> None:
-    assert not conjugate_gradients(lambda v: -v, draw(3), 10, 0.0).any()
+    assert not conjugate_gradients(lambda v: -v, draw(3), 10, 0.0).found.any()
 
 
 def test_the_divergence_is_that_of_torch() -> None:
@@ -104,14 +106,9 @@ def test_rows_that_count_are_standardised_and_weigh_alike() -> None:
 def test_the_product_is_that_of_the_dense_hessian_of_the_divergence() -> None:
     policy = actor()
     like, vector, rows = rows_of(policy)
-
-    def policy_at(at: Tensor) -> Gaussian:
-        found = policy.distribution(parts_of(at, like), rows.observation)
-        return Gaussian(found.mean, found.log_std[None])
-
+    policy_at = OwnPolicy(policy, like, rows.observation)
     dense = torch.autograd.functional.hessian(lambda at: divergence(policy_at(at), rows), vector)
-    at = vector.clone().requires_grad_()
-    product = divergence_product(policy_at(at), rows, at)
+    product = divergence_product(policy_at.linearised(vector), rows)
     found = torch.stack([product(unit) for unit in torch.eye(len(vector), dtype=torch.float64)])
     torch.testing.assert_close(found, cast(Tensor, dense), rtol=1e-8, atol=1e-10)
 
@@ -153,10 +150,8 @@ def test_nothing_moves_where_no_action_is_better_than_another() -> None:
     like, vector, rows = rows_of(policy)
     parameters = FlatParameters(policy.parameters())
     step = TrustRegion(parameters, **REGION)
-    figures = step(
-        lambda at: policy.distribution(parts_of(at, like), rows.observation),
-        rows._replace(advantage=torch.zeros_like(rows.advantage)),
-    )
+    equal = rows._replace(advantage=torch.zeros_like(rows.advantage))
+    figures = step(OwnPolicy(policy, like, rows.observation), equal)
     assert figures["kl"] == figures["gradient"] == 0.0
     assert torch.equal(parameters.vector, vector)
 
