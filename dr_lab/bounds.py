@@ -1,9 +1,10 @@
 """Bounds of numbers, stated where a class declares them: ``epsilon: Annotated[float, above(0.0), at_most(1.0)]``."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import isfinite
 from typing import Annotated
 
 from dr_lab.errors import ConfigError
@@ -66,6 +67,21 @@ def require_bounds(built: object, key: str, declared: type | None = None) -> Non
         fault = next((bound for bound in bounds if value is not None and not bound.holds(value)), None)
         if fault is not None:
             raise ConfigError(f"{key}{'.' if key else ''}{name} is {value:g}; expected {fault.expected}.")
+
+
+def require_range(given: Sequence[float], key: str, unit: str) -> None:
+    """Check a range that is written as [low, high].
+
+    Args:
+        given: the range.
+        key: where it stands in the configuration, for the message.
+        unit: of its ends.
+
+    Raises:
+        ConfigError: it is not two finite numbers in order.
+    """
+    if len(given) != 2 or not all(map(isfinite, given)) or not given[0] < given[1]:
+        raise ConfigError(f"{key} is {list(given)} {unit}; expected [low, high] with low < high.")
 
 
 @cache

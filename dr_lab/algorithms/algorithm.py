@@ -46,7 +46,12 @@ class Algorithm(ABC):
     @property
     @abstractmethod
     def policies(self) -> Mapping[str, Policy]:
-        """What acts while experience is collected, by name; most algorithms have one, ``policy``."""
+        """What is learnt and kept, by name; most algorithms have one, ``policy``, which explores."""
+
+    @property
+    def collecting(self) -> Policy:
+        """What acts while experience is collected: ``policy``, unless others that follow from it do."""
+        return self.policies["policy"]
 
     @property
     @abstractmethod

@@ -11,7 +11,7 @@ from torch import Tensor
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.play import play
 from dr_lab.envs.slots import EpisodeSlots, Starts
-from dr_lab.randomizers.context_source import ContextSource
+from dr_lab.randomizers.context_source import UNKEYED, ContextSource, Keys, Proposals
 from dr_lab.trajectory import Array
 
 
@@ -46,11 +46,12 @@ class Experience:
         """The next batch of the present policy, as `Collector` lays it out."""
         return self._told(next(self._collector))
 
-    def collect_whole(self, z: Array) -> TensorDict:
+    def collect_whole(self, z: Array, labels: Mapping[str, Keys] | None = None) -> TensorDict:
         """Begin new episodes and collect until every slot has ended one at least.
 
         Args:
             z: context of every slot, as `begin` takes it.
+            labels: more keys of the batch, one whole number a slot each, so that who listens knows what it is of.
 
         Returns:
             A batch as `Collector` lays it out, of as many control steps as the longest first episode takes, and what
@@ -65,6 +66,8 @@ class Experience:
         cut = ~cast(Tensor, batch["next", "done"])[:, -1]
         for flag in ("truncated", "done"):
             batch["next", flag][:, -1] |= cut
+        for key, of_slot in (labels or {}).items():
+            batch[key] = torch.from_numpy(of_slot)[:, None].expand(batch.shape)
         return self._told(batch)
 
     def begin(self, z: Array | None) -> None:
@@ -88,9 +91,13 @@ class Experience:
 
     def contexts(self, rng: np.random.Generator, count: int) -> Array:
         """Draws of p(z), shape (count, n)."""
+        return self.propose(rng, count).z
+
+    def propose(self, rng: np.random.Generator, count: int) -> Proposals:
+        """The same with the keys by which their source knows them."""
         if self.source is None:
-            return np.tile(self._episodes.space.nominal, (count, 1))
-        return self.source.propose([rng] * count, np.arange(count)).z
+            return Proposals(np.tile(self._episodes.space.nominal, (count, 1)), np.full(count, UNKEYED, np.int64))
+        return self.source.propose([rng] * count, np.arange(count))
 
     def close(self) -> None:
         """End what the collector keeps running, such as workers on other machines."""

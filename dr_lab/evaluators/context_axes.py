@@ -1,7 +1,7 @@
 """Which contexts an evaluator compares: a grid over some parameters, the others nominal."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 
 import numpy as np
@@ -56,3 +56,14 @@ def cells(space: ContextSpace, axes: Sequence[ContextAxis]) -> Array:
             row[space.index(axis.name)] = value
         z.append(row)
     return np.array(z)
+
+
+def in_groups(z: Array, size: int) -> Iterator[tuple[Array, int]]:
+    """Contexts (k, n) as groups of one size.
+
+    Yields:
+        A group (size, n), and how many of its first contexts count; the others repeat the last.
+    """
+    for first in range(0, len(z), size):
+        group = z[first : first + size]
+        yield np.concatenate([group, np.repeat(group[-1:], size - len(group), axis=0)]), len(group)

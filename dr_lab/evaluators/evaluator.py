@@ -7,14 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
+from dr_lab.algorithms.meta_algorithm import MetaAlgorithm
 from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.experience import Experience
 from dr_lab.envs.environment import Environment
 from dr_lab.envs.slots import EpisodeSlots
 from dr_lab.errors import DataError
 from dr_lab.randomizers.context_source import ContextSource
+from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Curve, Grid, Matrix
 from dr_lab.seeding import derived_seed
+from dr_lab.training.adapting import Adapting, OwnUpdates, TrainingOn
 from dr_lab.training.policy_snapshots import PolicySnapshot
 from dr_lab.training.rollouts import PolicyRollouts
 from dr_lab.training.trainer import Trainer
@@ -22,6 +26,20 @@ from dr_lab.trajectory import Array
 
 Row = Mapping[str, float | str]
 Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class MetaLearner:
+    """How a policy that was trained to be adapted is adapted.
+
+    Attributes:
+        tasks: contexts that it adapts to at once.
+        again: gives its algorithm in the trained state, with a random seed, and the experience that it adapts by, which
+            is to be closed.
+    """
+
+    tasks: int
+    again: Callable[[int], tuple[MetaAlgorithm, Experience]]
 
 
 @dataclass(frozen=True)
@@ -37,6 +55,7 @@ class Subject:
         threads: C threads of the physics; None takes every core.
         trained_on: distribution of the contexts, as training left it; None for the nominal context alone.
         snapshots: the policies that training had last, oldest first.
+        meta: how a policy is adapted that was trained for it; None where adapting is training on.
     """
 
     name: str
@@ -46,6 +65,29 @@ class Subject:
     threads: int | None = None
     trained_on: ContextSource | None = None
     snapshots: Sequence[PolicySnapshot] = ()
+    meta: MetaLearner | None = None
+
+    @property
+    def together(self) -> int:
+        """Contexts that `adapting` takes at once."""
+        return 1 if self.meta is None else self.meta.tasks
+
+    def adapting(self, z: Array, frames: int, seed: int) -> Adapting:
+        """The trained policy, to be adapted to contexts.
+
+        Args:
+            z: contexts, shape (`together`, n).
+            frames: control steps of an update where adapting is training on; a meta-learner knows what it takes.
+            seed: of its random draws.
+
+        Returns:
+            What is to be closed.
+        """
+        if self.meta is not None:
+            return OwnUpdates(*self.meta.again(seed), z)
+        (values,) = z
+        fixed = FixedRandomizer(self.setting.space, self.setting.space.mapping(values))
+        return TrainingOn(*self.again(fixed, seed), frames)
 
     def rollouts(self, episodes: int, seed: int, policy: Policy | None = None) -> PolicyRollouts:
         """Whole episodes, so many side by side, of the policy or of another one on the same task."""

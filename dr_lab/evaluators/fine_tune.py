@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 
 from dr_lab.bounds import Count, require_bounds
 from dr_lab.errors import ConfigError
+from dr_lab.evaluators.context_axes import in_groups
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import interquartile_mean
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.training import Curve
 from dr_lab.seeding import derived_seed, stream
-from dr_lab.training.rollouts import PolicyRollouts
-from dr_lab.training.trainer import Trainer
 from dr_lab.trajectory import Array
 
 
@@ -68,12 +66,15 @@ class FineTuneEvaluator(Evaluator):
                 "env/context=…, as dr-lab train --help lists them."
             )
         drawn = self.distribution(space).sample([stream(self.seed, "fine_tune")] * self.contexts)
-        followed = []
-        for index, z in enumerate(drawn):
-            followed.append(self._follow(subject, z, index))
-            progress((index + 1) / len(drawn))
-        frames, returns = (np.array(each) for each in zip(*followed, strict=True))
-        return replace(_summed_up(space, drawn, frames.max(axis=0), returns), told=self._told())
+        frames, returns = list[list[int]](), list[Array]()
+        for index, (group, count) in enumerate(in_groups(drawn, subject.together)):
+            taken, returned = self._follow(subject, group, index)
+            frames.append(taken)
+            returns.append(returned[:count])
+            progress(sum(map(len, returns)) / len(drawn))
+        courses = np.concatenate(returns)
+        at = np.array(frames).max(axis=0)
+        return replace(_summed_up(space, drawn, at, courses), told=self._told())
 
     def _told(self) -> str:
         return (
@@ -82,35 +83,36 @@ class FineTuneEvaluator(Evaluator):
             "over the contexts, of which infeasible are a share."
         )
 
-    def _follow(self, subject: Subject, z: Array, index: int) -> tuple[list[int], list[float]]:
-        """Control steps trained and return before and after every round, rounds + 1 each.
+    def _follow(self, subject: Subject, z: Array, index: int) -> tuple[list[int], Array]:
+        """Control steps of a context's training, rounds + 1, and returns before and after every round.
 
-        Returns are NaN where the context is infeasible; nothing is trained where it is so from the start.
+        Args:
+            subject: what is trained on.
+            z: contexts that are adapted to at once, shape (k, n).
+            index: number of their group.
+
+        Returns:
+            Returns have shape (k, rounds + 1). They are NaN where the context is infeasible; nothing is trained where
+            all are so from the start.
 
         Raises:
             ConfigError: a round trains nothing.
         """
-        space = subject.setting.space
-        fixed = FixedRandomizer(space, dict(zip(space.names, z.tolist(), strict=True)))
-        trainer, policy = subject.again(fixed, derived_seed(self.seed, "fine_tune", index))
-        with closing(trainer):
-            return self._train_on(trainer, subject.rollouts(self.episodes, self.seed, policy), z)
+        with closing(subject.adapting(z, self.frames, derived_seed(self.seed, "fine_tune", index))) as adapting:
+            rollouts = subject.rollouts(self.episodes * len(z), self.seed, adapting.policy)
+            wanted = np.repeat(z, self.episodes, axis=0)
 
-    def _train_on(self, trainer: Trainer, rollouts: PolicyRollouts, z: Array) -> tuple[list[int], list[float]]:
-        wanted, begun = np.repeat(z[None], self.episodes, axis=0), trainer.frames
-        frames, returns = [0], [float(rollouts.returns(wanted).mean())]
-        if np.isnan(returns[0]):
-            return [0] * (self.rounds + 1), returns * (self.rounds + 1)
-        for done in range(1, self.rounds + 1):
-            trainer.run(begun + done * self.frames, lambda *_: None)
-            frames.append(trainer.frames - begun)
-            if frames[-1] == frames[-2]:
-                raise ConfigError(
-                    f"evaluator.frames is {self.frames}, less than a batch of {frames[1]} control steps, so that round "
-                    f"{done} of {self.rounds} trains nothing. Give evaluator.frames={frames[1]} or more."
-                )
-            returns.append(float(rollouts.returns(wanted).mean()))
-        return frames, returns
+            def measured() -> Array:
+                return rollouts.returns(wanted).reshape(len(z), -1).mean(axis=1)
+
+            frames, returns = [0], [measured()]
+            if np.isnan(returns[0]).all():
+                return [0] * (self.rounds + 1), np.tile(returns[0][:, None], self.rounds + 1)
+            for _ in range(self.rounds):
+                adapting.update()
+                frames.append(adapting.frames // len(z))
+                returns.append(measured())
+        return frames, np.stack(returns, axis=1)
 
 
 def _summed_up(space: ContextSpace, drawn: Array, frames: NDArray[np.int64], returns: Array) -> Evaluation:

@@ -4,12 +4,14 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
+from dr_lab.algorithms.meta_algorithm import MetaAlgorithm
 from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.none import NoLearner
 from dr_lab.errors import DataError
-from dr_lab.evaluators.evaluator import Subject
+from dr_lab.evaluators.evaluator import MetaLearner, Subject
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
 from dr_lab.training.policy_snapshots import PolicySnapshot, PolicySnapshots
@@ -73,14 +75,22 @@ def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:
     left, snapshots = _restored(training, folder)
     training.trainer.close()
 
-    def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
-        further = replace(plan, randomizer=lambda _: source, distribution_learner=NoLearner, seed=seed)
-        fresh = further.assemble(None)
-        left.train_on(fresh.algorithm, seed)
-        return fresh.trainer, fresh.algorithm.deployed
+    def fresh(seed: int, further: Plan) -> Training:
+        found = replace(further, distribution_learner=NoLearner, seed=seed).assemble(None)
+        left.train_on(found.algorithm, seed)
+        return found
 
-    contexts, policy = training.randomizer, training.algorithm.deployed
-    return Subject(folder.name, plan.env, policy, again, threads, contexts, snapshots)
+    def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
+        found = fresh(seed, replace(plan, randomizer=lambda _: source))
+        return found.trainer, found.algorithm.deployed
+
+    def meta_again(seed: int) -> tuple[MetaAlgorithm, Experience]:
+        found = fresh(seed, plan)
+        return cast(MetaAlgorithm, found.algorithm), found.experience
+
+    learnt = training.algorithm
+    meta = MetaLearner(learnt.tasks, meta_again) if isinstance(learnt, MetaAlgorithm) else None
+    return Subject(folder.name, plan.env, learnt.deployed, again, threads, training.randomizer, snapshots, meta)
 
 
 def _origin(folder: Path) -> str:

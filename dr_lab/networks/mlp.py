@@ -18,12 +18,36 @@ _BACKWARD: dict[Activation, Callable[[Tensor, Tensor], Tensor]] = {
     "tanh": torch.ops.aten.tanh_backward.default,
     "relu": lambda slope, h: torch.ops.aten.threshold_backward.default(slope, h, 0),
 }
+_STEEPNESS: dict[Activation, Callable[[Tensor], Tensor]] = {
+    "tanh": lambda h: torch.addcmul(torch.ones((), dtype=h.dtype), h, h, value=-1.0),
+    "relu": lambda h: (h > 0).to(h.dtype),
+}
+_BEND: dict[Activation, Callable[[Tensor], Tensor]] = {"tanh": lambda h: -2.0 * h, "relu": torch.zeros_like}
+
+
+def activated(activation: Activation, x: Tensor) -> Tensor:
+    """H = σ(x)."""
+    return _ACTIVATIONS[activation](x)
+
+
+def steepness(activation: Activation, h: Tensor) -> Tensor:
+    """The derivative σ′ where it gave h."""
+    return _STEEPNESS[activation](h)
+
+
+def bend(activation: Activation, h: Tensor) -> Tensor:
+    """The ratio σ″/σ′ where it gave h; 0 of what has no second derivative."""
+    return _BEND[activation](h)
 
 
 class MLP(nn.Module):
     """h₀ = x, hₖ = σ(Wₖ hₖ₋₁ + bₖ), and a last layer without σ.
 
     Weights are orthogonal with gain √2 (the last layer: `last_gain`), biases 0.
+
+    Attributes:
+        names: of weight and bias of each layer.
+        activation: σ.
 
     Args:
         inputs: width of x.
@@ -50,11 +74,11 @@ class MLP(nn.Module):
         if not all(width >= 1 for width in hidden):
             raise ConfigError(f"hidden is {list(hidden)}; expected the width of each hidden layer, at least 1, or [].")
         widths = [inputs, *hidden, outputs]
-        self._names = [(f"weight{k}", f"bias{k}") for k in range(len(widths) - 1)]
-        for (weight, bias), (a, b) in zip(self._names, itertools.pairwise(widths), strict=True):
+        self.names = [(f"weight{k}", f"bias{k}") for k in range(len(widths) - 1)]
+        for (weight, bias), (a, b) in zip(self.names, itertools.pairwise(widths), strict=True):
             self.register_parameter(weight, nn.Parameter(torch.empty(b, a)))
             self.register_parameter(bias, nn.Parameter(torch.zeros(b)))
-        self._activation: Activation = activation  # by name, as torch's operators cannot be sent to other processes
+        self.activation: Activation = activation  # by name, as torch's operators cannot be sent to other processes
         for layer, weight in enumerate(self.weights):
             gain = last_gain if layer == len(hidden) else math.sqrt(2.0)
             nn.init.orthogonal_(weight, gain, generator=generator)
@@ -63,12 +87,12 @@ class MLP(nn.Module):
     @property
     def weights(self) -> list[nn.Parameter]:
         """W₁ …, each of shape (outputs, inputs) of its layer."""
-        return [getattr(self, weight) for weight, _ in self._names]
+        return [getattr(self, weight) for weight, _ in self.names]
 
     @property
     def biases(self) -> list[nn.Parameter]:
         """b₁ …, each of shape (outputs,) of its layer."""
-        return [getattr(self, bias) for _, bias in self._names]
+        return [getattr(self, bias) for _, bias in self.names]
 
     def forward(self, x: Tensor) -> Tensor:
         """Result (…, outputs) for inputs (…, inputs)."""
@@ -77,7 +101,7 @@ class MLP(nn.Module):
     def layers(self, x: Tensor) -> list[Tensor]:
         """x, the hidden activations and the result."""
         layers = [x]
-        last, activate = len(self._names) - 1, _ACTIVATIONS[self._activation]
+        last, activate = len(self.names) - 1, _ACTIVATIONS[self.activation]
         for k, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
             linear = _affine(layers[-1], weight, bias)
             layers.append(linear if k == last else activate(linear))
@@ -110,7 +134,7 @@ class MLP(nn.Module):
     def _through(self, k: int, weight: Tensor, layers: Sequence[Tensor], slope: Tensor) -> Tensor:
         """∂L by what goes into the activation that gave layer k, or by x, from ∂L by what W of the next layer gives."""
         before = torch.mm(slope, weight)
-        return _BACKWARD[self._activation](before, layers[k]) if k else before
+        return _BACKWARD[self.activation](before, layers[k]) if k else before
 
 
 def _affine(x: Tensor, weight: Tensor, bias: Tensor) -> Tensor:

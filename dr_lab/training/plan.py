@@ -79,12 +79,12 @@ class Plan:
                 f"algorithm.batch_frames is {algorithm.batch_frames}, less than one control step for each of "
                 f"{self.episodes} episodes. Raise it, or lower episodes."
             )
-        policy = algorithm.policies["policy"]
+        policy, collecting = algorithm.policies["policy"], algorithm.collecting
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
-        experience = Experience(self.collector(env, policy, steps), policy, played, learner.source)
+        experience = Experience(self.collector(env, collecting, steps), policy, played, learner.source)
         more: dict[str, Stateful] = {}
         trainer = Trainer(experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.time_limit)
-        return Training(trainer, algorithm, randomizer, learner, more)
+        return Training(trainer, algorithm, experience, randomizer, learner, more)
 
     def _seed_of_rollouts(self) -> int:
         """Another seed than that of the slots, whose starts would otherwise be the same."""
@@ -98,6 +98,7 @@ class Training:
     Attributes:
         trainer: the loop; to be closed at the end.
         algorithm: what learns the policy.
+        experience: what it learns from.
         randomizer: p(z).
         learner: what shapes it.
         more: what else the checkpoint holds, by name; may be added to before the loop starts.
@@ -105,6 +106,7 @@ class Training:
 
     trainer: Trainer
     algorithm: Algorithm
+    experience: Experience
     randomizer: Randomizer
     learner: DistributionLearner
     more: dict[str, Stateful]

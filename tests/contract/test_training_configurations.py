@@ -5,6 +5,7 @@ from test_configurations import check_verb, options_of
 
 GROUPS = ("algorithm", "randomizer", "distribution_learner", "collector", "normaliser", "reward_scale")
 PLACE = {"normaliser": "normaliser@algorithm.actor.normaliser", "reward_scale": "reward_scale@algorithm.reward_scale"}
+PARTS = {"inner_loss": "adaptation.loss", "inner_rate": "adaptation.rate", "policy_step": "step"}
 NEEDED = {
     "from_run": ["randomizer.run=outputs"],
     "gail": ["algorithm.expert.path=episodes.mcap"],
@@ -20,6 +21,11 @@ def test_evaluator_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("option", options_of("baseline"))
 def test_baseline_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
     check_verb("train", ["algorithm=reinforce", f"baseline@algorithm.baseline={option}"], monkeypatch)
+
+
+@pytest.mark.parametrize(("group", "option"), [(group, option) for group in PARTS for option in options_of(group)])
+def test_part_of_maml_fits(group: str, option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    check_verb("train", ["algorithm=maml", f"{group}@algorithm.{PARTS[group]}={option}"], monkeypatch)
 
 
 @pytest.mark.parametrize("option", options_of("target"))

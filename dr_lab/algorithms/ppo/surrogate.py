@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 from torch.func import functional_call
 
+from dr_lab.algorithms.ppo.clipped import clipped
 from dr_lab.bounds import Positive, require_bounds
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.flat import FlatParameters
@@ -105,8 +106,7 @@ class Surrogate(ABC):
         policy = self._policy.distribution(parameters, samples.observation)
         ratio = (policy.log_prob(samples.action) - samples.log_prob).exp()
         advantage = samples.standardised_advantage()
-        bound = ratio.clamp(1.0 - self.clip, 1.0 + self.clip) * advantage
-        return -torch.minimum(ratio * advantage, bound).mean() - self.entropy_weight * policy.entropy()
+        return -clipped(ratio, advantage, self.clip).mean() - self.entropy_weight * policy.entropy()
 
     def critic_loss(self, parameters: Mapping[str, Tensor], samples: PolicySamples) -> Tensor:
         """c_V·E[(V − target)²] under other parameters than the critic's own, as pure as `actor_loss`."""

@@ -1,6 +1,8 @@
 """The contract of a baseline: what an episode returns on average, whatever action is taken."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
 
 from torch import Tensor
 
@@ -11,14 +13,34 @@ class Baseline(ABC):
     """b(o_t, t), which is taken off the returns-to-go so that the gradient scatters less.
 
     That of an episode comes from other episodes alone, so that it depends on none of the episode's actions and leaves
-    the gradient's expectation as it is. It comes from the same batch, so that nothing of it is kept between batches.
+    the gradient's expectation as it is. Most come from the same batch and keep nothing; one that learns from batch to
+    batch has learnt from earlier ones.
     """
 
     @abstractmethod
     def __call__(self, episodes: WholeEpisodes, to_go: Tensor) -> Tensor:
         """Baseline of every step, shape (k, t); what it is beyond an episode's end has no meaning.
 
+        A pure function, which `torch.vmap` takes over many tasks at once.
+
         Args:
             episodes: k, independent of one another.
             to_go: their returns-to-go, shape (k, t).
         """
+
+    def learn(self, episodes: WholeEpisodes, to_go: Tensor) -> Mapping[str, float]:
+        """Learn from a batch after it was used; most learn nothing. Gives figures to be recorded, by name.
+
+        Args:
+            episodes: shape (…, t).
+            to_go: their returns-to-go, shape (…, t).
+        """
+        del episodes, to_go
+        return {}
+
+    def state_dict(self) -> dict[str, Any]:
+        """What was learnt."""
+        return {}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:  # noqa: B027 (few learn)
+        """Continue from what `state_dict` gave."""

@@ -33,8 +33,7 @@ class LinearBaseline(Baseline):
         result = torch.zeros_like(wanted)
         for half in (0, 1) if len(wanted) > 1 else ():
             other = slice(1 - half, None, 2)
-            used = episodes.mask[other] > 0
-            weights = self._fitted(features[other][used], wanted[other][used])
+            weights = self._fitted(features[other], wanted[other], episodes.mask[other].double())
             result[half::2] = features[half::2] @ weights
         return result.to(to_go.dtype)
 
@@ -43,7 +42,8 @@ class LinearBaseline(Baseline):
         powers = torch.stack([time, time**2, time**3, torch.ones_like(time)], -1)
         return torch.cat([observation, observation**2, powers.expand(len(observation), -1, -1)], -1)
 
-    def _fitted(self, features: Tensor, wanted: Tensor) -> Tensor:
-        squares = features.T @ features / len(features)
-        squares.diagonal().add_(self.ridge)
-        return torch.linalg.solve(squares, features.T @ wanted / len(features))
+    def _fitted(self, features: Tensor, wanted: Tensor, mask: Tensor) -> Tensor:
+        rows, share = features.flatten(0, 1), (mask / mask.sum().clamp(min=1.0)).flatten()
+        weighted = (rows * share[:, None]).T
+        ridge = self.ridge * torch.eye(rows.shape[1], dtype=rows.dtype)
+        return torch.linalg.solve(weighted @ rows + ridge, weighted @ torch.where(share > 0, wanted.flatten(), 0.0))

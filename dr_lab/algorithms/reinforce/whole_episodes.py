@@ -33,8 +33,19 @@ class WholeEpisodes(NamedTuple):
         Args:
             gamma: discount γ per control step.
         """
-        nothing, never = torch.zeros_like(self.reward), torch.zeros_like(self.mask, dtype=torch.bool)
-        return advantages(self.reward, nothing, nothing, never, never, gamma, 1.0)
+        return self.advantages(torch.zeros_like(self.reward), gamma, 1.0)
+
+    def advantages(self, baseline: Tensor, gamma: float, lam: float) -> Tensor:
+        """Generalised advantages with the baseline as value, shape (k, t); G_t − b_t where λ = 1.
+
+        Args:
+            baseline: b, shape (k, t); an episode is worth nothing after its end.
+            gamma: discount γ per control step.
+            lam: λ.
+        """
+        value, never = baseline * self.mask, torch.zeros_like(self.mask, dtype=torch.bool)
+        after = torch.cat([value[:, 1:], torch.zeros_like(value[:, :1])], 1)
+        return advantages(self.reward, value, after, never, never, gamma, lam)
 
     def double(self) -> "WholeEpisodes":
         """The same in float64."""
@@ -46,17 +57,28 @@ def whole_episodes(batch: TensorDict, mask: Tensor, actor: GaussianActor) -> Who
 
     An episode that ends because its context is infeasible is left out whole: no action led to its end.
 
+    Args: as `every_episode`.
+    """
+    episodes = every_episode(batch, mask, actor)
+    feasible = episodes.mask.any(1)
+    return WholeEpisodes(*(field[feasible] for field in episodes))
+
+
+def every_episode(batch: TensorDict, mask: Tensor, actor: GaussianActor) -> WholeEpisodes:
+    """All of some episodes, those in infeasible contexts masked whole, up to the longest one's end.
+
     Args:
         batch: size [k, t], as a collector or `collectors.play.play` gives it, one episode a row from its first step on.
         mask: the steps of that episode, shape (k, t).
         actor: which took the actions, with the normaliser that it had then.
     """
-    infeasible, reward = (cast(Tensor, batch["next", key]).squeeze(-1) for key in ("infeasible", "reward"))
-    feasible = ~(infeasible & mask).any(1)
-    kept = mask[feasible].float()
+    steps = slice(int(mask.any(0).sum()))
+    reward, infeasible = (cast(Tensor, batch["next", key])[:, steps, 0] for key in ("reward", "infeasible"))
+    used = mask[:, steps]
+    kept = (used & ~(infeasible & used).any(1, keepdim=True)).float()
     return WholeEpisodes(
-        actor.normaliser(cast(Tensor, batch["observation"])[feasible]),
-        actor.unit(cast(Tensor, batch["action"])[feasible]),
-        reward[feasible].float() * kept,
+        actor.normaliser(cast(Tensor, batch["observation"])[:, steps]),
+        actor.unit(cast(Tensor, batch["action"])[:, steps]),
+        torch.where(kept > 0, reward.float(), 0.0),
         kept,
     )

@@ -62,10 +62,13 @@ class Humanoid(Task):
     def reward(self, change: Change) -> Array:
         """Forward, alive, effort, contacts."""
         alive = self.healthy_reward * ~change.terminated
+        return self.forward_weight * change.velocity[:, 0] + alive - self.costs(change)
+
+    def costs(self, change: Change) -> Array:
+        """What control and contacts cost, shape (n,)."""
         effort = self.control_weight * np.square(change.action).sum(1)
         contacts = self.contact_weight * np.square(change.fields["cfrc_ext"]).sum((1, 2))
-        forward = self.forward_weight * change.velocity[:, 0]
-        return forward + alive - effort - np.minimum(contacts, self.contact_cost_limit)
+        return effort + np.minimum(contacts, self.contact_cost_limit)
 
     def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
         """Where the torso is too low or too high."""

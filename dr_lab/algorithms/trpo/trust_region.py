@@ -1,0 +1,81 @@
+"""A step as far as the divergence from the policy that acted allows."""
+
+from collections.abc import Mapping
+from math import sqrt
+
+import torch
+from torch import Tensor
+
+from dr_lab.algorithms.trpo.conjugate_gradients import conjugate_gradients
+from dr_lab.algorithms.trpo.divergence_product import divergence_product
+from dr_lab.algorithms.trpo.policy_rows import PolicyRows, divergence, mean, ratio
+from dr_lab.algorithms.trpo.policy_step import PolicyAt, PolicyStep
+from dr_lab.bounds import Count, NotNegative, Positive, Share, require_bounds
+from dr_lab.networks.flat import FlatParameters
+from dr_lab.networks.gaussian import Gaussian
+
+
+class TrustRegion(PolicyStep):
+    """Minimises L(θ) = −E[ρ A] under E[KL(π_acted‖π_θ)] ≤ δ, to first and second order, then by a line search.
+
+    The direction is x = −(H + c)⁻¹ ∇L by conjugate gradients, H the Hessian of the divergence; the first length makes
+    ½ xᵀ (H + c) x = δ, and shrinks until L falls and the divergence itself is at most δ. Where it never does, θ stays.
+
+    Source: Schulman et al. 2015, appendix C.
+
+    Args:
+        parameters: θ.
+        max_kl: δ.
+        iterations: of conjugate gradients.
+        tolerance: of their residual, as a share of |∇L|, at which they end before.
+        damping: c.
+        trials: of the line search.
+        shrink: factor of the length from one trial to the next.
+
+    Raises:
+        ConfigError: a number is out of its range.
+    """
+
+    def __init__(
+        self,
+        parameters: FlatParameters,
+        max_kl: Positive,
+        iterations: Count,
+        tolerance: NotNegative,
+        damping: NotNegative,
+        trials: Count,
+        shrink: Share,
+    ) -> None:
+        super().__init__(parameters)
+        self.max_kl, self.iterations, self.tolerance, self.damping = max_kl, iterations, tolerance, damping
+        self.trials, self.shrink = trials, shrink
+        require_bounds(self, "algorithm.step", TrustRegion)
+
+    def loss(self, policy: Gaussian, rows: PolicyRows) -> Tensor:
+        """−E[ρ A]."""
+        return -mean(ratio(policy, rows) * rows.advantage, rows)
+
+    def __call__(self, policy_at: PolicyAt, rows: PolicyRows) -> Mapping[str, float]:
+        """One step; `kl` and `improvement` of −L are those of the step that was taken, 0 where none was."""
+        near = policy_at.linearised(self.parameters.vector)
+        loss, slope = self.differentiate(near, rows)
+        hessian = divergence_product(near, rows)
+        solved = conjugate_gradients(lambda v: hessian(v) + self.damping * v, -slope, self.iterations, self.tolerance)
+        curvature = float(solved.found @ solved.image)
+        figures = {"gradient": slope.norm().item()}
+        if not curvature > 0.0:  # also NaN; there is no slope, or no direction of descent
+            return {**figures, "kl": 0.0, "improvement": 0.0, "trials": 0.0}
+        longest = sqrt(2.0 * self.max_kl / curvature) * solved.found
+        return {**figures, **self._search(policy_at, rows, loss, longest)}
+
+    @torch.no_grad()
+    def _search(self, policy_at: PolicyAt, rows: PolicyRows, loss: float, step: Tensor) -> Mapping[str, float]:
+        begin = self.parameters.vector.clone()
+        for trial in range(self.trials):
+            candidate = begin + self.shrink**trial * step
+            policy = policy_at(candidate)
+            found, kl = self.loss(policy, rows).item(), divergence(policy, rows).item()
+            if found < loss and kl <= self.max_kl:
+                self.parameters.vector.copy_(candidate)
+                return {"kl": kl, "improvement": loss - found, "trials": trial + 1.0}
+        return {"kl": 0.0, "improvement": 0.0, "trials": float(self.trials)}
