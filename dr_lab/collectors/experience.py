@@ -118,6 +118,7 @@ class Experience:
         self.rollout_frames = state["rollout_frames"]
 
     def _told(self, batch: TensorDict) -> TensorDict:
-        for listener in self._listeners:
-            listener(batch)
+        with torch.enable_grad():  # who collects may want no gradients, who listens may learn by them
+            for listener in self._listeners:
+                listener(batch)
         return batch

@@ -38,8 +38,8 @@ class MAML(MetaAlgorithm):
     and so on up to the last update. Then θ is moved by what the last episodes say.
 
     A batch of one phase, as a distribution learner hears it, has the keys ``policy`` (the number of the task),
-    ``proposal`` (by which the source knows it) and ``updates`` (that the policies had had when they played it: 0 before
-    the adaptation, `adaptation.updates` after it).
+    ``proposal`` (by which the source knows it), ``updates`` (that the policies had had when they played it: 0 before
+    the adaptation) and ``updates_left`` (that are still to come: 0 after it).
 
     Source: Finn et al. 2017, algorithm 3.
 
@@ -155,7 +155,9 @@ class MAML(MetaAlgorithm):
     def _play(self, experience: Experience, tasks: Proposals, updates: int) -> PlayedPhase:
         """One phase: a whole episode in every slot."""
         share = self.slots // self.tasks
-        labels = {"proposal": tasks.keys.repeat(share), "updates": np.full(self.slots, updates, np.int64)}
+        counts = {"updates": updates, "updates_left": self.adaptation.updates - updates}
+        labels = {key: np.full(self.slots, count, np.int64) for key, count in counts.items()}
+        labels["proposal"] = tasks.keys.repeat(share)
         batch = experience.collect_whole(tasks.z.repeat(share, axis=0), labels)
         first = first_episodes(batch)
         episodes = every_episode(batch, first, self.actor)

@@ -83,7 +83,7 @@ class ADR(DistributionLearner):
         self._make, self._seed = discriminator, derived_seed(seed, "discriminator")
         self._discriminator: Discriminator | None = None  # until the width of a transition is known
         self._hidden = size if context_shown else 0
-        self._proposals = OpenProposals(self._contexts())
+        self._proposals = self._opened(self._contexts())
         self._episodes = EpisodeAssembler(self._hidden)
         self._answers: dict[int, WholeEpisode] = {}  # by the place of the proposal
         self._references: list[Tensor] = []  # transitions of each episode
@@ -153,6 +153,10 @@ class ADR(DistributionLearner):
             self._proposals.renew(self._contexts())
         if "discriminator" in self.inherits and state["discriminator"] is not None:
             self._made(state["discriminator"]["size"]).inherit(state["discriminator"])
+
+    def _opened(self, z: Array) -> OpenProposals:
+        """What gives the proposals out."""
+        return OpenProposals(z)
 
     def _contexts(self) -> Array:
         """What the particles propose next, shape (N·k, n)."""

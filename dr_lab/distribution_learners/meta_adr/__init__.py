@@ -1,0 +1,1 @@
+"""Meta-ADR: particles that seek the tasks in which adapting changes what a policy does."""
