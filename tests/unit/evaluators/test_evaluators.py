@@ -112,7 +112,7 @@ def subject() -> Subject:
     return Subject("pushed", setting, constant(1.0), again)
 
 
-def expected(mass: Array | float, force: float = 1.0) -> Array:
+def expected(mass: Array | float, force: Array | float = 1.0) -> Array:
     return np.asarray(STEP * force / mass * STEPS * (STEPS + 1) / 2)
 
 
@@ -191,7 +191,9 @@ def test_the_curve_stands_at_the_control_steps_that_were_trained(subject: Subjec
     np.testing.assert_array_equal(curve.at, [0, 20, 30])
     np.testing.assert_allclose(curve.value / curve.value[0], [1.0, 3.0, 4.0], rtol=1e-6)
     short = FineTuneEvaluator(near, contexts=1, rounds=2, frames=4, episodes=1, seed=0)
-    with pytest.raises(ConfigError, match=r"evaluator\.frames is 4, less than a batch of 10 .* update 2 trains nothing"):
+    with pytest.raises(
+        ConfigError, match=r"evaluator\.frames is 4, less than a batch of 10 .* update 2 trains nothing"
+    ):
         short.evaluate(subject, tmp_path, print)
 
 
