@@ -58,6 +58,15 @@ class Environment(ABC):
             staggered: whether first episodes are cut at different ages; for training alone.
         """
 
+    def goal(self, z: Array) -> Array | None:
+        """Where an episode in a context (parameters,) is to go, in the plane of the state's first two positions.
+
+        Returns:
+            Its x and y, m, shape (2,); None where it is not to go to a place, as unless said otherwise.
+        """
+        del z
+        return None
+
     @abstractmethod
     def scene(self, z: Array) -> mujoco.MjModel:
         """What shows an episode in a context (parameters,): the model that the states of its slots are positions of.

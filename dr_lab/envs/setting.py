@@ -78,6 +78,10 @@ class Setting(Environment):
             staggered=staggered,
         )
 
+    def goal(self, z: Array) -> Array | None:
+        """As the task says."""
+        return self.task.goal(self.space.mapping(z))
+
     def scene(self, z: Array) -> mujoco.MjModel:
         """The machine in a context; the nominal one where the context does not compile, so that nothing moves in it."""
         try:

@@ -81,6 +81,18 @@ class Task(ABC):
         """
         return ()
 
+    def goal(self, values: Mapping[str, float]) -> Array | None:
+        """Where an episode is to go, in the plane of the first two positions, m, shape (2,).
+
+        Args:
+            values: the context of one episode, by parameter.
+
+        Returns:
+            None where it is not to go to a place, as unless said otherwise.
+        """
+        del values
+        return None
+
     def action_bounds(self, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """Lowest and highest action, shape (nu,), in the actuators' unit: their control range unless said otherwise."""
         return compiled.actuator_ctrlrange[:, 0].copy(), compiled.actuator_ctrlrange[:, 1].copy()

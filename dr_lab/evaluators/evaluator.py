@@ -16,7 +16,7 @@ from dr_lab.errors import DataError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.training import Curve, Grid, Matrix
+from dr_lab.recorders.training import Curve, Gain, Grid, Matrix, Ways
 from dr_lab.seeding import derived_seed
 from dr_lab.training.adapting import Adapting, OwnUpdates, TrainingOn
 from dr_lab.training.policy_snapshots import PolicySnapshot
@@ -125,6 +125,8 @@ class Evaluation:
         grids: returns over contexts.
         matrices: cosines between the gradients of contexts, the most telling first.
         curves: figures over the control steps of training.
+        gains: what updates add to the return over contexts, the most telling first.
+        ways: of the policy in the plane, before and after updates.
         episodes: that are worth being looked at.
         told: what was played and what the figures mean, for the page.
     """
@@ -135,6 +137,8 @@ class Evaluation:
     grids: Sequence[Grid] = field(default_factory=tuple)
     matrices: Sequence[Matrix] = field(default_factory=tuple)
     curves: Sequence[Curve] = field(default_factory=tuple)
+    gains: Sequence[Gain] = field(default_factory=tuple)
+    ways: Sequence[Ways] = field(default_factory=tuple)
     episodes: Sequence[Episode] = field(default_factory=tuple)
     told: str = ""
 

@@ -33,7 +33,8 @@ class FineTuneEvaluator(Evaluator):
         distribution: makes what contexts are drawn from.
         contexts: drawn.
         rounds: times that the return is measured after training on.
-        frames: control steps of training in each round, which ends with a whole batch.
+        frames: control steps of training in each round, which ends with a whole batch; a meta-learner takes its own
+            updates instead, one a round.
         episodes: whose mean is the return.
         seed: of contexts, starts and training.
 
@@ -74,12 +75,12 @@ class FineTuneEvaluator(Evaluator):
             progress(sum(map(len, returns)) / len(drawn))
         courses = np.concatenate(returns)
         at = np.array(frames).max(axis=0)
-        return replace(_summed_up(space, drawn, at, courses), told=self._told())
+        return replace(_summed_up(space, drawn, at, courses), told=self._told(int(at[-1])))
 
-    def _told(self) -> str:
+    def _told(self, frames: int) -> str:
         return (
-            f"Training on in each of {self.contexts} contexts, {self.rounds} rounds of {self.frames} control steps or "
-            f"more. jump start: return before, asymptote: after, of {self.episodes} episodes each; interquartile means "
+            f"Training on in each of {self.contexts} contexts, {self.rounds} rounds, {frames} control steps in all. "
+            f"jump start: return before, asymptote: after, of {self.episodes} episodes each; interquartile means "
             "over the contexts, of which infeasible are a share."
         )
 

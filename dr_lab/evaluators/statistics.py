@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import bootstrap, trim_mean
+from scipy.stats import t as student
 
 from dr_lab.trajectory import Array
 
@@ -56,6 +57,25 @@ def mean_interval(values: Array, confidence: float, resamples: int, seed: int) -
     drawn = rng.multinomial(len(values), np.full(len(values), 1.0 / len(values)), resamples) @ values / len(values)
     low, high = np.quantile(drawn, [alpha, 1.0 - alpha])
     return Interval(float(values.mean()), float(low), float(high))
+
+
+def t_intervals(values: Array, confidence: float) -> tuple[Array, Array, Array]:
+    """Means of few independent results with their intervals by Student's t, mean ± t s/√k.
+
+    Args:
+        values: shape (…, k); NaN is left out.
+        confidence: of the intervals, below 1.
+
+    Returns:
+        Mean and the interval's ends, shape (…) each; NaN where nothing is known, the ends also where one value is.
+    """
+    known = np.isfinite(values)
+    count = known.sum(axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = np.where(known, values, 0.0).sum(axis=-1) / count
+        square = np.where(known, np.square(values - mean[..., None]), 0.0).sum(axis=-1) / (count - 1)
+        half = student.ppf(0.5 + 0.5 * confidence, count - 1) * np.sqrt(square / count)
+    return mean, mean - half, mean + half
 
 
 def iqm_band(values: Array, confidence: float, resamples: int, seed: int) -> tuple[Array, Array, Array]:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from dr_lab.networks.mlp import MLP, activated, bend, steepness
+from dr_lab.networks.mlp import MLP, Activation, activated, bend, steepness
 
 
 class Slopes(NamedTuple):
@@ -34,7 +34,8 @@ class LinearisedMLP:
     """
 
     def __init__(self, body: MLP, parameters: Mapping[str, Tensor], x: Tensor) -> None:
-        self._names, self._activation = body.names, body.activation
+        self._names = body.names
+        self._activation: Activation = body.activation
         self._weights = [parameters[weight] for weight, _ in self._names]
         self._layers, self._steep = [x], list[Tensor]()
         for k, (weight, (_, bias)) in enumerate(zip(self._weights, self._names, strict=True)):

@@ -21,6 +21,9 @@ _SCALE = (6.0, 8.0)  # distance and width of the colour scale beside the map
 DARK_TO_LIGHT = ("fixed", "after", "measured")
 """Stops of values of which more is lighter: grey over blue to white."""
 
+DOUBLE = ("before", "fixed", "after")
+"""Stops of values about 0: what is below is orange, what is above blue."""
+
 
 @dataclass(frozen=True)
 class ColourScale:

@@ -3,11 +3,11 @@
 import numpy as np
 
 from dr_lab.recorders.branch import Branch
-from dr_lab.recorders.heat_map import ColourScale, log_map
+from dr_lab.recorders.heat_map import DOUBLE, ColourScale, log_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training import Matrix
 
-_SCALE = ColourScale(-1.0, 1.0, ("before", "fixed", "after"))  # interference is orange, transfer blue
+_SCALE = ColourScale(-1.0, 1.0, DOUBLE)  # interference is orange, transfer blue
 
 
 def log_matrix(root: Branch, matrix: Matrix, look: Look) -> None:

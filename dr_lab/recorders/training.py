@@ -141,3 +141,44 @@ class Matrix:
     axis: ContextAxis
     value: Array
     doubtful: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What updates add to the return over a grid of contexts in one or two parameters.
+
+    Attributes:
+        title: of how many updates.
+        axes: one or two.
+        value: mean of each cell, shape (n,) or (n, m); NaN where it is unknown.
+        low: lower end of its interval, likewise.
+        high: upper end, likewise; where both are of one sign the gain has that sign, else it is in doubt.
+    """
+
+    title: str
+    axes: Sequence[ContextAxis]
+    value: Array
+    low: Array
+    high: Array
+
+    @property
+    def doubtful(self) -> NDArray[np.bool_]:
+        """Where the sign is in doubt, of the shape of `value`."""
+        return ~((self.low > 0.0) | (self.high < 0.0))
+
+
+@dataclass(frozen=True)
+class Ways:
+    """Ways of a policy in the plane, before and after it was adapted to where it is to go.
+
+    Attributes:
+        title: after how many updates.
+        goals: m, shape (k, 2).
+        before: k courses of x and y, m, shape (t, 2) each.
+        after: likewise.
+    """
+
+    title: str
+    goals: Array
+    before: Sequence[Array]
+    after: Sequence[Array]

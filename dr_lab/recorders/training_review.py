@@ -7,14 +7,15 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
-from dr_lab.recorders import course, distributions, grids, heat_map
+from dr_lab.recorders import course, distributions, grids, heat_map, ways
 from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
+from dr_lab.recorders.gains import log_gain
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.matrices import log_matrix
 from dr_lab.recorders.recording import recording_file
-from dr_lab.recorders.training import Curve, Grid, Marginal, Matrix, Pair
+from dr_lab.recorders.training import Curve, Gain, Grid, Marginal, Matrix, Pair, Ways
 from dr_lab.reports.quantity import titled
 
 # Rerun keeps one layout an application: every recording of training and evaluation shares this one.
@@ -34,6 +35,8 @@ class TrainingRecord:
         pages: Markdown by title; the first stands on the first page.
         episodes: of the trained policy.
         matrices: cosines between the gradients of contexts, that of the first page first.
+        gains: what updates add to the return over contexts, that of the first page first.
+        ways: in the plane, before and after updates.
     """
 
     name: str
@@ -44,15 +47,17 @@ class TrainingRecord:
     pages: Mapping[str, str] = field(default_factory=dict)
     episodes: Sequence[Episode] = ()
     matrices: Sequence[Matrix] = ()
+    gains: Sequence[Gain] = ()
+    ways: Sequence[Ways] = ()
 
 
 def write_training_review(path: Path, record: TrainingRecord, look: Look) -> None:
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<name>``, ``/distribution/<parameter>``, ``/distribution/<parameter>, <parameter>``,
-    ``/course/<parameter>``, ``/grid/<title>``, ``/matrix/<title>``, ``/pages/<title>`` on the timeline ``iteration``,
-    curves over control steps on ``frames``, ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the
-    episode's start.
+    ``/course/<parameter>``, ``/grid/<title>``, ``/matrix/<title>``, ``/gain/<title>``, ``/ways/<title>``,
+    ``/pages/<title>`` on the timeline ``iteration``, curves over control steps on ``frames``,
+    ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the episode's start.
 
     Args:
         path: the file, by custom ``review.rrd``.
@@ -85,6 +90,10 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
         grids.log_grid(root / "grid" / grid.title, grid, look, span)
     for matrix in record.matrices:
         log_matrix(root / "matrix" / matrix.title, matrix, look)
+    for gain in record.gains:
+        log_gain(root / "gain" / gain.title, gain, look)
+    for each in record.ways:
+        ways.log_ways(root / "ways" / each.title, each, look)
     if record.episodes:
         log_episodes(root / ROOT, record.episodes, look)
     counting = _counting(record)
@@ -97,13 +106,15 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
 def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=rr.new_entity_path(["pages", title]), name=title) for title in record.pages]
     # A view stands in one place only: the overview has its own.
-    plots = [*_curves(record)[:1], *(_learned(record) or _maps(record) or _matrices(record))[:1]]
+    shown = _learned(record) or _adapted(record) or _maps(record) or _matrices(record)
+    plots = [*_curves(record)[:1], *shown[:1]]
     overview = rrb.Horizontal(*text[:1], *([rrb.Vertical(*plots)] if plots else []), name="Overview")
     sheets = {
         "Curves": _curves(record),
         "Learned distribution": _learned(record),
         "Returns over contexts": _maps(record),
         "Gradients of contexts": _matrices(record),
+        "Adaptation": _adapted(record),
     }
     pages: list[rrb.Container | rrb.View] = [
         *([overview] if text or plots else []),
@@ -149,6 +160,11 @@ def _learned(record: TrainingRecord) -> list[rrb.View]:
 
 def _maps(record: TrainingRecord) -> list[rrb.View]:
     return [grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}") for grid in record.grids]
+
+
+def _adapted(record: TrainingRecord) -> list[rrb.View]:
+    gained = [heat_map.CANVAS.view(["gain", each.title], f"gain {each.title}") for each in record.gains]
+    return [*gained, *(ways.CANVAS.view(["ways", each.title], f"ways, {each.title}") for each in record.ways)]
 
 
 def _matrices(record: TrainingRecord) -> list[rrb.View]:

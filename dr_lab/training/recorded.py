@@ -1,6 +1,6 @@
 """Episodes of a policy with all that happens in them, for recordings."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Literal, cast
 
 import mujoco
@@ -33,13 +33,28 @@ def record(
         The episodes, called ``episode_1``, ``episode_2`` …
     """
     played = play(episodes, policy, z, starts)
+    return as_episodes(environment, episodes, played, z, [f"episode_{i + 1}" for i in range(len(z))])
+
+
+def as_episodes(
+    environment: Environment, episodes: EpisodeSlots, played: TensorDict, z: Array, names: Sequence[str]
+) -> list[Episode]:
+    """Episodes out of what was played.
+
+    Args:
+        environment: what shows them.
+        episodes: slots on which they were played.
+        played: size [k, t], in the layout of `collectors.play.play`.
+        z: their contexts, shape (k, n).
+        names: of the episodes.
+    """
     bounds = torch.from_numpy(episodes.low), torch.from_numpy(episodes.high)
-    played["action"] = cast(Tensor, played["action"]).double().clamp(*bounds)
-    found = []
-    for i, values in enumerate(z):
+    action, found = cast(Tensor, played["action"]).double().clamp(*bounds), list[Episode]()
+    for i, (values, name) in enumerate(zip(z, names, strict=True)):
         known = zip(episodes.space.parameters, values.tolist(), strict=True)
-        course, context = cast(TensorDict, played[i]), {p.name: (value, p.unit) for p, value in known}
-        found.append(as_episode(course, f"episode_{i + 1}", environment.scene(values), environment.seconds, context))
+        course, context = cast(TensorDict, played[i]).clone(False), {p.name: (value, p.unit) for p, value in known}
+        course["action"] = action[i]
+        found.append(as_episode(course, name, environment.scene(values), environment.seconds, context))
     return found
 
 

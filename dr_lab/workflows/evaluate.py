@@ -53,8 +53,8 @@ def evaluate(
         found = replace(found, episodes=shown)
     report = _report(folder, setting.name, evaluator, found, run_dir)
     name = f"{setting.name} · {subject.name}"
-    parts = {"grids": found.grids, "matrices": found.matrices, "episodes": found.episodes}
-    record = TrainingRecord(name, found.curves, **parts)
+    parts = {"grids": found.grids, "matrices": found.matrices, "gains": found.gains, "ways": found.ways}
+    record = TrainingRecord(name, found.curves, episodes=found.episodes, **parts)
     write_text(run_dir / "returns.csv", rows_csv(found.rows))
     finish(run_dir, report, evaluate_markdown(report, found.told), setting, record, recorder)
     return report

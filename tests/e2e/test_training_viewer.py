@@ -11,7 +11,7 @@ from viewer_pages import count, pages, pixels_of, require_pages
 from dr_lab.recorders.branch import ITERATIONS
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.training import ContextAxis, Curve, Grid, Marginal, Pair
+from dr_lab.recorders.training import ContextAxis, Curve, Gain, Grid, Marginal, Pair, Ways
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 from dr_lab.recorders.viewer import show
 
@@ -56,8 +56,16 @@ def recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, look: Look, episo
     ]
     curves = [Curve(name, "", ITERATION, np.arange(5.0)) for name in ("return", "entropy")]
     pages = {"Report": "# Report", "Settings": "# Settings"}
+    gain = np.linspace(-1.0, 1.0, 9).reshape(3, 3)
+    course = np.stack([np.linspace(0.0, 1.0, 9), np.linspace(0.0, 0.5, 9)], axis=1)
+    adapted = {
+        "gains": [Gain("of 1 update", [axis, axis], gain, gain - 0.1, gain + 0.1)],
+        "ways": [Ways("after 1 update", np.array([[1.0, 0.5]]), [-course], [course])],
+    }
     path = tmp_path / "review.rrd"
-    write_training_review(path, TrainingRecord("run", curves, [marginal], [pair], grids, pages, [episode]), look)
+    write_training_review(
+        path, TrainingRecord("run", curves, [marginal], [pair], grids, pages, [episode], **adapted), look
+    )
     return path
 
 
@@ -70,6 +78,10 @@ def test_every_page_shows_what_it_says(viewer: ViewerClient, recording: Path, lo
         "Curves": {"entropy": [learned]},
         "Learned distribution": {"p(z) of friction, size": [learned]},
         "Returns over contexts": {"returns, line": [learned], "returns, area": [learned]},
+        "Adaptation": {
+            "gain of 1 update": [learned, look.colour("before")],
+            "ways, after 1 update": [learned, look.colour("before")],
+        },
         "Episodes (timeline t)": {SCENE: [learned], "Episodes of the trained policy": []},
         "Settings": {"Settings": []},
     }

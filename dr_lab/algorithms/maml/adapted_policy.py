@@ -8,7 +8,7 @@ from torch import Tensor
 from torch.func import vjp
 
 from dr_lab.algorithms.maml.linearised_update import LinearisedPolicy, LinearisedUpdate
-from dr_lab.algorithms.maml.loss import MAMLLoss
+from dr_lab.algorithms.maml.loss import MAMLLoss, meta_batch
 from dr_lab.networks.flat import parts_of
 from dr_lab.networks.gaussian import Gaussian
 
@@ -35,6 +35,11 @@ class AdaptedPolicy:
     def linearised(self, vector: Tensor) -> "LinearisedAdaptation":
         """The same in the vicinity of the parameters."""
         return LinearisedAdaptation(self._loss, parts_of(vector, self._like), self._batch)
+
+    def thinned(self, every: int) -> "AdaptedPolicy":
+        """The same by and in fewer rows of each phase."""
+        phases = [*self._loss.rows_before(self._batch), self._loss.rows_after(self._batch)]
+        return AdaptedPolicy(self._loss, self._like, meta_batch([rows.thinned(every) for rows in phases]))
 
 
 class LinearisedAdaptation:

@@ -35,6 +35,18 @@ class PolicyRows(NamedTuple):
         """The policy that acted."""
         return Gaussian(self.mean, self.log_std)
 
+    def thinned(self, every: int) -> "PolicyRows":
+        """The first, and each that follows it by so many; what weighs still sums to 1."""
+        weight = self.weight[..., ::every]
+        return PolicyRows(
+            self.observation[..., ::every, :],
+            self.action[..., ::every, :],
+            self.mean[..., ::every, :],
+            self.log_std,
+            self.advantage[..., ::every],
+            weight / weight.sum(-1, keepdim=True).clamp(min=_LEAST_STD),  # 0 where nothing counts
+        )
+
 
 def policy_rows(episodes: WholeEpisodes, acted: Gaussian, advantage: Tensor) -> PolicyRows:
     """The steps of some episodes (…, k, t) as rows (…, k·t).

@@ -40,6 +40,10 @@ class PolicyAt(Protocol):
         """The same in the vicinity of the parameters."""
         ...
 
+    def thinned(self, every: int) -> "PolicyAt":
+        """The same by and in fewer rows, those that `PolicyRows.thinned` keeps."""
+        ...
+
 
 class PolicyStep(ABC):
     """Moves θ, from which the policy that acts follows in whatever way, against the gradient of `loss`.

@@ -73,6 +73,10 @@ class Nav2D(Environment):
             WalkingEpisodes(self.space, self.task, source, slots, seed, show_context=show, staggered=staggered)
         )
 
+    def goal(self, z: Array) -> Array:
+        """The context."""
+        return z
+
     def scene(self, z: Array) -> mujoco.MjModel:
         """The point on its rail, and the goal where the context has it."""
         spec = mujoco.MjSpec.from_file(self.mjcf)

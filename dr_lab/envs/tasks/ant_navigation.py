@@ -1,5 +1,6 @@
 """A four-legged machine walks to a place that it is not told."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,10 @@ class AntNavigation(TaskedAnt):
         """The place."""
         far = self.goal_range
         return tuple(Parameter(name, "m", 0.0, -far, far) for name in ("goal.x", "goal.y"))
+
+    def goal(self, values: Mapping[str, float]) -> Array:
+        """The place."""
+        return np.array([values["goal.x"], values["goal.y"]])
 
     def asked(self, change: Change) -> Array:
         """How near the place is."""

@@ -35,7 +35,8 @@ from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.training.checkpoint import load, save
 
 TASKS, SHARE, LIMIT = 8, 10, 15
-REGION = {"max_kl": 0.01, "iterations": 10, "tolerance": 1e-5, "damping": 1e-5, "trials": 15, "shrink": 0.8}
+REGION = {"max_kl": 0.01, "iterations": 10, "tolerance": 1e-5, "damping": 1e-5}
+REGION |= {"hessian_every": 1, "trials": 15, "shrink": 0.8}
 CLIPPED = {"clip": 0.3, "epochs": 5, "rate": 3e-3, "max_gradient": 0.5, "max_kl": None, "adam_epsilon": 1e-8}
 
 
@@ -66,8 +67,9 @@ def tasks(seed: int = 0) -> Proposals:
     return Proposals(rng.uniform(-0.5, 0.5, (TASKS, 2)), np.arange(100, 100 + TASKS))
 
 
-def test_an_update_learns_to_help() -> None:
-    algorithm = maml()
+@pytest.mark.parametrize("every", [1, 5])
+def test_an_update_learns_to_help(every: int) -> None:
+    algorithm = maml(step=partial(TrustRegion, **REGION | {"hessian_every": every}))
     played = experience(algorithm)
     figures = [algorithm.iterate(played) for _ in range(40)]
     first, last = (

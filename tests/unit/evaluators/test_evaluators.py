@@ -113,7 +113,7 @@ def subject() -> Subject:
     return Subject("pushed", setting, constant(1.0), again)
 
 
-def expected(mass: Array | float, force: float = 1.0) -> Array:
+def expected(mass: Array | float, force: Array | float = 1.0) -> Array:
     return np.asarray(STEP * force / mass * STEPS * (STEPS + 1) / 2)
 
 

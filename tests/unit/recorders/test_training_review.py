@@ -11,7 +11,7 @@ from dr_lab.recorders.grids import return_span
 from dr_lab.recorders.heat_map import ColourScale, heat_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
-from dr_lab.recorders.training import ContextAxis, Curve, Grid, Marginal, Pair
+from dr_lab.recorders.training import ContextAxis, Curve, Gain, Grid, Marginal, Pair, Ways
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 
 ITERATION = np.arange(5)
@@ -124,3 +124,26 @@ def test_a_density_and_not_a_probability_is_drawn(tmp_path: Path, look: Look, mo
     heights = CANVAS.height - np.array(strips[0]).reshape(-1, 2)[:, 1]
     # equal shares of 0.1 m and 0.2 m: twice the density in the first
     assert heights[1] == pytest.approx(2 * heights[3], rel=1e-3)
+
+
+def test_gains_and_ways_are_drawn_with_what_is_in_doubt(
+    tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RERUN_STRICT", "1")
+    axis = ContextAxis("goal.x", "m", np.array([-1.0, 1.0]))
+    value = np.array([[2.0, 1.0], [-2.0, np.nan]])
+    area = Gain("of 1 update", [axis, axis], value, value - [[1.0, 2.0], [1.0, np.nan]], value + 1.0)
+    assert area.doubtful.tolist() == [[False, True], [False, True]]
+    line = Gain("of 2 updates", [axis], value[:, 0], value[:, 0] - 1.0, value[:, 0] + 1.0)
+    near, far = np.array([[0.0, 0.0], [0.5, 0.5]]), np.array([[0.0, 0.0], [1.0, 0.0], [90.0, 0.0], [1.0, 0.0]])
+    ways = Ways("after 1 update", np.array([[1.0, 1.0], [-1.0, 1.0]]), [near, near], [near, far])
+    path = tmp_path / "review.rrd"
+    write_training_review(path, TrainingRecord("run", gains=[area, line], ways=[ways]), look)
+    found = read_recording(path)
+    (doubtful,) = found["/gain/of\\ 1\\ update/doubtful"]["Points2D:positions"]
+    assert len(doubtful) == 1  # what is not known at all is not in doubt
+    assert "/gain/of\\ 2\\ updates/zero" in found
+    course = np.array(found["/ways/after\\ 1\\ update/after_1/way"]["LineStrips2D:strips"][0])
+    assert course.shape[-2] == 2  # it ends where it leaves the chart
+    assert "/ways/after\\ 1\\ update/after_1/end" not in found
+    assert "/ways/after\\ 1\\ update/after_0/end" in found
