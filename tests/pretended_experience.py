@@ -30,6 +30,9 @@ class PretendedExperience(Experience):
         after = {"reward": torch.from_numpy(np.nan_to_num(returns))[:, None, None], "infeasible": infeasible}
         return TensorDict({"next": TensorDict(after, batch_size=[len(z), 1])}, batch_size=[len(z), 1])
 
+    def executed(self, batch: TensorDict) -> TensorDict:
+        return batch
+
     def state_dict(self) -> dict[str, Any]:
         return {"collector": self._collector.state_dict(), "played": self.played, "rollout_frames": self.rollout_frames}
 

@@ -84,6 +84,11 @@ class Experience:
         self.rollout_frames += int(cast(Tensor, played["mask"]).sum())
         return played
 
+    def executed(self, batch: TensorDict) -> TensorDict:
+        """A batch, or what was played, with actions as the machine does them: cut off at its bounds."""
+        low, high = (torch.from_numpy(bound).float() for bound in (self._episodes.low, self._episodes.high))
+        return batch.copy().set("action", cast(Tensor, batch["action"]).clamp(low, high))
+
     def contexts(self, rng: np.random.Generator, count: int) -> Array:
         """Draws of p(z), shape (count, n)."""
         return self.propose(rng, count).z

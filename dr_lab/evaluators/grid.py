@@ -30,6 +30,7 @@ class GridEvaluator(Evaluator):
         episodes: in each cell.
         parallel: episodes side by side.
         seed: of the episodes' starts.
+        solved: mean return from which on a context counts as solved; None where the task names none.
 
     Raises:
         ConfigError: a number is too small.
@@ -40,6 +41,7 @@ class GridEvaluator(Evaluator):
     episodes: Count
     parallel: Count
     seed: int
+    solved: float | None = None
 
     def __post_init__(self) -> None:
         require_bounds(self, "evaluator")
@@ -62,14 +64,30 @@ class GridEvaluator(Evaluator):
             played.append(rollouts.outcomes(load))
             progress(done / len(loads))
         returns, infeasible = (np.concatenate(each).reshape(len(z), -1) for each in zip(*played, strict=True))
-        return replace(summed_up(subject.name, axes, returns, infeasible), told=self._told(len(z)))
+        found = summed_up(subject.name, axes, returns, infeasible)
+        figures = {**found.figures, **self._solved(found.grids[0])}
+        return replace(found, figures=figures, told=self._told(len(z)))
+
+    def _solved(self, grid: Grid) -> dict[str, float]:
+        """Share of the contexts that are solved and, over one parameter, the lowest value at which one is."""
+        if self.solved is None:
+            return {}
+        reached = grid.mean >= self.solved  # of NaN, an infeasible context, this is false
+        share = {"solved": float(reached.mean())}
+        if len(grid.axes) > 1:
+            return share
+        (axis,) = grid.axes
+        return share | {"lowest_solved": float(axis.values[reached].min()) if reached.any() else float("nan")}
 
     def _told(self, contexts: int) -> str:
-        return (
+        told = (
             f"{self.episodes} episodes in each of {contexts} contexts. An episode that diverges counts with the return "
             "that the task declares, and diverged is their share in a context. infeasible is the share of contexts in "
             "which every episode does, or which do not compile; these have no return."
         )
+        if self.solved is None:
+            return told
+        return f"{told} solved is the share of contexts whose mean is {self.solved:g} or more."
 
 
 def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array, infeasible: NDArray[np.bool_]) -> Evaluation:

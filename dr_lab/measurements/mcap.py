@@ -75,6 +75,28 @@ class McapSource:
                 notes.append(Note("undecoded", "", message, lost))
         return tuple(notes)
 
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """Of all messages, by name."""
+        return tuple(sorted(self._channels))
+
+    def rows(self, topic: str) -> Array:
+        """All entries of a topic of ``std_msgs/msg/Float64MultiArray``, message by message, shape (n, k).
+
+        Raises:
+            UnknownNameError: no such topic; the message lists those there are.
+            DataError: its messages are damaged, of another type, or of different lengths.
+        """
+        found = self._topic(topic)
+        where = f"Topic {topic!r} ({found.kind}) of {self._path.name}"
+        if "data" not in found.messages.type.names:
+            raise DataError(f"{where} holds no arrays; expected std_msgs/msg/Float64MultiArray.")
+        data = found.messages.field("data")
+        lengths = set(data.value_lengths().to_pylist())
+        if len(lengths) != 1:
+            raise DataError(f"{where} holds arrays of {len(lengths)} different lengths; expected one.")
+        return data.flatten().to_numpy().reshape(len(data), lengths.pop())
+
     def samples(self, channel: ChannelMap) -> Samples:
         """Read one channel.
 

@@ -21,6 +21,7 @@ class Episode:
         time: s since the start, shape (t + 1,).
         qpos: positions before the first and after every control step, shape (t + 1, nq).
         qvel: velocities likewise, shape (t + 1, nv).
+        observation: what the policy saw before the first control step and would see after every one, shape (t + 1, o).
         action: what the policy did within its bounds, held until the next, shape (t, nu).
         reward: of each control step, shape (t,).
         ended: why there is no further step; ``infeasible`` where the context does not compile or diverged.
@@ -35,6 +36,7 @@ class Episode:
     time: Array
     qpos: Array
     qvel: Array
+    observation: Array
     action: Array
     reward: Array
     ended: Literal["terminated", "truncated", "infeasible"]
@@ -45,6 +47,7 @@ class Episode:
             "time": (steps + 1,),
             "qpos": (steps + 1, model.nq),
             "qvel": (steps + 1, model.nv),
+            "observation": (steps + 1, *self.observation.shape[1:]),
             "action": (steps, model.nu),
             "reward": (steps,),
         }

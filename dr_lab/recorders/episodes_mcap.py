@@ -23,8 +23,9 @@ def write_episodes(
 
     Topics, below ``/<episode>``: ``joint_states`` (hinges and slides: position, velocity), ``<joint>/position`` and
     ``<joint>/velocity`` of free and ball joints as MuJoCo has them (orientations wxyz, linear velocity in the world,
-    angular velocity in the body), ``action`` (held until the next), ``reward`` (of the control step that ends then) and
-    ``context`` (z, once, labelled with the parameters). The metadata hold each episode's return, end, and z with units.
+    angular velocity in the body), ``observation`` (what the policy sees), ``action`` (held until the next), ``reward``
+    (of the control step that ends then) and ``context`` (z, once, labelled with the parameters). The metadata hold each
+    episode's return, end, and z with units.
 
     Args:
         path: the file.
@@ -45,10 +46,12 @@ def write_episodes(
 
 def _topics(episode: Episode) -> list[JointStates | FloatArrays]:
     model, place = episode.geometry, f"/{episode.name}"
+    seen = tuple(f"observation_{i}" for i in range(episode.observation.shape[1]))
     actuators = tuple(model.actuator(i).name or f"action_{i}" for i in range(model.nu))
     topics = [
         *_scalar_joints(episode, place),
         *_other_joints(episode, place),
+        FloatArrays(f"{place}/observation", seen, episode.time, episode.observation),
         FloatArrays(f"{place}/action", actuators, episode.time[:-1], episode.action),
         FloatArrays(f"{place}/reward", ("reward",), episode.time[1:], episode.reward[:, None]),
     ]

@@ -47,7 +47,7 @@ def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
 
 
 def grids(groups: Sequence[Group]) -> dict[str, Grid]:
-    """By group, returns over contexts, averaged over its runs cell by cell.
+    """By group, returns over contexts: mean and standard deviation over the episodes of all its runs, cell by cell.
 
     Raises:
         DataError: runs of a group were evaluated over different contexts, or a row lacks a column.
@@ -109,8 +109,10 @@ def _mean_grid(title: str, reports: Mapping[Path, EvaluateReport]) -> Grid:
             )
     axes = [ContextAxis(name, first.units.get(name, ""), np.unique(_column(folder, first, name))) for name in names]
     shape = tuple(len(axis.values) for axis in axes)
-    columns = ([_column(*each, name) for each in reports.items()] for name in _CELL)
-    return Grid(title, axes, *(np.mean(column, axis=0).reshape(shape) for column in columns))
+    mean, std = (np.array([_column(*each, name) for each in reports.items()]) for name in _CELL)
+    # Over the episodes of all runs together, as many of each.
+    spread = np.sqrt(np.mean(std**2, axis=0) + np.var(mean, axis=0))
+    return Grid(title, axes, np.mean(mean, axis=0).reshape(shape), spread.reshape(shape))
 
 
 def _column(folder: Path, report: EvaluateReport, name: str) -> Array:

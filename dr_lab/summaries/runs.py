@@ -16,6 +16,7 @@ from dr_lab.reports import evaluate, summarize, train
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.json_file import typed
 from dr_lab.reports.train import TrainReport
+from dr_lab.summaries.evaluated import of_training
 from dr_lab.sweeps.overrides import by_key
 from dr_lab.trajectory import Array
 
@@ -36,8 +37,9 @@ class Run:
     Attributes:
         name: its folder, seen from the sweep's.
         folder: the same from here.
-        overrides: what was typed for it, value by key, but for the run that it went on with.
-        configuration: its ``config.yaml``.
+        overrides: what was typed for it, value by key, but for the run that it went on with; of an evaluation what was
+            typed for the training stands in place of its folder, below ``trained``.
+        configuration: its ``config.yaml``, likewise.
         report: its ``report.json``, from which figures are picked by their paths.
         content: the same of training or of an evaluation, typed; None of other verbs.
     """
@@ -162,6 +164,8 @@ def _read(folder: Path, sweep: Path) -> Run:
         content = _content(report, folder / _REPORT)
     except DataError as error:
         raise DataError(f"{error}\nTake it out of {sweep}, or summarise it with the version that wrote it.") from None
+    if isinstance(content, EvaluateReport):
+        overrides, configuration = of_training(content.trained, overrides, configuration)
     return Run(str(folder.relative_to(sweep)), folder, overrides, configuration, report, content)
 
 

@@ -67,6 +67,7 @@ def as_episode(
         time=np.arange(len(course) + 1, dtype=np.float64) * seconds,
         qpos=_before_and_after(course, "qpos"),
         qvel=_before_and_after(course, "qvel"),
+        observation=_before_and_after(course, "observation").astype(np.float64),
         action=cast(Tensor, course["action"]).double().numpy(),
         reward=cast(Tensor, course["next", "reward"])[:, 0].numpy(),
         ended=_ending(course),

@@ -14,6 +14,7 @@ from dr_lab.reports.json_file import write_json
 from dr_lab.reports.plain import Number, finite
 from dr_lab.reports.summarize import SCHEMA, GroupEntry, SummarizeReport
 from dr_lab.summaries.doubts import divided_runs, missing_figures, repeated_runs, require_known
+from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.exhaustive import exhaustive
 from dr_lab.summaries.groups import Cell, Cells, Estimate, Group, grouped, shared_figures, summed_up
 from dr_lab.summaries.overlays import bands, grids, marginals
@@ -73,9 +74,9 @@ class _Compared:
 
 
 def _compared(folder: Path, settings: SummarySettings) -> _Compared:
-    aggregate, ignored, figures = settings.aggregate, settings.ignored, settings.figures
     runs, unfinished = find_runs(folder)
-    require_known(runs, aggregate)
+    require_known(runs, settings.aggregate)
+    aggregate, ignored, figures = with_trained(settings.aggregate), with_trained(settings.ignored), settings.figures
     groups = grouped(runs, aggregate, ignored)
     repeated, divided = repeated_runs(runs, ignored), divided_runs(groups, [*ignored, *aggregate])
     notes = [*repeated, *divided, *missing_figures(runs, figures)]

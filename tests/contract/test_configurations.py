@@ -19,6 +19,10 @@ from dr_lab.errors import ConfigError
 
 FOLDERS = (shipped(),)
 NEEDS_RUN = {"from_run": "model.run", "sim2real_furuta": "run"}
+EXPERT = {
+    "lunar_lander_adr_plus": "distribution_learner.expert.path",
+    "lunar_lander_gail": "algorithm.expert.path",
+}
 NEEDED = {"add": ["effect=coulomb_friction", "effect.joint=arm"], "summarize": ["sweep=outputs"]}
 
 
@@ -59,7 +63,8 @@ def test_verb_fits_its_workflow(verb: str, monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.mark.parametrize(("verb", "experiment"), list(experiments()))
 def test_experiment_composes(verb: str, experiment: str, run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    check_verb(verb, [f"experiment={experiment}", *run_given(experiment, run)], monkeypatch)
+    expert = [f"{EXPERT[experiment]}=episodes.mcap"] if experiment in EXPERT else []
+    check_verb(verb, [f"experiment={experiment}", *run_given(experiment, run), *expert], monkeypatch)
 
 
 def options_of(group: str) -> list[str]:

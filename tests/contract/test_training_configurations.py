@@ -6,7 +6,11 @@ from test_configurations import check_verb, options_of
 GROUPS = ("algorithm", "randomizer", "distribution_learner", "collector", "normaliser", "reward_scale")
 PLACE = {"normaliser": "normaliser@algorithm.actor.normaliser", "reward_scale": "reward_scale@algorithm.reward_scale"}
 PARTS = {"inner_loss": "adaptation.loss", "inner_rate": "adaptation.rate", "policy_step": "step"}
-NEEDED = {"from_run": ["randomizer.run=outputs"]}
+NEEDED = {
+    "from_run": ["randomizer.run=outputs"],
+    "gail": ["algorithm.expert.path=episodes.mcap"],
+    "adr_plus": ["distribution_learner.expert.path=episodes.mcap"],
+}
 
 
 @pytest.mark.parametrize("option", options_of("evaluator"))
@@ -27,6 +31,12 @@ def test_part_of_maml_fits(group: str, option: str, monkeypatch: pytest.MonkeyPa
 @pytest.mark.parametrize("option", options_of("target"))
 def test_target_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
     check_verb("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={option}"], monkeypatch)
+
+
+@pytest.mark.parametrize("option", options_of("expert"))
+def test_expert_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = {"mcap": "algorithm.expert.path=episodes.mcap", "logs": "algorithm.expert.episodes=2"}[option]
+    check_verb("train", ["algorithm=gail", f"expert@algorithm.expert={option}", given], monkeypatch)
 
 
 @pytest.mark.parametrize(("group", "option"), [(group, option) for group in GROUPS for option in options_of(group)])

@@ -31,7 +31,7 @@ def episode(furuta: mujoco.MjModel) -> Episode:
     context = {"arm.mass": (0.1, "kg")}
     action = np.sin(np.arange(STEPS))[:, None] * np.ones(furuta.nu)
     speed = np.tile([1.0, 2.0], (STEPS + 1, 1))
-    return Episode("episode_1", context, furuta, time, turning, speed, action, reward, "truncated")
+    return Episode("episode_1", context, furuta, time, turning, speed, turning, action, reward, "truncated")
 
 
 def distributions() -> tuple[Marginal, Pair]:

@@ -45,6 +45,8 @@ class ADR(DistributionLearner):
     reference without the noise of exploration, which D can learn in place of the dynamics, and lets D see no more than
     the first transitions of an episode.
 
+    Both sides show what the machine did: actions are cut off at its bounds.
+
     Limits: an algorithm that gives its slots contexts of its own, as EPOpt does, answers no proposal.
 
     Args:
@@ -106,14 +108,12 @@ class ADR(DistributionLearner):
                 "proposal is ever answered. Take an algorithm that does not, such as algorithm=ppo or ddpg."
             )
         self._frames += batch.numel()
-        for episode in self._episodes.take(batch):
+        for episode in self._episodes.take(experience.executed(batch)):
             place = self._proposals.answer(episode.key)
             if place is not None:
                 self._answers[place] = episode
         self._proposals.run(keys[~cast(Tensor, batch["next", "done"])[:, -1, 0].numpy()])
-        lacking = len(self._answers) - len(self._references)
-        if lacking >= self.reference_load or (lacking and self._proposals.answered):
-            self._play_references(experience, lacking)
+        self._meet_reference(experience)
         return self._end_round() if self._proposals.answered else {}
 
     def state_dict(self) -> dict[str, Any]:
@@ -165,9 +165,13 @@ class ADR(DistributionLearner):
             self._discriminator = self._make(size, self._seed)
         return self._discriminator
 
-    def _play_references(self, experience: Experience, count: int) -> None:
-        nominal = np.tile(self.randomizer.space.nominal, (count, 1))
-        played = experience.play(experience.policy, nominal)
+    def _meet_reference(self, experience: Experience) -> None:
+        """Play the reference for answered proposals, where it is time."""
+        lacking = len(self._answers) - len(self._references)
+        if lacking < self.reference_load and not (lacking and self._proposals.answered):
+            return
+        nominal = np.tile(self.randomizer.space.nominal, (lacking, 1))
+        played = experience.executed(experience.play(experience.policy, nominal))
         if cast(Tensor, played["next", "infeasible"]).any():
             raise ConfigError(
                 "The nominal context, which is the reference of distribution_learner=adr, is infeasible. Choose "
@@ -177,6 +181,14 @@ class ADR(DistributionLearner):
         rows = transitions(played, self._hidden)
         self._references += [each[:length].clone() for each, length in zip(rows, lengths, strict=True)]
 
+    def _reference(self) -> Tensor:
+        """Transitions of the reference in this round, shape (k, f)."""
+        return torch.cat(self._references)
+
+    def _worth(self, log_ratio: Tensor) -> float:
+        """Reward of a proposal whose transitions have these log D − log ½, shape (t,)."""
+        return float(log_ratio.mean())
+
     def _end_round(self) -> Mapping[str, float]:
         """Reward the proposals, let D and the particles learn, and propose anew."""
         answers = [self._answers[place] for place in range(len(self._proposals.z))]
@@ -184,7 +196,7 @@ class ADR(DistributionLearner):
         figures = {"proposals_infeasible": 1.0 - len(feasible) / len(answers)}
         rewards = torch.zeros(len(answers))
         if feasible:
-            randomised, reference = torch.cat(feasible), torch.cat(self._references)
+            randomised, reference = torch.cat(feasible), self._reference()
             discriminator = self._made(randomised.shape[1])
             discriminator.adapt(torch.cat([randomised, reference]))
             rewards = self._rewards(discriminator, answers)
@@ -200,7 +212,7 @@ class ADR(DistributionLearner):
     def _rewards(self, discriminator: Discriminator, answers: Sequence[WholeEpisode]) -> Tensor:
         """Reward of each proposal, shape (k,)."""
         found = [
-            None if each.infeasible else float(discriminator.log_ratio(each.transitions).mean()) for each in answers
+            None if each.infeasible else self._worth(discriminator.log_ratio(each.transitions)) for each in answers
         ]
         self._lowest = min(self._lowest, *(each for each in found if each is not None))
         return torch.tensor([self._lowest if each is None else each for each in found])

@@ -1,7 +1,7 @@
 """N actor-critics over the unit cube, and what their actors are to climb."""
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -81,6 +81,23 @@ class Particles:
         """V(u) of each particle at its points (N, …, n), shape (N, …)."""
         return self.critics(u).squeeze(-1)
 
+    def cost(self, u: Tensor) -> Tensor:
+        """What it costs each particle to act as it does at its points (N, k, n), shape (N, k): nothing."""
+        return u.new_zeros(u.shape[:-1])
+
+    def inherit(self, state: Mapping[str, Any]) -> None:
+        """Take over what the particles of another run have learnt."""
+        self.load_state_dict(state)
+
+    def state_dict(self) -> dict[str, Any]:
+        """All parameters."""
+        return {"actors": self.actors.state_dict(), "critics": self.critics.state_dict()}
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Continue from what `state_dict` gave."""
+        self.actors.load_state_dict(state["actors"])
+        self.critics.load_state_dict(state["critics"])
+
     def gradients(self, steps: Sequence[WalkStep], rewards: Tensor) -> Gradients:
         """What the steps of the walks teach.
 
@@ -90,9 +107,10 @@ class Particles:
         """
         before, action, after, cut = (torch.stack(part, 1) for part in zip(*steps, strict=True))
         known = self.values(before)
-        returns = discounted(rewards, self.values(after).detach(), cut, self.gamma)
+        cost = self.cost(before)
+        returns = discounted(rewards - cost.detach(), self.values(after).detach(), cut, self.gamma)
         advantage = returns - known
-        objective = (self.policy(before).log_prob(action) * advantage.detach()).sum()
+        objective = (self.policy(before).log_prob(action) * advantage.detach() - cost).sum()
         loss = 0.5 * advantage.square().sum()
         (actor,) = torch.autograd.grad(objective, self.actors.rows)
         (critic,) = torch.autograd.grad(loss, self.critics.rows)

@@ -1,6 +1,8 @@
 """Many networks of one architecture, whose parameters are the rows of one matrix."""
 
+import copy
 from collections.abc import Sequence
+from typing import Self
 
 import torch
 from torch import Tensor, nn
@@ -24,6 +26,10 @@ class Stacked(nn.Module):
         self._shapes = {name: value.shape for name, value in members[0].named_parameters()}
         vectors = [nn.utils.parameters_to_vector(member.parameters()).detach() for member in members]
         self.rows = nn.Parameter(torch.stack(vectors))
+
+    def twin(self) -> Self:
+        """A copy that nothing trains."""
+        return copy.deepcopy(self).requires_grad_(False)
 
     def parameters_of_all(self) -> dict[str, Tensor]:
         """Views of the parameters by name, each of shape (N, …)."""

@@ -80,8 +80,7 @@ class SVPG:
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
         return {
-            "actors": self.particles.actors.state_dict(),
-            "critics": self.particles.critics.state_dict(),
+            **self.particles.state_dict(),
             "optimiser": self._optimiser.state_dict(),
             "walk": self.walk.state_dict(),
             "steps": [tuple(step) for step in self._steps],
@@ -90,7 +89,7 @@ class SVPG:
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from what `state_dict` gave."""
-        self.inherit(state)
+        self.particles.load_state_dict(state)
         self._optimiser.load_state_dict(state["optimiser"])
         self.walk.load_state_dict(state["walk"])
         self._steps = [WalkStep(*step) for step in state["steps"]]
@@ -98,8 +97,7 @@ class SVPG:
 
     def inherit(self, state: Mapping[str, Any]) -> None:
         """Take over what the particles of another run have learnt, for walks of their own."""
-        self.particles.actors.load_state_dict(state["actors"])
-        self.particles.critics.load_state_dict(state["critics"])
+        self.particles.inherit(state)
 
     def _action(self) -> Tensor:
         position = self.walk.position

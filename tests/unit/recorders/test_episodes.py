@@ -39,7 +39,8 @@ def episode(speed: float, name: str = "episode_1", mass: float = 2.0) -> Episode
     qvel[:, 0] = speed
     steps = np.arange(STEPS, dtype=float)
     context = {"cart.mass": (mass, "kg"), "friction": (0.5, "1")}
-    return Episode(name, context, model, time, qpos, qvel, np.sin(steps)[:, None], 0.1 * steps, "truncated")
+    seen = np.stack([time, -time], 1)
+    return Episode(name, context, model, time, qpos, qvel, seen, np.sin(steps)[:, None], 0.1 * steps, "truncated")
 
 
 def entry(topic: str, field: str | list[str], unit: str) -> dict[str, object]:

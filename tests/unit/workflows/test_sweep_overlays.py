@@ -6,6 +6,7 @@ import pytest
 from written_runs import STATISTICS, grid_report, train_report, two_kinds, write_run
 
 from dr_lab.errors import DataError
+from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.groups import grouped
 from dr_lab.summaries.overlays import bands, grids, marginals
 from dr_lab.summaries.runs import find_runs
@@ -53,6 +54,25 @@ def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
     (grid,) = grids(grouped(find_runs(tmp_path)[0], ["seed"])).values()
     assert [(axis.name, axis.unit) for axis in grid.axes] == [("size", "m"), ("mass", "kg")]
     np.testing.assert_allclose(grid.mean, [[np.nan, 5.5, 6.5], [5.5, 6.5, 7.5]])
+    # Two runs whose means lie ½ off their mean, with a standard deviation of 1 each.
+    np.testing.assert_allclose(grid.spread, np.sqrt(1.25) * np.array([[np.nan, 1, 1], [1, 1, 1]]))
+
+
+def test_evaluations_are_told_apart_by_how_their_policies_were_trained(tmp_path: Path) -> None:
+    sweep, number = two_kinds(tmp_path / "trained"), 0
+    for folder in sorted(sweep.iterdir()):
+        if (folder / "report.json").is_file():
+            number += 1
+            value = 100.0 if int(folder.name) < 10 else 1.0
+            report = grid_report([{"size": 1.0, "return": value, "std": 0.0}], {"size": "m"}) | {"trained": str(folder)}
+            write_run(tmp_path / "evaluated" / str(number), report, f"run={folder}", "evaluator=grid")
+    found = grids(grouped(find_runs(tmp_path / "evaluated")[0], with_trained(["seed"])))
+    assert {label: grid.mean.tolist() for label, grid in found.items()} == {
+        "learner=lsdr": [100.0],
+        "learner=none": [1.0],
+    }
+    (sweep / "0" / "config.yaml").unlink()  # what is gone is told apart by its folder
+    assert len(grids(grouped(find_runs(tmp_path / "evaluated")[0], with_trained(["seed"])))) == 3
 
 
 def test_grids_over_different_contexts_are_not_averaged(tmp_path: Path) -> None:
