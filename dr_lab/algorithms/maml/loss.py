@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from torchrl.objectives import LossModule
 
 from dr_lab.algorithms.maml.adaptation import Adaptation, Parameters
-from dr_lab.algorithms.trpo.policy_rows import PolicyRows, divergence
+from dr_lab.algorithms.trpo.policy_rows import PolicyRows, mean_divergence
 from dr_lab.networks.gaussian import Gaussian
 
 OuterLoss = Callable[[Gaussian, PolicyRows], Tensor]
@@ -50,7 +50,7 @@ class MAMLLoss(LossModule):
         """``loss_objective``, and the divergence ``kl`` of what acted after the last update from what would act now."""
         policy = self.policy(self.functional_parameters(), tensordict)
         rows = self.rows_after(tensordict)
-        return TensorDict({"loss_objective": self.outer(policy, rows), "kl": divergence(policy, rows).detach()})
+        return TensorDict({"loss_objective": self.outer(policy, rows), "kl": mean_divergence(policy, rows).detach()})
 
     def functional_parameters(self) -> dict[str, Tensor]:
         """Θ and α as `policy` takes them: the parameters of this module, of which a loss can be followed back to."""

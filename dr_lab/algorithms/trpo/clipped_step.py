@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from torch import Tensor
 
 from dr_lab.algorithms.ppo.clipped import clipped
-from dr_lab.algorithms.trpo.policy_rows import PolicyRows, divergence, mean, ratio
+from dr_lab.algorithms.trpo.policy_rows import PolicyRows, mean, mean_divergence, ratio
 from dr_lab.algorithms.trpo.policy_step import PolicyAt, PolicyStep
 from dr_lab.bounds import Count, NotNegative, Positive, above, require_bounds
 from dr_lab.networks.adam import Adam, clip_norm
@@ -57,7 +57,7 @@ class ClippedStep(PolicyStep):
         losses, norms, kl = list[float](), list[float](), 0.0
         for _ in range(self.epochs):
             near = policy_at.linearised(self.parameters.vector)
-            kl = divergence(near.policy, rows).item()
+            kl = mean_divergence(near.policy, rows).item()
             if self.max_kl is not None and kl > self.max_kl:
                 break
             loss, slope = self.differentiate(near, rows)

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes
-from dr_lab.networks.gaussian import Gaussian
+from dr_lab.networks.gaussian import Gaussian, divergence
 
 _LEAST_STD = 1e-8  # of advantages that are all the same, as in pytorch-maml-rl
 
@@ -80,6 +80,6 @@ def mean(values: Tensor, rows: PolicyRows) -> Tensor:
     return torch.sum(values * rows.weight, -1).mean()
 
 
-def divergence(policy: Gaussian, rows: PolicyRows) -> Tensor:
+def mean_divergence(policy: Gaussian, rows: PolicyRows) -> Tensor:
     """E[KL(π_acted‖π)], exact at every observation, and averaged over these."""
-    return mean(rows.acted.divergence(policy), rows)
+    return mean(divergence(rows.acted, policy), rows)

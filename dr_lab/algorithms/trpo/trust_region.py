@@ -8,7 +8,7 @@ from torch import Tensor
 
 from dr_lab.algorithms.trpo.conjugate_gradients import Product, conjugate_gradients
 from dr_lab.algorithms.trpo.divergence_product import divergence_product
-from dr_lab.algorithms.trpo.policy_rows import PolicyRows, divergence, mean, ratio
+from dr_lab.algorithms.trpo.policy_rows import PolicyRows, mean, mean_divergence, ratio
 from dr_lab.algorithms.trpo.policy_step import Linearised, PolicyAt, PolicyStep
 from dr_lab.bounds import Count, NotNegative, Positive, Share, require_bounds
 from dr_lab.networks.flat import FlatParameters
@@ -85,7 +85,7 @@ class TrustRegion(PolicyStep):
         for trial in range(self.trials):
             candidate = begin + self.shrink**trial * step
             policy = policy_at(candidate)
-            found, kl = self.loss(policy, rows).item(), divergence(policy, rows).item()
+            found, kl = self.loss(policy, rows).item(), mean_divergence(policy, rows).item()
             if found < loss and kl <= self.max_kl:
                 self.parameters.vector.copy_(candidate)
                 return {"kl": kl, "improvement": loss - found, "trials": trial + 1.0}

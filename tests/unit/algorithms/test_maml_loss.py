@@ -17,7 +17,7 @@ from dr_lab.algorithms.maml.inner_rate import FixedRate, LearnedRate
 from dr_lab.algorithms.maml.loss import MAMLLoss, meta_batch
 from dr_lab.algorithms.trpo.divergence_product import divergence_product
 from dr_lab.algorithms.trpo.own_policy import AutogradLinearised
-from dr_lab.algorithms.trpo.policy_rows import PolicyRows, divergence, mean, ratio
+from dr_lab.algorithms.trpo.policy_rows import PolicyRows, mean, mean_divergence, ratio
 from dr_lab.errors import ConfigError
 from dr_lab.networks.flat import parts_of
 from dr_lab.networks.gaussian import Gaussian
@@ -245,7 +245,7 @@ def test_the_hessian_of_the_divergence_goes_through_the_adaptation() -> None:
     like = {name: value.detach() for name, value in loss.functional_parameters().items()}
     vector, rows = torch.cat([value.flatten() for value in like.values()]), loss.rows_after(batch)
     policy_at = AdaptedPolicy(loss, like, batch)
-    dense = torch.autograd.functional.hessian(lambda at: divergence(policy_at(at), rows), vector)
+    dense = torch.autograd.functional.hessian(lambda at: mean_divergence(policy_at(at), rows), vector)
     product = divergence_product(policy_at.linearised(vector), rows)
     found = torch.stack([product(unit) for unit in torch.eye(len(vector), dtype=torch.float64)])
     torch.testing.assert_close(found, cast(Tensor, dense), rtol=1e-7, atol=1e-9)

@@ -18,7 +18,7 @@ from dr_lab.algorithms.trpo.clipped_step import ClippedStep
 from dr_lab.algorithms.trpo.conjugate_gradients import conjugate_gradients
 from dr_lab.algorithms.trpo.divergence_product import divergence_product
 from dr_lab.algorithms.trpo.own_policy import OwnPolicy
-from dr_lab.algorithms.trpo.policy_rows import PolicyRows, divergence, policy_rows
+from dr_lab.algorithms.trpo.policy_rows import PolicyRows, mean_divergence, policy_rows
 from dr_lab.algorithms.trpo.policy_step import PolicyStep
 from dr_lab.algorithms.trpo.trpo import TRPO
 from dr_lab.algorithms.trpo.trust_region import TrustRegion
@@ -26,7 +26,7 @@ from dr_lab.collectors.experience import Experience
 from dr_lab.errors import ConfigError
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.flat import FlatParameters
-from dr_lab.networks.gaussian import Gaussian
+from dr_lab.networks.gaussian import Gaussian, divergence
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.normaliser import NoNormaliser
 from dr_lab.physics.context import ContextSpace
@@ -75,7 +75,7 @@ def test_conjugate_gradients_keep_what_they_had_before_a_direction_that_curves_d
 def test_the_divergence_is_that_of_torch() -> None:
     one, other = Gaussian(draw(5, 3), 0.3 * draw(3, seed=1)), Gaussian(draw(5, 3, seed=2), 0.3 * draw(3, seed=3))
     first, second = (Independent(Normal(each.mean, each.log_std.exp()), 1) for each in (one, other))
-    torch.testing.assert_close(one.divergence(other), kl_divergence(first, second))
+    torch.testing.assert_close(divergence(one, other), kl_divergence(first, second))
 
 
 def actor(hidden: list[int] | None = None) -> GaussianActor:
@@ -118,7 +118,7 @@ def test_the_product_is_that_of_the_dense_hessian_of_the_divergence() -> None:
     policy = actor()
     like, vector, rows = rows_of(policy)
     policy_at = OwnPolicy(policy, like, rows.observation)
-    dense = torch.autograd.functional.hessian(lambda at: divergence(policy_at(at), rows), vector)
+    dense = torch.autograd.functional.hessian(lambda at: mean_divergence(policy_at(at), rows), vector)
     product = divergence_product(policy_at.linearised(vector), rows)
     found = torch.stack([product(unit) for unit in torch.eye(len(vector), dtype=torch.float64)])
     torch.testing.assert_close(found, cast(Tensor, dense), rtol=1e-8, atol=1e-10)
