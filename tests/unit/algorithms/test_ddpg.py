@@ -166,10 +166,15 @@ def test_training_on_collects_anew() -> None:
     assert np.isfinite(algorithm.update(next(batches))["q"])
 
 
-def test_the_mean_of_the_last_steps_is_deployed_and_trained_on() -> None:
+def test_the_mean_of_the_last_steps_is_deployed_and_trained_on(monkeypatch: pytest.MonkeyPatch) -> None:
     algorithm = ddpg(average_steps=1000, learning_starts=0)
-    batches, seen = collector(algorithm), list[Tensor]()
-    algorithm.average.take = lambda vector, take=algorithm.average.take: (seen.append(vector.clone()), take(vector))
+    batches, seen, take = collector(algorithm), list[Tensor](), algorithm.average.take
+
+    def keep(vector: Tensor) -> None:
+        seen.append(vector.clone())
+        take(vector)
+
+    monkeypatch.setattr(algorithm.average, "take", keep)
     for _ in range(5):
         algorithm.update(next(batches))
     mean = torch.stack(seen).mean(0)

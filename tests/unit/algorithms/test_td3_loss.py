@@ -5,6 +5,7 @@ import torch
 from tensordict import TensorDict
 from tensordict.nn import TensorDictModule
 from torch import Tensor, nn
+from torchrl.data import Bounded
 from torchrl.modules import ValueOperator
 from torchrl.objectives import SoftUpdate
 from torchrl.objectives import TD3Loss as TorchRLLoss
@@ -55,7 +56,7 @@ def theirs(actor: DeterministicActor, critics: list[Critic], batch: Transitions)
     loss = TorchRLLoss(
         TensorDictModule(nn.Sequential(actor.body, nn.Tanh()), ["observation"], ["action"]),
         [ValueOperator(Joined(critic.body), names) for critic in critics],
-        bounds=(-1.0, 1.0),
+        action_spec=Bounded(-1.0, 1.0, shape=(ACTIONS,)),
         policy_noise=NOISE,
         noise_clip=CLIP,
         loss_function="l2",
