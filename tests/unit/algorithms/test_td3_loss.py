@@ -56,7 +56,7 @@ def theirs(actor: DeterministicActor, critics: list[Critic], batch: Transitions)
     loss = TorchRLLoss(
         TensorDictModule(nn.Sequential(actor.body, nn.Tanh()), ["observation"], ["action"]),
         [ValueOperator(Joined(critic.body), names) for critic in critics],
-        action_spec=Bounded(-1.0, 1.0, shape=(ACTIONS,)),
+        action_spec=Bounded(-1.0, 1.0, shape=torch.Size([ACTIONS])),
         policy_noise=NOISE,
         noise_clip=CLIP,
         loss_function="l2",
