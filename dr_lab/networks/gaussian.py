@@ -32,8 +32,14 @@ class Gaussian(NamedTuple):
         """Entropy in nats, shape of `log_std` without its last dimension."""
         return self.log_std.sum(-1) + 0.5 * self.log_std.shape[-1] * (1.0 + _LOG_2_PI)
 
-    def divergence(self, other: "Gaussian") -> Tensor:
-        """KL(self‖other) in nats, shape (…): Σ log σ'/σ + (σ² + (μ − μ')²)/(2σ'²) − ½."""
-        precision = (-2.0 * other.log_std).exp()
-        spread = other.log_std - self.log_std + 0.5 * ((2.0 * self.log_std).exp() * precision - 1.0)
-        return (spread + 0.5 * (self.mean - other.mean) ** 2 * precision).sum(-1)
+
+def divergence(of: Gaussian, to: Gaussian) -> Tensor:
+    """KL(of ‖ to) = Σ [log σ₂ − log σ₁ + (σ₁² + (μ₁ − μ₂)²)/(2σ₂²) − ½] in nats, shape of the means without the last.
+
+    Args:
+        of: with μ₁ and σ₁.
+        to: with μ₂ and σ₂.
+    """
+    gap = to.log_std - of.log_std
+    square = (of.mean - to.mean).square() * (-2.0 * to.log_std).exp()
+    return (gap + 0.5 * ((-2.0 * gap).exp() + square - 1.0)).sum(-1)

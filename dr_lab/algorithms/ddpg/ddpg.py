@@ -1,20 +1,21 @@
 """Deep deterministic policy gradient."""
 
 import logging
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Annotated, Any, ClassVar, cast
 
 import torch
 from tensordict import TensorDict
-from torch import Tensor
+from torch import Tensor, nn
 from torchrl.data import LazyTensorStorage, RandomSampler, TensorDictReplayBuffer
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.ddpg.loss import DDPGLoss, Transitions
 from dr_lab.algorithms.ddpg.uniform_start import UniformStart
-from dr_lab.bounds import Count, Natural, Positive, above, at_least, at_most, require_bounds
+from dr_lab.bounds import Count, Natural, NotNegative, Positive, above, at_least, at_most, require_bounds
 from dr_lab.collectors.collector import Policy
 from dr_lab.networks.adam import Adam
+from dr_lab.networks.averaged_actor import AveragedActor
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.seeding import derived_seed
@@ -43,10 +44,14 @@ class DDPG(Algorithm):
         actor_rate: learning rate of the actor.
         critic_rate: learning rate of Q.
         tau: share of the networks in their slowly following targets at each step.
+        saturation_cost: of the actor per square of what its tanh is given, in the reward's unit; see `DDPGLoss`.
+        average_steps: steps of the actor over which the deployed policy is averaged; 1 deploys the newest.
 
     Raises:
         ConfigError: a number is out of its range.
     """
+
+    _CRITICS: ClassVar[Sequence[str]] = ("critic",)
 
     def __init__(
         self,
@@ -63,37 +68,44 @@ class DDPG(Algorithm):
         actor_rate: Positive,
         critic_rate: Positive,
         tau: Annotated[float, above(0.0), at_most(1.0)],
+        saturation_cost: NotNegative,
+        average_steps: Count,
     ) -> None:
         self.batch_frames, self.replay, self.minibatch = batch_frames, replay, minibatch
         self.gamma = gamma
         self.steps_per_frame, self.learning_starts = steps_per_frame, learning_starts
         self.actor_rate, self.critic_rate, self.tau = actor_rate, critic_rate, tau
+        self.saturation_cost, self.average_steps = saturation_cost, average_steps
         require_bounds(self, "algorithm", DDPG)
         self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
         self.explorer = UniformStart(self.actor)
         self.explorer.follows.fill_(learning_starts == 0)
-        self.critic = critic(interface.observation + len(interface.low), derived_seed(seed, "critic"))
-        self.loss = DDPGLoss(self.actor, self.critic, gamma)
+        self.average = AveragedActor(self.actor, average_steps)
+        width = interface.observation + len(interface.low)
+        self.critics = nn.ModuleList(critic(width, derived_seed(seed, name)) for name in self._CRITICS)
+        self.generator = torch.Generator().manual_seed(derived_seed(seed, "replay"))
+        self.loss = self._made_loss(cast(Sequence[Critic], self.critics))
         self.actor_adam = Adam(self.loss.actor_parameters, _EPSILON)
         self.critic_adam = Adam(self.loss.critic_parameters, _EPSILON)
-        self.generator = torch.Generator().manual_seed(derived_seed(seed, "replay"))
         self.buffer = TensorDictReplayBuffer(
             storage=LazyTensorStorage(replay),
             sampler=RandomSampler(),
-            batch_size=minibatch,
             generator=self.generator,
         )
         self.frames = 0
 
+    def _made_loss(self, critics: Sequence[Critic]) -> DDPGLoss:
+        return DDPGLoss(self.actor, critics, self.gamma, self.saturation_cost)
+
     @property
     def policies(self) -> Mapping[str, Policy]:
-        """Uniform actions at first, then the policy with noise."""
-        return {"policy": self.explorer}
+        """Uniform actions at first, then the policy with noise; and its mean over the last steps, which is deployed."""
+        return {"policy": self.explorer, "average": self.average}
 
     @property
     def deployed(self) -> Policy:
-        """The policy without noise."""
-        return self.actor.mean
+        """The policy without noise, the mean over its last steps."""
+        return self.average
 
     def update(self, batch: TensorDict) -> Mapping[str, float]:
         """Put the batch into the normaliser's statistics and the buffer, and take the steps that it earns.
@@ -111,7 +123,7 @@ class DDPG(Algorithm):
         steps = int(self.frames * self.steps_per_frame) - int(before * self.steps_per_frame)
         if self.frames < self.learning_starts or steps == 0 or not len(self.buffer):
             return {"critic_loss": torch.nan, "q": torch.nan}
-        terms = [self._step() for _ in range(steps)]
+        terms = [self._step(each) for each in self._samples(steps)]
         critic_loss, value = torch.stack(terms).mean(0).tolist()
         return {"critic_loss": critic_loss, "q": value}
 
@@ -125,27 +137,39 @@ class DDPG(Algorithm):
         }
         return TensorDict(now, batch_size=rows.batch_size)
 
-    def _step(self) -> Tensor:
-        """One step of both networks and their targets; gives the loss of Q and its mean."""
-        sample, normaliser = self.buffer.sample(), self.actor.normaliser
-        batch = Transitions(
-            normaliser(sample["observation"]),
-            sample["action"],
-            sample["next", "reward"],
-            normaliser(sample["next", "observation"]),
-            sample["next", "terminated"],
+    def _samples(self, steps: int) -> Iterator[Transitions]:
+        """A minibatch for each of so many steps; drawn at once, since a draw takes as long as a small network does."""
+        drawn, normaliser = self.buffer.sample(steps * self.minibatch), self.actor.normaliser
+        everything = Transitions(
+            normaliser(drawn["observation"]),
+            drawn["action"],
+            drawn["next", "reward"],
+            normaliser(drawn["next", "observation"]),
+            drawn["next", "terminated"],
         )
-        critic_loss, _, value = self.loss.differentiate(batch)
-        self.actor_adam.step(self.actor_rate)
+        for each in zip(*(part.split(self.minibatch) for part in everything), strict=True):
+            yield Transitions(*each)
+
+    def _step(self, batch: Transitions) -> Tensor:
+        """One step of both networks and their targets; gives the loss of Q and its mean."""
+        critic_loss, value = self.loss.differentiate_critics(batch)
+        self.loss.differentiate_actor(batch.observation)
         self.critic_adam.step(self.critic_rate)
-        self.loss.follow(self.tau)
+        self._step_actor()
         return torch.stack([critic_loss, value])
+
+    def _step_actor(self) -> None:
+        """A step along the actor's gradient, which its mean and the targets follow."""
+        self.actor_adam.step(self.actor_rate)
+        self.average.take(self.loss.actor_parameters.vector)
+        self.loss.follow(self.tau)
 
     def begin_schedules(self) -> None:
         """Experience is collected anew, `learning_starts` control steps of it before the next gradient step.
 
-        The trained policy collects it.
+        The deployed policy collects it and is what learns on.
         """
+        self.loss.actor_parameters.vector.copy_(self.average.vector)
         self.buffer.empty()
         self.frames = 0
         self.explorer.follows.fill_(True)
@@ -154,7 +178,8 @@ class DDPG(Algorithm):
         """All that an exact continuation needs, the buffer included."""
         return {
             "explorer": self.explorer.state_dict(),
-            "critic": self.critic.state_dict(),
+            "average": self.average.state_dict(),
+            "critics": self.critics.state_dict(),
             "targets": self.loss.state_dict(),
             "actor_adam": self.actor_adam.state_dict(),
             "critic_adam": self.critic_adam.state_dict(),
@@ -165,7 +190,8 @@ class DDPG(Algorithm):
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from what `state_dict` gave."""
-        for part, name in ((self.explorer, "explorer"), (self.critic, "critic"), (self.loss, "targets")):
+        parts = {"explorer": self.explorer, "average": self.average, "critics": self.critics, "targets": self.loss}
+        for name, part in parts.items():
             part.load_state_dict(state[name])
         self.actor_adam.load_state_dict(state["actor_adam"])
         self.critic_adam.load_state_dict(state["critic_adam"])

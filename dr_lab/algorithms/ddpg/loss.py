@@ -1,7 +1,8 @@
 """DDPG's losses with their gradients written out: half of the time that TorchRL and autograd take."""
 
 import copy
-from collections.abc import Mapping
+import functools
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import torch
@@ -31,39 +32,63 @@ class Transitions(NamedTuple):
 
 
 class DDPGLoss:
-    """L_Q = E[(Q(o, a) − y)²] with y = r + γ Q'(o', μ'(o')) where o' is no end, and L_μ = −E[Q(o, μ(o))].
+    """L_Q = E[(Q(o, a) − y)²] with y = r + γ Q'(o', μ'(o')) where o' is no end, and L_μ = E[c·f²/nu − Q(o, μ(o))].
 
-    μ = tanh ∘ body is in units of the action's bounds. Q' and μ' are targets that follow slowly. Equal to TorchRL's
-    `DDPGLoss` with its targets delayed, in value and gradient.
+    μ = tanh ∘ f is in units of the action's bounds, and f² sums over the action. Q' and μ' are targets that follow
+    slowly. Without c equal to TorchRL's `DDPGLoss` with its targets delayed, in value and gradient. With c, f stays
+    where tanh still has a slope, along which the actor can leave an action at its bound.
 
-    Source: Lillicrap et al. 2016, algorithm 1.
+    Source: Lillicrap et al. 2016, algorithm 1; c as Andrychowicz et al. 2017, appendix A.
 
     Args:
-        actor: its body is that of μ.
-        critic: Q.
+        actor: its body is f.
+        critics: Q; where there are several, L_Q is the sum of theirs, Q' the least of them, and L_μ is of the first.
         gamma: γ, discount per control step.
+        saturation_cost: c, in the reward's unit.
 
     Attributes:
         actor_parameters: of μ, with room for ∂L_μ.
-        critic_parameters: of Q, with room for ∂L_Q.
+        critic_parameters: of the critics, with room for ∂L_Q.
     """
 
-    def __init__(self, actor: DeterministicActor, critic: Critic, gamma: float) -> None:
-        self._gamma = gamma
-        self._actor, self._critic = actor.body, critic.body
-        self._late_actor, self._late_critic = copy.deepcopy(actor.body), copy.deepcopy(critic.body)
+    def __init__(
+        self, actor: DeterministicActor, critics: Sequence[Critic], gamma: float, saturation_cost: float
+    ) -> None:
+        self._gamma, self._saturation_cost = gamma, saturation_cost
+        self._actor, self._critics = actor.body, [critic.body for critic in critics]
+        self._late_actor, self._late_critics = copy.deepcopy(self._actor), copy.deepcopy(self._critics)
         self.actor_parameters, self.critic_parameters, self._late = (
             FlatParameters([p for body in bodies for p in body.parameters()])
-            for bodies in ([actor.body], [critic.body], [self._late_actor, self._late_critic])
+            for bodies in ([self._actor], self._critics, [self._late_actor, *self._late_critics])
         )
         self._actor_gradients = self.actor_parameters.gradients_of(actor.body)
-        self._critic_gradients = self.critic_parameters.gradients_of(critic.body)
+        self._critic_gradients = [self.critic_parameters.gradients_of(critic) for critic in self._critics]
 
     @torch.no_grad()
-    def differentiate(self, batch: Transitions) -> tuple[Tensor, Tensor, Tensor]:
-        """L_Q, L_μ and the mean of Q(o, a); the gradients are in `critic_parameters` and `actor_parameters` then."""
-        critic_loss, value = self._differentiate_critic(batch)
-        return critic_loss, self._differentiate_actor(batch.observation), value
+    def differentiate_critics(self, batch: Transitions) -> tuple[Tensor, Tensor]:
+        """L_Q and the mean of Q(o, a); the gradient is in `critic_parameters` then."""
+        then = torch.cat([batch.after, self._late_action(batch.after)], 1)
+        values = [critic(then) for critic in self._late_critics]
+        target = batch.reward + self._gamma * functools.reduce(torch.minimum, values) * ~batch.terminated
+        now, loss, layers = torch.cat([batch.observation, batch.action], 1), torch.zeros(()), list[Tensor]()
+        for critic, gradients in zip(self._critics, self._critic_gradients, strict=True):
+            layers = critic.layers(now)
+            error = layers[-1] - target
+            critic.backward(layers, error * (2.0 / len(error)), *gradients)
+            loss = loss + error.square().mean()
+        return loss, layers[-1].mean()
+
+    @torch.no_grad()
+    def differentiate_actor(self, observation: Tensor) -> Tensor:
+        """L_μ; the gradient is in `actor_parameters` then."""
+        layers, critic = self._actor.layers(observation), self._critics[0]
+        action = layers[-1].tanh()
+        judged = critic.layers(torch.cat([observation, action], 1))
+        slope = critic.input_slope(judged, torch.full_like(judged[-1], -1.0 / len(action)))
+        slope = torch.ops.aten.tanh_backward.default(slope[:, observation.shape[1] :], action)
+        slope += layers[-1] * (2.0 * self._saturation_cost / action.numel())
+        self._actor.backward(layers, slope, *self._actor_gradients)
+        return self._saturation_cost * layers[-1].square().mean() - judged[-1].mean()
 
     @torch.no_grad()
     def follow(self, tau: float) -> None:
@@ -80,19 +105,6 @@ class DDPGLoss:
         """Go on with the targets of a `state_dict`."""
         self._late.vector.copy_(state["late"])
 
-    def _differentiate_critic(self, batch: Transitions) -> tuple[Tensor, Tensor]:
-        then = torch.cat([batch.after, self._late_actor(batch.after).tanh_()], 1)
-        target = batch.reward + self._gamma * self._late_critic(then) * ~batch.terminated
-        layers = self._critic.layers(torch.cat([batch.observation, batch.action], 1))
-        error = layers[-1] - target
-        self._critic.backward(layers, error * (2.0 / len(error)), *self._critic_gradients)
-        return error.square().mean(), layers[-1].mean()
-
-    def _differentiate_actor(self, observation: Tensor) -> Tensor:
-        layers = self._actor.layers(observation)
-        action = layers[-1].tanh()
-        judged = self._critic.layers(torch.cat([observation, action], 1))
-        slope = self._critic.input_slope(judged, torch.full_like(judged[-1], -1.0 / len(action)))
-        slope = torch.ops.aten.tanh_backward.default(slope[:, observation.shape[1] :], action)
-        self._actor.backward(layers, slope, *self._actor_gradients)
-        return -judged[-1].mean()
+    def _late_action(self, observation: Tensor) -> Tensor:
+        """μ'(o), shape (b, nu)."""
+        return self._late_actor(observation).tanh_()

@@ -9,7 +9,7 @@ from torch import Tensor
 from dr_lab.bounds import NotNegative, require_bounds
 from dr_lab.distribution_learners.svpg.particles import Particles
 from dr_lab.distribution_learners.svpg.stacked import Stacked
-from dr_lab.networks.gaussian import Gaussian
+from dr_lab.networks.gaussian import Gaussian, divergence
 
 
 class PriorParticles(Particles):
@@ -50,7 +50,7 @@ class PriorParticles(Particles):
             return super().cost(u)
         with torch.no_grad():
             before = Gaussian(*self.prior(u).chunk(2, -1))
-        return self.penalty * self.policy(u).divergence(before)
+        return self.penalty * divergence(self.policy(u), before)
 
     def inherit(self, state: Mapping[str, Any]) -> None:
         """Begin as the particles of another run, which are the prior from now on.

@@ -38,6 +38,8 @@ def ddpg(
         "actor_rate": 3e-3,
         "critic_rate": 3e-3,
         "tau": 0.02,
+        "saturation_cost": 0.0,
+        "average_steps": 1,
     }
     return DDPG(
         interface,
@@ -54,13 +56,13 @@ def collector(algorithm: DDPG) -> PointCollector:
 
 def watched(algorithm: DDPG, sampled: list[Transitions], monkeypatch: pytest.MonkeyPatch) -> None:
     """Keep what the loss is given."""
-    differentiate = algorithm.loss.differentiate
+    differentiate = algorithm.loss.differentiate_critics
 
-    def keep(batch: Transitions) -> tuple[Tensor, Tensor, Tensor]:
+    def keep(batch: Transitions) -> tuple[Tensor, Tensor]:
         sampled.append(batch)
         return differentiate(batch)
 
-    monkeypatch.setattr(algorithm.loss, "differentiate", keep)
+    monkeypatch.setattr(algorithm.loss, "differentiate_critics", keep)
 
 
 def test_reaches_the_optimum() -> None:
@@ -101,7 +103,7 @@ def test_continues_exactly(replay: int, tmp_path: Path) -> None:
     batches[2].load_state_dict(batches[1].state_dict())
     for _ in range(2):
         second.update(next(batches[2]))
-    for part in ("explorer", "critic", "targets"):
+    for part in ("explorer", "average", "critics", "targets"):
         for a, b in zip(whole.state_dict()[part].values(), second.state_dict()[part].values(), strict=True):
             assert torch.equal(a, b)
 
@@ -164,6 +166,27 @@ def test_training_on_collects_anew() -> None:
     assert np.isfinite(algorithm.update(next(batches))["q"])
 
 
+def test_the_mean_of_the_last_steps_is_deployed_and_trained_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    algorithm = ddpg(average_steps=1000, learning_starts=0)
+    batches, seen, take = collector(algorithm), list[Tensor](), algorithm.average.take
+
+    def keep(vector: Tensor) -> None:
+        seen.append(vector.clone())
+        take(vector)
+
+    monkeypatch.setattr(algorithm.average, "take", keep)
+    for _ in range(5):
+        algorithm.update(next(batches))
+    mean = torch.stack(seen).mean(0)
+    assert len(seen) == 5 * 16
+    torch.testing.assert_close(algorithm.average.vector, mean)
+    assert (algorithm.loss.actor_parameters.vector - mean).abs().max() > 1e-3
+    algorithm.begin_schedules()
+    observation = torch.linspace(-2.0, 2.0, 5)[:, None]
+    assert torch.equal(algorithm.loss.actor_parameters.vector, algorithm.average.vector)
+    assert torch.equal(algorithm.actor.mean(observation), algorithm.deployed(observation))
+
+
 def test_one_state_may_be_trained_on_from_twice() -> None:
     algorithm = ddpg()
     batches = collector(algorithm)
@@ -180,7 +203,7 @@ def test_one_state_may_be_trained_on_from_twice() -> None:
         return again
 
     first, second = trained_on(), trained_on()
-    for a, b in zip(first.critic.parameters(), second.critic.parameters(), strict=True):
+    for a, b in zip(first.critics.parameters(), second.critics.parameters(), strict=True):
         assert torch.equal(a, b)
 
 
