@@ -31,25 +31,25 @@ MASS = {"cube.mass": {"target": "geom.cube.mass", "unit": "kg", "low": 1.0, "hig
 class Reach(BlockOnRail):
     """The distance to the goal costs; reaching it ends the episode. The goal is seen, as the way to it."""
 
-    goal: str = "goal.x"
+    named: str = "goal.x"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        return (Parameter(self.goal, "m", 1.0, 0.0, 2.0),)
+        return (Parameter(self.named, "m", 1.0, 0.0, 2.0),)
 
     def observe(self, fields: Fields, values: Values) -> Array:
-        return np.column_stack([values[self.goal] - fields["qpos"][:, 0], fields["qvel"]])
+        return np.column_stack([values[self.named] - fields["qpos"][:, 0], fields["qvel"]])
 
     def reward(self, change: Change) -> Array:
-        return -np.abs(change.values[self.goal] - change.fields["qpos"][:, 0])
+        return -np.abs(change.values[self.named] - change.fields["qpos"][:, 0])
 
     def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
-        return fields["qpos"][:, 0] >= values[self.goal]
+        return fields["qpos"][:, 0] >= values[self.named]
 
 
 def reach(goal: str = "goal.x", *, show_context: bool = False) -> Setting:
     model = from_spec("block", mujoco.MjSpec.from_string(XML), MASS)
-    task = Reach(frame_skip=1, time_limit=LIMIT, goal=goal)
+    task = Reach(frame_skip=1, time_limit=LIMIT, named=goal)
     return Setting(name="reach", model=model, task=task, show_context=show_context, infeasible_return=-99.0)
 
 
