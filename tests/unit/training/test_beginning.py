@@ -29,6 +29,8 @@ OVERRIDES = [
 PPO = ("algorithm.minibatch=40", "algorithm.epochs=1")
 DDPG = ("algorithm=ddpg", "algorithm.minibatch=8", "algorithm.learning_starts=40")
 
+CLOSE = {"rtol": 1e-6, "atol": 1e-6}  # equal parameters may lie elsewhere in memory: another last digit of a product
+
 
 def plan(*more: str, algorithm: tuple[str, ...] = PPO) -> tuple[Plan, Beginning]:
     arguments = compose_arguments("train", [*OVERRIDES, *algorithm, *more], (shipped(),))
@@ -70,19 +72,21 @@ def test_policy_and_normaliser_are_taken_over_and_all_else_is_new(finished: Path
     assert not training.randomizer.state_dict()["loc"].any()
 
 
-@pytest.mark.parametrize("algorithm", [PPO, DDPG])
-def test_the_chosen_policy_is_taken_over_and_the_last_value_network(tmp_path: Path, algorithm: tuple[str, ...]) -> None:
+@pytest.mark.parametrize(("algorithm", "values"), [(PPO, "critic"), (DDPG, "critics")])
+def test_the_chosen_policy_is_taken_over_and_the_last_value_network(
+    tmp_path: Path, algorithm: tuple[str, ...], values: str
+) -> None:
     training = plan(algorithm=algorithm)[0].assemble(tmp_path / CHECKPOINT)
     snapshots, observation = PolicySnapshots(training.algorithm, 2), torch.linspace(-1.0, 1.0, 22).view(2, 11)
     training.trainer.run(160, lambda *_: snapshots.take(training.trainer.frames))
     training.trainer.close()
     save(tmp_path / POLICY, snapshots.taken[0])
     first, last = (each.deployed(observation) for each in snapshots.restored())
-    assert not torch.equal(first, last)
+    assert not torch.allclose(first, last, **CLOSE)
     found = begun(f"init={tmp_path}", algorithm=algorithm).algorithm
-    assert torch.equal(found.deployed(observation), first)
-    for key, value in training.algorithm.state_dict()["critic"].items():
-        assert torch.equal(found.state_dict()["critic"][key], value)
+    assert torch.allclose(found.deployed(observation), first, **CLOSE)
+    for key, value in training.algorithm.state_dict()[values].items():
+        assert torch.equal(found.state_dict()[values][key], value)
 
 
 def test_the_distribution_is_taken_over_where_asked_for(finished: Path) -> None:
