@@ -1,5 +1,6 @@
 """A new run that begins with what an earlier one learnt."""
 
+import functools
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,8 @@ OVERRIDES = [
 PPO = ("algorithm.minibatch=40", "algorithm.epochs=1")
 DDPG = ("algorithm=ddpg", "algorithm.minibatch=8", "algorithm.learning_starts=40")
 
-CLOSE = {"rtol": 1e-6, "atol": 1e-6}  # equal parameters may lie elsewhere in memory: another last digit of a product
+# Equal parameters may lie elsewhere in memory, which changes the last digit of a product.
+close = functools.partial(torch.allclose, rtol=1e-6, atol=1e-6)
 
 
 def plan(*more: str, algorithm: tuple[str, ...] = PPO) -> tuple[Plan, Beginning]:
@@ -82,9 +84,9 @@ def test_the_chosen_policy_is_taken_over_and_the_last_value_network(
     training.trainer.close()
     save(tmp_path / POLICY, snapshots.taken[0])
     first, last = (each.deployed(observation) for each in snapshots.restored())
-    assert not torch.allclose(first, last, **CLOSE)
+    assert not close(first, last)
     found = begun(f"init={tmp_path}", algorithm=algorithm).algorithm
-    assert torch.allclose(found.deployed(observation), first, **CLOSE)
+    assert close(found.deployed(observation), first)
     for key, value in training.algorithm.state_dict()[values].items():
         assert torch.equal(found.state_dict()[values][key], value)
 

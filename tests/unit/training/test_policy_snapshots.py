@@ -1,5 +1,6 @@
 """Snapshots act as the policies did, and the best of them is chosen."""
 
+import functools
 from typing import cast
 
 import mujoco
@@ -16,7 +17,8 @@ from dr_lab.physics.model import from_spec
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.training.policy_snapshots import Choice, PolicySnapshot, PolicySnapshots
 
-CLOSE = {"rtol": 1e-6, "atol": 1e-6}  # equal parameters may lie elsewhere in memory: another last digit of a product
+# Equal parameters may lie elsewhere in memory, which changes the last digit of a product.
+close = functools.partial(torch.allclose, rtol=1e-6, atol=1e-6)
 
 
 def test_the_last_few_policies_are_kept_as_they_were() -> None:
@@ -32,11 +34,9 @@ def test_the_last_few_policies_are_kept_as_they_were() -> None:
     for kept in (snapshots.restored(), again.restored()):
         assert [each.frames for each in kept] == [1440, 1920, 2400]
         for snapshot, action in zip(kept, acted[2:], strict=True):
-            torch.testing.assert_close(snapshot.deployed(observation), action, **CLOSE)
-    assert torch.allclose(algorithm.deployed(observation), acted[-1], **CLOSE)
-    assert torch.allclose(
-        snapshots.restored()[0].exploring(observation), again.restored()[0].exploring(observation), **CLOSE
-    )
+            assert close(snapshot.deployed(observation), action)
+    assert close(algorithm.deployed(observation), acted[-1])
+    assert close(snapshots.restored()[0].exploring(observation), again.restored()[0].exploring(observation))
 
 
 def test_the_newest_of_the_best_is_chosen_and_its_episodes_are_counted() -> None:

@@ -27,7 +27,8 @@ from dr_lab.workflows.evaluate import evaluate
 
 TRAIN = [*OVERRIDES, "env=furuta", "frames=320", "randomizer=fixed"]
 
-CLOSE = {"rtol": 1e-6, "atol": 1e-6}  # equal parameters may lie elsewhere in memory: another last digit of a product
+# Equal parameters may lie elsewhere in memory, which changes the last digit of a product.
+close = functools.partial(torch.allclose, rtol=1e-6, atol=1e-6)
 
 
 def job(verb: str, folder: Path, overrides: list[str]) -> None:
@@ -126,12 +127,12 @@ def test_the_chosen_policy_is_deployed_and_trained_on_and_the_last_is_kept(run: 
     width = subject.slots(1, 0).observation.shape[1]
     observation = torch.randn(5, width, generator=torch.Generator().manual_seed(0))
     acts = [each.deployed(observation) for each in subject.snapshots]
-    assert torch.allclose(subject.policy(observation), acts[0], **CLOSE)
-    assert not torch.allclose(*acts, **CLOSE)
+    assert close(subject.policy(observation), acts[0])
+    assert not close(acts[0], acts[1])
     _, trained_on = subject.again(FixedRandomizer(subject.setting.space, {}), 0)
-    assert torch.allclose(trained_on(observation), acts[0], **CLOSE)
+    assert close(trained_on(observation), acts[0])
     (folder / "policy.pt").unlink()  # as of a run that has not ended
-    assert torch.allclose(subject_of(folder, compose, threads=1).policy(observation), acts[1], **CLOSE)
+    assert close(subject_of(folder, compose, threads=1).policy(observation), acts[1])
     assert last["frames"] == 320
 
 
