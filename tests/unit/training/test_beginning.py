@@ -28,6 +28,7 @@ OVERRIDES = [
 ]
 PPO = ("algorithm.minibatch=40", "algorithm.epochs=1")
 DDPG = ("algorithm=ddpg", "algorithm.minibatch=8", "algorithm.learning_starts=40")
+TD3 = ("algorithm=td3", *DDPG[1:], "algorithm.average_steps=5")
 
 
 def plan(*more: str, algorithm: tuple[str, ...] = PPO) -> tuple[Plan, Beginning]:
@@ -70,8 +71,10 @@ def test_policy_and_normaliser_are_taken_over_and_all_else_is_new(finished: Path
     assert not training.randomizer.state_dict()["loc"].any()
 
 
-@pytest.mark.parametrize("algorithm", [PPO, DDPG])
-def test_the_chosen_policy_is_taken_over_and_the_last_value_network(tmp_path: Path, algorithm: tuple[str, ...]) -> None:
+@pytest.mark.parametrize(("algorithm", "value_network"), [(PPO, "critic"), (DDPG, "critics"), (TD3, "critics")])
+def test_the_chosen_policy_is_taken_over_and_the_last_value_network(
+    tmp_path: Path, algorithm: tuple[str, ...], value_network: str
+) -> None:
     training = plan(algorithm=algorithm)[0].assemble(tmp_path / CHECKPOINT)
     snapshots, observation = PolicySnapshots(training.algorithm, 2), torch.linspace(-1.0, 1.0, 22).view(2, 11)
     training.trainer.run(160, lambda *_: snapshots.take(training.trainer.frames))
@@ -81,8 +84,8 @@ def test_the_chosen_policy_is_taken_over_and_the_last_value_network(tmp_path: Pa
     assert not torch.equal(first, last)
     found = begun(f"init={tmp_path}", algorithm=algorithm).algorithm
     assert torch.equal(found.deployed(observation), first)
-    for key, value in training.algorithm.state_dict()["critic"].items():
-        assert torch.equal(found.state_dict()["critic"][key], value)
+    for key, value in training.algorithm.state_dict()[value_network].items():
+        assert torch.equal(found.state_dict()[value_network][key], value)
 
 
 def test_the_distribution_is_taken_over_where_asked_for(finished: Path) -> None:
