@@ -29,6 +29,7 @@ OVERRIDES = [
 ]
 PPO = ("algorithm.minibatch=40", "algorithm.epochs=1")
 DDPG = ("algorithm=ddpg", "algorithm.minibatch=8", "algorithm.learning_starts=40")
+TD3 = ("algorithm=td3", *DDPG[1:], "algorithm.average_steps=5")
 
 # Equal parameters may lie elsewhere in memory, which changes the last digit of a product.
 close = functools.partial(torch.allclose, rtol=1e-6, atol=1e-6)
@@ -74,9 +75,9 @@ def test_policy_and_normaliser_are_taken_over_and_all_else_is_new(finished: Path
     assert not training.randomizer.state_dict()["loc"].any()
 
 
-@pytest.mark.parametrize(("algorithm", "values"), [(PPO, "critic"), (DDPG, "critics")])
+@pytest.mark.parametrize(("algorithm", "value_network"), [(PPO, "critic"), (DDPG, "critics"), (TD3, "critics")])
 def test_the_chosen_policy_is_taken_over_and_the_last_value_network(
-    tmp_path: Path, algorithm: tuple[str, ...], values: str
+    tmp_path: Path, algorithm: tuple[str, ...], value_network: str
 ) -> None:
     training = plan(algorithm=algorithm)[0].assemble(tmp_path / CHECKPOINT)
     snapshots, observation = PolicySnapshots(training.algorithm, 2), torch.linspace(-1.0, 1.0, 22).view(2, 11)
@@ -87,8 +88,8 @@ def test_the_chosen_policy_is_taken_over_and_the_last_value_network(
     assert not close(first, last)
     found = begun(f"init={tmp_path}", algorithm=algorithm).algorithm
     assert close(found.deployed(observation), first)
-    for key, value in training.algorithm.state_dict()[values].items():
-        assert torch.equal(found.state_dict()[values][key], value)
+    for key, value in training.algorithm.state_dict()[value_network].items():
+        assert torch.equal(found.state_dict()[value_network][key], value)
 
 
 def test_the_distribution_is_taken_over_where_asked_for(finished: Path) -> None:
