@@ -1,6 +1,6 @@
 """A point on a line that is to be brought to the origin: a machine for tests of algorithms, with a known optimum."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, cast
 
@@ -15,8 +15,9 @@ from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.reward_scale import RunningRewardScale
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.networks.critic import Critic
+from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.networks.gaussian_actor import GaussianActor
-from dr_lab.networks.normaliser import RunningNormaliser
+from dr_lab.networks.normaliser import NoNormaliser, Normaliser, RunningNormaliser
 from dr_lab.trajectory import Array
 
 STEP = 0.2  # x' = x + STEP·z·a, reward 1 − x'²
@@ -116,6 +117,25 @@ def ppo_arguments(seed: int = 0, **changes: Any) -> dict[str, Any]:  # noqa: ANN
         "max_gradient": 0.5,
         "adam_epsilon": 1e-5,
     } | changes
+
+
+def replaying_arguments(normaliser: Callable[[int], Normaliser] = NoNormaliser) -> dict[str, Any]:
+    """Arguments of DDPG that solve the task, and of what derives from it."""
+    return {
+        "actor": partial(DeterministicActor, normaliser=normaliser, hidden=[16], activation="relu", noise=0.3),
+        "critic": partial(Critic, hidden=[32], activation="relu"),
+        "batch_frames": 64,
+        "gamma": 0.9,
+        "replay": 2000,
+        "minibatch": 64,
+        "steps_per_frame": 0.25,
+        "learning_starts": 200,
+        "actor_rate": 3e-3,
+        "critic_rate": 3e-3,
+        "tau": 0.02,
+        "saturation_cost": 0.0,
+        "average_steps": 1,
+    }
 
 
 def ppo(seed: int = 0) -> PPO:

@@ -1,41 +1,30 @@
 """ADR: particles propose the contexts in which a policy's transitions differ from those of the reference."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, cast
+from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
-import torch
 from tensordict import TensorDict
 from torch import Tensor
 
 from dr_lab.bounds import Count, require_bounds
 from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.adr.discriminator import Discriminator
-from dr_lab.distribution_learners.adr.proposals import OpenProposals
-from dr_lab.distribution_learners.adr.whole_episodes import EpisodeAssembler, WholeEpisode, transitions
-from dr_lab.distribution_learners.distribution_learner import DistributionLearner
+from dr_lab.distribution_learners.adr.episode_rounds import EpisodeRounds
+from dr_lab.distribution_learners.adr.rounds import Inherited
+from dr_lab.distribution_learners.adr.whole_episodes import transitions
 from dr_lab.distribution_learners.svpg.svpg import SVPG
 from dr_lab.errors import ConfigError
-from dr_lab.randomizers.context_source import UNKEYED
-from dr_lab.randomizers.empirical import EmpiricalRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
-from dr_lab.seeding import derived_seed
-from dr_lab.trajectory import Array
-
-Inherited = Literal["particles", "discriminator"]
 
 
-class ADR(DistributionLearner):
+class ADR(EpisodeRounds):
     """Active domain randomisation.
 
-    A round: SVPG's particles propose contexts z, which slots play. Each proposal is answered by the first whole episode
-    in it, and as many episodes are played by the same exploring policy in the reference, the nominal context, which
-    nothing trains on. When all are answered, the reward of a proposal is
+    A round, see `ProposalRounds`: slots play what the particles propose, and as many episodes are played by the same
+    exploring policy in the reference, the nominal context, which nothing trains on. The reward of a proposal is
 
-        r(z) = mean over its episode of log D(s, a, s′) − log ½,
-
-    from D as it was before these episodes. Then D learns from both sides, and the particles from r. An infeasible
-    context is rewarded as the lowest feasible one so far, at most 0, and D does not see it.
+        r(z) = mean over its episode of log D(s, a, s′) − log ½.
 
     References are played as soon as `reference_load` proposals are answered, so that the policy of either side is of
     about the same age: else D could tell how far it had come in between.
@@ -45,25 +34,16 @@ class ADR(DistributionLearner):
     reference without the noise of exploration, which D can learn in place of the dynamics, and lets D see no more than
     the first transitions of an episode.
 
-    Both sides show what the machine did: actions are cut off at its bounds.
-
     Limits: an algorithm that gives its slots contexts of its own, as EPOpt does, answers no proposal.
 
-    Args:
-        randomizer: is told what was proposed; its box is what the particles' unit cube stands for.
-        seed: of particles and discriminator.
-        svpg: makes the particles, from the number of parameters and a seed.
-        discriminator: makes D, from the width of a transition and a seed.
+    Args: as `ProposalRounds`, and
         reference_load: episodes of the reference that are played side by side.
-        context_shown: whether observations end with the context, which D must not see.
-        inherits: what is taken over where training begins with the distribution of another run.
 
     Raises:
-        ConfigError: contexts cannot be noted in the randomizer, the context has no parameters, or a number is out of
-            its range.
+        ConfigError: as `ProposalRounds`.
     """
 
-    randomizer: EmpiricalRandomizer
+    OPTION = "adr"
 
     def __init__(
         self,
@@ -71,110 +51,22 @@ class ADR(DistributionLearner):
         seed: int,
         svpg: Callable[[int, int], SVPG],
         discriminator: Callable[[int, int], Discriminator],
-        reference_load: Count,
         context_shown: bool,
         inherits: Sequence[Inherited],
+        reference_load: Count,
     ) -> None:
-        super().__init__(_require_empirical(randomizer))
-        self.reference_load, self.inherits = reference_load, tuple(inherits)
+        super().__init__(randomizer, seed, svpg, discriminator, context_shown, inherits)
+        self.reference_load = reference_load
         require_bounds(self, "distribution_learner", ADR)
-        size = len(randomizer.space.names)
-        self._svpg = svpg(size, derived_seed(seed, "svpg"))
-        self._make, self._seed = discriminator, derived_seed(seed, "discriminator")
-        self._discriminator: Discriminator | None = None  # until the width of a transition is known
-        self._hidden = size if context_shown else 0
-        self._proposals = self._opened(self._contexts())
-        self._episodes = EpisodeAssembler(self._hidden)
-        self._answers: dict[int, WholeEpisode] = {}  # by the place of the proposal
-        self._references: list[Tensor] = []  # transitions of each episode
-        self._frames, self._lowest = 0, 0.0
 
-    @property
-    def source(self) -> OpenProposals:
-        """The proposals."""
-        return self._proposals
-
-    @property
-    def learns(self) -> bool:
-        """Always."""
-        return True
-
-    def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
-        """Take the answers of a batch; where they end a round, learn from it and give its figures."""
-        keys = cast(Tensor, batch["proposal"])[:, -1].numpy()
-        if (keys == UNKEYED).any():
-            raise ConfigError(
-                "distribution_learner=adr proposes contexts, but the algorithm gives its episodes others, so that no "
-                "proposal is ever answered. Take an algorithm that does not, such as algorithm=ppo or ddpg."
-            )
-        self._frames += batch.numel()
-        for episode in self._episodes.take(experience.executed(batch)):
-            place = self._proposals.answer(episode.key)
-            if place is not None:
-                self._answers[place] = episode
-        self._proposals.run(keys[~cast(Tensor, batch["next", "done"])[:, -1, 0].numpy()])
-        self._meet_reference(experience)
-        return self._end_round() if self._proposals.answered else {}
-
-    def state_dict(self) -> dict[str, Any]:
-        """All that an exact continuation needs."""
-        answers = {
-            place: {"key": each.key, "transitions": each.transitions, "infeasible": each.infeasible}
-            for place, each in self._answers.items()
-        }
-        return super().state_dict() | {
-            "svpg": self._svpg.state_dict(),
-            "discriminator": None if self._discriminator is None else self._discriminator.state_dict(),
-            "proposals": self._proposals.state_dict(),
-            "episodes": self._episodes.state_dict(),
-            "answers": answers,
-            "references": list(self._references),
-            "frames": self._frames,
-            "lowest": self._lowest,
-        }
-
-    def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Continue from what `state_dict` gave."""
-        super().load_state_dict(state)
-        self._svpg.load_state_dict(state["svpg"])
-        found = state["discriminator"]
-        if found is not None:
-            self._made(found["size"]).load_state_dict(found)
-        self._proposals.load_state_dict(state["proposals"])
-        self._episodes.load_state_dict(state["episodes"])
-        self._answers = {place: WholeEpisode(**each) for place, each in state["answers"].items()}
-        self._references = list(state["references"])
-        self._frames, self._lowest = state["frames"], state["lowest"]
-
-    def inherit(self, state: Mapping[str, Any]) -> None:
-        """Begin with the particles, the discriminator or both of another run; walks and rounds are new."""
-        if "particles" in self.inherits:
-            self._svpg.inherit(state["svpg"])
-            self._proposals.renew(self._contexts())
-        if "discriminator" in self.inherits and state["discriminator"] is not None:
-            self._made(state["discriminator"]["size"]).inherit(state["discriminator"])
-
-    def _opened(self, z: Array) -> OpenProposals:
-        """What gives the proposals out."""
-        return OpenProposals(z)
-
-    def _contexts(self) -> Array:
-        """What the particles propose next, shape (N·k, n)."""
-        low, high = self.randomizer.low.numpy(), self.randomizer.high.numpy()
-        unit = self._svpg.propose().flatten(0, 1).double().numpy()
-        return low + unit * (high - low)
-
-    def _made(self, size: int) -> Discriminator:
-        if self._discriminator is None:
-            self._discriminator = self._make(size, self._seed)
-        return self._discriminator
-
-    def _meet_reference(self, experience: Experience) -> None:
-        """Play the reference for answered proposals, where it is time."""
+    def _take(self, batch: TensorDict, experience: Experience) -> None:
+        super()._take(batch, experience)
         lacking = len(self._answers) - len(self._references)
-        if lacking < self.reference_load and not (lacking and self._proposals.answered):
-            return
-        nominal = np.tile(self.randomizer.space.nominal, (lacking, 1))
+        if lacking >= self.reference_load or (lacking and self._proposals.answered):
+            self._play_references(experience, lacking)
+
+    def _play_references(self, experience: Experience, count: int) -> None:
+        nominal = np.tile(self.randomizer.space.nominal, (count, 1))
         played = experience.executed(experience.play(experience.policy, nominal))
         if cast(Tensor, played["next", "infeasible"]).any():
             raise ConfigError(
@@ -184,53 +76,3 @@ class ADR(DistributionLearner):
         lengths = cast(Tensor, played["mask"]).sum(1).tolist()
         rows = transitions(played, self._hidden)
         self._references += [each[:length].clone() for each, length in zip(rows, lengths, strict=True)]
-
-    def _reference(self) -> Tensor:
-        """Transitions of the reference in this round, shape (k, f)."""
-        return torch.cat(self._references)
-
-    def _worth(self, log_ratio: Tensor) -> float:
-        """Reward of a proposal whose transitions have these log D − log ½, shape (t,)."""
-        return float(log_ratio.mean())
-
-    def _end_round(self) -> Mapping[str, float]:
-        """Reward the proposals, let D and the particles learn, and propose anew."""
-        answers = [self._answers[place] for place in range(len(self._proposals.z))]
-        feasible = [each.transitions for each in answers if not each.infeasible]
-        figures = {"proposals_infeasible": 1.0 - len(feasible) / len(answers)}
-        rewards = torch.zeros(len(answers))
-        if feasible:
-            randomised, reference = torch.cat(feasible), self._reference()
-            discriminator = self._made(randomised.shape[1])
-            discriminator.adapt(torch.cat([randomised, reference]))
-            rewards = self._rewards(discriminator, answers)
-            figures["discriminator_accuracy"] = discriminator.accuracy(randomised, reference)
-            figures["discriminator_loss"] = discriminator.learn(randomised, reference)
-        figures["proposal_reward"] = float(rewards.mean())
-        figures |= self._svpg.learn(rewards.reshape(self._svpg.count, self._svpg.proposals))
-        self.randomizer.note(self._proposals.z, self._frames)
-        self._proposals.renew(self._contexts())
-        self._answers, self._references = {}, []
-        return figures
-
-    def _rewards(self, discriminator: Discriminator, answers: Sequence[WholeEpisode]) -> Tensor:
-        """Reward of each proposal, shape (k,)."""
-        found = [
-            None if each.infeasible else self._worth(discriminator.log_ratio(each.transitions)) for each in answers
-        ]
-        self._lowest = min(self._lowest, *(each for each in found if each is not None))
-        return torch.tensor([self._lowest if each is None else each for each in found])
-
-
-def _require_empirical(randomizer: Randomizer) -> EmpiricalRandomizer:
-    if not isinstance(randomizer, EmpiricalRandomizer):
-        raise ConfigError(
-            f"distribution_learner=adr notes what it proposes, which {type(randomizer).__name__} cannot. Take "
-            "randomizer=empirical, whose ranges are those of the proposals."
-        )
-    if not randomizer.space.names:
-        raise ConfigError(
-            "distribution_learner=adr has nothing to propose: the machine varies no parameter. Choose some, e.g. "
-            "env/context=hopper/torso_mass."
-        )
-    return randomizer

@@ -6,10 +6,10 @@ from typing import Any
 from tensordict import TensorDict
 from torch import Tensor
 
-from dr_lab.bounds import Count
 from dr_lab.collectors.experience import Experience
-from dr_lab.distribution_learners.adr.adr import ADR, Inherited
 from dr_lab.distribution_learners.adr.discriminator import Discriminator
+from dr_lab.distribution_learners.adr.episode_rounds import EpisodeRounds
+from dr_lab.distribution_learners.adr.rounds import Inherited
 from dr_lab.distribution_learners.adr_plus.prior_particles import PriorParticles
 from dr_lab.distribution_learners.svpg.svpg import SVPG
 from dr_lab.errors import ConfigError
@@ -17,10 +17,10 @@ from dr_lab.experts.expert import Expert
 from dr_lab.randomizers.randomizer import Randomizer
 
 
-class ADRPlus(ADR):
+class ADRPlus(EpisodeRounds):
     """Active domain randomisation towards an expert's trajectories, with a finished run of ADR as the prior.
 
-    A round is that of `ADR`, but the reference is not played: it is all that the expert did, perhaps on the real
+    A round, see `ProposalRounds`, has a reference that is not played: all that the expert did, perhaps on the real
     machine. The reward of a proposal is the negative of ADR's, mean log ½ − log D(s, a, s′), so that particles seek the
     contexts whose transitions cannot be told from the expert's. Each pays for walking otherwise than its prior does,
     see `PriorParticles`. A policy is trained on what they propose.
@@ -31,12 +31,14 @@ class ADRPlus(ADR):
     all proposals are told apart alike, and rewards say little. As for `ADR`, the algorithm must not give its slots
     contexts of its own.
 
-    Args: as `ADR`, whose `inherits` must hold the particles, and
+    Args: as `ProposalRounds`, `inherits` holding the particles, and
         expert: whose trajectories are the reference.
 
     Raises:
-        ConfigError: as `ADR`; or the particles know no prior.
+        ConfigError: as `ProposalRounds`; or the particles know no prior.
     """
+
+    OPTION = "adr_plus"
 
     def __init__(
         self,
@@ -44,16 +46,15 @@ class ADRPlus(ADR):
         seed: int,
         svpg: Callable[[int, int], SVPG],
         discriminator: Callable[[int, int], Discriminator],
-        reference_load: Count,
         context_shown: bool,
         inherits: Sequence[Inherited],
         expert: Expert,
     ) -> None:
-        super().__init__(randomizer, seed, svpg, discriminator, reference_load, context_shown, inherits)
+        super().__init__(randomizer, seed, svpg, discriminator, context_shown, inherits)
         self._expert, self._known = expert, None
 
     def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
-        """As `ADR`; the prior is to be known by then."""
+        """As `ProposalRounds`; the prior is to be known by then."""
         _require_prior(self._svpg)
         return super().update(batch, experience)
 
@@ -61,9 +62,6 @@ class ADRPlus(ADR):
         """Begin with the particles of a run of ADR, which are the prior from then on."""
         super().inherit(state)
         _require_prior(self._svpg)
-
-    def _meet_reference(self, experience: Experience) -> None:
-        """The expert has played already."""
 
     def _worth(self, log_ratio: Tensor) -> float:
         return -super()._worth(log_ratio)

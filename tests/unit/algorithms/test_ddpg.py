@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from point_mass import ASKEW, INTERFACE, PointCollector, best, mean_reward
+from continuing import learn_whole_and_in_parts, updating
+from point_mass import ASKEW, INTERFACE, PointCollector, best, mean_reward, replaying_arguments
 from torch import Tensor
 
 from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.ddpg.ddpg import DDPG
 from dr_lab.algorithms.ddpg.loss import Transitions
 from dr_lab.errors import ConfigError
-from dr_lab.networks.critic import Critic
 from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.networks.normaliser import NoNormaliser, Normaliser, RunningNormaliser
-from dr_lab.training.checkpoint import load, save
+from dr_lab.training.checkpoint import save
 
 
 def ddpg(
@@ -28,26 +28,7 @@ def ddpg(
     interface: Interface = INTERFACE,
     **changes: Any,  # noqa: ANN401
 ) -> DDPG:
-    numbers: dict[str, Any] = {
-        "batch_frames": 64,
-        "gamma": 0.9,
-        "replay": 2000,
-        "minibatch": 64,
-        "steps_per_frame": 0.25,
-        "learning_starts": 200,
-        "actor_rate": 3e-3,
-        "critic_rate": 3e-3,
-        "tau": 0.02,
-        "saturation_cost": 0.0,
-        "average_steps": 1,
-    }
-    return DDPG(
-        interface,
-        seed,
-        actor=partial(DeterministicActor, normaliser=normaliser, hidden=[16], activation="relu", noise=0.3),
-        critic=partial(Critic, hidden=[32], activation="relu"),
-        **numbers | changes,
-    )
+    return DDPG(interface, seed, **replaying_arguments(normaliser) | changes)
 
 
 def collector(algorithm: DDPG) -> PointCollector:
@@ -93,16 +74,8 @@ def test_observations_of_any_size_are_normalised(monkeypatch: pytest.MonkeyPatch
 @pytest.mark.parametrize("replay", [2000, 200])  # of which the latter is written over
 def test_continues_exactly(replay: int, tmp_path: Path) -> None:
     whole, first, second = ddpg(replay=replay), ddpg(replay=replay), ddpg(seed=3, replay=replay)
-    batches = [collector(a) for a in (whole, first, second)]
-    for _ in range(7):
-        whole.update(next(batches[0]))
-    for _ in range(5):
-        first.update(next(batches[1]))
-    save(tmp_path / "c.pt", first.state_dict())
-    second.load_state_dict(load(tmp_path / "c.pt"))
-    batches[2].load_state_dict(batches[1].state_dict())
-    for _ in range(2):
-        second.update(next(batches[2]))
+    learning = [updating(each, collector(each)) for each in (whole, first, second)]
+    learn_whole_and_in_parts(learning, (5, 2), tmp_path)
     for part in ("explorer", "average", "critics", "targets"):
         for a, b in zip(whole.state_dict()[part].values(), second.state_dict()[part].values(), strict=True):
             assert torch.equal(a, b)

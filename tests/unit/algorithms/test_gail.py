@@ -55,7 +55,7 @@ def gail(seed: int = 0, width: int = 1) -> GAIL:
 
 
 def discriminator(penalty: float) -> ImitationDiscriminator:
-    return ImitationDiscriminator(2, 1, 0, [8], 1e-3, 16, 1.0, penalty, 10.0)
+    return ImitationDiscriminator(2, 1, 0, [8], 1e-2, 32, 1.0, penalty, 10.0)
 
 
 def test_the_policy_goes_where_the_expert_goes_and_not_where_the_task_pays() -> None:
@@ -88,7 +88,7 @@ def test_sides_that_differ_are_told_apart(penalty: float) -> None:
     draws = [torch.randn(512, 2, generator=generator) + shift for shift in (2.0, -2.0)]
     action = torch.zeros(512, 1)
     expert = Demonstrations(draws[0], action, draws[0], (512,))
-    losses = [found.learn(expert, draws[1], action) for _ in range(25)]
+    losses = [found.learn(expert, draws[1], action) for _ in range(8)]
     assert losses[-1] < losses[0]
     assert found.accuracy(expert, draws[1], action) > 0.95
     assert found.reward(draws[0], action).mean() > found.reward(draws[1], action).mean()

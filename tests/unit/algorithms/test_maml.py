@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 import torch
+from continuing import iterating, learn_whole_and_in_parts
 from point_goals import GOALS, INTERFACE, GoalCollector
 from tensordict import TensorDict
 from torch import Tensor
@@ -32,7 +33,6 @@ from dr_lab.networks.normaliser import NoNormaliser, RunningNormaliser
 from dr_lab.networks.policy_stack import GaussianPolicyStack
 from dr_lab.randomizers.context_source import Proposals
 from dr_lab.randomizers.uniform import UniformRandomizer
-from dr_lab.training.checkpoint import load, save
 
 TASKS, SHARE, LIMIT = 8, 10, 15
 REGION = {"max_kl": 0.01, "iterations": 10, "tolerance": 1e-5, "damping": 1e-5}
@@ -100,15 +100,8 @@ KINDS: dict[str, Callable[..., MAML]] = {
 def test_continues_exactly(kind: str, tmp_path: Path) -> None:
     make = KINDS[kind]
     whole, first, second = make(), make(), make(seed=3)
-    played = [experience(each) for each in (whole, first, second)]
-    for _ in range(4):
-        whole.iterate(played[0])
-    for _ in range(2):
-        first.iterate(played[1])
-    save(tmp_path / "c.pt", first.state_dict())
-    second.load_state_dict(load(tmp_path / "c.pt"))
-    played[2]._collector.load_state_dict(played[1]._collector.state_dict())
-    figures = [second.iterate(played[2]) for _ in range(2)][-1]
+    learning = [iterating(each, experience(each)) for each in (whole, first, second)]
+    figures = cast(dict[str, float], learn_whole_and_in_parts(learning, (2, 2), tmp_path)[-1])
     assert torch.equal(whole.step.parameters.vector, second.step.parameters.vector)
     assert figures["tasks_learnt"] == TASKS
     assert np.isfinite(list(figures.values())).all()

@@ -7,6 +7,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 import torch
+from continuing import iterating, learn_whole_and_in_parts
 from point_mass import INTERFACE, LIMIT, PointCollector, best, mean_reward
 from tensordict import TensorDict
 from torch import Tensor
@@ -24,7 +25,6 @@ from dr_lab.networks.normaliser import NoNormaliser, RunningNormaliser
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.uniform import UniformRandomizer
-from dr_lab.training.checkpoint import load, save
 
 STEP, STEPS = 0.3, 4  # x' = x + STEP·a, reward −x'², from x = 1
 SLOTS = 16
@@ -205,16 +205,8 @@ def test_nothing_is_learnt_where_every_context_is_infeasible() -> None:
 
 def test_continues_exactly(tmp_path: Path) -> None:
     whole, first, second = reinforce(), reinforce(), reinforce(seed=3)
-    played = [experience(each) for each in (whole, first, second)]
-    for _ in range(5):
-        whole.iterate(played[0])
-    for _ in range(3):
-        first.iterate(played[1])
-    save(tmp_path / "c.pt", first.state_dict())
-    second.load_state_dict(load(tmp_path / "c.pt"))
-    played[2]._collector.load_state_dict(played[1]._collector.state_dict())
-    for _ in range(2):
-        second.iterate(played[2])
+    learning = [iterating(each, experience(each)) for each in (whole, first, second)]
+    learn_whole_and_in_parts(learning, (3, 2), tmp_path)
     assert torch.equal(whole.parameters.vector, second.parameters.vector)
 
 

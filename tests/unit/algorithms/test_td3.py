@@ -1,45 +1,21 @@
 """TD3 finds the optimum of the point mass, lets its actor wait, and continues exactly."""
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 import torch
-from point_mass import INTERFACE, PointCollector, best, mean_reward
+from continuing import learn_whole_and_in_parts, updating
+from point_mass import INTERFACE, PointCollector, best, mean_reward, replaying_arguments
 
 from dr_lab.algorithms.td3.td3 import TD3
 from dr_lab.errors import ConfigError
-from dr_lab.networks.critic import Critic
-from dr_lab.networks.deterministic_actor import DeterministicActor
-from dr_lab.networks.normaliser import NoNormaliser
-from dr_lab.training.checkpoint import load, save
 
 
 def td3(seed: int = 0, **changes: Any) -> TD3:  # noqa: ANN401
-    numbers: dict[str, Any] = {
-        "batch_frames": 64,
-        "gamma": 0.9,
-        "replay": 2000,
-        "minibatch": 64,
-        "steps_per_frame": 0.25,
-        "learning_starts": 200,
-        "actor_rate": 3e-3,
-        "critic_rate": 3e-3,
-        "tau": 0.02,
-        "saturation_cost": 0.01,
-        "average_steps": 20,
-        "target_noise": 0.2,
-        "target_clip": 0.5,
-        "actor_every": 2,
-    }
-    return TD3(
-        INTERFACE,
-        seed,
-        actor=partial(DeterministicActor, normaliser=NoNormaliser, hidden=[16], activation="relu", noise=0.3),
-        critic=partial(Critic, hidden=[32], activation="relu"),
-        **numbers | changes,
-    )
+    waits = {"target_noise": 0.2, "target_clip": 0.5, "actor_every": 2}
+    averages = {"saturation_cost": 0.01, "average_steps": 20}
+    return TD3(INTERFACE, seed, **replaying_arguments() | waits | averages | changes)
 
 
 def collector(algorithm: TD3) -> PointCollector:
@@ -71,16 +47,8 @@ def test_the_actor_steps_with_every_third_step_of_the_critics() -> None:
 def test_continues_exactly(tmp_path: Path) -> None:
     settings = {"steps_per_frame": 3 / 64, "learning_starts": 0}  # stops between two steps of the actor
     whole, first, second = td3(**settings), td3(**settings), td3(seed=3, **settings)
-    batches = [collector(each) for each in (whole, first, second)]
-    for _ in range(7):
-        whole.update(next(batches[0]))
-    for _ in range(5):
-        first.update(next(batches[1]))
-    save(tmp_path / "c.pt", first.state_dict())
-    second.load_state_dict(load(tmp_path / "c.pt"))
-    batches[2].load_state_dict(batches[1].state_dict())
-    for _ in range(2):
-        second.update(next(batches[2]))
+    learning = [updating(each, collector(each)) for each in (whole, first, second)]
+    learn_whole_and_in_parts(learning, (5, 2), tmp_path)
     for part in ("explorer", "average", "critics", "targets"):
         for a, b in zip(whole.state_dict()[part].values(), second.state_dict()[part].values(), strict=True):
             assert torch.equal(a, b)

@@ -6,6 +6,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 import torch
+from continuing import iterating, learn_whole_and_in_parts
 from point_mass import INTERFACE, LIMIT, PointCollector, best, mean_reward
 from torch import Tensor
 from torch.distributions import Independent, Normal, kl_divergence
@@ -32,7 +33,6 @@ from dr_lab.networks.normaliser import NoNormaliser
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.uniform import UniformRandomizer
-from dr_lab.training.checkpoint import load, save
 
 REGION = {"max_kl": 0.01, "iterations": 10, "tolerance": 1e-10, "damping": 1e-5}
 REGION |= {"hessian_every": 1, "trials": 15, "shrink": 0.8}
@@ -192,16 +192,8 @@ def test_a_critic_explains_returns_that_depend_on_what_is_observed() -> None:
 @pytest.mark.parametrize("make", [trpo, lambda seed=0: trpo(seed, baseline=critic(), step=clipped())])
 def test_continues_exactly(make: Any, tmp_path: Any) -> None:  # noqa: ANN401
     whole, first, second = make(), make(), make(seed=3)
-    played = [experience(each) for each in (whole, first, second)]
-    for _ in range(5):
-        whole.iterate(played[0])
-    for _ in range(3):
-        first.iterate(played[1])
-    save(tmp_path / "c.pt", first.state_dict())
-    second.load_state_dict(load(tmp_path / "c.pt"))
-    played[2]._collector.load_state_dict(played[1]._collector.state_dict())
-    for _ in range(2):
-        second.iterate(played[2])
+    learning = [iterating(each, experience(each)) for each in (whole, first, second)]
+    learn_whole_and_in_parts(learning, (3, 2), tmp_path)
     assert torch.equal(whole.step.parameters.vector, second.step.parameters.vector)
 
 

@@ -133,7 +133,7 @@ def test_contexts_of_an_algorithms_own_are_refused() -> None:
 
 
 def test_another_randomizer_and_a_context_without_parameters_are_told() -> None:
-    parts: Any = (0, None, None, 1, False, [])
+    parts: Any = (0, None, None, False, [], 1)
     with pytest.raises(ConfigError, match=r"which UniformRandomizer cannot\. Take randomizer=empirical"):
         ADR(UniformRandomizer(SPACE, None), *parts)
     with pytest.raises(ConfigError, match="nothing to propose"):

@@ -50,13 +50,13 @@ def parts(particles: Any) -> tuple[EmpiricalRandomizer, Any, Any]:  # noqa: ANN4
 
 def finished() -> dict[str, Any]:
     randomizer, svpg, sees = parts(partial(Particles, hidden=[16, 16], gamma=0.99))
-    return ADR(randomizer, 3, svpg, sees, 8, context_shown=False, inherits=[]).state_dict()
+    return ADR(randomizer, 3, svpg, sees, context_shown=False, inherits=[], reference_load=8).state_dict()
 
 
 def adr_plus(z: float, penalty: float = 0.1, *, seed: int = 0, expert_is_shown: bool = False) -> ADRPlus:
     randomizer, svpg, sees = parts(partial(PriorParticles, hidden=[16, 16], gamma=0.99, penalty=penalty))
     expert = DifferingExpert(z, expert_is_shown)
-    return ADRPlus(randomizer, seed, svpg, sees, 8, context_shown=False, inherits=["particles"], expert=expert)
+    return ADRPlus(randomizer, seed, svpg, sees, context_shown=False, inherits=["particles"], expert=expert)
 
 
 def share_of_hard(learner: ADRPlus, rounds: int) -> float:

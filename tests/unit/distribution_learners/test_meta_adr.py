@@ -110,7 +110,7 @@ def test_an_algorithm_that_adapts_to_nothing_or_plays_other_tasks_is_refused() -
         learner.update(next(DifferingCollector(learner.source)), EXPERIENCE)
     (batch, _) = Adapting(learner.source).batches()
     batch["proposal"] = torch.full(batch.shape, UNKEYED)
-    with pytest.raises(ConfigError, match="the algorithm plays others"):
+    with pytest.raises(ConfigError, match="gives its episodes others"):
         learner.update(batch, EXPERIENCE)
 
 
