@@ -1,17 +1,15 @@
 """Rounds in which slots play the proposals, a whole episode each."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
+from functools import cached_property
 from typing import Any, cast
 
 from tensordict import TensorDict
 from torch import Tensor
 
 from dr_lab.collectors.experience import Experience
-from dr_lab.distribution_learners.adr.discriminator import Discriminator
-from dr_lab.distribution_learners.adr.rounds import Inherited, ProposalRounds
+from dr_lab.distribution_learners.adr.rounds import ProposalRounds
 from dr_lab.distribution_learners.adr.whole_episodes import EpisodeAssembler
-from dr_lab.distribution_learners.svpg.svpg import SVPG
-from dr_lab.randomizers.randomizer import Randomizer
 
 
 class EpisodeRounds(ProposalRounds):
@@ -20,17 +18,10 @@ class EpisodeRounds(ProposalRounds):
     Args: as `ProposalRounds`.
     """
 
-    def __init__(
-        self,
-        randomizer: Randomizer,
-        seed: int,
-        svpg: Callable[[int, int], SVPG],
-        discriminator: Callable[[int, int], Discriminator],
-        context_shown: bool,
-        inherits: Sequence[Inherited],
-    ) -> None:
-        super().__init__(randomizer, seed, svpg, discriminator, context_shown, inherits)
-        self._episodes = EpisodeAssembler(self._hidden)
+    @cached_property
+    def _episodes(self) -> EpisodeAssembler:
+        """The episodes that slots are under way with."""
+        return EpisodeAssembler(self._hidden)
 
     def _take(self, batch: TensorDict, experience: Experience) -> None:
         del experience
