@@ -70,7 +70,8 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     The intervals are bootstraps over blocks of consecutive windows within logs, which keep the correlation of residuals
     inside a block; below `settings.least_compared` blocks they are not known. Errors of a model may also be alike all
     over a log. So the bound of the evidence is the lower one of two: that of the blocks, and, of
-    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them.
+    `settings.least_clusters` logs or more, that of the logs as clusters, fitted ones among them. Below it lies what the
+    better model's further parameters may cost as they happen to be fitted (`_loss`).
 
     Source: Davison and Hinkley, Bootstrap Methods and their Application, 1997, §8.2 (blocks), §3.8 (clusters).
     """
@@ -86,7 +87,11 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
     tails = (1 - settings.confidence, 1 - settings.trial_confidence)
-    lows = [-np.inf if diverges else _least(every, drawn[3], tail, settings) for tail in tails]
+    losses = [_loss(worse, better, tail) for tail in tails]
+    lows = [
+        -np.inf if diverges else _least(every, drawn[3], tail, loss, settings)
+        for tail, loss in zip(tails, losses, strict=True)
+    ]
     return Gain(
         share=share,
         low=low,
@@ -135,11 +140,35 @@ def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.b
     return _Every(rows, np.append(log, before.log[known] + log.max(initial=0) + 1))
 
 
-def _least(every: _Every, drawn: Array, tail: float, settings: EvidenceSettings) -> float:
-    """Lower bound of the evidence: the lower of those that the scatter between blocks and between logs asks for."""
+def _least(every: _Every, drawn: Array, tail: float, loss: float, settings: EvidenceSettings) -> float:
+    """Lower bound of the evidence: the lower of those that the scatter between blocks and between logs asks for.
+
+    The distance from the estimate and the loss, which are independent, add up as roots of squares do.
+    """
     values = every.rows[3]
-    within = interval(float(values.sum()), drawn, block_count(every.log, settings), tail, settings)[0]
-    return within if np.isnan(within) else min(within, least_between_logs(values, every.log, tail, settings))
+    total = float(values.sum())
+    within = interval(total, drawn, block_count(every.log, settings), tail, settings)[0]
+    if np.isnan(within):
+        return within
+    lowest = min(within, least_between_logs(values, every.log, tail, settings))
+    return total - float(np.hypot(total - lowest, loss))
+
+
+def _loss(worse: Score, better: Score, tail: float) -> float:
+    """How much more evidence than on average the better model's p further parameters may cost, as they were fitted.
+
+    Noise moves them away from what is best for all logs alike. Over as many windows as were fitted that costs Δχ² of
+    mean p, χ²_p distributed, and r times as much over r times as many. The scatter between windows does not show by how
+    much the fit at hand differs from the mean: r (χ²_p(1 − tail) − p).
+
+    Source: Wilks, Annals of Mathematical Statistics 9 (1938) 60.
+    """
+    more = better.parameters - worse.parameters
+    if more <= 0:
+        return 0.0
+    fitted = better.foretold.freedom if better.foretold is not None else 0.0
+    ratio = 1 + better.freedom / fitted if fitted > 0 else 1.0
+    return ratio * (float(chi2.isf(tail, more)) - more)
 
 
 def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> Array:

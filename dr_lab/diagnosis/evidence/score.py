@@ -56,6 +56,7 @@ class Score:
         log: index of each window's log, shape (w,).
         infeasible: number of windows left out because their simulation diverges.
         channels: the same by channel.
+        parameters: number of the model's parameters.
         foretold: the same model's score on the windows that it was fitted to, where these are others, each block as a
             fit to the other blocks foretells it (`left_out`), which flatters it no more than windows held out.
     """
@@ -69,6 +70,7 @@ class Score:
     log: NDArray[np.intp]
     infeasible: int
     channels: Mapping[str, ChannelScore] = field(default_factory=dict)
+    parameters: int = 0
     foretold: "Score | None" = None
 
     @property
@@ -100,6 +102,7 @@ def score_of(replay: Replay, fit: StateFit) -> Score:
         log=replay.windows.log,
         infeasible=int(fit.infeasible.sum()),
         channels=_channels(replay, fit, used, taken),
+        parameters=len(replay.model.space.parameters),
     )
 
 

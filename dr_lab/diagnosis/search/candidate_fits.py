@@ -49,11 +49,15 @@ class CandidateFits:
         return look(self._fitter(self.thin, effect), effect, self.start)
 
     def promise_of_all(self, effect: PlacedEffect, first: FirstLook) -> float:
-        """What a candidate promises on all windows, linearised at the point where it promised most on the few."""
+        """What a candidate promises on all windows, linearised at the point where it promised most on the few.
+
+        Where that is absent, the base's residuals are known.
+        """
         fitter, base = self._fitter(self.bench, effect), self.base.fit
         count = len(effect.parameters)
         z = np.append(base.z, first.best[-count:])
-        (there,) = fitter.outlooks(z[None], base.delta, base.slopes)
+        absent = np.array_equal(first.best, first.absent.z)
+        (there,) = fitter.outlooks(z[None], base.delta, base.slopes, base if absent else None)
         return self.bench.promise(linear_gain(fitter, there, base), base, count)
 
     def fitted(self, effect: PlacedEffect, first: FirstLook) -> Candidate:

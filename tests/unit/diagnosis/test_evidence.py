@@ -248,3 +248,34 @@ def test_one_lucky_window_is_not_support() -> None:
     gain = paired_gain(score(worse), score(better), SETTINGS)
     assert gain.share > 0
     assert not supported(gain, 1, SETTINGS)
+
+
+def noise_fitted(parameters: int, seed: int) -> tuple[Score, Score, float]:
+    """A model beside one whose further parameters are fitted to noise, and what it truly gains over these windows.
+
+    Its error e, the mean of the gradients s of the fitted windows, changes Δχ² of another window by 2 e·s − e·e.
+    """
+    gradients = np.random.default_rng(seed).normal(size=(3, 8, parameters))  # held out, then two fitted logs
+    fitted = gradients[1:].reshape(16, parameters)
+    logs = np.repeat([0, 1], 8)
+    others = np.array([fitted[logs != log].mean(0) for log in logs])
+    error = fitted.mean(0)
+
+    def foretold(gradient: np.ndarray, by: np.ndarray) -> Score:
+        gained = 2 * (gradient * by).sum(-1) - (by**2).sum(-1)
+        return replace(score(90 - gained, logs=len(gained) // 8), parameters=parameters)
+
+    held_out = foretold(gradients[0], np.broadcast_to(error, (8, parameters)))
+    plain = replace(score(np.full(8, 90.0), logs=1), foretold=score(np.full(16, 90.0)))
+    return plain, replace(held_out, foretold=foretold(fitted, others)), -24 * float(error @ error)
+
+
+@pytest.mark.parametrize("parameters", [1, 3])
+def test_the_bound_holds_what_the_fit_at_hand_costs(parameters: int) -> None:
+    found = [noise_fitted(parameters, seed) for seed in range(400)]
+    held = [paired_gain(plain, better, SETTINGS).total_low <= truth for plain, better, truth in found]
+    scatter = [
+        paired_gain(plain, replace(better, parameters=0), SETTINGS).total_low <= truth for plain, better, truth in found
+    ]
+    assert np.mean(held) >= SETTINGS.confidence - 2 * np.sqrt(0.01 * 0.99 / 400)
+    assert np.mean(scatter) < np.mean(held)
