@@ -159,7 +159,7 @@ def _diagnosed(null: Null, measured: MeasurementSet, further: Sequence[Log]) -> 
     base = calibrate(study)
     placed = _placed(study, _effects(), null.seed)
     ranking = rank(study.bench, base, placed, lambda label: None)
-    verdict = decide(*ranking, study.bench.evidence, study.bench.scored)
+    verdict = decide(ranking.base, ranking.candidates, study.bench.evidence, study.bench.scored)
     told = replace(study.settings.windows, seconds=_TOLD * study.settings.windows.length * len(further))
     judged = _Judge(study, ranking.base, cut(further, measured, study.compiled, told))
     left = np.sqrt(np.mean([value**2 for value in ranking.base.held_out.rmse.values()])) / machine.std

@@ -55,7 +55,11 @@ def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[
     base = ladder.models[-1]
     ranking = rank(study.bench, base, [effect], done)
     ladder = ladder.topped(ranking.base)
-    rung = Rung(ranking.base, ranking.candidates, decide(*ranking, study.bench.evidence, study.bench.scored))
+    rung = Rung(
+        ranking.base,
+        ranking.candidates,
+        decide(ranking.base, ranking.candidates, study.bench.evidence, study.bench.scored),
+    )
     step = AddedEffect(ranking.candidates[0].fitted_model, (), proven=bool(rung.verdict.effects))
     return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, step))
 

@@ -86,7 +86,7 @@ def judged(study: Study, base: FittedModel, cfg: DictConfig) -> tuple[Verdict, C
     """The verdict on the rivals beside a base, and the best of them."""
     effects = instantiate(cfg.effects, _convert_="all")
     placed = candidates(base.model, effects, study.scales, study.compiled).placed
-    base, ranking = rank(study.bench, base, placed, lambda _: None)
+    base, ranking, _ = rank(study.bench, base, placed, lambda _: None)
     return decide(base, ranking, study.bench.evidence), ranking[0]
 
 

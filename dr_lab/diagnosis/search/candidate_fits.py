@@ -128,7 +128,8 @@ class CandidateFits:
     def without(self, candidate: Candidate) -> Fit:
         """The model without an effect, fitted from where the fit with it ended."""
         fit = candidate.fitted_model.fit
-        fitter = Fitter(self._replay(self.bench), self.bench.solver)
+        replay = Replay(self.base.model, self.bench.fit, self.bench.threads, self.stop)  # nothing runs beside it
+        fitter = Fitter(replay, self.bench.solver)
         return fitter.rerun(fitter.begin(fit.z[: len(self.base.fit.z)], fit.delta), self.base.fit.cost)
 
     def _thinned(self) -> Fit:

@@ -9,6 +9,7 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.paired_gain import Gain, at_floor, cleared, paired_gain
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.search.pruning import Pruned, PutBack, finished, lean
 from dr_lab.diagnosis.search.rank import Ranking, rank
@@ -133,7 +134,7 @@ class Ladder:
 
     def pruned(self, bench: Bench, cases: SpecialCases) -> "Ladder":
         """The ladder with no more effects, and none richer, than the logs ask for; see `pruning.finished`."""
-        found = finished(bench, self.base, self.steps, cases)
+        found = finished(Deletions(bench), self.base, self.steps, cases)
         return replace(self, steps=found.steps, dropped=found.dropped, put_back=found.put_back)
 
 
@@ -168,26 +169,33 @@ def climb(
         most: most effects that are added.
         watch: is told the number of candidates of each ranking and gives what is called with each label that is done.
     """
-    ladder, cases = Ladder((), base, ()), SpecialCases(effects, scales, compiled)
+    ladder, cases, deletions = Ladder((), base, ()), SpecialCases(effects, scales, compiled), Deletions(bench)
     while True:
         found = candidates(ladder.models[-1].model, effects, scales, compiled)
         placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
         ranking = rank(bench, ladder.models[-1], placed, watch(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
-        ladder, over = _with_rung(bench, ladder, ranking, cases, most)
+        ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
 
 
-def _with_rung(bench: Bench, ladder: Ladder, ranking: Ranking, cases: SpecialCases, most: int) -> tuple[Ladder, bool]:
+def _with_rung(
+    deletions: Deletions, ladder: Ladder, ranking: Ranking, cases: SpecialCases, most: int
+) -> tuple[Ladder, bool]:
     """The ladder with what one ranking adds and without what that makes needless; and whether the climb is over."""
-    rung = Rung(ranking.base, ranking.candidates, decide(*ranking, bench.evidence, bench.scored))
+    bench = deletions.bench
+    if ranking.back_from is not None:
+        deletions.tried(ranking.back_from)
+    rung = Rung(
+        ranking.base, ranking.candidates, decide(ranking.base, ranking.candidates, bench.evidence, bench.scored)
+    )
     over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
     steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, step_from(rung)))
     if over:
-        pruned = finished(bench, ladder.base, steps, cases)
+        pruned = finished(deletions, ladder.base, steps, cases)
     else:
-        pruned = lean(bench, ladder.base, steps, cases) if all(s.proven for s in steps) else Pruned(steps)
+        pruned = lean(deletions, ladder.base, steps, cases) if all(s.proven for s in steps) else Pruned(steps)
     dropped, put_back = (*ladder.dropped, *pruned.dropped), (*ladder.put_back, *pruned.put_back)
     rungs = (*ladder.rungs, rung)
     return replace(ladder, rungs=rungs, steps=pruned.steps, dropped=dropped, put_back=put_back), over

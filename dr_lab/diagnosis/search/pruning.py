@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score, fitted, scored
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
 from dr_lab.diagnosis.search.candidate import Candidate
-from dr_lab.diagnosis.search.restack import stacked
+from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases
@@ -56,7 +56,7 @@ class Pruned:
     put_back: tuple[PutBack, ...] = ()
 
 
-def lean(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
+def lean(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
     """Put back what is needlessly rich, then drop what is superfluous.
 
     The order has two reasons:
@@ -67,12 +67,12 @@ def lean(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases:
     A lone effect is not put back yet, because what is still missing beside it may blur what it is. For the same reason
     an effect of some size whose gain is in doubt stays until the climb is over.
     """
-    simpler, put_back = _put_back(bench, base, steps, cases) if len(steps) > 1 else (steps, ())
-    kept, dropped = prune(bench, base, simpler, sizeable)
+    simpler, put_back = _put_back(deletions, base, steps, cases) if len(steps) > 1 else (steps, ())
+    kept, dropped = prune(deletions, base, simpler, sizeable)
     return Pruned(kept, dropped, put_back)
 
 
-def finished(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
+def finished(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases) -> Pruned:
     """What is left of the steps when the climb is over.
 
     1. Effects that the evidence does not support are dropped, those on trial first.
@@ -80,21 +80,21 @@ def finished(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], ca
     3. Effects of one parameter whose value is compatible with absent are dropped. This waits until here: as long as
        other effects are missing, what they would explain widens the scatter between logs.
     """
-    kept, dropped = prune(bench, base, steps, supported)
-    kept, put_back = _put_back(bench, base, kept, cases)
-    kept, superfluous = prune(bench, base, kept, supported) if put_back else (kept, ())
-    kept, absent = drop_absent(bench, base, kept)
+    kept, dropped = prune(deletions, base, steps, supported)
+    kept, put_back = _put_back(deletions, base, kept, cases)
+    kept, superfluous = prune(deletions, base, kept, supported) if put_back else (kept, ())
+    kept, absent = drop_absent(deletions, base, kept)
     kept = tuple(replace(step, proven=True) for step in kept)
     return Pruned(kept, (*dropped, *superfluous, *absent), put_back)
 
 
 def prune(
-    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], stays: Rule
+    deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], stays: Rule
 ) -> tuple[tuple[AddedEffect, ...], tuple[str, ...]]:
     """Drop effects without which the logs are explained as well. Those on trial are judged first, in order of addition.
 
     Args:
-        bench: data and settings.
+        deletions: ladders that lack one effect, and the bench on which they are compared.
         base: the calibrated model.
         steps: what was added.
         stays: the rule by which an effect with so many parameters stays for its gain: `sizeable` or `supported`.
@@ -104,20 +104,20 @@ def prune(
     """
     for place in sorted(range(len(steps)), key=lambda k: steps[k].proven):
         effect, whole = steps[place].effect, steps[-1].fitted_model
-        goal = beyond_doubt(bench, whole)
-        fewer, base = _without(bench, base, steps, place, goal)
+        goal = beyond_doubt(deletions.bench, whole)
+        fewer, base = deletions.without(base, steps, place, goal)
         without = fewer[-1].fitted_model if fewer else base
-        gain = paired_gain(without.held_out, whole.held_out, bench.evidence)
-        if not stays(gain, len(effect.parameters), bench.evidence):
+        gain = paired_gain(without.held_out, whole.held_out, deletions.bench.evidence)
+        if not stays(gain, len(effect.parameters), deletions.bench.evidence):
             if _ended_early(without, goal):
-                fewer, base = _without(bench, base, steps, place)
-            kept, dropped = prune(bench, base, fewer, stays)
+                fewer, base = deletions.without(base, steps, place)
+            kept, dropped = prune(deletions, base, fewer, stays)
             return kept, (effect.label, *dropped)
     return steps, ()
 
 
 def drop_absent(
-    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...]
+    deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...]
 ) -> tuple[tuple[AddedEffect, ...], tuple[str, ...]]:
     """Drop effects of one parameter whose value is compatible with absent, the most doubtful one first.
 
@@ -132,18 +132,19 @@ def drop_absent(
     """
     if not steps:
         return (), ()
+    bench = deletions.bench
     known = known_of(bench, steps[-1].fitted_model)
     doubts = [chance(known, step.effect.absent) if len(step.effect.parameters) == 1 else 0.0 for step in steps]
     place = int(np.argmax(doubts))
     if doubts[place] < 1 - bench.evidence.confidence:
         return steps, ()
-    fewer, base = _without(bench, base, steps, place)
-    kept, dropped = drop_absent(bench, base, fewer)
+    fewer, base = deletions.without(base, steps, place)
+    kept, dropped = drop_absent(deletions, base, fewer)
     return kept, (steps[place].effect.label, *dropped)
 
 
 def simplify(
-    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
+    deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
 ) -> tuple[tuple[AddedEffect, ...], PutBack] | None:
     """Put one effect back to a special case of it: the earliest effect that is needlessly rich.
 
@@ -157,7 +158,7 @@ def simplify(
     Returns:
         The steps with the poorer effect in its place, refitted, and what was put back; None where all stand.
     """
-    whole = steps[-1].fitted_model if steps else base
+    bench, whole = deletions.bench, steps[-1].fitted_model if steps else base
     for place, step in enumerate(steps):
         for poorer in cases.of(step.effect, whole.model):
             swap = _Swap(step.effect, poorer)
@@ -169,7 +170,7 @@ def simplify(
             if back.compatible or not supported(gain, extra, bench.evidence):
                 if _ended_early(simpler, goal):
                     simpler = swap.made(bench, base, whole)
-                if not _stands(bench, base, steps, place, simpler, len(poorer.parameters)):
+                if not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):
                     continue
                 between = (replace(s, fitted_model=swap.made(bench, base, s.fitted_model)) for s in steps[place:-1])
                 above = [*between, replace(steps[-1], fitted_model=simpler)]
@@ -179,22 +180,28 @@ def simplify(
 
 
 def _stands(
-    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, swapped: FittedModel, count: int
+    deletions: Deletions,
+    base: FittedModel,
+    steps: tuple[AddedEffect, ...],
+    place: int,
+    swapped: FittedModel,
+    count: int,
 ) -> bool:
     """Whether a model with another effect at a place, of so many parameters, is supported over one with none there."""
-    fewer, base = _without(bench, base, steps, place)
+    fewer, base = deletions.without(base, steps, place)
     without = fewer[-1].fitted_model if fewer else base
-    return supported(paired_gain(without.held_out, swapped.held_out, bench.evidence), count, bench.evidence)
+    evidence = deletions.bench.evidence
+    return supported(paired_gain(without.held_out, swapped.held_out, evidence), count, evidence)
 
 
 def _put_back(
-    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
+    deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
 ) -> tuple[tuple[AddedEffect, ...], tuple[PutBack, ...]]:
     """The steps with every needlessly rich effect put back, and what was put back."""
-    found = simplify(bench, base, steps, cases)
+    found = simplify(deletions, base, steps, cases)
     if found is None:
         return steps, ()
-    simpler, more = _put_back(bench, base, found[0], cases)
+    simpler, more = _put_back(deletions, base, found[0], cases)
     return simpler, (found[1], *more)
 
 
@@ -246,26 +253,3 @@ class _Swap:
 def _ended_early(fitted_model: FittedModel, goal: float) -> bool:
     """Whether a fit was given up because it would not reach its goal."""
     return bool(np.isfinite(goal)) and fitted_model.fit.cost > goal
-
-
-def _without(
-    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, goal: float = np.inf
-) -> tuple[tuple[AddedEffect, ...], FittedModel]:
-    """The steps without one of them, and their base. The last model is fitted from two starts, up to a goal in cost."""
-    fewer = stacked(bench, base, steps[:place], steps[place + 1 :], goal)
-    return _as_good_as_it_can(bench, base, fewer, steps[-1].fitted_model, goal)
-
-
-def _as_good_as_it_can(
-    bench: Bench, base: FittedModel, fewer: tuple[AddedEffect, ...], whole: FittedModel, goal: float
-) -> tuple[tuple[AddedEffect, ...], FittedModel]:
-    """Steps that lack one effect of a whole ladder; the last model also fitted from where the whole ladder's ended."""
-    last = fewer[-1].fitted_model if fewer else base
-    values = whole.values()
-    start = np.array([values[name] for name in last.model.space.names])
-    wanted = goal if last.fit.infeasible.any() else min(goal, last.fit.cost)
-    again = fitted(bench, last.model, start, whole.fit.delta, wanted)
-    if again.order >= last.fit.order:
-        return fewer, base
-    better = scored(bench, last.model, again)
-    return ((*fewer[:-1], replace(fewer[-1], fitted_model=better)), base) if fewer else (fewer, better)

@@ -12,6 +12,7 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, scored
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.search.as_special_case import special_case
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
@@ -31,10 +32,12 @@ class Ranking(NamedTuple):
     Attributes:
         base: the model without them; a better fit than the given one if a candidate's fit led to it.
         candidates: most evidence first, equal evidence by fewest parameters.
+        back_from: the candidate's fit from whose end the base was fitted anew; None where none was worth it.
     """
 
     base: FittedModel
     candidates: tuple[Candidate, ...]
+    back_from: Fit | None = None
 
 
 def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: Callable[[str], None]) -> Ranking:
@@ -127,15 +130,16 @@ class _Contest:
         """The ranking, with the base fitted anew from where the best candidate's fit ended, if that is better."""
         settings = self.bench.evidence
         credited = [c for c in found if c.final and supported(c.gain, len(c.effect.parameters), settings)]
-        best = min(credited, key=lambda c: c.fitted_model.fit.order, default=None)
-        if best is None:
+        leader = min(credited, key=lambda c: c.fitted_model.fit.order, default=None)
+        if leader is None:
             return Ranking(self.base, found)
-        best = min(self.base.fit, self.fits.without(best), key=lambda fit: fit.order)
+        back_from = leader.fitted_model.fit
+        best = min(self.base.fit, self.fits.without(leader), key=lambda fit: fit.order)
         if self.base.fit.cost - best.cost <= self.bench.solver.tolerance * best.cost:
-            return Ranking(self.base, found)
+            return Ranking(self.base, found, back_from)
         base = scored(self.bench, self.base.model, best, near=self.base.states)
         gains = (paired_gain(base.held_out, c.fitted_model.held_out, settings) if c.final else c.gain for c in found)
-        return Ranking(base, _ordered(replace(c, gain=gain) for c, gain in zip(found, gains, strict=True)))
+        return Ranking(base, _ordered(replace(c, gain=gain) for c, gain in zip(found, gains, strict=True)), back_from)
 
     def _ask_all_windows(self, promise: Array, looks: Sequence[FirstLook]) -> None:
         """Look at all windows if the few promise something, but so little that it may be chance."""

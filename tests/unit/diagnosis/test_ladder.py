@@ -11,6 +11,7 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.paired_gain import supported
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.ladder import Ladder, climb
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean, prune
 from dr_lab.diagnosis.search.restack import reconsider
@@ -156,11 +157,11 @@ def test_what_later_effects_made_superfluous_is_dropped() -> None:
     )
     second = explain_on(bench, drag.fitted_model, friction)
     steps = tuple(AddedEffect(e, ()) for e in (drag.fitted_model, second, explain_on(bench, second, offset)))
-    kept, dropped = prune(bench, ladder.base, steps, supported)
+    kept, dropped = prune(Deletions(bench), ladder.base, steps, supported)
     assert dropped == ("quadratic_drag@hinge",)
     assert [s.fitted_model.model.effects[-1].label for s in kept] == ["coulomb_friction@hinge", "constant_offset@hinge"]
     assert kept[-1].fitted_model.held_out.chi2 < 1.2
-    assert prune(bench, ladder.base, kept, supported) == (kept, ())
+    assert prune(Deletions(bench), ladder.base, kept, supported) == (kept, ())
 
 
 def test_asymmetric_friction_beside_a_tilt_that_was_missing_is_put_back_to_coulomb_friction() -> None:
@@ -177,7 +178,7 @@ def test_asymmetric_friction_beside_a_tilt_that_was_missing_is_put_back_to_coulo
     begin = first.space.vector({f"{richer.label}.mean": 0.04})
     skewed = fit_and_score(bench, first, begin)
     second = fit_and_score(bench, first.with_effect(tilt), np.append(skewed.fit.z, 0.0), skewed.fit.delta)
-    found = lean(bench, base, (AddedEffect(skewed, ()), AddedEffect(second, ())), cases)
+    found = lean(Deletions(bench), base, (AddedEffect(skewed, ()), AddedEffect(second, ())), cases)
     assert [s.effect.label for s in found.steps] == [friction.label, tilt.label]
     assert found.dropped == ()
     (back,) = found.put_back
@@ -187,4 +188,4 @@ def test_asymmetric_friction_beside_a_tilt_that_was_missing_is_put_back_to_coulo
     values = found.steps[-1].fitted_model.values()
     np.testing.assert_allclose(values[f"{friction.label}.torque"], 0.05, rtol=0.05)
     np.testing.assert_allclose(values[f"{tilt.label}.about_y"], 0.04, rtol=0.05)
-    assert finished(bench, base, found.steps, cases) == Pruned(found.steps)
+    assert finished(Deletions(bench), base, found.steps, cases) == Pruned(found.steps)

@@ -17,6 +17,7 @@ from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.search import ladder, pruning, restack
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.pruning import PutBack
 from dr_lab.diagnosis.search.rank import Ranking
@@ -109,7 +110,7 @@ def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("candidates", "rank"):
         monkeypatch.setattr(ladder, name, getattr(machine, name))
     monkeypatch.setattr(restack, "_on", machine.on)
-    monkeypatch.setattr(pruning, "_as_good_as_it_can", lambda _, base, fewer, *__: (fewer, base))
+    monkeypatch.setattr(Deletions, "_as_good_as_it_can", lambda _, base, fewer, *__: (fewer, base))
     monkeypatch.setattr(pruning, "beyond_doubt", lambda *_: np.inf)
     monkeypatch.setattr(pruning, "known_of", machine.known_of)
     monkeypatch.setattr(SpecialCases, "of", lambda _, richer, model: machine.special_cases(richer, model))
@@ -186,8 +187,8 @@ def test_what_is_in_doubt_falls_when_the_climb_is_over_not_before(monkeypatch: p
     assert not supported(paired_gain(alone, both, SETTINGS), len(first.parameters), SETTINGS)
     steps = tuple(AddedEffect(machine.explain(effects), ()) for effects in ((first,), (first, second)))
     cases = SpecialCases({}, NOTHING, NOTHING)
-    assert pruning.lean(BENCH, machine.explain(()), steps, cases).dropped == ()
-    assert pruning.finished(BENCH, machine.explain(()), steps, cases).dropped == (first.label,)
+    assert pruning.lean(Deletions(BENCH), machine.explain(()), steps, cases).dropped == ()
+    assert pruning.finished(Deletions(BENCH), machine.explain(()), steps, cases).dropped == (first.label,)
 
 
 @pytest.mark.parametrize(("base", "verdict"), [(WIDE, "unexplained"), (np.repeat(0.09, BLOCKS), "none")])
@@ -252,7 +253,7 @@ def test_what_was_needed_beside_the_richer_effect_alone_falls_with_it(monkeypatc
     machine = Machine((SIMPLE, SKEW, SOFT, TILT), left, {ASYMMETRY: (0.0, 0.1)})
     prepare(machine, monkeypatch)
     steps = tuple(AddedEffect(machine.explain((SKEW, SOFT, TILT)[:k]), ()) for k in (1, 2, 3))
-    found = pruning.lean(BENCH, machine.explain(()), steps, SpecialCases({}, NOTHING, NOTHING))
+    found = pruning.lean(Deletions(BENCH), machine.explain(()), steps, SpecialCases({}, NOTHING, NOTHING))
     assert [step.effect.label for step in found.steps] == labels([SIMPLE, TILT])
     assert found.dropped == (SOFT.label,)
     assert [back.richer for back in found.put_back] == [SKEW.label]
@@ -275,7 +276,7 @@ def test_rivals_that_are_richer_kinds_of_what_is_put_back_are_none_any_more(monk
     base = machine.explain(())
     rivals = tuple(candidate(base, machine.explain((each,))) for each in (SIMPLE, RICH, SOFT))
     steps = (AddedEffect(machine.explain((SKEW,)), rivals), AddedEffect(machine.explain((SKEW, TILT)), ()))
-    found = pruning.lean(BENCH, base, steps, SpecialCases({}, NOTHING, NOTHING))
+    found = pruning.lean(Deletions(BENCH), base, steps, SpecialCases({}, NOTHING, NOTHING))
     assert [rival.effect.label for rival in found.steps[0].rivals] == [SOFT.label]
 
 

@@ -1,0 +1,69 @@
+"""Ladders that lack one of their effects, each fitted as well as it can be."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted, scored
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.search.restack import stacked
+from dr_lab.diagnosis.search.step import AddedEffect
+
+_Fewer = tuple[tuple[AddedEffect, ...], FittedModel]
+
+
+class Deletions:
+    """Fits ladders without one of their effects and remembers them by base and steps, told apart as objects.
+
+    A ladder's effects are judged after a rung and again when the climb is over.
+
+    Args:
+        bench: data and settings.
+    """
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench = bench
+        self._held: list[FittedModel | AddedEffect] = []  # so that no other object takes the place of a known one
+        self._known: dict[tuple[float, ...], _Fewer] = {}
+        self._tried: list[Fit] = []
+
+    def tried(self, fit: Fit) -> None:
+        """Take it as known that from this fit's end, without its last effect, no better fit of the others is reached.
+
+        The ladder that the effect was added to is that best fit, then.
+        """
+        self._tried.append(fit)
+
+    def without(
+        self, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, goal: float = np.inf
+    ) -> tuple[tuple[AddedEffect, ...], FittedModel]:
+        """The steps without one of them, and their base; the last model is fitted from two starts.
+
+        Args:
+            base: the calibrated model.
+            steps: what was added.
+            place: of the step that goes.
+            goal: a cost; see `Fitter.run`.
+        """
+        key = (id(base), *map(id, steps), place, goal)
+        if key not in self._known:
+            self._held += [base, *steps]
+            fewer = stacked(self.bench, base, steps[:place], steps[place + 1 :], goal)
+            whole = steps[-1].fitted_model
+            last = place == len(steps) - 1 and any(whole.fit is fit for fit in self._tried)
+            self._known[key] = (fewer, base) if last else self._as_good_as_it_can(base, fewer, whole, goal)
+        return self._known[key]
+
+    def _as_good_as_it_can(
+        self, base: FittedModel, fewer: tuple[AddedEffect, ...], whole: FittedModel, goal: float
+    ) -> _Fewer:
+        """Steps that lack one effect; the last model also fitted from where the whole ladder's ended."""
+        last = fewer[-1].fitted_model if fewer else base
+        values = whole.values()
+        start = np.array([values[name] for name in last.model.space.names])
+        wanted = goal if last.fit.infeasible.any() else min(goal, last.fit.cost)
+        again = fitted(self.bench, last.model, start, whole.fit.delta, wanted)
+        if again.order >= last.fit.order:
+            return fewer, base
+        better = scored(self.bench, last.model, again)
+        return ((*fewer[:-1], replace(fewer[-1], fitted_model=better)), base) if fewer else (fewer, better)
