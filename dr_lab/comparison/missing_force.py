@@ -22,7 +22,8 @@ def missing_forces(study: Study, models: Sequence[FittedModel]) -> tuple[Missing
     Sizes are those beyond ``noise``, the root mean square that the measurements' noise alone gives the first model's
     force. ``ceiling`` is the share of its mean square that any function of the measured state could explain,
     ``explained`` the share that the effects took away; ``left`` belongs to what the last model misses, its shares to
-    all of that force, noise included. All are of ``windows`` short windows of the logs that score.
+    all of that force, noise included, and is None where noise is most of it or windows are few. All are of ``windows``
+    short windows of the logs that score.
     """
     first, last = (study.fits.forces(m.model, m.fit.z, study.short, study.few) for m in (models[0], models[-1]))
     replay = Replay(models[-1].model, study.short.pick(study.few), study.bench.threads)
@@ -36,8 +37,9 @@ def _entry(
     unit = "N" if replay.slides(joint) else "N·m"
     settings, groups = study.settings.localise.formula, _groups(replay.windows)
     before = sparse_formula(first[joint].force, unit, _variables(replay, first), groups, settings)
-    after = sparse_formula(last[joint].force, unit, _variables(replay, last), groups, settings)
     missing, left = _beyond_noise(first[joint]), _beyond_noise(last[joint])
+    tells = left > _noise(last[joint])  # otherwise most of it is noise
+    after = sparse_formula(last[joint].force, unit, _variables(replay, last), groups, settings) if tells else None
     reached = before.ceiling * mean_square(first[joint].force) if before else None
     return MissingForceEntry(
         joint=joint,

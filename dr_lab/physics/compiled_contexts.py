@@ -35,11 +35,10 @@ class CompiledContexts:
             self._batch.expand(name)[:] = values
         unique, which = distinct(models)
         for name in MODEL_FIELDS:
-            values = [_field(model, name) for model in unique]
-            nominal = _field(self._compiled, name)
-            if name in self._expanded or any(not np.array_equal(value, nominal) for value in values):
+            values = np.array([_field(model, name) for model in unique])
+            if name in self._expanded or (values != _field(self._compiled, name)).any():
                 self._expanded.add(name)
-                self._batch.expand(name)[rows] = np.stack(values)[which]
+                self._batch.expand(name)[rows] = values[which]
         self._unchanged = {name: self._batch.expand(name).copy() for name in CHANGED}
 
 
