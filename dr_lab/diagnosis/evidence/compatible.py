@@ -1,6 +1,6 @@
 """Whether fitted parameters are compatible with given values, by all that is known of their uncertainty."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.linalg import pinvh
@@ -11,24 +11,30 @@ from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.physics.context import ContextEstimate
 
 
-def chance(known: ContextEstimate, values: Mapping[str, float]) -> float:
+def chance(known: ContextEstimate, values: Mapping[str, float], given: Sequence[str] = ()) -> float:
     """Probability that an estimate lies as far from the given values as it does, if they are the truth.
 
     Joint Wald test: dᵀ C⁻¹ d of the differences d with their covariance C is χ² with as many degrees of freedom as
     there are values. Parameters that can replace one another are judged together; a direction whose variance is
     nothing but rounding is left out.
 
-    Source: Wald, Transactions of the American Mathematical Society 54 (1943) 426.
+    Parameters that mean nothing where the values hold (of a friction that falls with speed, the speed, where nothing
+    falls) are `given`: they are taken as fitted. Free, each trades with what it shapes, and hides it.
+
+    Source: Wald, Transactions of the American Mathematical Society 54 (1943) 426; Davies, Biometrika 64 (1977) 247.
 
     Args:
         known: the estimate; its covariance should hold the scatter between logs (`covariance.estimate`).
         values: by parameter name, at least one.
+        given: names of parameters that stay as fitted.
     """
-    rows = [known.space.index(name) for name in values]
+    rows, fixed = ([known.space.index(name) for name in names] for names in (values, given))
     std = known.std[rows]
     away = (known.mean[rows] - np.array(list(values.values()))) / std
-    together = known.covariance[np.ix_(rows, rows)] / np.outer(std, std)
-    return float(chi2.sf(away @ pinvh(together) @ away, len(rows)))
+    count, scale = len(rows), np.append(std, known.std[fixed])
+    together = known.covariance[np.ix_(rows + fixed, rows + fixed)] / np.outer(scale, scale)
+    ours, mixed, theirs = together[:count, :count], together[:count, count:], together[count:, count:]
+    return float(chi2.sf(away @ pinvh(ours - mixed @ pinvh(theirs) @ mixed.T) @ away, count))
 
 
 def known_of(bench: Bench, fitted_model: FittedModel) -> ContextEstimate:

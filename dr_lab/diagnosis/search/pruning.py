@@ -216,12 +216,18 @@ class _Swap:
     def case(self) -> SpecialCase:
         return self.richer.effect.holds[self.poorer.effect.name]
 
+    @property
+    def _shapes(self) -> list[str]:
+        """Parameters of the richer effect that mean nothing in the poorer one."""
+        rest = [name for name in self.richer.effect.shapes if name not in self.case.further]
+        return [f"{self.richer.label}.{name}" for name in rest]
+
     def put_back(self, bench: Bench, whole: FittedModel) -> PutBack:
         """What the richer effect has beyond the poorer one, as fitted in a model that contains it."""
         known, names = known_of(bench, whole), {f"{self.richer.label}.{name}": name for name in self.case.further}
         rows = [known.space.index(name) for name in names]
         values = zip(known.mean[rows].tolist(), known.std[rows].tolist(), strict=True)
-        compatible = chance(known, dict.fromkeys(names, 0.0)) >= 1 - bench.evidence.confidence
+        compatible = chance(known, dict.fromkeys(names, 0.0), self._shapes) >= 1 - bench.evidence.confidence
         further = dict(zip(names.values(), values, strict=True))
         return PutBack(self.richer.label, self.poorer.label, further, compatible)
 

@@ -39,3 +39,11 @@ def test_parameters_of_different_size_are_judged_alike() -> None:
     other = known([0.3e-9, 0.2e6, 0.0], scale @ one.covariance @ scale)
     both = {"a": 0.0, "b": 0.0}
     assert chance(other, both) == pytest.approx(chance(one, both))
+
+
+def test_what_shapes_an_effect_does_not_hide_it() -> None:
+    """The size a, known to ±0.1 where the shape b is given, trades with b one to one."""
+    trade = np.array([1.0, 1.0, 0.0])
+    found = known([0.3, 0.5, 0.0], np.outer(trade, trade) + np.diag([0.01, 0.0, 1.0]))
+    assert chance(found, {"a": 0.0}) > 0.7
+    assert chance(found, {"a": 0.0}, given=["b"]) == pytest.approx(0.0026998, rel=1e-4)
