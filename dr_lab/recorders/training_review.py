@@ -134,7 +134,7 @@ def _time(record: TrainingRecord) -> rrb.TimePanel:
     """The slider over what training counts, where anything changes with it, else over the time of episodes."""
     counting = _counting(record)
     if counting is not None:
-        return rrb.TimePanel(state="collapsed", timeline=counting, play_state="paused")
+        return rrb.TimePanel(state="collapsed", timeline=counting, play_state="following")
     if record.episodes:
         return rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="playing", loop_mode="all")
     return rrb.TimePanel(state="hidden")

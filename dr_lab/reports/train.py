@@ -68,3 +68,4 @@ class TrainReport:
     infeasible_episodes: int = 0
     episodes: tuple[EpisodeEntry, ...] = ()
     choice: ChoiceEntry | None = field(default=None, metadata=IN_PLACE)
+    adapted_returns: tuple[float, ...] = ()

@@ -20,9 +20,14 @@ def train_markdown(report: TrainReport) -> str:
 
 
 def _trained(report: TrainReport) -> str:
+    taken = f"{report.frames} control steps in {report.seconds:.0f} s, {report.iterations} iterations."
+    if report.adapted_returns:
+        first, *others = map(number, report.adapted_returns)
+        after = ", ".join(f"{value} after {k} update{'s' * (k > 1)}" for k, value in enumerate(others, start=1))
+        return f"{taken} Mean return in the last tasks: {first} before an update, {after}."
     value = report.final_return
     returns = _NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."
-    return f"{report.frames} control steps in {report.seconds:.0f} s, {report.iterations} iterations. {returns}"
+    return f"{taken} {returns}"
 
 
 def _deployed(report: TrainReport) -> str:

@@ -20,10 +20,23 @@ def final_return(history: History, share: float) -> float | None:
         history: of the run.
         share: of the iterations, the last ones, one at least.
     """
-    last = history[-max(1, round(share * len(history))) :]
+    last = _last(history, share)
     feasible = [(row["episodes"] - _infeasible(row), row["episode_return"]) for row in last]
     known = [(count, value) for count, value in feasible if count]
     return sum(count * value for count, value in known) / sum(count for count, _ in known) if known else None
+
+
+def adapted_returns(history: History, share: float) -> tuple[float, ...]:
+    """Mean return in the tasks of the last iterations after 0, 1, … updates; empty where no policy is adapted.
+
+    Args:
+        history: of the run.
+        share: of the iterations, the last ones, one at least.
+    """
+    rows, returns = _last(history, share), list[float]()
+    while known := [row[name] for row in rows if not np.isnan(row.get(name := f"return_after_{len(returns)}", np.nan))]:
+        returns.append(float(np.mean(known)))
+    return tuple(returns)
 
 
 def infeasible_episodes(history: History) -> int:
@@ -46,6 +59,10 @@ def curves(history: History) -> list[Curve]:
     known = (name for row in history for name, value in row.items() if not np.isnan(value))
     names = dict.fromkeys(name for name in known if name not in _NOT_PLOTTED)
     return [_curve(name, history) for name in names]
+
+
+def _last(history: History, share: float) -> History:
+    return history[-max(1, round(share * len(history))) :]
 
 
 def _curve(name: str, history: History) -> Curve:

@@ -11,7 +11,7 @@ from dr_lab.recorders.training import Marginal
 from dr_lab.reports.plain import finite
 from dr_lab.reports.train import SCHEMA, ChoiceEntry, ContextEntry, HistogramEntry, TrainReport
 from dr_lab.training.episodes import described
-from dr_lab.training.history import final_return, infeasible_episodes
+from dr_lab.training.history import adapted_returns, final_return, infeasible_episodes
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
 from dr_lab.trajectory import Array
 
@@ -37,6 +37,7 @@ def train_report(
         run_dir: the run folder.
     """
     history = training.trainer.history
+    adapted = adapted_returns(history, plan.final_share)
     return finite(
         TrainReport(
             schema=SCHEMA,
@@ -46,7 +47,7 @@ def train_report(
             iterations=len(history),
             frames=training.trainer.frames,
             seconds=history[-1]["seconds"],
-            final_return=final_return(history, plan.final_share),
+            final_return=adapted[-1] if adapted else final_return(history, plan.final_share),
             final=history[-1],
             context=_context(training.randomizer, learned),
             checkpoint=CHECKPOINT,
@@ -55,6 +56,7 @@ def train_report(
             infeasible_episodes=infeasible_episodes(history),
             episodes=described(episodes),
             choice=choice,
+            adapted_returns=adapted,
         )
     )
 

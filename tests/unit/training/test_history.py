@@ -1,6 +1,6 @@
 import numpy as np
 
-from dr_lab.training.history import curves
+from dr_lab.training.history import adapted_returns, curves
 
 
 def test_a_figure_is_a_line_through_the_iterations_that_know_it() -> None:
@@ -16,3 +16,10 @@ def test_a_figure_is_a_line_through_the_iterations_that_know_it() -> None:
 def test_a_figure_that_is_never_known_is_no_curve() -> None:
     # The viewer panics at a line without any point.
     assert not curves([{"iteration": 1.0, "loss": np.nan}])
+
+
+def test_returns_of_adapted_policies_are_means_over_the_last_iterations() -> None:
+    rows = [{"return_after_0": -9.0, "return_after_1": -9.0}] * 8
+    rows += [{"return_after_0": -4.0, "return_after_1": -2.0}, {"return_after_0": np.nan, "return_after_1": -1.0}]
+    assert adapted_returns(rows, 0.2) == (-4.0, -1.5)
+    assert adapted_returns([{"episode_return": 3.0}], 0.2) == ()
