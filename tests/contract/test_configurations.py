@@ -110,3 +110,11 @@ def test_help_shows_the_experiments_of_the_verb() -> None:
 def test_whole_catalogue_holds_every_effect_that_asks_the_user_for_nothing() -> None:
     assert sorted({*compose("close").effects, "formula", "all"}) == options_of("effect")
     assert "formula" not in compose("close").effects
+
+
+@pytest.mark.parametrize("value", ["0.3", "learned", "null"])
+def test_what_is_called_takes_no_plain_value(value: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(
+        ConfigError, match=r"algorithm.adaptation.rate is .*expects a section.*algorithm.adaptation.rate.KEY"
+    ):
+        check_verb("train", ["experiment=maml_nav2d", f"algorithm.adaptation.rate={value}"], monkeypatch)
