@@ -11,13 +11,14 @@ from pathlib import Path
 
 import pytest
 
-COMMAND = [
-    *(sys.executable, "-m", "dr_lab", "train"),
-    *("frames=20480", "algorithm.batch_frames=256", "algorithm.minibatch=64", "algorithm.epochs=2", "episodes=8"),
-    *("rollout_episodes=4", "checkpoint_every=1", "threads=1"),
-]
-LSDR = ("experiment=lsdr_hopper_torso_small", "distribution_learner.contexts=4")
-ADR = ("experiment=adr_hopper_mass", "distribution_learner.svpg.count=3", "distribution_learner.svpg.proposals=2")
+COMMAND = [sys.executable, "-m", "dr_lab", "train", "episodes=8", "checkpoint_every=1", "threads=1"]
+PPO = (
+    *("frames=20480", "algorithm.batch_frames=256", "algorithm.minibatch=64", "algorithm.epochs=2"),
+    "rollout_episodes=4",
+)
+LSDR = (*PPO, "experiment=lsdr_hopper_torso_small", "distribution_learner.contexts=4")
+ADR = (*PPO, "experiment=adr_hopper_mass", "distribution_learner.svpg.count=3", "distribution_learner.svpg.proposals=2")
+META_ADR = ("frames=64000", "experiment=meta_adr_nav2d", "algorithm.tasks=4", "distribution_learner.svpg.count=2")
 
 
 def start(learner: Sequence[str], folder: Path, *more: str) -> "subprocess.Popen[bytes]":
@@ -30,7 +31,7 @@ def rows(folder: Path) -> list[dict[str, str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("learner", "kills"), [(LSDR, 10), (ADR, 5)], ids=["lsdr", "adr"])
+@pytest.mark.parametrize(("learner", "kills"), [(LSDR, 10), (ADR, 5), (META_ADR, 5)], ids=["lsdr", "adr", "meta_adr"])
 def test_ends_as_if_nothing_had_happened(learner: Sequence[str], kills: int, tmp_path: Path) -> None:
     assert start(learner, tmp_path / "whole").wait() == 0
     moments, last = random.Random(0), None
