@@ -11,6 +11,7 @@ History = Sequence[Mapping[str, float]]
 """Figures of every iteration by name."""
 
 _NOT_PLOTTED = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
+_ADAPTED = "return_after_"  # … so many updates
 
 
 def final_return(history: History, share: float) -> float | None:
@@ -34,7 +35,7 @@ def adapted_returns(history: History, share: float) -> tuple[float, ...]:
         share: of the iterations, the last ones, one at least.
     """
     rows, returns = _last(history, share), list[float]()
-    while known := [row[name] for row in rows if not np.isnan(row.get(name := f"return_after_{len(returns)}", np.nan))]:
+    while known := [row[name] for row in rows if not np.isnan(row.get(name := f"{_ADAPTED}{len(returns)}", np.nan))]:
         returns.append(float(np.mean(known)))
     return tuple(returns)
 
@@ -54,10 +55,15 @@ def metrics_csv(history: History) -> str:
 def curves(history: History) -> list[Curve]:
     """Every figure over the iterations that know it, but for those that only count or that none knows.
 
-    A figure of a learner's rounds, which take many iterations, is a line from round to round.
+    A figure of a learner's rounds, which take many iterations, is a line from round to round. Where a policy is
+    adapted, what it returns after the last update comes first, and the mean of all episodes, which mixes those before
+    and after an update, is left out.
     """
     known = (name for row in history for name, value in row.items() if not np.isnan(value))
-    names = dict.fromkeys(name for name in known if name not in _NOT_PLOTTED)
+    names = list(dict.fromkeys(name for name in known if name not in _NOT_PLOTTED))
+    adapted = [name for name in names if name.startswith(_ADAPTED)]
+    if adapted:
+        names = [adapted[-1], *(name for name in names if name not in (adapted[-1], "episode_return"))]
     return [_curve(name, history) for name in names]
 
 
