@@ -208,8 +208,8 @@ def _of_object(value: object, hint: object, place: Place, name: str) -> str | No
     if typing.get_origin(hint) is Callable and isinstance(value, YAML):
         given = "null" if value is None else repr(value)
         return (
-            f"{place} is {given}; {name} expects a section there, which it calls (_target_ and _partial_: true). Set one "
-            f"of its keys, {place}.KEY=…; --cfg job -p {place} shows them where nothing stands in its place."
+            f"{place} is {given}; {name} expects a section there, which it calls (_target_ and _partial_: true). Set "
+            f"one of its keys, {place}.KEY=…; --cfg job -p {place} shows them where nothing stands in its place."
         )
     if not inspect.isclass(hint) or hint is inspect.Parameter.empty or not isinstance(value, YAML):
         return None
