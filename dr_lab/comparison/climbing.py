@@ -12,7 +12,8 @@ from dataclasses import replace
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.confirmation import confirm
-from dr_lab.diagnosis.evidence.paired_gain import at_floor, paired_gain
+from dr_lab.diagnosis.evidence.noise_floor import at_floor
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.search.ladder import Ladder, RankingWatch, climb
 from dr_lab.diagnosis.settings import EvidenceSettings

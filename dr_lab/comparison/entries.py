@@ -9,7 +9,7 @@ from dr_lab.comparison.notes import study_notes
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
-from dr_lab.diagnosis.evidence.paired_gain import at_floor, noise_floor
+from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.evidence.trade import trades
 from dr_lab.diagnosis.fit import trust

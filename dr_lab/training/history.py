@@ -34,10 +34,9 @@ def adapted_returns(history: History, share: float) -> tuple[float, ...]:
         history: of the run.
         share: of the iterations, the last ones, one at least.
     """
-    rows, returns = _last(history, share), list[float]()
-    while known := [row[name] for row in rows if not np.isnan(row.get(name := f"{_ADAPTED}{len(returns)}", np.nan))]:
-        returns.append(float(np.mean(known)))
-    return tuple(returns)
+    rows = _last(history, share)
+    columns = [[row[name] for row in rows if not np.isnan(row.get(name, np.nan))] for name in _adapted(rows)]
+    return tuple(float(np.mean(known)) for known in columns if known)
 
 
 def infeasible_episodes(history: History) -> int:
@@ -61,10 +60,16 @@ def curves(history: History) -> list[Curve]:
     """
     known = (name for row in history for name, value in row.items() if not np.isnan(value))
     names = list(dict.fromkeys(name for name in known if name not in _NOT_PLOTTED))
-    adapted = [name for name in names if name.startswith(_ADAPTED)]
+    adapted = _adapted(history)
     if adapted:
         names = [adapted[-1], *(name for name in names if name not in (adapted[-1], "episode_return"))]
     return [_curve(name, history) for name in names]
+
+
+def _adapted(history: History) -> list[str]:
+    """Names of the returns after 0, 1, … updates that these iterations hold."""
+    names = {name for row in history for name in row if name.startswith(_ADAPTED)}
+    return sorted(names, key=lambda name: int(name.removeprefix(_ADAPTED)))
 
 
 def _last(history: History, share: float) -> History:

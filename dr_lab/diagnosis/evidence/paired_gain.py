@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from dr_lab.diagnosis.evidence.intervals import interval, least_between_logs, resampled
+from dr_lab.diagnosis.evidence.noise_floor import at_floor, channel_at_floor
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.blocks import Indices, blocks
@@ -39,6 +40,7 @@ class Gain:
         total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
             worse simulates, NaN where there are too few blocks of data to know.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
+        blocks_low: as `total_low`, by the scatter between blocks alone, whatever that between logs is.
         wins: share of the windows that score in which the χ² is lower.
         clear: whether each of these gains, no window diverges that did not, and the worse model is above the noise
             floor.
@@ -54,11 +56,12 @@ class Gain:
     total: float
     total_low: float
     trial_low: float
+    blocks_low: float
     wins: float
     clear: bool
 
 
-_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, 0.0, clear=False)
+_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, -np.inf, 0.0, clear=False)
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -86,12 +89,8 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     drawn, n = resampled(every.rows, every.log, settings), block_count(every.log, settings)
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
-    tails = (1 - settings.confidence, 1 - settings.trial_confidence)
-    losses = [_loss(worse, better, tail) for tail in tails]
-    lows = [
-        -np.inf if diverges else _least(every, drawn[3], tail, loss, settings)
-        for tail, loss in zip(tails, losses, strict=True)
-    ]
+    blocks_low, total_low = _lowest(every, drawn[3], 1 - settings.confidence, (worse, better), settings)
+    _, trial_low = _lowest(every, drawn[3], 1 - settings.trial_confidence, (worse, better), settings)
     return Gain(
         share=share,
         low=low,
@@ -101,8 +100,9 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         channels={name: found[1] for name, found in each.items()},
         place=max(each, key=lambda name: float(each[name][0].sum())),
         total=float(every.rows[3].sum()),
-        total_low=lows[0],
-        trial_low=lows[1],
+        total_low=-np.inf if diverges else total_low,
+        trial_low=-np.inf if diverges else trial_low,
+        blocks_low=-np.inf if diverges else blocks_low,
         wins=float((theirs > ours).mean()),
         clear=bool((theirs > ours).all() and not diverges and not at_floor(worse, settings)),
     )
@@ -140,18 +140,20 @@ def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.b
     return _Every(rows, np.append(log, before.log[known] + log.max(initial=0) + 1))
 
 
-def _least(every: _Every, drawn: Array, tail: float, loss: float, settings: EvidenceSettings) -> float:
-    """Lower bound of the evidence: the lower of those that the scatter between blocks and between logs asks for.
+def _lowest(
+    every: _Every, drawn: Array, tail: float, scores: tuple[Score, Score], settings: EvidenceSettings
+) -> tuple[float, float]:
+    """Lower bounds of the evidence: by the scatter between blocks, and by that or the scatter between logs.
 
     The distance from the estimate and the loss, which are independent, add up as roots of squares do.
     """
     values = every.rows[3]
-    total = float(values.sum())
-    within = interval(total, drawn, block_count(every.log, settings), tail, settings)[0]
-    if np.isnan(within):
-        return within
-    lowest = min(within, least_between_logs(values, every.log, tail, settings))
-    return total - float(np.hypot(total - lowest, loss))
+    total, loss = float(values.sum()), _loss(*scores, tail)
+    blocks = interval(total, drawn, block_count(every.log, settings), tail, settings)[0]
+    logs = least_between_logs(values, every.log, tail, settings)
+    # Too few blocks leave no bound, whatever the logs say: Python's min would drop a NaN in second place.
+    within, both = (total - float(np.hypot(total - low, loss)) for low in (blocks, np.minimum(blocks, logs)))
+    return within, both
 
 
 def _loss(worse: Score, better: Score, tail: float) -> float:
@@ -233,28 +235,6 @@ def _logs(sums: Array, count: Array) -> Array:
     return count * np.log1p(sums / np.maximum(count, _LEAST))
 
 
-def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
-    """Largest χ² per degree of freedom at which a model counts as right.
-
-    The noise is known to `settings.floor`; on few samples, moreover, the χ² of a right model scatters, and exceeds this
-    quantile of its distribution only with probability 1 − confidence.
-
-    Args:
-        freedom: degrees of freedom of the χ².
-        settings: floor and confidence.
-    """
-    if freedom <= 0:
-        return settings.floor
-    return max(settings.floor, float(chi2.ppf(settings.confidence, freedom)) / freedom)
-
-
-def at_floor(score: Score, settings: EvidenceSettings) -> bool:
-    """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make."""
-    if score.chi2 <= noise_floor(score.freedom, settings):
-        return True
-    return bool(score.channels) and all(_channel_at_floor(channel, settings) for channel in score.channels.values())
-
-
 def largest_gap(gain: Gain) -> float:
     """Share of the gap that closes, over all channels or in the one where the evidence is most, whichever is more."""
     return max(gain.gap, gain.channels.get(gain.place, 0.0))
@@ -263,13 +243,8 @@ def largest_gap(gain: Gain) -> float:
 def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings) -> bool:
     """Whether the channel with the most evidence comes down to the noise floor from above it."""
     pair = (score.channels.get(gain.place) for score in (worse, better))
-    before, after = (channel is not None and _channel_at_floor(channel, settings) for channel in pair)
+    before, after = (channel is not None and channel_at_floor(channel, settings) for channel in pair)
     return after and not before
-
-
-def _channel_at_floor(channel: ChannelScore, settings: EvidenceSettings) -> bool:
-    floor = noise_floor(float(channel.window_count.sum()) / channel.colour, settings)
-    return channel.instrumental or channel.chi2 <= floor
 
 
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
@@ -278,8 +253,16 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
     Few blocks make the interval wide, or leave none. It is not asked for where a model above the noise floor gets
     better in every window and as much of its gap is closed as is asked of a cause.
     """
-    certain = gain.total_low > 0 or (gain.clear and gain.gap >= settings.least_named)
-    return certain and sizeable(gain, extra_parameters, settings)
+    return _certain(gain, gain.total_low, settings) and sizeable(gain, extra_parameters, settings)
+
+
+def supported_within_logs(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
+    """The same where logs may gain unequally, because another test holds the scatter between logs."""
+    return _certain(gain, gain.blocks_low, settings) and sizeable(gain, extra_parameters, settings)
+
+
+def _certain(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
+    return low > 0 or (gain.clear and gain.gap >= settings.least_named)
 
 
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

@@ -7,7 +7,8 @@ import mujoco
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
-from dr_lab.diagnosis.evidence.paired_gain import Gain, at_floor, cleared, paired_gain
+from dr_lab.diagnosis.evidence.noise_floor import at_floor
+from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws

@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
-from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported, supported_within_logs
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -151,7 +151,7 @@ def simplify(
     The richer effect stands in two cases:
 
     1. The windows that score support it over the poorer one, and its further parameters differ from zero beyond doubt,
-       given the scatter between logs.
+       given the scatter between logs. A log that hardly excites them gains little, which is no doubt of its own.
     2. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
        whether one is.
 
@@ -167,7 +167,7 @@ def simplify(
             simpler = swap.made(bench, base, whole, goal)
             gain = paired_gain(simpler.held_out, whole.held_out, bench.evidence)
             extra = len(step.effect.parameters) - len(poorer.parameters)
-            if back.compatible or not supported(gain, extra, bench.evidence):
+            if back.compatible or not supported_within_logs(gain, extra, bench.evidence):
                 if _ended_early(simpler, goal):
                     simpler = swap.made(bench, base, whole)
                 if not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):

@@ -5,16 +5,8 @@ from dataclasses import dataclass
 from math import isnan
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
-from dr_lab.diagnosis.evidence.paired_gain import (
-    Gain,
-    at_floor,
-    largest_gap,
-    noise_floor,
-    paired_gain,
-    sizeable,
-    supported,
-    worth_a_trial,
-)
+from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
+from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, sizeable, supported, worth_a_trial
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES

@@ -128,7 +128,7 @@ def test_an_algorithm_that_collects_in_its_own_way_is_refused() -> None:
         batch_frames = 1
 
         def iterate(self, experience: object) -> dict[str, float]:
-            raise NotImplementedError
+            return {}
 
     own = type("Own", (Collects,), dict.fromkeys(Algorithm.__abstractmethods__))
     with pytest.raises(ConfigError, match=r"algorithm@algorithm\.learner=ppo or ddpg"):

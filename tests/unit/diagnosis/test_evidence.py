@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dr_lab.diagnosis.evidence.paired_gain import block_count, noise_floor, paired_gain, supported, worth_a_trial
+from dr_lab.diagnosis.evidence.noise_floor import noise_floor
+from dr_lab.diagnosis.evidence.paired_gain import (
+    block_count,
+    paired_gain,
+    supported,
+    supported_within_logs,
+    worth_a_trial,
+)
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.law_settings import LawSettings
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -224,6 +231,15 @@ def test_three_blocks_have_an_interval() -> None:
 def test_what_helps_logs_unequally_is_supported() -> None:
     worse, better = np.full(24, 750.0), np.repeat([300.0, 600.0], 12)
     assert supported(paired_gain(score(worse), score(better), SETTINGS), 1, SETTINGS)
+
+
+def test_a_log_that_hardly_gains_widens_the_scatter_between_logs_alone() -> None:
+    """Sums of five logs as of a friction that falls with speed, which is told by slow motion only."""
+    gained = np.tile([1.5, 0.5], 25) * np.repeat([194.0, 4.0, 115.0, 274.0, 39.0], 10) / 10
+    gain = paired_gain(score(90 + gained, logs=5), score(np.full(50, 90.0), logs=5), SETTINGS)
+    assert gain.total_low < 0 < gain.blocks_low < gain.total
+    assert supported_within_logs(gain, 2, SETTINGS)
+    assert not supported(gain, 2, SETTINGS)
 
 
 def test_an_unmodelled_remainder_weakens_the_evidence() -> None:
