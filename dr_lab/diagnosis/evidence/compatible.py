@@ -4,14 +4,16 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.linalg import pinvh
-from scipy.stats import chi2
+from scipy.stats import chi2, f
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.physics.context import ContextEstimate
 
 
-def chance(known: ContextEstimate, values: Mapping[str, float], given: Sequence[str] = ()) -> float:
+def chance(
+    known: ContextEstimate, values: Mapping[str, float], given: Sequence[str] = (), freedom: float = np.inf
+) -> float:
     """Probability that an estimate lies as far from the given values as it does, if they are the truth.
 
     Joint Wald test: dᵀ C⁻¹ d of the differences d with their covariance C is χ² with as many degrees of freedom as
@@ -21,12 +23,17 @@ def chance(known: ContextEstimate, values: Mapping[str, float], given: Sequence[
     Parameters that mean nothing where the values hold (of a friction that falls with speed, the speed, where nothing
     falls) are `given`: they are taken as fitted. Free, each trades with what it shapes, and hides it.
 
-    Source: Wald, Transactions of the American Mathematical Society 54 (1943) 426; Davies, Biometrika 64 (1977) 247.
+    Where the covariance is the scatter between few logs it is itself badly known, and the statistic, over its number of
+    values, follows F rather than χ².
+
+    Source: Wald, Transactions of the American Mathematical Society 54 (1943) 426; Davies, Biometrika 64 (1977) 247;
+    Cameron and Miller, Journal of Human Resources 50 (2015) 317, §VI (few clusters).
 
     Args:
         known: the estimate; its covariance should hold the scatter between logs (`covariance.estimate`).
         values: by parameter name, at least one.
         given: names of parameters that stay as fitted.
+        freedom: degrees of freedom of the covariance, one less than the logs that it scatters between.
     """
     rows, fixed = ([known.space.index(name) for name in names] for names in (values, given))
     std = known.std[rows]
@@ -34,7 +41,8 @@ def chance(known: ContextEstimate, values: Mapping[str, float], given: Sequence[
     count, scale = len(rows), np.append(std, known.std[fixed])
     together = known.covariance[np.ix_(rows + fixed, rows + fixed)] / np.outer(scale, scale)
     ours, mixed, theirs = together[:count, :count], together[:count, count:], together[count:, count:]
-    return float(chi2.sf(away @ pinvh(ours - mixed @ pinvh(theirs) @ mixed.T) @ away, count))
+    statistic = away @ pinvh(ours - mixed @ pinvh(theirs) @ mixed.T) @ away
+    return float(chi2.sf(statistic, count) if np.isinf(freedom) else f.sf(statistic / count, count, freedom))
 
 
 def known_of(bench: Bench, fitted_model: FittedModel) -> ContextEstimate:

@@ -29,6 +29,12 @@ def estimate(space: ContextSpace, fit: Fit, windows: Windows, settings: Evidence
     return ContextEstimate(space, fit.z, span @ _larger(formal, _scatter(fit, windows, settings)) @ span)
 
 
+def clusters(windows: Windows, settings: EvidenceSettings) -> Sequence[NDArray[np.intp]]:
+    """Rows of the windows of each log; of a single log, of each block."""
+    groups = logs(windows.log)
+    return groups if len(groups) > 1 else blocks(windows.log, settings.block, settings.least_blocks)
+
+
 def per_log(space: ContextSpace, fit: Fit, windows: Windows) -> Array:
     """Context that each log alone would prefer, by one Gauss–Newton step from the common fit, shape (logs, n)."""
     information, gradient = _sums(fit, logs(windows.log))
@@ -43,10 +49,7 @@ def _sums(fit: Fit, groups: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
 
 def _scatter(fit: Fit, windows: Windows, settings: EvidenceSettings) -> Array:
     """Covariance of the contexts (unit cube) that resampled data prefer, shape (n, n); zero for a single block."""
-    groups = logs(windows.log)
-    if len(groups) == 1:
-        groups = blocks(windows.log, settings.block, settings.least_blocks)
-    information, gradient = _sums(fit, groups)
+    information, gradient = _sums(fit, clusters(windows, settings))
     count = len(gradient)
     if count == 1:
         return np.zeros_like(information[0])

@@ -9,6 +9,7 @@ import numpy as np
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported, supported_within_logs
+from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -227,7 +228,10 @@ class _Swap:
         known, names = known_of(bench, whole), {f"{self.richer.label}.{name}": name for name in self.case.further}
         rows = [known.space.index(name) for name in names]
         values = zip(known.mean[rows].tolist(), known.std[rows].tolist(), strict=True)
-        compatible = chance(known, dict.fromkeys(names, 0.0), self._shapes) >= 1 - bench.evidence.confidence
+        # Here alone this holds the scatter between logs: `simplify` does not ask it of the evidence.
+        freedom = max(len(clusters(bench.fit, bench.evidence)) - 1, 1)
+        chance_of_none = chance(known, dict.fromkeys(names, 0.0), self._shapes, freedom)
+        compatible = chance_of_none >= 1 - bench.evidence.confidence
         further = dict(zip(names.values(), values, strict=True))
         return PutBack(self.richer.label, self.poorer.label, further, compatible)
 

@@ -47,3 +47,9 @@ def test_what_shapes_an_effect_does_not_hide_it() -> None:
     found = known([0.3, 0.5, 0.0], np.outer(trade, trade) + np.diag([0.01, 0.0, 1.0]))
     assert chance(found, {"a": 0.0}) > 0.7
     assert chance(found, {"a": 0.0}, given=["b"]) == pytest.approx(0.0026998, rel=1e-4)
+
+
+def test_the_scatter_between_few_logs_is_badly_known() -> None:
+    """Student's t with two degrees of freedom exceeds 9.925 in one case of two hundred, to either side."""
+    found = known([0.9925, 0.0, 0.0], np.diag([0.01, 1.0, 1.0]))
+    assert chance(found, {"a": 0.0}, freedom=2) == pytest.approx(0.01, rel=1e-3)
