@@ -34,12 +34,14 @@ class PutBack:
         further: value and standard deviation of the parameters that the special case lacks, by short names.
         compatible: whether these are compatible with zero, given the scatter between logs. Otherwise the effect was put
             back because the logs that score do not ask for them.
+        certain: whether they differ from zero beyond doubt although few logs show their scatter badly.
     """
 
     richer: str
     poorer: str
     further: Mapping[str, tuple[float, float]]
     compatible: bool
+    certain: bool
 
 
 @dataclass(frozen=True)
@@ -152,7 +154,8 @@ def simplify(
     The richer effect stands in two cases:
 
     1. The windows that score support it over the poorer one, and its further parameters differ from zero beyond doubt,
-       given the scatter between logs. A log that hardly excites them gains little, which is no doubt of its own.
+       given the scatter between logs. Where they do so even by F, which knows how few the logs are, the windows need
+       not gain alike in all logs: a log that hardly excites the parameters gains little.
     2. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
        whether one is.
 
@@ -168,7 +171,8 @@ def simplify(
             simpler = swap.made(bench, base, whole, goal)
             gain = paired_gain(simpler.held_out, whole.held_out, bench.evidence)
             extra = len(step.effect.parameters) - len(poorer.parameters)
-            if back.compatible or not supported_within_logs(gain, extra, bench.evidence):
+            enough = supported_within_logs if back.certain else supported
+            if back.compatible or not enough(gain, extra, bench.evidence):
                 if _ended_early(simpler, goal):
                     simpler = swap.made(bench, base, whole)
                 if not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):
@@ -228,12 +232,11 @@ class _Swap:
         known, names = known_of(bench, whole), {f"{self.richer.label}.{name}": name for name in self.case.further}
         rows = [known.space.index(name) for name in names]
         values = zip(known.mean[rows].tolist(), known.std[rows].tolist(), strict=True)
-        # Here alone this holds the scatter between logs: `simplify` does not ask it of the evidence.
-        freedom = max(len(clusters(bench.fit, bench.evidence)) - 1, 1)
-        chance_of_none = chance(known, dict.fromkeys(names, 0.0), self._shapes, freedom)
-        compatible = chance_of_none >= 1 - bench.evidence.confidence
+        none, freedom = dict.fromkeys(names, 0.0), max(len(clusters(bench.fit, bench.evidence)) - 1, 1)
+        doubts = [chance(known, none, self._shapes, each) for each in (np.inf, freedom)]
+        compatible, uncertain = (doubt >= 1 - bench.evidence.confidence for doubt in doubts)
         further = dict(zip(names.values(), values, strict=True))
-        return PutBack(self.richer.label, self.poorer.label, further, compatible)
+        return PutBack(self.richer.label, self.poorer.label, further, compatible, not uncertain)
 
     def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel, goal: float = np.inf) -> FittedModel:
         """The model with the poorer effect, fitted from where the richer one's fit ended; see `fit_and_score`."""

@@ -1,126 +1,45 @@
 """Effects on trial beside effects that are beyond doubt, on models of which only the scores are known."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import pytest
-from diagnosis_machines import evidence_settings
 from effect_machines import block, placed
+from trial_machines import (
+    BENCH,
+    BLOCKS,
+    NOTHING,
+    RICH,
+    SETTINGS,
+    SIMPLE,
+    WIDE,
+    WINDOWS,
+    Machine,
+    candidate,
+    climb,
+    effects_of,
+    fitted_model,
+    labels,
+    prepare,
+)
 
 from dr_lab.comparison.notes import put_back
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, worth_a_trial
-from dr_lab.diagnosis.evidence.score import Score
-from dr_lab.diagnosis.fit.identifiability import Identifiability
-from dr_lab.diagnosis.search import ladder, pruning, restack
-from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search import pruning
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.pruning import PutBack
-from dr_lab.diagnosis.search.rank import Ranking
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
-from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.trajectory import Array
 
-SETTINGS = evidence_settings()
-BLOCKS, WINDOWS, COUNT = 10, 30, 300.0  # three windows a block, one log
-NOISE = np.random.default_rng(0).chisquare(COUNT, WINDOWS)
-SIMPLE, RICH = (placed(block(), name, "rail") for name in ("coulomb_friction", "stribeck_friction"))
-BENCH = cast(Bench, SimpleNamespace(evidence=SETTINGS, scored="held-out logs"))
-WIDE = np.repeat(20.0, BLOCKS)
-NOTHING = cast(Any, None)
 SCATTERED = np.array([1.0, 1.0, -0.3, 1.0, -0.3, 1.0, -0.3, -0.3, 1.0, -0.3])
-
-
-def score(excess: Array) -> Score:
-    """χ² per sample beyond the noise's, by block."""
-    sums = NOISE + COUNT * np.repeat(excess, WINDOWS // BLOCKS)
-    counts = np.full(WINDOWS, COUNT)
-    return Score(float(sums.sum() / counts.sum()), {}, {}, {}, sums, counts, np.zeros(WINDOWS, np.intp), 0)
-
-
-def fitted_model(effects: Sequence[PlacedEffect], excess: Array) -> FittedModel:
-    model, fit = SimpleNamespace(effects=tuple(effects)), SimpleNamespace(below=lambda _: 0.0)
-    return FittedModel(cast(Any, model), cast(Any, fit), cast(Any, None), score(excess))
-
-
-def effects_of(found: FittedModel) -> tuple[PlacedEffect, ...]:
-    return cast(tuple[PlacedEffect, ...], found.model.effects)
-
-
-class Machine:
-    """What the sets of some effects leave."""
-
-    def __init__(
-        self,
-        effects: Sequence[PlacedEffect],
-        left: Callable[[Sequence[PlacedEffect]], Array],
-        known: Mapping[str, tuple[float, float]] | None = None,
-    ) -> None:
-        self.effects, self.left, self.known = effects, left, known or {}
-
-    def explain(self, effects: tuple[PlacedEffect, ...]) -> FittedModel:
-        return fitted_model(effects, self.left(effects))
-
-    def candidates(self, model: Any, *_: object) -> SimpleNamespace:  # noqa: ANN401 (a model's double)
-        return SimpleNamespace(placed=[e for e in self.effects if e not in model.effects], refused={})
-
-    def rank(self, _: Bench, base: FittedModel, placed: Sequence[PlacedEffect], __: object) -> Ranking:
-        found = [candidate(base, self.explain((*effects_of(base), effect))) for effect in placed]
-        return Ranking(base, tuple(sorted(found, key=lambda c: -c.gain.total)))
-
-    def on(self, _: Bench, below: FittedModel, above: FittedModel, __: float) -> FittedModel:
-        return self.explain((*effects_of(below), effects_of(above)[-1]))
-
-    def special_cases(self, richer: PlacedEffect, model: Any) -> list[PlacedEffect]:  # noqa: ANN401 (a model's double)
-        free = (effect for effect in self.effects if effect not in model.effects)
-        return [effect for effect in free if effect.effect.name in richer.effect.holds]
-
-    def known_of(self, _: Bench, found: FittedModel) -> ContextEstimate:
-        """Parameters beyond doubt, but for those of which other values and standard deviations are known."""
-        space = ContextSpace(tuple(p for effect in effects_of(found) for p in effect.parameters))
-        known = [self.known.get(name, (1.0, 0.01)) for name in space.names]
-        return ContextEstimate(space, np.array([value for value, _ in known]), np.diag([std**2 for _, std in known]))
-
-    def made(self, swap: Any, found: FittedModel) -> FittedModel:  # noqa: ANN401 (private)
-        return self.explain(tuple(swap.poorer if e.label == swap.richer.label else e for e in effects_of(found)))
-
-
-def candidate(base: FittedModel, found: FittedModel) -> Candidate:
-    """One whose place the free parameters can take, once there is an effect."""
-    gain = paired_gain(base.held_out, found.held_out, SETTINGS)
-    known = Identifiability(alone=1e6, beside=1.0) if effects_of(base) else Identifiability(alone=1e4, beside=1e3)
-    return Candidate(effects_of(found)[-1], found, gain, known, 1.0)
-
-
-def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Ladder:
-    """The ladder of a machine."""
-    prepare(machine, monkeypatch)
-    return ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=lambda _: lambda _: None)
-
-
-def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let nothing be simulated."""
-    for name in ("candidates", "rank"):
-        monkeypatch.setattr(ladder, name, getattr(machine, name))
-    monkeypatch.setattr(restack, "_on", machine.on)
-    monkeypatch.setattr(Deletions, "_as_good_as_it_can", lambda _, base, fewer, *__: (fewer, base))
-    monkeypatch.setattr(pruning, "beyond_doubt", lambda *_: np.inf)
-    monkeypatch.setattr(pruning, "known_of", machine.known_of)
-    monkeypatch.setattr(SpecialCases, "of", lambda _, richer, model: machine.special_cases(richer, model))
-    monkeypatch.setattr(
-        "dr_lab.diagnosis.search.pruning._Swap.made", lambda swap, _, __, found, *___: machine.made(swap, found)
-    )
-
-
-def labels(effects: Sequence[PlacedEffect]) -> list[str]:
-    return [effect.label for effect in effects]
 
 
 def test_what_is_in_doubt_takes_no_place_of_what_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -242,6 +161,40 @@ def test_a_richer_effect_stands_if_the_scatter_between_logs_lets_it(
     assert [back.compatible for back in climbed.put_back] == ([True] if stays is SIMPLE else [])
 
 
+class Uneven(Machine):
+    """A machine whose five held-out logs ask for the richer effect unequally; in the last window it does harm."""
+
+    def explain(self, effects: tuple[PlacedEffect, ...]) -> FittedModel:
+        found = super().explain(effects)
+        return replace(found, held_out=replace(found.held_out, log=np.repeat(np.arange(5), WINDOWS // 5)))
+
+
+@pytest.mark.parametrize(
+    ("logs", "std", "stays"),
+    [
+        pytest.param(20, 0.02, True, id="ten standard deviations between twenty logs"),
+        pytest.param(20, 0.1, False, id="two standard deviations"),
+        pytest.param(2, 0.02, False, id="ten standard deviations between two logs"),
+    ],
+)
+def test_logs_that_gain_unequally_are_held_against_an_effect_whose_parameters_are_badly_known(
+    logs: int, std: float, stays: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        if SKEW in effects:
+            return np.append(np.zeros(BLOCKS - 1), 0.01)
+        return 0.5 * np.array([1.9, 1.8, 0.1, 0.0, 1.2, 1.1, 2.7, 2.6, 0.4, 0.0]) if SIMPLE in effects else WIDE
+
+    machine = Uneven((SIMPLE, SKEW), left, {ASYMMETRY: (0.2, std)})
+    prepare(machine, monkeypatch)
+    steps = (AddedEffect(machine.explain((SKEW,)), ()),)
+    gain = paired_gain(machine.explain((SIMPLE,)).held_out, steps[0].fitted_model.held_out, SETTINGS)
+    assert gain.total_low < 0 < gain.blocks_low
+    bench = cast(Bench, SimpleNamespace(**vars(BENCH) | {"fit": SimpleNamespace(log=np.arange(logs))}))
+    found = pruning.simplify(Deletions(bench), machine.explain(()), steps, SpecialCases({}, NOTHING, NOTHING))
+    assert (found is None) == stays
+
+
 def test_what_was_needed_beside_the_richer_effect_alone_falls_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """The armature makes up for what the richer effect does wrong beside a tilt; the poorer one does it right."""
 
@@ -281,7 +234,7 @@ def test_rivals_that_are_richer_kinds_of_what_is_put_back_are_none_any_more(monk
 
 
 def test_a_report_tells_what_was_put_back_and_why() -> None:
-    found = PutBack(SKEW.label, SIMPLE.label, {"asymmetry": (0.0004, 0.0054)}, compatible=True)
+    found = PutBack(SKEW.label, SIMPLE.label, {"asymmetry": (0.0004, 0.0054)}, compatible=True, certain=False)
     told, other = (note.message for note in put_back([found, replace(found, compatible=False)]))
     assert told == (
         "asymmetric_friction@rail was put back to coulomb_friction@rail: its further parameters are compatible with "
