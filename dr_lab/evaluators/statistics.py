@@ -1,4 +1,4 @@
-"""What a few returns say: interquartile mean, its interval, means of contexts, the worst tenth."""
+"""What a few returns say: interquartile mean, its interval, who is better, means of contexts, the worst tenth."""
 
 from dataclasses import dataclass
 
@@ -49,6 +49,36 @@ def iqm_interval(values: Array, confidence: float, resamples: int, seed: int) ->
         return Interval(np.nan, np.nan, np.nan)
     value, low, high = iqm_band(known[:, None], confidence, resamples, seed)
     return Interval(float(value[0]), float(low[0]), float(high[0]))
+
+
+def improvement_interval(ours: Array, theirs: Array, confidence: float, resamples: int, seed: int) -> Interval:
+    """Probability of improvement, P(X > Y) + ½ P(X = Y), with a percentile bootstrap interval.
+
+    X is one of our results, Y one of theirs. It is U/(k m) of Mann and Whitney.
+
+    Source: Agarwal et al. 2021, "Deep RL at the edge of the statistical precipice", §4.3.
+
+    Args:
+        ours: independent results, shape (k,); NaN is left out.
+        theirs: those of another method, shape (m,); likewise.
+        confidence: of the interval, below 1.
+        resamples: of the bootstrap, which draws from both.
+        seed: of the bootstrap.
+
+    Returns:
+        NaN throughout where either has no result; where either has but one, the ends are NaN.
+    """
+    ours, theirs = (values[np.isfinite(values)] for values in (ours, theirs))
+    fewest = min(len(ours), len(theirs))
+    if fewest == 0:
+        return Interval(np.nan, np.nan, np.nan)
+    value = float(_improvement(ours, theirs))
+    if fewest == 1:
+        return Interval(value, np.nan, np.nan)
+    rng, alpha = np.random.default_rng(seed), (1.0 - confidence) / 2.0
+    drawn = [values[rng.integers(len(values), size=(resamples, len(values)))] for values in (ours, theirs)]
+    low, high = np.quantile(_improvement(*drawn), [alpha, 1.0 - alpha])
+    return Interval(value, float(low), float(high))
 
 
 def mean_interval(values: Array, confidence: float, resamples: int, seed: int) -> Interval:
@@ -107,6 +137,11 @@ def iqm_band(values: Array, confidence: float, resamples: int, seed: int) -> tup
     ).confidence_interval
     low[known], high[known] = found.low, found.high
     return value, low, high
+
+
+def _improvement(ours: Array, theirs: Array) -> Array:
+    away = ours[..., :, None] - theirs[..., None, :]
+    return (0.5 + 0.5 * np.sign(away)).mean(axis=(-2, -1))
 
 
 def means_of_contexts(returns: Array, infeasible: NDArray[np.bool_]) -> Array:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.bounds import Confidence, Count, Natural, require_bounds
-from dr_lab.evaluators.statistics import Interval, iqm_interval
+from dr_lab.errors import UnknownNameError
+from dr_lab.evaluators.statistics import Interval, improvement_interval, iqm_interval
 from dr_lab.summaries.configuration import experiment, holds
 from dr_lab.summaries.runs import Figure, Run, picked
 from dr_lab.sweeps.overrides import differing
@@ -21,9 +22,11 @@ class Estimate(Interval):
 
     Attributes:
         runs: that it is of; those without the figure do not count.
+        larger: probability that it is larger in one of these runs than in one of the reference; None of the reference.
     """
 
     runs: int
+    larger: Interval | None = None
 
 
 Cell = Estimate | Mapping[str, int]
@@ -127,19 +130,52 @@ def shared_figures(groups: Sequence[Group], figures: Mapping[str, Sequence[str]]
     }
 
 
-def summed_up(group: Group, figures: Mapping[str, Sequence[str]], statistics: Statistics) -> Cells:
-    """Interquartile mean with its interval of every number, and how often every word came up, by path."""
-    each = [figures_of(run, figures) for run in group.runs]
+def summed_up(
+    group: Group, figures: Mapping[str, Sequence[str]], statistics: Statistics, reference: Group | None = None
+) -> Cells:
+    """Interquartile mean with its interval of every number, and how often every word came up, by path.
+
+    Args:
+        group: of runs.
+        figures: paths into a report, by its schema.
+        statistics: how figures are summed up.
+        reference: the group that this one is compared with, if it is another.
+    """
+    settings = (statistics.confidence, statistics.resamples, statistics.seed)
+    theirs = {} if reference is None or reference is group else _known(reference, figures)
     found: dict[str, Cell] = {}
-    for name in dict.fromkeys(name for row in each for name in row):
-        values = [row[name] for row in each if is_known(row.get(name))]
-        numbers = [value for value in values if not isinstance(value, str)]
-        if len(numbers) == len(values):
-            interval = iqm_interval(np.array(numbers), statistics.confidence, statistics.resamples, statistics.seed)
-            found[name] = Estimate(interval.value, interval.low, interval.high, len(numbers))
-        else:
+    for name, values in _known(group, figures).items():
+        if any(isinstance(value, str) for value in values):
             found[name] = Counter(str(value) for value in values)
+            continue
+        numbers, others = (
+            np.array([v for v in each if not isinstance(v, str)]) for each in (values, theirs.get(name, []))
+        )
+        interval = iqm_interval(numbers, *settings)
+        larger = improvement_interval(numbers, others, *settings) if len(numbers) and len(others) else None
+        found[name] = Estimate(interval.value, interval.low, interval.high, len(numbers), larger)
     return found
+
+
+def find_group(groups: Sequence[Group], label: str | None) -> Group:
+    """The group of a label, the first one where none is given.
+
+    Raises:
+        UnknownNameError: there is none.
+    """
+    if label is None:
+        return groups[0]
+    labels = {group.label: group for group in groups}
+    if label not in labels:
+        raise UnknownNameError("group", label, labels, "these runs (reference)")
+    return labels[label]
+
+
+def _known(group: Group, figures: Mapping[str, Sequence[str]]) -> dict[str, list[Figure]]:
+    """What is known of each figure that a run of a group reports."""
+    each = [figures_of(run, figures) for run in group.runs]
+    names = dict.fromkeys(name for row in each for name in row)
+    return {name: [row[name] for row in each if is_known(row.get(name))] for name in names}
 
 
 def known_in(cell: Cell) -> int:

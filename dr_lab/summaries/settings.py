@@ -15,9 +15,11 @@ class SummarySettings:
         ignored: keys of their configurations that say nothing about the experiment.
         figures: paths into a report that are compared, by its schema.
         statistics: how runs of a group are summed up.
+        reference: label of the group that the others are compared with; None = the first.
     """
 
     aggregate: Sequence[str]
     ignored: Sequence[str]
     figures: Mapping[str, Sequence[str]]
     statistics: Statistics
+    reference: str | None

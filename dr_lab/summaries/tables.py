@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+from dr_lab.evaluators.statistics import Interval
 from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.reports.quantity import number
 from dr_lab.reports.tables import table
@@ -18,6 +19,12 @@ from dr_lab.summaries.groups import (
 from dr_lab.summaries.runs import Figure, Run
 from dr_lab.sweeps.overrides import differing
 
+_INTERVALS = "Interquartile means over the runs of a row, with {:g} % bootstrap intervals."
+_LARGER = (
+    "larger is the probability that the figure is larger in one of these runs than in one of {}: 0.5 where neither is "
+    "better, in doubt as long as its interval holds 0.5."
+)
+
 
 def summary_page(
     sweep: str,
@@ -26,6 +33,7 @@ def summary_page(
     shared: Mapping[str, Figure],
     notes: Sequence[str],
     statistics: Statistics,
+    reference: Group,
 ) -> str:
     """What differs between groups, and their figures; those that all runs share, in one sentence.
 
@@ -36,10 +44,11 @@ def summary_page(
         shared: figures that are the same in every run.
         notes: sentences for its end.
         statistics: how the runs of a group were summed up.
+        reference: the group that the others are compared with.
     """
     keys = list(groups[0].settings)
     rows = [
-        [name, *(group.settings[key] for key in keys), _runs(row[name], len(group.runs)), _cell(row[name])]
+        [name, *(group.settings[key] for key in keys), *_told(row[name], len(group.runs))]
         for name in dict.fromkeys(name for row in cells for name in row)
         if name not in shared
         for group, row in zip(groups, cells, strict=True)
@@ -48,14 +57,18 @@ def summary_page(
     alike = ", ".join(f"{name} {value if isinstance(value, str) else number(value)}" for name, value in shared.items())
     told = [f"The same in all runs: {alike}."] if shared else []
     count = sum(len(group.runs) for group in groups)
-    lines = [
-        f"# {count} runs of {sweep}",
-        "",
-        f"Interquartile means over the runs of a row, with {100 * statistics.confidence:g} % bootstrap intervals.",
-        "",
-        table(["figure", *keys, "runs", "mean (interval)"], rows),
-    ]
-    return "\n\n".join(["\n".join(lines), *told, *notes]) + "\n"
+    columns, about = [*keys, "runs", "mean (interval)"], [_INTERVALS.format(100 * statistics.confidence)]
+    if any(row[-1] for row in rows):
+        columns, about = [*columns, "larger"], [*about, _LARGER.format(reference.label)]
+    found = table(["figure", *columns], [row[: len(columns) + 1] for row in rows])
+    return "\n\n".join([f"# {count} runs of {sweep}", " ".join(about), found, *told, *notes]) + "\n"
+
+
+def _told(cell: Cell, members: int) -> list[str]:
+    """Of how many runs of a group a figure is, the figure, and whether it is larger than that of the reference."""
+    larger = cell.larger if isinstance(cell, Estimate) else None
+    known = "" if larger is None or larger.low != larger.low else _interval(larger)  # of one run it would be 0 or 1
+    return [_runs(cell, members), _cell(cell), known]
 
 
 def _runs(cell: Cell, members: int) -> str:
@@ -67,9 +80,13 @@ def _runs(cell: Cell, members: int) -> str:
 def _cell(cell: Cell) -> str:
     if not isinstance(cell, Estimate):
         return ", ".join(f"{word} ({count})" for word, count in cell.items())
-    if cell.low != cell.low:  # one run has no interval
-        return number(cell.value)
-    return f"{number(cell.value)} ({number(cell.low)} … {number(cell.high)})"
+    return _interval(cell)
+
+
+def _interval(found: Interval) -> str:
+    if found.low != found.low:  # one run has no interval
+        return number(found.value)
+    return f"{number(found.value)} ({number(found.low)} … {number(found.high)})"
 
 
 def _runs_table(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> list[dict[str, Figure]]:
@@ -103,9 +120,14 @@ def groups_csv(groups: Sequence[Group], cells: Sequence[Cells]) -> str:
         entry: dict[str, Figure] = {**group.settings, "runs": len(group.runs)}
         for name, cell in row.items():
             if isinstance(cell, Estimate):
-                entry |= {name: cell.value, f"{name} low": cell.low, f"{name} high": cell.high}
+                entry |= _columns(name, cell)
+                entry |= {} if cell.larger is None else _columns(f"{name} larger", cell.larger)
             else:
                 entry[name] = _cell(cell)
             entry[f"{name} runs"] = known_in(cell)
         rows.append(entry)
     return rows_csv(rows)
+
+
+def _columns(name: str, found: Interval) -> dict[str, float]:
+    return {name: found.value, f"{name} low": found.low, f"{name} high": found.high}

@@ -16,7 +16,7 @@ from dr_lab.reports.summarize import SCHEMA, GroupEntry, SummarizeReport
 from dr_lab.summaries.doubts import divided_runs, missing_figures, repeated_runs, require_known
 from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.exhaustive import exhaustive
-from dr_lab.summaries.groups import Cell, Cells, Estimate, Group, grouped, shared_figures, summed_up
+from dr_lab.summaries.groups import Cell, Cells, Estimate, Group, find_group, grouped, shared_figures, summed_up
 from dr_lab.summaries.overlays import bands, grids, marginals
 from dr_lab.summaries.runs import Run, find_runs
 from dr_lab.summaries.settings import SummarySettings
@@ -39,12 +39,12 @@ def summarize(sweep: str, settings: SummarySettings, recorder: Look, run_dir: Pa
     Raises:
         DataError: no run is finished, or one cannot be read.
         ConfigError: not one of the figures was found.
-        UnknownNameError: no run has a key over which they are to be taken together.
+        UnknownNameError: no run has a key over which they are to be taken together, or no group is the reference.
     """
     folder, figures = Path(sweep).expanduser(), settings.figures
     found = _compared(folder, settings)
     shared = shared_figures(found.groups, figures)
-    page = summary_page(found.name, found.groups, found.cells, shared, found.told, settings.statistics)
+    page = summary_page(found.name, found.groups, found.cells, shared, found.told, settings.statistics, found.reference)
     report = _report(folder, found, run_dir)
     write_text(run_dir / "runs.csv", runs_csv(found.runs, figures))
     write_text(run_dir / "groups.csv", groups_csv(found.groups, found.cells))
@@ -64,6 +64,7 @@ class _Compared:
     unfinished: Sequence[str]
     groups: Sequence[Group]
     cells: Sequence[Cells]
+    reference: Group
     notes: Sequence[str]
 
     @property
@@ -80,8 +81,9 @@ def _compared(folder: Path, settings: SummarySettings) -> _Compared:
     groups = grouped(runs, aggregate, ignored)
     repeated, divided = repeated_runs(runs, ignored), divided_runs(groups, [*ignored, *aggregate])
     notes = [*repeated, *divided, *missing_figures(runs, figures)]
-    cells = [summed_up(group, figures, settings.statistics) for group in groups]
-    return _Compared(folder.resolve().name or str(folder), runs, unfinished, groups, cells, notes)
+    reference = find_group(groups, settings.reference)
+    cells = [summed_up(group, figures, settings.statistics, reference) for group in groups]
+    return _Compared(folder.resolve().name or str(folder), runs, unfinished, groups, cells, reference, notes)
 
 
 def _record(found: _Compared, settings: SummarySettings, page: str) -> SweepRecord:
@@ -103,4 +105,7 @@ def _report(folder: Path, found: _Compared, run_dir: Path) -> SummarizeReport:
 def _figure(cell: Cell) -> dict[str, Number]:
     if not isinstance(cell, Estimate):
         return dict(cell)
-    return {"iqm": cell.value, "low": cell.low, "high": cell.high, "runs": cell.runs}
+    found: dict[str, Number] = {"iqm": cell.value, "low": cell.low, "high": cell.high, "runs": cell.runs}
+    if cell.larger is not None:
+        found |= {"larger": cell.larger.value, "larger_low": cell.larger.low, "larger_high": cell.larger.high}
+    return found

@@ -23,7 +23,6 @@ from dr_lab.evaluators.evaluator import Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
 from dr_lab.evaluators.grid import GridEvaluator
 from dr_lab.evaluators.returns import ReturnsEvaluator
-from dr_lab.evaluators.statistics import iqm_interval, lower_tail, means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.model import from_spec
 from dr_lab.randomizers.context_source import ContextSource
@@ -245,27 +244,6 @@ def test_every_context_has_a_trainer_with_a_seed_of_its_own_that_is_closed(subje
         evaluator.evaluate(replace(subject, again=watched), tmp_path, print)
     assert all(trainer.closed for trainer in trainers)
     assert len({0, 1, *seeds}) == 6  # neither among themselves, nor those that the returns are measured with
-
-
-def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
-    values = np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -50.0, np.nan])
-    found = iqm_interval(values, 0.95, 500, 0)
-    assert found.value == pytest.approx(3.5)
-    assert found.low < found.value < found.high
-    assert iqm_interval(np.array([2.0]), 0.95, 10, 0).value == 2.0
-
-
-def test_the_lower_tail_takes_its_share_exactly() -> None:
-    assert lower_tail(np.append(np.arange(20.0), np.nan), 0.1) == 0.5
-    assert lower_tail(np.arange(15.0), 0.1) == pytest.approx((0.0 + 0.5 * 1.0) / 1.5)
-    assert lower_tail(np.array([3.0, 5.0]), 0.1) == pytest.approx(3.0)
-    assert np.isnan(lower_tail(np.array([np.nan]), 0.1))
-
-
-def test_a_context_returns_the_mean_of_its_episodes_unless_all_are_infeasible() -> None:
-    returns = np.array([[4.0, -10.0], [-10.0, -10.0], [1.0, 2.0]])
-    infeasible = np.array([[False, True], [True, True], [False, False]])
-    np.testing.assert_array_equal(means_of_contexts(returns, infeasible), [-3.0, np.nan, 1.5])
 
 
 class Lucky(Subject):

@@ -1,8 +1,11 @@
 from pathlib import Path
+from typing import Any
 
+import pytest
 from test_summarize import trained
 
-from dr_lab.summaries.groups import Group, Statistics, grouped, shared_figures, summed_up
+from dr_lab.errors import UnknownNameError
+from dr_lab.summaries.groups import Group, Statistics, find_group, grouped, shared_figures, summed_up
 from dr_lab.summaries.runs import Run, find_runs
 from dr_lab.summaries.tables import summary_page
 
@@ -23,10 +26,36 @@ def test_what_all_runs_share_is_said_once() -> None:
     shared = shared_figures(groups, FIGURES)
     assert shared == {"mass": 0.05, "verdict": "none"}
     cells = [summed_up(each, FIGURES, STATISTICS) for each in groups]
-    page = summary_page("sweep", groups, cells, shared, [], STATISTICS)
+    page = summary_page("sweep", groups, cells, shared, [], STATISTICS, groups[0])
     assert "The same in all runs: mass 0.05, verdict none." in page
     assert page.count("| final_return |") == 2
     assert "| mass |" not in page
+
+
+def test_a_group_is_better_than_the_reference_with_a_probability() -> None:
+    groups = [group("none", 1.0, 2.0, 3.0), group("lsdr", 2.0, 4.0, 5.0)]
+    cells = [summed_up(each, FIGURES, STATISTICS, groups[0]) for each in groups]
+    page = summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0])
+    larger: Any = cells[1]["final_return"]
+    assert larger.larger.value == pytest.approx(7.5 / 9)  # of nine pairs one is lost, one is a tie
+    assert larger.larger.low < 7.5 / 9 < larger.larger.high
+    assert "than in one of none:" in page
+    assert "| final_return | lsdr | 3 | 3.667 (2 … 5) | 0.8333 (" in page
+    assert cells[0]["final_return"] == summed_up(groups[0], FIGURES, STATISTICS)["final_return"]
+
+
+def test_single_runs_are_not_better_with_a_probability() -> None:
+    groups = [group("none", 1.0), group("lsdr", 2.0)]
+    cells = [summed_up(each, FIGURES, STATISTICS, groups[0]) for each in groups]
+    assert "larger" not in summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0])
+
+
+def test_the_reference_is_the_first_group_or_the_one_that_is_named() -> None:
+    groups = [group("none", 1.0), group("lsdr", 2.0)]
+    assert find_group(groups, None) is groups[0]
+    assert find_group(groups, "lsdr") is groups[1]
+    with pytest.raises(UnknownNameError, match="lsdr"):
+        find_group(groups, "lsd")
 
 
 def test_one_group_shares_nothing_with_others() -> None:

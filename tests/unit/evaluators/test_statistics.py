@@ -1,0 +1,39 @@
+"""Statistics of a few returns against closed forms and SciPy."""
+
+import numpy as np
+import pytest
+from scipy.stats import mannwhitneyu
+
+from dr_lab.evaluators.statistics import improvement_interval, iqm_interval, lower_tail, means_of_contexts
+
+
+def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
+    values = np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -50.0, np.nan])
+    found = iqm_interval(values, 0.95, 500, 0)
+    assert found.value == pytest.approx(3.5)
+    assert found.low < found.value < found.high
+    assert iqm_interval(np.array([2.0]), 0.95, 10, 0).value == 2.0
+
+
+def test_the_probability_of_improvement_is_that_of_mann_and_whitney() -> None:
+    ours, theirs = np.array([3.0, 1.0, 4.0, 1.5, np.nan]), np.array([2.0, 7.0, 1.0])
+    found = improvement_interval(ours, theirs, 0.95, 500, 0)
+    assert found.value == pytest.approx(mannwhitneyu(ours[:4], theirs).statistic / 12)
+    assert found.low < found.value < found.high
+    certain = improvement_interval(ours + 10.0, theirs, 0.95, 500, 0)
+    assert (certain.value, certain.low, certain.high) == (1.0, 1.0, 1.0)
+    assert np.isnan(improvement_interval(ours, theirs[:1], 0.95, 500, 0).low)
+    assert np.isnan(improvement_interval(ours, theirs[:0], 0.95, 500, 0).value)
+
+
+def test_the_lower_tail_takes_its_share_exactly() -> None:
+    assert lower_tail(np.append(np.arange(20.0), np.nan), 0.1) == 0.5
+    assert lower_tail(np.arange(15.0), 0.1) == pytest.approx((0.0 + 0.5 * 1.0) / 1.5)
+    assert lower_tail(np.array([3.0, 5.0]), 0.1) == pytest.approx(3.0)
+    assert np.isnan(lower_tail(np.array([np.nan]), 0.1))
+
+
+def test_a_context_returns_the_mean_of_its_episodes_unless_all_are_infeasible() -> None:
+    returns = np.array([[4.0, -10.0], [-10.0, -10.0], [1.0, 2.0]])
+    infeasible = np.array([[False, True], [True, True], [False, False]])
+    np.testing.assert_array_equal(means_of_contexts(returns, infeasible), [-3.0, np.nan, 1.5])
