@@ -106,7 +106,7 @@ class Choice:
     of luck. The return by which one was chosen is too high, by the same luck: `dr-lab evaluate` plays other episodes.
 
     Attributes:
-        snapshots: how many a run keeps, the last ones.
+        snapshots: how many a run keeps, the last ones; of a policy that is made to be adapted, one.
         episodes: that each snapshot plays.
 
     Raises:

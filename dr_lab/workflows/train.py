@@ -9,6 +9,7 @@ import torch
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from dr_lab.algorithms.meta_algorithm import MetaAlgorithm
 from dr_lab.collectors.collector import Policy
 from dr_lab.files import write_text
 from dr_lab.recorders.look import Look
@@ -58,7 +59,9 @@ def train(
     """
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
     training = plan.assemble(run_dir / CHECKPOINT)
-    snapshots, policies = Snapshots(training.randomizer), PolicySnapshots(training.algorithm, choice.snapshots)
+    # What a policy returns before it is adapted says nothing of what it is made for: the last one is deployed.
+    kept = 1 if isinstance(training.algorithm, MetaAlgorithm) else choice.snapshots
+    snapshots, policies = Snapshots(training.randomizer), PolicySnapshots(training.algorithm, kept)
     training.more.update(snapshots=snapshots, policies=policies)
     if resume is None:
         beginning.apply(training, plan.seed)

@@ -1,6 +1,7 @@
 """A short run of MAML on nav2d from the command line, adapted by the evaluators as it was trained to be."""
 
 import functools
+import json
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from dr_lab.trajectory import Array
 
 SMALL = ["env=nav2d", "env.task.time_limit=10", "collector=lean", "threads=1", "episodes=12", "rollout_episodes=4"]
 LEARNT = ["algorithm=maml", "algorithm.tasks=4", "algorithm.batch_frames=120", "frames=480", "checkpoint_every=240"]
-SHOWN = ["choice.snapshots=1", "choice.episodes=2", "recorder.episodes=1"]
+SHOWN = ["choice.snapshots=3", "choice.episodes=2", "recorder.episodes=1"]
 CELLS = "evaluator.axes={goal.x: [-1, 1, 3], goal.y: [0.3, 1, 2]}"
 
 
@@ -41,6 +42,11 @@ def adapted(subject: Subject, z: Array, updates: int, seed: int = 0) -> Array:
     returns = undiscounted(play(subject.slots(len(z), 0), adapting.policy, z))
     adapting.close()
     return returns
+
+
+def test_the_last_policy_is_deployed_whatever_it_returns_before_it_is_adapted(run: Path) -> None:
+    report = json.loads((run / "report.json").read_text("utf-8"))
+    assert [each["frames"] for each in report["snapshots"]] == [report["chosen"]] == [report["frames"]]
 
 
 def test_a_meta_learner_is_adapted_as_it_was_trained(subject: Subject) -> None:
