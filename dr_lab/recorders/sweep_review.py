@@ -10,6 +10,7 @@ import rerun.blueprint as rrb
 
 from dr_lab.recorders import distributions, grids
 from dr_lab.recorders.branch import FRAMES, Branch, entity_path
+from dr_lab.recorders.counted_axis import counted_axis
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.recording import recording_file
 from dr_lab.recorders.training import Band, Grid, Marginal
@@ -141,7 +142,6 @@ def _plot(name: str, last: int, legend: bool) -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin=entity_path("curve", name),
         name=name,
-        # Left to itself the viewer shows but a part of few points.
-        axis_x=rrb.TimeAxis(view_range=rr.TimeRange(*(rr.TimeRangeBoundary.absolute(seq=at) for at in (0, last)))),
+        axis_x=counted_axis(0, last),
         plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
     )

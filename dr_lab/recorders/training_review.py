@@ -9,6 +9,7 @@ import rerun.blueprint as rrb
 
 from dr_lab.recorders import course, distributions, grids, heat_map, ways
 from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
+from dr_lab.recorders.counted_axis import counted_axis
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
 from dr_lab.recorders.gains import log_gain
@@ -176,7 +177,7 @@ def _plot(curve: Curve) -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin=origin,
         name=titled(curve.name, curve.unit),
-        axis_x=rrb.TimeAxis(link="LinkToGlobal"),
+        axis_x=counted_axis(0, int(curve.at[-1])),
         plot_legend=rrb.PlotLegend(visible=False),
     )
 

@@ -11,6 +11,7 @@ History = Sequence[Mapping[str, float]]
 """Figures of every iteration by name."""
 
 _NOT_PLOTTED = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
+_RETURN = "episode_return"
 _ADAPTED = "return_after_"  # … so many updates
 
 
@@ -22,7 +23,7 @@ def final_return(history: History, share: float) -> float | None:
         share: of the iterations, the last ones, one at least.
     """
     last = _last(history, share)
-    feasible = [(row["episodes"] - _infeasible(row), row["episode_return"]) for row in last]
+    feasible = [(row["episodes"] - _infeasible(row), row[_RETURN]) for row in last]
     known = [(count, value) for count, value in feasible if count]
     return sum(count * value for count, value in known) / sum(count for count, _ in known) if known else None
 
@@ -54,15 +55,15 @@ def metrics_csv(history: History) -> str:
 def curves(history: History) -> list[Curve]:
     """Every figure over the iterations that know it, but for those that only count or that none knows.
 
-    A figure of a learner's rounds, which take many iterations, is a line from round to round. Where a policy is
-    adapted, what it returns after the last update comes first, and the mean of all episodes, which mixes those before
-    and after an update, is left out.
+    The return comes first. A figure of a learner's rounds, which take many iterations, is a line from round to round.
+    Where a policy is adapted, its return is that after the last update, and the mean of all episodes, which mixes those
+    before and after an update, is left out.
     """
-    known = (name for row in history for name, value in row.items() if not np.isnan(value))
-    names = list(dict.fromkeys(name for name in known if name not in _NOT_PLOTTED))
+    known = {name for row in history for name, value in row.items() if not np.isnan(value)}
     adapted = _adapted(history)
-    if adapted:
-        names = [adapted[-1], *(name for name in names if name not in (adapted[-1], "episode_return"))]
+    others = [name for name in dict.fromkeys(name for row in history for name in row) if name != _RETURN]
+    names = dict.fromkeys([*(adapted[-1:] or [_RETURN]), *others])
+    names = [name for name in names if name in known and name not in _NOT_PLOTTED]
     return [_curve(name, history) for name in names]
 
 

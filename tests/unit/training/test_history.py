@@ -25,8 +25,11 @@ def test_returns_of_adapted_policies_are_means_over_the_last_iterations() -> Non
     assert adapted_returns([{"episode_return": 3.0}], 0.2) == ()
 
 
+def test_returns_are_shown_first_even_if_no_episode_ends_at_first() -> None:
+    rows = [{"kl": 0.1, "episode_return": np.nan} | {"iteration": 1.0}, {"iteration": 2.0, "episode_return": 3.0}]
+    assert [curve.name for curve in curves(rows)] == ["episode_return", "kl"]
+
+
 def test_what_an_adapted_policy_returns_is_shown_first() -> None:
     row = {"iteration": 1.0, "episode_return": 0.0, "return_after_0": -4.0, "return_after_1": -2.0, "kl": 0.1}
     assert [curve.name for curve in curves([row])] == ["return_after_1", "return_after_0", "kl"]
-    plain = {"iteration": 1.0, "kl": 0.1, "episode_return": 0.0}
-    assert [curve.name for curve in curves([plain])] == ["kl", "episode_return"]
