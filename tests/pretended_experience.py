@@ -20,6 +20,7 @@ class PretendedExperience(Experience):
     def __init__(self, returns: Callable[[Array], Array], collector: Collector | None = None) -> None:
         self._returns, self._collector = returns, collector or PointCollector(best)
         self._listeners, self.policy, self.played, self.rollout_frames = [], best, 0, 0
+        self.deployed, self.source = best, None
 
     def play(self, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
         del policy, starts

@@ -25,15 +25,21 @@ class Experience:
         policy: the one that is trained, as it is then.
         episodes: slots of the whole episodes.
         source: p(z), from which a collector's new episodes draw; None for the nominal context.
+        deployed: the same policy without exploration; None where it explores nothing.
 
     Attributes:
         rollout_frames: control steps of the whole episodes that were played so far, beside those that were collected.
     """
 
     def __init__(
-        self, collector: Collector, policy: Policy, episodes: EpisodeSlots, source: ContextSource | None = None
+        self,
+        collector: Collector,
+        policy: Policy,
+        episodes: EpisodeSlots,
+        source: ContextSource | None = None,
+        deployed: Policy | None = None,
     ) -> None:
-        self.policy, self.source = policy, source
+        self.policy, self.source, self.deployed = policy, source, deployed or policy
         self.rollout_frames = 0
         self._collector, self._episodes = collector, episodes
         self._listeners: list[Callable[[TensorDict], None]] = []

@@ -1,4 +1,4 @@
-"""The fitted context that a run leaves: `context.yaml`, which the verbs `fit`, `add` and `close` write."""
+"""The fitted context that a run leaves: `context.yaml`, which `fit`, `add`, `close` and `train` (a Gaussian) write."""
 
 from pathlib import Path
 
@@ -24,7 +24,9 @@ def read_context(run: str | Path) -> ContextEstimate:
     """
     given = Path(run).expanduser()
     path = given / FILE if given.is_dir() else given
-    remedy = "Give the folder of a run of dr-lab close, add or fit."
+    remedy = (
+        "Give the folder of a run of dr-lab close, add or fit, or of a training that learnt a Gaussian."
+    )
     if not given.exists():
         raise ConfigError(f"There is no folder {given}. {remedy}")
     if not path.is_file():

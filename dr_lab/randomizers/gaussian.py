@@ -13,7 +13,7 @@ from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Density
 from dr_lab.trajectory import Array
 
-# Added to standard deviations, in widths: a parameter that a fit knows exactly must not make the factor singular.
+# In any direction, in widths: a parameter that a fit knows exactly must not make the factor singular.
 _LEAST_STD = 1e-6
 
 
@@ -54,8 +54,7 @@ class GaussianRandomizer(Density):
     def set_moments(self, mean: Array, covariance: Array) -> None:
         """Move to another mean and covariance; arguments as those of the class."""
         width = self.width.numpy()
-        scaled = covariance / np.outer(width, width) + _LEAST_STD**2 * np.eye(len(width))
-        factor = np.linalg.cholesky(scaled)
+        factor = np.linalg.cholesky(_regular(covariance / np.outer(width, width)))
         self.loc.copy_(torch.from_numpy((mean - self.centre.numpy()) / width))
         self.log_diagonal.copy_(torch.from_numpy(np.log(np.diag(factor))))
         self.lower.copy_(torch.from_numpy(np.tril(factor, -1)))
@@ -65,12 +64,19 @@ class GaussianRandomizer(Density):
         normal = self.distribution()
         width = len(self.width)
         epsilon = np.array([rng.standard_normal(width) for rng in rngs]).reshape(len(rngs), width)
-        z = normal.loc.detach().numpy() + epsilon @ normal.scale_tril.detach().numpy().T
+        # Row by row: a product of matrices rounds otherwise for another number of streams.
+        moved = (epsilon[:, None] * normal.scale_tril.detach().numpy()).sum(-1)
+        z = normal.loc.detach().numpy() + moved
         return self.space.clip(z) if self.clip else z
 
     def log_prob(self, z: Tensor) -> Tensor:
         """−½‖Λ⁻¹(z − μ)‖² − log det Λ − n/2·log 2π."""
         return self.distribution().log_prob(z)
+
+    def moments(self) -> tuple[Array, Array]:
+        """Mean (n,) and covariance (n, n) of the Gaussian itself, in SI units, whether its draws are clipped or not."""
+        normal = self.distribution()
+        return normal.loc.detach().numpy().copy(), normal.covariance_matrix.detach().numpy().copy()
 
     def distribution(self) -> MultivariateNormal:
         """The Gaussian over z in SI units."""
@@ -78,6 +84,14 @@ class GaussianRandomizer(Density):
         return MultivariateNormal(
             self.centre + self.width * self.loc, scale_tril=self.width[:, None] * factor, validate_args=False
         )
+
+
+def _regular(covariance: Array) -> Array:
+    """The covariance itself, or with the least variance in directions of less."""
+    variance, direction = np.linalg.eigh(covariance)
+    if variance.min(initial=np.inf) >= _LEAST_STD**2:
+        return covariance
+    return (direction * np.maximum(variance, _LEAST_STD**2)) @ direction.T
 
 
 def uniform_std(space: ContextSpace) -> Array:

@@ -81,7 +81,8 @@ class Plan:
             )
         policy, collecting = algorithm.policies["policy"], algorithm.collecting
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
-        experience = Experience(self.collector(env, collecting, steps), policy, played, learner.source)
+        collector, deployed = self.collector(env, collecting, steps), algorithm.deployed
+        experience = Experience(collector, policy, played, learner.source, deployed)
         more: dict[str, Stateful] = {}
         trainer = Trainer(experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.time_limit)
         return Training(trainer, algorithm, experience, randomizer, learner, more)

@@ -11,7 +11,11 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from dr_lab.algorithms.meta_algorithm import MetaAlgorithm
 from dr_lab.collectors.collector import Policy
+from dr_lab.comparison.export import write_context
 from dr_lab.files import write_text
+from dr_lab.physics.context import ContextEstimate
+from dr_lab.physics.context_file import FILE as CONTEXT
+from dr_lab.randomizers.gaussian import GaussianRandomizer
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord
 from dr_lab.reports.train import ChoiceEntry, SnapshotEntry, TrainReport
@@ -42,7 +46,8 @@ def train(
 
     Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt`` (the last state, with the policies of the last
     checkpoints), ``policy.pt`` (that of them which is deployed), ``report.json``, ``report.md``, ``review.rrd`` and
-    ``episodes.mcap`` (a few episodes of the trained policy). An interrupted run is continued by the same command with
+    ``episodes.mcap`` (a few episodes of the trained policy); where a Gaussian over contexts was learnt, also
+    ``context.yaml``, its mean and covariance. An interrupted run is continued by the same command with
     ``resume=<run folder>``, as if it had never stopped.
 
     Args:
@@ -75,6 +80,7 @@ def train(
     report = train_report(training, plan, learned, chosen, episodes, run_dir)
     record = TrainingRecord(plan.env.name, curves(history), learned, pairs, episodes=episodes)
     write_text(run_dir / "metrics.csv", metrics_csv(history))
+    _keep_context(training, run_dir)
     finish(run_dir, report, train_markdown(report), plan.env, record, recorder)
     return report
 
@@ -101,6 +107,13 @@ def _deploy(
     kept = tuple(SnapshotEntry(at.frames, value) for at, value in zip(found, chosen.returns, strict=True))
     best = found[chosen.index]
     return best.deployed, ChoiceEntry(kept, best.frames, chosen.frames, POLICY)
+
+
+def _keep_context(training: Training, run_dir: Path) -> None:
+    """Write a Gaussian that was learnt as a fitted context, which `from_run` of models and randomizers takes."""
+    randomizer = training.randomizer
+    if training.learner.learns and isinstance(randomizer, GaussianRandomizer):
+        write_context(run_dir / CONTEXT, ContextEstimate(randomizer.space, *randomizer.moments()))
 
 
 def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, plan: Plan, run_dir: Path) -> None:

@@ -20,6 +20,11 @@ LSDR = (*PPO, "experiment=lsdr_hopper_torso_small", "distribution_learner.contex
 ADR = (*PPO, "experiment=adr_hopper_mass", "distribution_learner.svpg.count=3", "distribution_learner.svpg.proposals=2")
 META_ADR = ("frames=64000", "experiment=meta_adr_nav2d", "algorithm.tasks=4", "distribution_learner.svpg.count=2")
 
+SIMOPT = (
+    *(*PPO, "experiment=simopt_furuta", "distribution_learner.samples=20", "distribution_learner.updates=2"),
+    *("distribution_learner.warm_up=0", "distribution_learner.every=512", "env.task.time_limit=50"),
+)
+
 
 def start(learner: Sequence[str], folder: Path, *more: str) -> "subprocess.Popen[bytes]":
     return subprocess.Popen([*COMMAND, *learner, f"hydra.run.dir={folder}", *more], stdout=subprocess.DEVNULL)
@@ -31,7 +36,11 @@ def rows(folder: Path) -> list[dict[str, str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("learner", "kills"), [(LSDR, 10), (ADR, 5), (META_ADR, 5)], ids=["lsdr", "adr", "meta_adr"])
+@pytest.mark.parametrize(
+    ("learner", "kills"),
+    [(LSDR, 10), (ADR, 5), (META_ADR, 5), (SIMOPT, 5)],
+    ids=["lsdr", "adr", "meta_adr", "simopt"],
+)
 def test_ends_as_if_nothing_had_happened(learner: Sequence[str], kills: int, tmp_path: Path) -> None:
     assert start(learner, tmp_path / "whole").wait() == 0
     moments, last = random.Random(0), None

@@ -1,0 +1,33 @@
+"""SimOpt from the command line, and what its run folder is good for."""
+
+from pathlib import Path
+
+import numpy as np
+from settings import setting
+from test_evaluate import job
+
+from dr_lab.physics.context_file import read_context
+from dr_lab.randomizers.from_run import from_run
+
+SMALL = ["env=furuta_balance", "env.task.time_limit=30", "threads=1", "episodes=8", "rollout_episodes=8", "frames=1024"]
+LEARNT = ["randomizer=gaussian", "distribution_learner=simopt", "distribution_learner.samples=12"]
+SOON = ["distribution_learner.warm_up=0", "distribution_learner.every=256", "distribution_learner.updates=1"]
+SHORT = ["algorithm.batch_frames=256", "choice.episodes=2", "recorder.episodes=1"]
+TARGET = [
+    "target@distribution_learner.target=model",
+    "+distribution_learner.target.context={arm.mass:0.13,coulomb_friction@arm.torque:0.001}",
+]
+
+
+def test_a_learnt_gaussian_is_a_context_to_train_on(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    job("train", folder, [*SMALL, *LEARNT, *SOON, *SHORT, *TARGET])
+    found, space = read_context(folder), setting("furuta_balance").space
+    assert found.space.names == space.names
+    assert (np.linalg.eigvalsh(found.covariance) > 0.0).all()
+    again = from_run(space, str(folder), clip=True)
+    np.testing.assert_allclose(again.moments()[0], found.mean)
+    np.testing.assert_allclose(again.moments()[1], found.covariance, rtol=1e-9)
+    head, *rows = (folder / "metrics.csv").read_text("utf-8").splitlines()
+    columns = dict(zip(head.split(","), rows[-1].split(","), strict=True))
+    assert 0.0 < float(columns["divergence"]) <= 1.0 + 1e-6
