@@ -94,7 +94,7 @@ class PlantTarget(Target):
             raise ConfigError(
                 f"The target's plant has joints {', '.join(plant.joints)} and actuators {', '.join(plant.actuators)}; "
                 f"the model has {', '.join(joints)} and {', '.join(actuators)}. Choose the plant of the same machine: "
-                "plant@evaluator.target.plant=NAME. Available: the options of plant in dr-lab record --help."
+                "plant@….target.plant=NAME. Available: the options of plant in dr-lab record --help. Or take target=model."
             )
 
 
