@@ -24,9 +24,7 @@ def read_context(run: str | Path) -> ContextEstimate:
     """
     given = Path(run).expanduser()
     path = given / FILE if given.is_dir() else given
-    remedy = (
-        "Give the folder of a run of dr-lab close, add or fit, or of a training that learnt a Gaussian."
-    )
+    remedy = "Give the folder of a run of dr-lab close, add or fit, or of a training that learnt a Gaussian."
     if not given.exists():
         raise ConfigError(f"There is no folder {given}. {remedy}")
     if not path.is_file():

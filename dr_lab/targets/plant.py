@@ -94,7 +94,8 @@ class PlantTarget(Target):
             raise ConfigError(
                 f"The target's plant has joints {', '.join(plant.joints)} and actuators {', '.join(plant.actuators)}; "
                 f"the model has {', '.join(joints)} and {', '.join(actuators)}. Choose the plant of the same machine: "
-                "plant@….target.plant=NAME. Available: the options of plant in dr-lab record --help. Or take target=model."
+                "plant@evaluator.target.plant=NAME (dr-lab train: plant@distribution_learner.target.plant=NAME). "
+                "Available: the options of plant in dr-lab record --help. Or take target=model."
             )
 
 
