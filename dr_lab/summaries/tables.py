@@ -25,6 +25,8 @@ _LARGER = (
     "better, in doubt as long as its interval holds 0.5."
 )
 
+_COMMON = "figures."  # path of all figures of an evaluation, which leaves too little of a narrow screen
+
 
 def summary_page(
     sweep: str,
@@ -48,7 +50,7 @@ def summary_page(
     """
     keys = list(groups[0].settings)
     rows = [
-        [name, *(group.settings[key] for key in keys), *_told(row[name], len(group.runs))]
+        [name.removeprefix(_COMMON), *(group.settings[key] for key in keys), *_told(row[name], len(group.runs))]
         for name in dict.fromkeys(name for row in cells for name in row)
         if name not in shared
         for group, row in zip(groups, cells, strict=True)
@@ -57,11 +59,17 @@ def summary_page(
     alike = ", ".join(f"{name} {value if isinstance(value, str) else number(value)}" for name, value in shared.items())
     told = [f"The same in all runs: {alike}."] if shared else []
     count = sum(len(group.runs) for group in groups)
-    columns, about = [*keys, "runs", "mean (interval)"], [_INTERVALS.format(100 * statistics.confidence)]
+    columns, about = [*_short(keys), "runs", "mean (interval)"], [_INTERVALS.format(100 * statistics.confidence)]
     if any(row[-1] for row in rows):
         columns, about = [*columns, "larger"], [*about, _LARGER.format(reference.label)]
     found = table(["figure", *columns], [row[: len(columns) + 1] for row in rows])
     return "\n\n".join([f"# {count} runs of {sweep}", " ".join(about), found, *told, *notes]) + "\n"
+
+
+def _short(keys: Sequence[str]) -> list[str]:
+    """The last part of each key, for screens are narrow; the whole key where two have the same."""
+    last = [key.rpartition(".")[2] for key in keys]
+    return [short if last.count(short) == 1 else key for short, key in zip(last, keys, strict=True)]
 
 
 def _told(cell: Cell, members: int) -> list[str]:

@@ -58,6 +58,16 @@ def test_the_reference_is_the_first_group_or_the_one_that_is_named() -> None:
         find_group(groups, "lsd")
 
 
+def test_keys_and_figures_are_short_where_that_tells_them_apart() -> None:
+    reports = [{"schema": "dr_lab/evaluate/1", "figures": {"hard.iqm": value}} for value in (1.0, 2.0)]
+    settings = {"trained.experiment": "adr", "trained.seed": "0", "evaluator.seed": "1"}
+    groups = [Group(settings, [Run("0", Path("0"), {}, {}, report, None)], "adr") for report in reports]
+    cells = [summed_up(each, {"dr_lab/evaluate/1": ["figures.*"]}, STATISTICS) for each in groups]
+    page = summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0])
+    assert "| figure | experiment | trained.seed | evaluator.seed | runs | mean (interval) |" in page
+    assert "| hard.iqm | adr | 0 | 1 | 1 | 1 |" in page
+
+
 def test_one_group_shares_nothing_with_others() -> None:
     assert shared_figures([group("lsdr", 1.0, 1.0)], FIGURES) == {}
 
