@@ -1,5 +1,7 @@
 """Weights against the dual that they solve, and a Gaussian whose step keeps its bound whatever the samples."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
@@ -32,7 +34,7 @@ def test_the_temperature_solves_the_dual(scale: float, epsilon: float) -> None:
 
     eta = temperature(costs, epsilon, LEAST * scale)
     assert entropy_lost(sample_weights(costs, eta)) == pytest.approx(epsilon, rel=1e-6)
-    best = minimize_scalar(dual, bounds=(np.log(LEAST * scale), np.log(100 * scale)), method="bounded")
+    best: Any = minimize_scalar(dual, bounds=(np.log(LEAST * scale), np.log(100 * scale)), method="bounded")
     assert dual(float(np.log(eta))) <= best.fun + 1e-9 * abs(best.fun)
 
 
