@@ -76,12 +76,6 @@ def bounded_fit(old: Gaussian, z: Array, weight: Array, epsilon: float) -> Gauss
     return Gaussian(old.mean + factor @ found.mean, factor @ found.covariance @ factor.T)
 
 
-def divergence(new: Gaussian, old: Gaussian) -> float:
-    """KL(new‖old) of two Gaussians; ∞ where the new one is singular."""
-    inverse: Array = solve_triangular(np.linalg.cholesky(old.covariance), np.eye(len(old.mean)), lower=True)
-    return _divergence(Gaussian(inverse @ (new.mean - old.mean), inverse @ new.covariance @ inverse.T))
-
-
 def _between(y: Array, weight: Array, nu: float) -> Gaussian:
     share = 1.0 / (1.0 + nu)
     mean = share * (weight @ y)

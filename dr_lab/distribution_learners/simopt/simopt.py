@@ -5,6 +5,7 @@ from typing import Annotated, Any, cast
 
 import numpy as np
 from tensordict import TensorDict
+from torch.distributions import kl_divergence
 
 from dr_lab.bounds import Count, Natural, Positive, at_least, require_bounds
 from dr_lab.collectors.collector import Policy
@@ -15,7 +16,6 @@ from dr_lab.distribution_learners.simopt.discrepancy import Discrepancy
 from dr_lab.distribution_learners.simopt.relative_entropy import (
     Gaussian,
     bounded_fit,
-    divergence,
     sample_weights,
     temperature,
 )
@@ -129,15 +129,11 @@ class SimOpt(DistributionLearner):
             return {"discrepancy": np.nan, "divergence": 0.0, "temperature": np.nan, "infeasible": infeasible}
         costs = np.where(known, costs, costs[known].max())
         eta = temperature(costs, self.max_kl, self.least_temperature)
-        old = self._now()
+        before, old = self._gaussian.distribution(), Gaussian(*self._gaussian.moments())
         self._gaussian.set_moments(*bounded_fit(old, z, sample_weights(costs, eta), self.max_kl))
+        moved = kl_divergence(self._gaussian.distribution(), before).item()
         mean = float(costs[known].mean())
-        return {
-            "discrepancy": mean,
-            "divergence": divergence(self._now(), old),
-            "temperature": eta,
-            "infeasible": infeasible,
-        }
+        return {"discrepancy": mean, "divergence": moved, "temperature": eta, "infeasible": infeasible}
 
     def _costs(self, experience: Experience, policy: Policy, z: Array, real: TensorDict, starts: Starts) -> Array:
         """Mean discrepancy of each context over the starts, shape (samples,); NaN where one diverges."""
@@ -152,9 +148,6 @@ class SimOpt(DistributionLearner):
         each = [self._setting.task.start(self.rng, self._compiled) for _ in range(self.rollouts)]
         qpos, qvel = zip(*each, strict=True)
         return np.stack(qpos), np.stack(qvel)
-
-    def _now(self) -> Gaussian:
-        return Gaussian(*self._gaussian.moments())
 
 
 def _require_gaussian(randomizer: Randomizer) -> GaussianRandomizer:
