@@ -11,16 +11,22 @@ from tensordict import TensorDict
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.experience import Experience
 from dr_lab.envs.slots import Starts
+from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
 
 
 class PretendedExperience(Experience):
     """Batches of a collector, and episodes that return what a function of z (k, n) says, NaN where it is infeasible."""
 
-    def __init__(self, returns: Callable[[Array], Array], collector: Collector | None = None) -> None:
+    def __init__(
+        self,
+        returns: Callable[[Array], Array],
+        collector: Collector | None = None,
+        source: ContextSource | None = None,
+    ) -> None:
         self._returns, self._collector = returns, collector or PointCollector(best)
         self._listeners, self.policy, self.played, self.rollout_frames = [], best, 0, 0
-        self.deployed, self.source = best, None
+        self.deployed, self.source = best, source
 
     def play(self, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
         del policy, starts

@@ -43,7 +43,8 @@ def bend(activation: Activation, h: Tensor) -> Tensor:
 class MLP(nn.Module):
     """h₀ = x, hₖ = σ(Wₖ hₖ₋₁ + bₖ), and a last layer without σ.
 
-    Weights are orthogonal with gain √2 (the last layer: `last_gain`), biases 0.
+    Weights are orthogonal with gain √2 (the last layer: `last_gain`), biases 0. Where weights (N, outputs, inputs) and
+    biases (N, 1, outputs) take the place of its own, it is a stack of N networks, each with inputs of its own.
 
     Attributes:
         names: of weight and bias of each layer.
@@ -113,15 +114,15 @@ class MLP(nn.Module):
         """Write ∂L/∂W and ∂L/∂b by the chain rule.
 
         Args:
-            layers: what `layers` gave for inputs (b, inputs).
-            slope: ∂L/∂result, shape (b, outputs).
+            layers: what `layers` gave for inputs (b, inputs); of a stack (N, b, inputs).
+            slope: ∂L/∂result, shape (b, outputs); of a stack (N, b, outputs).
             weights: where the gradients by the weights go.
-            biases: where those by the biases go.
+            biases: where those by the biases go, shape (1, width) each; of a stack (N, 1, width).
         """
         every = self.weights
         for k in reversed(range(len(every))):
-            torch.mm(slope.t(), layers[k], out=weights[k])
-            torch.sum(slope, 0, out=biases[k])
+            torch.matmul(slope.mT, layers[k], out=weights[k])
+            torch.sum(slope, -2, keepdim=True, out=biases[k])
             if k:
                 slope = self._through(k, every[k], layers, slope)
 
@@ -133,7 +134,7 @@ class MLP(nn.Module):
 
     def _through(self, k: int, weight: Tensor, layers: Sequence[Tensor], slope: Tensor) -> Tensor:
         """∂L by what goes into the activation that gave layer k, or by x, from ∂L by what W of the next layer gives."""
-        before = torch.mm(slope, weight)
+        before = torch.matmul(slope, weight)
         return _BACKWARD[self.activation](before, layers[k]) if k else before
 
 

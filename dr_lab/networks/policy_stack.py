@@ -11,7 +11,9 @@ from torch.func import stack_module_state
 
 from dr_lab.errors import ConfigError
 from dr_lab.networks.actor import Actor
+from dr_lab.networks.gaussian import Gaussian
 from dr_lab.networks.gaussian_actor import GaussianActor
+from dr_lab.networks.restack import restack
 
 
 class PolicyStack(nn.Module):
@@ -48,11 +50,7 @@ class PolicyStack(nn.Module):
 
     def refresh(self) -> None:
         """Act as the policies are now."""
-        values = [dict(chain(one.named_parameters(), one.named_buffers())) for one in self._members]
-        together = self._together[0]
-        for name, tensor in chain(together.named_parameters(), together.named_buffers()):
-            rows = torch.stack([each[name].detach() for each in values])
-            tensor.data = rows.unsqueeze(1) if values[0][name].dim() == 1 else rows  # broadcasts over a policy's slots
+        restack(self._together[0], self._members)
 
     def stacked(self) -> dict[str, Tensor]:
         """Copies of the parameters by name, shape (N, …), for ``torch.vmap(actor.distribution)``."""
@@ -140,8 +138,18 @@ class GaussianPolicyStack(PolicyStack):
 
     def log_prob(self, observation: Tensor, action: Tensor) -> Tensor:
         """Log-density of actions (n, …, nu) at observations (n, …, o) under the slot's policy, shape (n, …)."""
-        together = cast(GaussianActor, self._together[0])
-        return together.log_prob(self._dealt(observation), self._dealt(action)).reshape(action.shape[:-1])
+        return self._all.log_prob(self._dealt(observation), self._dealt(action)).reshape(action.shape[:-1])
+
+    @torch.no_grad()
+    def distribution(self, observation: Tensor) -> Gaussian:
+        """π(u|o) of the slot's policy, over actions scaled to ±1, at observations (n, …, o) as they are."""
+        mean = self._all.body(self._all.normaliser(self._dealt(observation)))
+        shape = (*observation.shape[:-1], mean.shape[-1])
+        return Gaussian(mean.reshape(shape), self._all.log_std.expand_as(mean).reshape(shape))
+
+    @property
+    def _all(self) -> GaussianActor:
+        return cast(GaussianActor, self._together[0])
 
 
 def _require_alike(policies: Sequence[Actor]) -> None:

@@ -11,7 +11,7 @@ def train_markdown(report: TrainReport) -> str:
     """How long was trained, what the policy returns, which one is deployed, and what it was trained on."""
     lines = [f"# {report.algorithm} on {report.env}", _trained(report), _deployed(report)]
     if report.rollout_frames:
-        lines.append(f"The distribution was learnt from further episodes: {report.rollout_frames} control steps.")
+        lines.append(f"Further episodes were played to learn from: {report.rollout_frames} control steps.")
     if report.infeasible_episodes:
         lines.append(f"Episodes in infeasible contexts, which no mean return counts: {report.infeasible_episodes}.")
     rows = [[name, number(p.mean), number(p.std, 3), p.unit] for name, p in report.context.items()]

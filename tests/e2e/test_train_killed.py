@@ -24,6 +24,10 @@ SIMOPT = (
     *(*PPO, "experiment=simopt_furuta", "distribution_learner.samples=20", "distribution_learner.updates=2"),
     *("distribution_learner.warm_up=0", "distribution_learner.every=512", "env.task.time_limit=50"),
 )
+WHOLE = ("frames=20480", "env=furuta", "env.task.time_limit=32", "algorithm.batch_frames=256")
+DIDOR = (*WHOLE, "algorithm=didor", "algorithm.teacher_frames=10240", "algorithm.teachers.count=4")
+ENSEMBLE = (*WHOLE, "algorithm=ensemble", "algorithm.teachers.count=4")
+P2PDRL = (*WHOLE, "algorithm=p2pdrl")
 
 
 def start(learner: Sequence[str], folder: Path, *more: str) -> "subprocess.Popen[bytes]":
@@ -38,8 +42,8 @@ def rows(folder: Path) -> list[dict[str, str]]:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("learner", "kills"),
-    [(LSDR, 10), (ADR, 5), (META_ADR, 5), (SIMOPT, 5)],
-    ids=["lsdr", "adr", "meta_adr", "simopt"],
+    [(LSDR, 10), (ADR, 5), (META_ADR, 5), (SIMOPT, 5), (DIDOR, 5), (ENSEMBLE, 5), (P2PDRL, 5)],
+    ids=["lsdr", "adr", "meta_adr", "simopt", "didor", "ensemble", "p2pdrl"],
 )
 def test_ends_as_if_nothing_had_happened(learner: Sequence[str], kills: int, tmp_path: Path) -> None:
     assert start(learner, tmp_path / "whole").wait() == 0

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import torch
 from tensordict import TensorDict
@@ -96,9 +96,7 @@ class PPO(Algorithm):
 
     def update(self, batch: TensorDict) -> Mapping[str, float]:
         """Learn from one batch; the normaliser is renewed at the end, so that ρ = 1 at the beginning."""
-        with torch.no_grad():
-            samples = self.samples(batch)
-        figures = self._learn(batch, samples)
+        figures = self._learn(batch, self.samples(batch))
         self.frames += batch.numel()
         self.actor.normaliser.update(batch["observation"])
         return figures
@@ -110,6 +108,7 @@ class PPO(Algorithm):
             return self.further_share
         return 1.0 if self.anneal_frames is None else max(0.0, 1.0 - self.frames / self.anneal_frames)
 
+    @torch.no_grad()
     def samples(self, batch: TensorDict) -> PolicySamples:
         """Advantages and value targets of all steps of a batch [n, steps], which is also the shape of the fields.
 
@@ -132,8 +131,8 @@ class PPO(Algorithm):
 
     def _learn(self, batch: TensorDict, samples: PolicySamples) -> Mapping[str, float]:
         """From all steps but those at which an infeasible context ended an episode: no action led there."""
-        feasible = samples.at(~batch["next", "infeasible"].squeeze(-1))
-        return self._fit(feasible, feasible)
+        every = feasible(batch, samples)
+        return self._fit(every, every)
 
     def _fit(self, policy: PolicySamples, value: PolicySamples) -> Mapping[str, float]:
         """All epochs, of the actor on one set of samples and of the critic on another, which may be the same."""
@@ -146,26 +145,21 @@ class PPO(Algorithm):
                     objective.append(-terms.objective)
             if learning and policy is not value:
                 objective += [-terms.objective for terms in self._epoch(policy, [self.actor_step])]
-            learning = learning and (self.max_kl is None or self._divergence(policy)[0] < self.max_kl)
-        divergence, clipped = self._divergence(policy)
-        return {
-            "objective": _mean(objective),
-            "critic_loss": _mean(error),
-            "kl": divergence,
-            "clipped": clipped,
-            "std": self.actor.log_std.exp().mean().item(),
-            "explained": 1.0 - ((value.target - self.critic(value.observation)).var() / value.target.var()).item(),
-            "learning_rate": self.rate_share * self.actor_rate,
-        }
+            learning = learning and self.may_go_on(policy)
+        return {"objective": mean(objective), "critic_loss": mean(error), **self.figures(policy, value)}
 
     def _epoch(self, samples: PolicySamples, parts: Sequence["Step"]) -> Iterator[Terms]:
         """One pass over the samples, in which these networks learn."""
         for minibatch in samples.minibatches(self.minibatch, self.generator):
             terms = self.surrogate.differentiate(minibatch)
-            clip_norm([part.gradient for part in parts], self.max_gradient)
-            for part in parts:
-                part.adam.step(self.rate_share * part.rate)
+            self.move(parts)
             yield terms
+
+    def move(self, parts: Sequence["Step"]) -> None:
+        """Let networks learn by their gradients, whose norm is bounded together."""
+        clip_norm([part.gradient for part in parts], self.max_gradient)
+        for part in parts:
+            part.adam.step(self.rate_share * part.rate)
 
     @property
     def actor_step(self) -> "Step":
@@ -176,6 +170,22 @@ class PPO(Algorithm):
     def critic_step(self) -> "Step":
         """What makes the critic learn."""
         return Step(self.surrogate.critic_parameters.gradient, self.critic_adam, self.critic_rate)
+
+    def may_go_on(self, samples: PolicySamples) -> bool:
+        """Whether the actor is still as near to the policy that took these actions as `max_kl` says."""
+        return self.max_kl is None or self._divergence(samples)[0] < self.max_kl
+
+    @torch.no_grad()
+    def figures(self, policy: PolicySamples, value: PolicySamples) -> dict[str, float]:
+        """What became of actor and critic in an update, on the samples that each learnt from."""
+        divergence, clipped = self._divergence(policy)
+        return {
+            "kl": divergence,
+            "clipped": clipped,
+            "std": self.actor.log_std.exp().mean().item(),
+            "explained": 1.0 - ((value.target - self.critic(value.observation)).var() / value.target.var()).item(),
+            "learning_rate": self.rate_share * self.actor_rate,
+        }
 
     @torch.no_grad()
     def _divergence(self, samples: PolicySamples) -> tuple[float, float]:
@@ -231,6 +241,11 @@ class Step:
     rate: float
 
 
-def _mean(terms: Sequence[Tensor]) -> float:
+def feasible(batch: TensorDict, samples: PolicySamples) -> PolicySamples:
+    """Samples (n, steps, …) of a batch but those at which an infeasible context ended an episode, one row each."""
+    return samples.at(~cast(Tensor, batch["next", "infeasible"]).squeeze(-1))
+
+
+def mean(terms: Sequence[Tensor]) -> float:
     """Mean of scalars; 0 where there is none."""
     return float(sum(terms, torch.zeros(()))) / max(len(terms), 1)

@@ -47,7 +47,7 @@ class PolicySamples(NamedTuple):
 
     def standardised_advantage(self) -> Tensor:
         """(A − mean A)/std A, shape (b,)."""
-        std, mean = torch.std_mean(self.advantage)
+        std, mean = torch.std_mean(self.advantage, -1, keepdim=True)
         return (self.advantage - mean) / std.clamp(min=_LEAST_STD)
 
 
@@ -72,6 +72,10 @@ class Surrogate(ABC):
 
     Source: Schulman et al. 2017, equations 7 and 9.
 
+    Attributes:
+        actor: π.
+        critic: V.
+
     Args:
         actor: π.
         critic: V.
@@ -86,9 +90,10 @@ class Surrogate(ABC):
     def __init__(
         self, actor: GaussianActor, critic: Critic, clip: Positive, entropy_weight: float, critic_weight: float
     ) -> None:
-        self._policy, self._value = actor, critic
-        self.actor_parameters = FlatParameters([actor.log_std, *actor.body.parameters()])
-        self.critic_parameters = FlatParameters(critic.parameters())
+        self.actor, self.critic = actor, critic
+        stack = actor.log_std.shape[:-2]  # none of a single policy's, (N,) of a stack's
+        self.actor_parameters = FlatParameters([actor.log_std, *actor.body.parameters()], stack)
+        self.critic_parameters = FlatParameters(critic.parameters(), stack)
         self.clip = clip
         self.entropy_weight = entropy_weight
         self.critic_weight = critic_weight
@@ -103,14 +108,14 @@ class Surrogate(ABC):
             parameters: of π, as ``dict(actor.named_parameters())`` names and shapes them.
             samples: the minibatch.
         """
-        policy = self._policy.distribution(parameters, samples.observation)
+        policy = self.actor.distribution(parameters, samples.observation)
         ratio = (policy.log_prob(samples.action) - samples.log_prob).exp()
         advantage = samples.standardised_advantage()
         return -clipped(ratio, advantage, self.clip).mean() - self.entropy_weight * policy.entropy()
 
     def critic_loss(self, parameters: Mapping[str, Tensor], samples: PolicySamples) -> Tensor:
         """c_V·E[(V − target)²] under other parameters than the critic's own, as pure as `actor_loss`."""
-        value = functional_call(self._value, dict(parameters), (samples.observation,))
+        value = functional_call(self.critic, dict(parameters), (samples.observation,))
         return self.critic_weight * (value - samples.target).square().mean()
 
     @abstractmethod

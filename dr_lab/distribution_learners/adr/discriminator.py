@@ -114,7 +114,6 @@ class Discriminator:
         layers = self._body.layers(inputs)
         logits = layers[-1].squeeze(-1)
         slope = (logits.sigmoid() - targets) / len(targets)
-        gradients = [[self._flat.gradient_of(p) for p in part] for part in (self._body.weights, self._body.biases)]
-        self._body.backward(layers, slope[:, None], *gradients)
+        self._body.backward(layers, slope[:, None], *self._flat.gradients_of(self._body))
         self._adam.step(self.learning_rate)
         return float(binary_cross_entropy_with_logits(logits, targets))

@@ -25,8 +25,7 @@ def test_backward_equals_autograd(activation: Activation) -> None:
     expected = flat.gradient.clone()
     flat.gradient.zero_()
     with torch.no_grad():
-        weights, biases = ([flat.gradient_of(p) for p in part] for part in (mlp.weights, mlp.biases))
-        mlp.backward(mlp.layers(x), slope, weights, biases)
+        mlp.backward(mlp.layers(x), slope, *flat.gradients_of(mlp))
     torch.testing.assert_close(flat.gradient, expected)
 
 

@@ -1,0 +1,1 @@
+"""Distilled domain randomisation: policies that each master one context teach one that is deployed."""

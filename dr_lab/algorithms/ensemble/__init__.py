@@ -1,0 +1,1 @@
+"""The mean of policies that each master one context."""
