@@ -34,7 +34,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         with _sigterm_unwinds():
-            return _dispatch(arguments)
+            code = _dispatch(arguments)
+            sys.stdout.flush()  # so that a reader who has gone is noticed here, and not at exit
+            return code
     except DrLabError as error:
         if os.environ.get("HYDRA_FULL_ERROR") == "1":
             raise
