@@ -87,7 +87,7 @@ def write_model(path: Path, model: Model, z: Array) -> tuple[ExportedModel, list
     comments = "".join(f"<!-- {sentence} -->\n" for sentence in missing)
     write_text(path, comments + mjcf(model, z))
     effects, read = model.effects if missing else (), mujoco.MjSpec.from_file(str(path))
-    return ExportedModel(model.name, read, (), {}, effects, model.space.mapping(z)), missing
+    return ExportedModel(model.name, read, (), {}, effects, fixed=model.space.mapping(z)), missing
 
 
 def play(study: Study, model: Model, z: Array, windows: Windows) -> Played:

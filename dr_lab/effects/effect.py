@@ -10,7 +10,7 @@ import mujoco
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.effect_parts import CommandFilter, ForceLaw, SensorTransform, SpecEdit
-from dr_lab.physics.model import Value
+from dr_lab.physics.model_effect import Value
 from dr_lab.physics.parameter import Parameter
 
 # From the joint outwards. Of effects that data cannot separate, the one of the earliest family is tried first.
@@ -115,7 +115,7 @@ class Effect(ABC):
 
 @dataclass(frozen=True)
 class PlacedEffect:
-    """An effect at a site of one model; fulfils `physics.model.ModelEffect`.
+    """An effect at a site of one model; fulfils `physics.model_effect.ModelEffect`.
 
     Attributes:
         effect: the phenomenon.

@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.expression import Expression
 from dr_lab.effects.joint_effect import JointEffect
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.effect_parts import ForceLaw
+from dr_lab.physics.expression import Expression
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array

@@ -51,7 +51,7 @@ def stepwise(model: Model) -> DrivenModel:
                 "has no driver that does so step by step. Fit the model without it, so that other effects take "
                 "its place: dr-lab close effect=[…]."
             )
-    return DrivenModel(model.name, model.spec, model.declared, model.targets, model.effects)
+    return DrivenModel(model.name, model.spec, model.declared, model.targets, model.effects, model.derived)
 
 
 def _column(compiled: mujoco.MjModel, actuator: str) -> int:

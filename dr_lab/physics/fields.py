@@ -1,5 +1,6 @@
 """Contexts written into a batch's expanded model fields, without recompiling."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -9,7 +10,8 @@ from numpy.typing import NDArray
 
 from dr_lab.physics.few import in_calls
 from dr_lab.physics.model import Model
-from dr_lab.physics.target import FieldEdit
+from dr_lab.physics.shared_target import SharedTarget
+from dr_lab.physics.target import FieldEdit, Target
 from dr_lab.trajectory import Array
 
 Columns = NDArray[np.intp]
@@ -42,15 +44,15 @@ class FieldContexts:
 
     def __init__(self, model: Model, compiled: mujoco.MjModel) -> None:
         edits = [
-            (column, edit, parameter.nominal)
-            for column, parameter in enumerate(model.space.parameters)
-            for edit in model.targets[parameter.name].fields(compiled)
+            (column, edit, nominal)
+            for column, (place, nominal) in enumerate(_nominal(model))
+            for edit in place.fields(compiled)
         ]
         names = dict.fromkeys(edit.field for _, edit, _ in edits)
         self._passes = {
             name: _passes([each for each in edits if each[1].field == name], _field(compiled, name)) for name in names
         }
-        self._nominal = model.space.nominal
+        self._model = model
         self._moving = _moving(compiled, [edit for _, edit, _ in edits])
         self.needs_constants = any(n in mujoco.MjModel._setconst_inputs or n.startswith("opt.") for n in names)
 
@@ -59,10 +61,8 @@ class FieldContexts:
         """Whether every parameter of the model is a compiled field (no effect, no size, no density)."""
         if model.effects:
             return False
-        relative = [p for p in model.declared if any(e.relative for e in model.targets[p.name].fields(compiled))]
-        return all(model.targets[p.name].fields(compiled) for p in model.declared) and all(
-            p.nominal != 0 for p in relative
-        )
+        each = [(place.fields(compiled), nominal) for place, nominal in _nominal(model)]
+        return all(edits and (nominal != 0 or not any(e.relative for e in edits)) for edits, nominal in each)
 
     def write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Write contexts z, shape (len(ids), n), into the simulations `ids`.
@@ -73,18 +73,18 @@ class FieldContexts:
         self._write(batch, z, ids)
         impossible = self._impossible(batch, ids)
         if impossible.any():
-            self._write(batch, np.tile(self._nominal, (impossible.sum(), 1)), ids[impossible])
+            self._write(batch, np.tile(self._model.space.nominal, (impossible.sum(), 1)), ids[impossible])
         if self.needs_constants:
             for each in in_calls(batch, ids):
                 batch.set_const(each)
         return impossible
 
     def _write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> None:
-        rows = ids[:, None]
+        rows, placed = ids[:, None], self._model.placed(z)
         for name, passes in self._passes.items():
             field = batch.expand(name).reshape(batch.nsim, -1)
             for each in passes:
-                value = z[:, each.columns] / each.reference * each.factor
+                value = placed[:, each.columns] / each.reference * each.factor
                 if each.onto is not None:
                     value = np.where(each.onto, field[rows, each.entries] * value, value)
                 field[rows, each.entries] = value
@@ -97,6 +97,11 @@ class FieldContexts:
             for welded in self._moving:
                 found |= ~(least[:, welded].max(axis=1) >= mujoco.mjMINVAL)  # not <, for NaN is impossible too
         return found
+
+
+def _nominal(model: Model) -> Iterator[tuple[Target | SharedTarget, float]]:
+    """Where the model's values go, each with the nominal one."""
+    return zip(model.places, model.placed(model.space.nominal[None])[0].tolist(), strict=True)
 
 
 def _moving(compiled: mujoco.MjModel, edits: list[FieldEdit]) -> list[Columns]:

@@ -10,7 +10,7 @@ from dr_lab.physics.compiling import compiled
 from dr_lab.physics.shared_target import SharedTarget
 from dr_lab.physics.target import Target
 
-_BODY = ("mass", "inertia_scale", "ipos")
+_BODY = ("mass", "inertia", "inertia_scale", "ipos")
 _SHAPE = ("size", "density", "mass")
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import mujoco
 import numpy as np
@@ -11,9 +11,11 @@ import numpy as np
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.derived import Derived
 from dr_lab.physics.effect_parts import CommandFilter, ForceLaw, SensorTransform, SpecEdit, SpecPreparation
 from dr_lab.physics.inertias import written_out
 from dr_lab.physics.law import Law
+from dr_lab.physics.model_effect import ModelEffect
 from dr_lab.physics.naming import name_elements
 from dr_lab.physics.parameter import Parameter
 from dr_lab.physics.shared_target import SharedTarget, parse
@@ -21,38 +23,9 @@ from dr_lab.physics.signal import Reading
 from dr_lab.physics.target import Target
 from dr_lab.trajectory import Array
 
-Value = TypeVar("Value", float, Array)
 _Part = TypeVar("_Part")
 
-_KEYS = ("target", "unit", "low", "high")
-
-
-class ModelEffect(Protocol):
-    """An effect at a site of a model, as a model sees it."""
-
-    @property
-    def label(self) -> str:
-        """``effect@site``, unique within a model."""
-        ...
-
-    @property
-    def site(self) -> str:
-        """The element that it sits at."""
-        ...
-
-    @property
-    def effect(self) -> object:
-        """What acts there; its base classes of `effect_parts` say in which parts of the physics."""
-        ...
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """The effect's parameters, nominal = absent."""
-        ...
-
-    def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
-        """The effect's own values out of a whole context's, by the names that its parts know them by."""
-        ...
+_KEYS = ("target", "nominal", "unit", "low", "high")
 
 
 @dataclass(frozen=True)
@@ -65,8 +38,9 @@ class Model:
         name: model name.
         spec: the nominal spec; never edited.
         declared: the model's own parameters.
-        targets: where each declared parameter sits, by name.
+        targets: where declared parameters sit, by name; the others only enter what is derived.
         effects: effects that are compiled in, in order of their addition.
+        derived: what follows from declared parameters, in the order in which it is written.
     """
 
     name: str
@@ -74,11 +48,24 @@ class Model:
     declared: tuple[Parameter, ...]
     targets: Mapping[str, Target | SharedTarget]
     effects: tuple[ModelEffect, ...] = ()
+    derived: tuple[Derived, ...] = ()
 
     @property
     def space(self) -> ContextSpace:
         """The context of this model: declared parameters, then each effect's."""
         return ContextSpace(self.declared + tuple(p for effect in self.effects for p in effect.parameters))
+
+    @property
+    def places(self) -> tuple[Target | SharedTarget, ...]:
+        """Where values are written: those of parameters, then what is derived."""
+        return (*self.targets.values(), *(each.target for each in self.derived))
+
+    def placed(self, z: Array) -> Array:
+        """The values that go to the `places` in contexts z (c, n), shape (c, places)."""
+        values = self.values(z)
+        direct = [values[name] for name in self.targets]
+        derived = [np.broadcast_to(each.formula(values), len(z)) for each in self.derived]
+        return np.stack([*direct, *derived], axis=1) if self.places else np.empty((len(z), 0))
 
     def with_effect(self, effect: ModelEffect) -> "Model":
         """This model with one more effect compiled in.
@@ -100,8 +87,8 @@ class Model:
         spec = self.spec.copy()
         for effect, part in self.having(SpecPreparation):
             part.prepare(spec, effect.site)
-        for parameter in self.declared:
-            self.targets[parameter.name].write(spec, values[parameter.name])
+        for place, value in zip(self.places, self.placed(z[None])[0].tolist(), strict=True):
+            place.write(spec, value)
         for effect, part in self.having(SpecEdit):
             part.edit(spec, effect.site, effect.local(values))
         return spec
@@ -159,18 +146,26 @@ class Model:
         return {name: value[:, None, None] for name, value in self.values(z).items()}
 
 
-def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, object]] | None) -> Model:
+def load(
+    name: str,
+    mjcf: str | Path,
+    parameters: Mapping[str, Mapping[str, object]] | None,
+    derived: Mapping[str, str] | None = None,
+) -> Model:
     """Read an MJCF file and declare its free parameters.
 
     Args:
         name: model name.
         mjcf: path of the MJCF file.
         parameters: parameter name → ``target`` (or a list of them, for a value that several places share), ``unit``,
-            ``low``, ``high``; nominal is read from the file. None: every value of the file stands.
+            ``low``, ``high``; nominal is read from the file. A parameter that only enters what is derived has
+            ``nominal`` in place of ``target``. None: every value of the file stands.
+        derived: target → formula of parameters, as ``pole.mass * pole.length**2 / 12``; it replaces the file's value.
 
     Raises:
         ModelError: the file is missing or does not compile (MuJoCo's message is kept), or a parameter changes nothing.
         UnknownNameError: a target names an element or attribute that does not exist.
+        ConfigError: a formula cannot be read, or uses another name.
     """
     path = Path(mjcf)
     if not path.is_file():
@@ -180,28 +175,37 @@ def load(name: str, mjcf: str | Path, parameters: Mapping[str, Mapping[str, obje
         compiled(spec.copy())
     except ValueError as error:
         raise ModelError(f"Model {name!r} does not compile ({path.name}): {error}") from error
-    return from_spec(name, spec, parameters or {})
+    return from_spec(name, spec, parameters or {}, derived)
 
 
-def from_spec(name: str, spec: mujoco.MjSpec, parameters: Mapping[str, Mapping[str, object]]) -> Model:
+def from_spec(
+    name: str,
+    spec: mujoco.MjSpec,
+    parameters: Mapping[str, Mapping[str, object]],
+    derived: Mapping[str, str] | None = None,
+) -> Model:
     """Declare the free parameters of a spec, whose unnamed elements get names; arguments and errors as `load`."""
     spec = spec.copy()
     name_elements(spec)
     for key, entry in parameters.items():
         _require_known(name, key, entry)
-    targets = {key: parse(_entry(name, key, entry, "target")) for key, entry in parameters.items()}
-    spec = written_out(spec, targets.values())
+    placed = {key: entry for key, entry in parameters.items() if "nominal" not in entry}
+    targets = {key: parse(_entry(name, key, entry, "target")) for key, entry in placed.items()}
+    follow = tuple(Derived.parse(target, text, tuple(parameters)) for target, text in (derived or {}).items())
+    spec = written_out(spec, [*targets.values(), *(each.target for each in follow)])
+    for each in follow:
+        each.target.read(spec)
     declared = tuple(
         Parameter(
             name=key,
             unit=str(_entry(name, key, entry, "unit")),
-            nominal=targets[key].read(spec),
+            nominal=targets[key].read(spec) if key in targets else _number(name, key, entry, "nominal"),
             low=_number(name, key, entry, "low"),
             high=_number(name, key, entry, "high"),
         )
         for key, entry in parameters.items()
     )
-    model = Model(name, spec, declared, targets)
+    model = Model(name, spec, declared, targets, derived=follow)
     for parameter in declared:
         require_live(model, parameter.name)
     return model
@@ -245,6 +249,11 @@ def _require_known(model: str, name: str, entry: Mapping[str, object]) -> None:
     for key in entry:
         if key not in _KEYS:
             raise UnknownNameError("key", str(key), _KEYS, f"parameter {name!r} of model {model!r}")
+    if {"target", "nominal"} <= set(entry):
+        raise ModelError(
+            f"Parameter {name!r} of model {model!r} has target and nominal. Delete nominal, which the file says, or "
+            "target, if the parameter only enters what is derived."
+        )
 
 
 def _entry(model: str, name: str, entry: Mapping[str, object], key: str) -> object:

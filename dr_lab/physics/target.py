@@ -13,7 +13,7 @@ _PATTERN = re.compile(r"^(?P<kind>\w+)\.(?:(?P<element>.+)\.)?(?P<attribute>\w+?
 
 # attribute -> number of entries; polynomial damping and stiffness are addressed by their linear entry
 _ATTRIBUTES: dict[str, dict[str, int]] = {
-    "body": {"mass": 1, "inertia_scale": 1, "ipos": 3, "pos": 3},
+    "body": {"mass": 1, "inertia": 3, "inertia_scale": 1, "ipos": 3, "pos": 3},
     "joint": {"damping": 1, "frictionloss": 1, "armature": 1, "stiffness": 1, "springref": 1},
     "geom": {"size": 3, "friction": 3, "density": 1, "mass": 1},
     "actuator": {"gear": 6, "gainprm": 10, "force_limit": 1},
@@ -22,6 +22,7 @@ _ATTRIBUTES: dict[str, dict[str, int]] = {
 
 # compiled field written without recompiling; the others change sizes or derived inertia
 _FIELDS = {
+    ("body", "inertia"): "body_inertia",
     ("body", "ipos"): "body_ipos",
     ("body", "pos"): "body_pos",
     ("joint", "damping"): "dof_damping",
@@ -60,7 +61,8 @@ class Target:
     """Parsed address of one scalar of the physics.
 
     ``body.<b>.mass`` scales the body's inertia along (same shape, other density); ``body.<b>.inertia_scale`` scales
-    inertia alone, so every admissible pair is physically consistent. ``actuator.<a>.force_limit`` is F of a symmetric
+    inertia alone, so every admissible pair is physically consistent. ``body.<b>.inertia`` are its principal moments,
+    where the file gives them as ``diaginertia``. ``actuator.<a>.force_limit`` is F of a symmetric
     ``forcerange`` ±F.
     """
 
@@ -99,8 +101,8 @@ class Target:
         """Nominal value in the spec.
 
         Raises:
-            ModelError: a body's mass is asked for but the body has no <inertial>, or an actuator's force limit but its
-                force is not limited symmetrically.
+            ModelError: a body's mass is asked for but the body has no <inertial>, its principal moments but it has a
+                full inertia, or an actuator's force limit but its force is not limited symmetrically.
             UnknownNameError: the element is not in the model.
         """
         if self.attribute == "inertia_scale":
@@ -108,8 +110,12 @@ class Target:
         element = self._element(spec)
         if self.attribute == "force_limit":
             return self._force_limit(element)
-        if self.kind == "body" and self.attribute in ("mass", "ipos") and not element.explicitinertial:
+        if self.kind == "body" and self.attribute in ("mass", "inertia", "ipos") and not element.explicitinertial:
             raise ModelError(f"Target {self}: body {self.element!r} needs an explicit <inertial> to vary its inertia.")
+        if self.attribute == "inertia" and np.isfinite(element.fullinertia[0]):
+            raise ModelError(
+                f"Target {self}: body {self.element!r} has a fullinertia. Give it as diaginertia and quat."
+            )
         value = np.atleast_1d(np.asarray(getattr(element, self.attribute), dtype=float))
         return float(value[self.index]) * self._unit(spec)
 

@@ -10,7 +10,7 @@ from dr_lab.diagnosis.law_settings import LawSettings
 from dr_lab.diagnosis.search.free_law import FreeLaw, curve
 from dr_lab.effects.effect import PlacedEffect, Scales
 from dr_lab.physics.effect_parts import CommandFilter, SpecEdit
-from dr_lab.physics.model import ModelEffect
+from dr_lab.physics.model_effect import ModelEffect
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.physics.model import ModelEffect, Value
+from dr_lab.physics.model_effect import ModelEffect, Value
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -14,7 +14,7 @@ from dr_lab.trajectory import Array
 class FreeLaw:
     """A law of one argument with so many parameters that it is next to any function of it.
 
-    It acts beside the effect whose law it checks, in replays alone; fulfils `physics.model.ModelEffect`.
+    It acts beside the effect whose law it checks, in replays alone; fulfils `physics.model_effect.ModelEffect`.
 
     Attributes:
         label: unique within a model.

@@ -65,9 +65,13 @@ class SwingUp(Task):
 
     def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
         """Where a position, a velocity or the tilt is beyond its limit."""
-        del values
         size = np.abs(np.column_stack([fields["qpos"], fields["qvel"], _tilt(fields)]))
-        return np.any(size > [*self.position_limit, *self.velocity_limit, self.tilt_limit], axis=1)
+        return np.any(size > self.limits(len(size), values), axis=1)
+
+    def limits(self, count: int, values: Values) -> Array:
+        """Of positions, velocities and tilt in n simulations, shape (n, 5); alike in all unless said otherwise."""
+        del values
+        return np.tile([*self.position_limit, *self.velocity_limit, self.tilt_limit], (count, 1))
 
 
 def _tilt(fields: Fields) -> Array:

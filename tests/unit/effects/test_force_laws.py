@@ -147,7 +147,7 @@ def test_a_formula_knows_command_speed_and_the_logs_time() -> None:
         ("-k * ", "cannot be read"),
         ("-k * p", "'p', which is not known"),
         ("k * __import__('os').getpid()", "formulas cannot|no function|not known"),
-        ("k * q.real", "Attribute"),
+        ("k * q.real", "'q.real', which is not known"),
         ("k * [q][0]", "Subscript"),
         ("k * (q if q else v)", "IfExp"),
         ("k * eval(q)", "'eval'"),

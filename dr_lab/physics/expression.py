@@ -24,7 +24,7 @@ class Expression:
 
     Args:
         text: the formula, in Python's notation, as ``-k * q * abs(q)``.
-        names: the names it may use.
+        names: the names it may use; they may have dots, as ``pole.mass``.
 
     Raises:
         ConfigError: it cannot be read, uses another name, function or construct, or one of `names` never.
@@ -41,9 +41,16 @@ class Expression:
             return np.asarray(eval(self._code, {"__builtins__": {}, **FUNCTIONS}, dict(values)))
 
 
+class _Dotted(ast.NodeTransformer):
+    """Takes ``pole.mass`` for one name."""
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.Name:
+        return ast.copy_location(ast.Name(ast.unparse(node), node.ctx), node)
+
+
 def _compiled(text: str, names: tuple[str, ...]) -> CodeType:
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        tree = _Dotted().visit(ast.parse(text.strip(), mode="eval"))
     except SyntaxError as error:
         raise ConfigError(f"Formula {text!r} cannot be read: {error.msg}. Write it as -k * q * abs(q).") from error
     for node in ast.walk(tree):

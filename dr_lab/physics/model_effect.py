@@ -1,0 +1,37 @@
+"""An effect at a site of a model, as a model sees it."""
+
+from collections.abc import Mapping
+from typing import Protocol, TypeVar
+
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+Value = TypeVar("Value", float, Array)
+
+
+class ModelEffect(Protocol):
+    """An effect at a site of a model, as a model sees it."""
+
+    @property
+    def label(self) -> str:
+        """``effect@site``, unique within a model."""
+        ...
+
+    @property
+    def site(self) -> str:
+        """The element that it sits at."""
+        ...
+
+    @property
+    def effect(self) -> object:
+        """What acts there; its base classes of `effect_parts` say in which parts of the physics."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The effect's parameters, nominal = absent."""
+        ...
+
+    def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
+        """The effect's own values out of a whole context's, by the names that its parts know them by."""
+        ...
