@@ -11,6 +11,7 @@ from torch import Tensor
 from dr_lab.collectors.collector import Collector, Policy
 from dr_lab.collectors.play import play
 from dr_lab.envs.slots import EpisodeSlots, Starts
+from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.context_source import UNKEYED, ContextSource, Keys, Proposals
 from dr_lab.trajectory import Array
 
@@ -95,6 +96,11 @@ class Experience:
         low, high = (torch.from_numpy(bound).float() for bound in (self._episodes.low, self._episodes.high))
         return batch.copy().set("action", cast(Tensor, batch["action"]).clamp(low, high))
 
+    @property
+    def space(self) -> ContextSpace:
+        """The parameters of a context."""
+        return self._episodes.space
+
     def contexts(self, rng: np.random.Generator, count: int) -> Array:
         """Draws of p(z), shape (count, n)."""
         return self.propose(rng, count).z
@@ -102,7 +108,7 @@ class Experience:
     def propose(self, rng: np.random.Generator, count: int) -> Proposals:
         """The same with the keys by which their source knows them."""
         if self.source is None:
-            return Proposals(np.tile(self._episodes.space.nominal, (count, 1)), np.full(count, UNKEYED, np.int64))
+            return Proposals(np.tile(self.space.nominal, (count, 1)), np.full(count, UNKEYED, np.int64))
         return self.source.propose([rng] * count, np.arange(count))
 
     def close(self) -> None:

@@ -68,7 +68,7 @@ class DiDoR(Algorithm):
         self.student = student(interface.observation, *bounds, derived_seed(seed, "student"))
         self.distillation = distillation(self.student, seed)
         self._turns = Turns(self.teachers.acting, self.student)
-        self.frames = 0
+        self._count(0)
 
     @property
     def policies(self) -> Mapping[str, Policy]:
@@ -97,9 +97,13 @@ class DiDoR(Algorithm):
     def update(self, batch: TensorDict) -> Mapping[str, float]:
         """Let the teachers learn, or the student, whichever acted."""
         figures = self._distil(batch) if self._turns.student_acts else self.teachers.update(batch)
-        self.frames += batch.numel()
-        self._turns.student_acts = self.frames >= self.teacher_frames
+        self._count(self.frames + batch.numel())
         return figures
+
+    def _count(self, frames: int) -> None:
+        """Note how many control steps have been played, and whose turn it is."""
+        self.frames = frames
+        self._turns.student_acts = frames >= self.teacher_frames
 
     def _distil(self, batch: TensorDict) -> Mapping[str, float]:
         feasible = ~cast(Tensor, batch["next", "infeasible"]).squeeze(-1)
@@ -133,5 +137,4 @@ class DiDoR(Algorithm):
         """Continue from what `state_dict` gave."""
         for part in ("teachers", "student", "distillation"):
             getattr(self, part).load_state_dict(state[part])
-        self.frames = state["frames"]
-        self._turns.student_acts = self.frames >= self.teacher_frames
+        self._count(state["frames"])

@@ -92,7 +92,6 @@ def test_the_teachers_learn_first_each_in_its_own_domain_then_the_student_in_tho
 
 def test_a_student_of_teachers_that_are_the_same_becomes_their_copy() -> None:
     algorithm = didor(teacher_frames=0, frames=40 * BATCH)
-    algorithm._turns.student_acts = True
     one, other = algorithm.teachers.members
     torch.nn.init.normal_(one.actor.body.weights[-1], generator=torch.Generator().manual_seed(1))
     other.actor.load_state_dict(one.actor.state_dict())
