@@ -49,6 +49,11 @@ class Algorithm(ABC):
         """What is learnt and kept, by name; most algorithms have one, ``policy``, which explores."""
 
     @property
+    def judged_by_return(self) -> bool:
+        """Whether what the deployed policy returns as it is says how good it is, so that the best of some is chosen."""
+        return True
+
+    @property
     def collecting(self) -> Policy:
         """What acts while experience is collected: ``policy``, unless others that follow from it do."""
         return self.policies["policy"]

@@ -19,6 +19,11 @@ class MetaAlgorithm(Algorithm):
     tasks: int
     adapted_policies: PolicyStack
 
+    @property
+    def judged_by_return(self) -> bool:
+        """No: what a policy returns before it is adapted says nothing of what it is made for."""
+        return False
+
     @abstractmethod
     def begin_adapting(self) -> None:
         """Let every adapted policy be the policy itself, which stays as it is whatever becomes of them."""

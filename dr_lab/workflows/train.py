@@ -9,7 +9,6 @@ import torch
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from dr_lab.algorithms.meta_algorithm import MetaAlgorithm
 from dr_lab.collectors.collector import Policy
 from dr_lab.comparison.export import write_context
 from dr_lab.files import write_text
@@ -64,8 +63,7 @@ def train(
     """
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
     training = plan.assemble(run_dir / CHECKPOINT)
-    # What a policy returns before it is adapted says nothing of what it is made for: the last one is deployed.
-    kept = 1 if isinstance(training.algorithm, MetaAlgorithm) else choice.snapshots
+    kept = choice.snapshots if training.algorithm.judged_by_return else 1  # the last, where no return says which
     snapshots, policies = Snapshots(training.randomizer), PolicySnapshots(training.algorithm, kept)
     training.more.update(snapshots=snapshots, policies=policies)
     if resume is None:
