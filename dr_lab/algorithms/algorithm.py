@@ -34,9 +34,11 @@ class Algorithm(ABC):
 
     Attributes:
         batch_frames: control steps, over all episodes, that one update wants.
+        domains: contexts on which it trains where these stay the same, shape (N, n); None where episodes draw theirs.
     """
 
     batch_frames: int
+    domains: Array | None = None
 
     @property
     def name(self) -> str:

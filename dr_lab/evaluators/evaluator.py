@@ -16,7 +16,7 @@ from dr_lab.errors import DataError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.training import Curve, Gain, Grid, Matrix, Ways
+from dr_lab.recorders.training import Curve, Gain, Grid, Matrix, Violin, Ways
 from dr_lab.seeding import derived_seed
 from dr_lab.training.adapting import Adapting, OwnUpdates, TrainingOn
 from dr_lab.training.policy_snapshots import PolicySnapshot
@@ -56,6 +56,7 @@ class Subject:
         trained_on: distribution of the contexts, as training left it; None for the nominal context alone.
         snapshots: the policies that training had last, oldest first.
         meta: how a policy is adapted that was trained for it; None where adapting is training on.
+        domains: contexts on which it was trained where these stayed the same, shape (N, n); None where there are none.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Subject:
     trained_on: ContextSource | None = None
     snapshots: Sequence[PolicySnapshot] = ()
     meta: MetaLearner | None = None
+    domains: Array | None = None
 
     @property
     def together(self) -> int:
@@ -127,6 +129,7 @@ class Evaluation:
         curves: figures over the control steps of training.
         gains: what updates add to the return over contexts, the most telling first.
         ways: of the policy in the plane, before and after updates.
+        violins: how returns are distributed.
         episodes: that are worth being looked at.
         told: what was played and what the figures mean, for the page.
     """
@@ -139,6 +142,7 @@ class Evaluation:
     curves: Sequence[Curve] = field(default_factory=tuple)
     gains: Sequence[Gain] = field(default_factory=tuple)
     ways: Sequence[Ways] = field(default_factory=tuple)
+    violins: Sequence[Violin] = field(default_factory=tuple)
     episodes: Sequence[Episode] = field(default_factory=tuple)
     told: str = ""
 

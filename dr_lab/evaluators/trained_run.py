@@ -90,7 +90,8 @@ def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:
 
     learnt = training.algorithm
     meta = MetaLearner(learnt.tasks, meta_again) if isinstance(learnt, MetaAlgorithm) else None
-    return Subject(folder.name, plan.env, learnt.deployed, again, threads, training.randomizer, snapshots, meta)
+    made = (training.randomizer, snapshots, meta, learnt.domains)
+    return Subject(folder.name, plan.env, learnt.deployed, again, threads, *made)
 
 
 def _origin(folder: Path) -> str:

@@ -8,12 +8,12 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from dr_lab.recorders import distributions, grids
+from dr_lab.recorders import distributions, grids, violins
 from dr_lab.recorders.branch import FRAMES, Branch, entity_path
 from dr_lab.recorders.counted_axis import counted_axis
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.recording import recording_file
-from dr_lab.recorders.training import Band, Grid, Marginal
+from dr_lab.recorders.training import Band, Grid, Marginal, Violin
 
 # Rerun keeps one layout an application: every recording of a sweep shares this one.
 APPLICATION = "dr_lab_sweep"
@@ -30,6 +30,7 @@ class SweepRecord:
         bands: figures over control steps, those of the first page first.
         marginals: by parameter, what each group learnt of it.
         grids: returns over contexts, by group; those over the same parameter alone share one chart.
+        violins: how returns are distributed, by group; all in one chart.
         pages: Markdown by title; the first stands on the first page.
     """
 
@@ -38,6 +39,7 @@ class SweepRecord:
     bands: Sequence[Band] = ()
     marginals: Mapping[str, Mapping[str, Marginal]] = field(default_factory=dict)
     grids: Mapping[str, Grid] = field(default_factory=dict)
+    violins: Mapping[str, Sequence[Violin]] = field(default_factory=dict)
     pages: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -59,7 +61,7 @@ def write_sweep_review(path: Path, record: SweepRecord, look: Look) -> None:
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<figure>/<group>``, with the interval's ends, on the timeline ``frames``,
-    ``/distribution/<parameter>``, ``/returns/<parameter>`` and ``/grid/<group>``, ``/pages/<title>``.
+    ``/distribution/<parameter>``, ``/returns/<parameter>`` and ``/grid/<group>``, ``/violins``, ``/pages/<title>``.
 
     Args:
         path: the file, by custom ``review.rrd``.
@@ -84,6 +86,10 @@ def _log(root: Branch, record: SweepRecord, look: Look) -> None:
     span = grids.return_span(list(record.maps.values()))
     for group, grid in record.maps.items():
         grids.log_grid(root / "grid" / group, grid, look, span)
+    drawn = [(violin, colours[group]) for group, each in record.violins.items() for violin in each]
+    if drawn:
+        each, colour = zip(*drawn, strict=True)
+        violins.log_violins(root / violins.ROOT, each, colour, look)
     for title, text in record.pages.items():
         (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
 
@@ -135,7 +141,12 @@ def _learned(record: SweepRecord) -> list[rrb.View]:
 
 def _maps(record: SweepRecord) -> list[rrb.View]:
     lines = [grids.CANVAS.view([_RETURNS, name], f"returns over {name}") for name in record.lines]
-    return [*lines, *(grids.CANVAS.view(["grid", group], f"returns, {group}") for group in record.maps)]
+    every = [violin for each in record.violins.values() for violin in each]
+    return [
+        *violins.views(every),
+        *lines,
+        *(grids.CANVAS.view(["grid", group], f"returns, {group}") for group in record.maps),
+    ]
 
 
 def _plot(name: str, last: int, legend: bool) -> rrb.TimeSeriesView:

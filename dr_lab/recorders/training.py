@@ -168,6 +168,19 @@ class Gain:
 
 
 @dataclass(frozen=True)
+class Violin:
+    """How returns are distributed.
+
+    Attributes:
+        name: of what.
+        returns: shape (k,), one at least.
+    """
+
+    name: str
+    returns: Array
+
+
+@dataclass(frozen=True)
 class Ways:
     """Ways of a policy in the plane, before and after it was adapted to where it is to go.
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
-from dr_lab.recorders import course, distributions, grids, heat_map, ways
+from dr_lab.recorders import course, distributions, grids, heat_map, violins, ways
 from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.counted_axis import counted_axis
 from dr_lab.recorders.episode import Episode
@@ -16,7 +16,7 @@ from dr_lab.recorders.gains import log_gain
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.matrices import log_matrix
 from dr_lab.recorders.recording import recording_file
-from dr_lab.recorders.training import Curve, Gain, Grid, Marginal, Matrix, Pair, Ways
+from dr_lab.recorders.training import Curve, Gain, Grid, Marginal, Matrix, Pair, Violin, Ways
 from dr_lab.reports.quantity import titled
 
 # Rerun keeps one layout an application: every recording of training and evaluation shares this one.
@@ -38,6 +38,7 @@ class TrainingRecord:
         matrices: cosines between the gradients of contexts, that of the first page first.
         gains: what updates add to the return over contexts, that of the first page first.
         ways: in the plane, before and after updates.
+        violins: how returns are distributed, all in one chart.
     """
 
     name: str
@@ -50,6 +51,7 @@ class TrainingRecord:
     matrices: Sequence[Matrix] = ()
     gains: Sequence[Gain] = ()
     ways: Sequence[Ways] = ()
+    violins: Sequence[Violin] = ()
 
 
 def write_training_review(path: Path, record: TrainingRecord, look: Look) -> None:
@@ -57,7 +59,7 @@ def write_training_review(path: Path, record: TrainingRecord, look: Look) -> Non
 
     Entities: ``/curve/<name>``, ``/distribution/<parameter>``, ``/distribution/<parameter>, <parameter>``,
     ``/course/<parameter>``, ``/grid/<title>``, ``/matrix/<title>``, ``/gain/<title>``, ``/ways/<title>``,
-    ``/pages/<title>`` on the timeline ``iteration``, curves over control steps on ``frames``,
+    ``/violins``, ``/pages/<title>`` on the timeline ``iteration``, curves over control steps on ``frames``,
     ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the episode's start.
 
     Args:
@@ -95,6 +97,8 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
         log_gain(root / "gain" / gain.title, gain, look)
     for each in record.ways:
         ways.log_ways(root / "ways" / each.title, each, look)
+    if record.violins:
+        violins.log_violins(root / violins.ROOT, record.violins, [look.colour("after")] * len(record.violins), look)
     if record.episodes:
         log_episodes(root / ROOT, record.episodes, look)
     counting = _counting(record)
@@ -160,7 +164,8 @@ def _learned(record: TrainingRecord) -> list[rrb.View]:
 
 
 def _maps(record: TrainingRecord) -> list[rrb.View]:
-    return [grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}") for grid in record.grids]
+    maps = [grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}") for grid in record.grids]
+    return [*violins.views(record.violins), *maps]
 
 
 def _adapted(record: TrainingRecord) -> list[rrb.View]:

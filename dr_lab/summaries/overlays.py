@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.errors import DataError
 from dr_lab.evaluators.statistics import iqm_band
-from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
+from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal, Violin
 from dr_lab.reports.evaluate import Cell, EvaluateReport
 from dr_lab.reports.train import HistogramEntry, TrainReport
 from dr_lab.summaries.groups import Group, Statistics
@@ -18,6 +18,7 @@ from dr_lab.trajectory import Array
 _COUNTS = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
 _FIRST = "episode_return"
 _GRID = "GridEvaluator"
+_DOMAINS = "UnseenDomainsEvaluator"
 _CELL = ("return", "std")
 _OF_A_CELL = (*_CELL, "diverged")  # columns that are no axis
 
@@ -58,6 +59,19 @@ def grids(groups: Sequence[Group]) -> dict[str, Grid]:
         drawn = {folder: report for folder, report in each.items() if report.evaluator == _GRID and report.rows}
         if drawn:
             found[group.label] = _mean_grid(group.label, drawn)
+    return found
+
+
+def violins(groups: Sequence[Group]) -> dict[str, list[Violin]]:
+    """By group, returns in unseen domains, and in those that were trained on, over all its runs."""
+    found: dict[str, list[Violin]] = {}
+    for group in groups:
+        each = [run.content for run in group.runs if isinstance(run.content, EvaluateReport)]
+        rows = [row for report in each if report.evaluator == _DOMAINS for row in report.rows]
+        kinds = dict.fromkeys(str(row["domains"]) for row in rows)
+        returns = {kind: np.array([_number(row["return"]) for row in rows if row["domains"] == kind]) for kind in kinds}
+        if returns:
+            found[group.label] = [Violin(f"{group.label} · {kind}", values) for kind, values in returns.items()]
     return found
 
 

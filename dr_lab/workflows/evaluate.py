@@ -54,6 +54,7 @@ def evaluate(
     report = _report(folder, setting.name, evaluator, found, run_dir)
     name = f"{setting.name} · {subject.name}"
     parts = {"grids": found.grids, "matrices": found.matrices, "gains": found.gains, "ways": found.ways}
+    parts["violins"] = found.violins
     record = TrainingRecord(name, found.curves, episodes=found.episodes, **parts)
     write_text(run_dir / "returns.csv", rows_csv(found.rows))
     finish(run_dir, report, evaluate_markdown(report, found.told), setting, record, recorder)

@@ -17,7 +17,7 @@ from dr_lab.summaries.doubts import divided_runs, missing_figures, repeated_runs
 from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.exhaustive import exhaustive
 from dr_lab.summaries.groups import Cell, Cells, Estimate, Group, find_group, grouped, shared_figures, summed_up
-from dr_lab.summaries.overlays import bands, grids, marginals
+from dr_lab.summaries.overlays import bands, grids, marginals, violins
 from dr_lab.summaries.runs import Run, find_runs
 from dr_lab.summaries.settings import SummarySettings
 from dr_lab.summaries.tables import groups_csv, runs_csv, runs_page, summary_page
@@ -90,7 +90,8 @@ def _record(found: _Compared, settings: SummarySettings, page: str) -> SweepReco
     groups, pages = found.groups, {"Summary": page, "Runs": runs_page(found.runs, settings.figures)}
     apart = exhaustive(groups)
     labels, drawn = [*(group.label for group in groups), *apart], grids(groups) | apart
-    return SweepRecord(found.name, labels, bands(groups, settings.statistics), marginals(groups), drawn, pages)
+    learned = bands(groups, settings.statistics), marginals(groups)
+    return SweepRecord(found.name, labels, *learned, drawn, violins(groups), pages)
 
 
 def _report(folder: Path, found: _Compared, run_dir: Path) -> SummarizeReport:

@@ -147,3 +147,12 @@ def test_gains_and_ways_are_drawn_with_what_is_in_doubt(
     assert course.shape[-2] == 2  # it ends where it leaves the chart
     assert "/ways/after\\ 1\\ update/after_1/end" not in found
     assert "/ways/after\\ 1\\ update/after_0/end" in found
+
+
+def test_violins_stand_below_one_another_with_their_medians(tmp_path: Path, look: Look) -> None:
+    drawn = [Violin("unseen", np.array([0.0, 10.0, 20.0])), Violin("teachers", np.full(5, 20.0))]
+    write_training_review(tmp_path / "review.rrd", TrainingRecord("violins", violins=drawn), look)
+    entities = read_recording(tmp_path / "review.rrd")
+    assert {f"/violins/violin_0{k}_{part}" for k in (0, 1) for part in ("outline", "quartiles", "median")} <= set(
+        entities
+    )

@@ -1,0 +1,115 @@
+"""Returns in domains that training has not seen, beside those in the domains that it has."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dr_lab.bounds import Count, require_bounds
+from dr_lab.envs.batched_env import single
+from dr_lab.evaluators.deployment import inference_seconds, parameter_bytes
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
+from dr_lab.files import write_text
+from dr_lab.physics.context import ContextSpace
+from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.recorders.training import Violin
+from dr_lab.reports.csv_rows import rows_csv
+from dr_lab.seeding import stream
+from dr_lab.trajectory import Array
+
+UNSEEN, TEACHERS = "unseen", "teachers"
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnseenDomainsEvaluator(Evaluator):
+    """Episodes from several starts in each of many drawn domains; domains and starts hang on the seed alone.
+
+    So they are the same for every policy that was trained on the same distribution. A policy that was trained on
+    domains that stayed the same (`Algorithm.domains`, its teachers') plays these, too.
+
+    Source: Brosseit et al. 2021, Distilled Domain Randomization, §V, figures 3 and 4 (32 domains, 100 starts).
+
+    Attributes:
+        distribution: makes what domains are drawn from, over the model's parameters; None for what was trained on.
+        domains: drawn from it.
+        starts: episodes in each domain.
+        parallel: episodes side by side.
+        calls: of the policy, whose median time is told.
+        seed: of domains and starts.
+
+    Raises:
+        ConfigError: a number is out of its range.
+    """
+
+    distribution: Callable[[ContextSpace], Randomizer] | None
+    domains: Count
+    starts: Count
+    parallel: Count
+    calls: Count
+    seed: int
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "evaluator")
+
+    def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
+        """Play all; ``domains.csv`` in the folder says what the domains are like and how the policy does in each."""
+        kinds = {UNSEEN: self._unseen(subject)}
+        if subject.domains is not None:
+            kinds[TEACHERS] = subject.domains
+        played: dict[str, Array] = {}
+        figures: dict[str, float] = {}
+        rows: list[Row] = []
+        table: list[Row] = []
+        for place, (kind, z) in enumerate(kinds.items(), start=1):
+            rollouts = subject.rollouts(self.parallel, self.seed)
+            played[kind], infeasible = rollouts.outcomes(np.repeat(z, self.starts, axis=0))
+            returns = played[kind].reshape(len(z), self.starts)
+            figures |= {f"{kind}.{key}": value for key, value in _quartiles(returns).items()}
+            figures[f"{kind}.infeasible"] = float(infeasible.mean())
+            rows += list(_rows(kind, returns))
+            table += list(_table(kind, subject.setting.space, z, returns))
+            progress(place / len(kinds))
+        write_text(folder / "domains.csv", rows_csv(table))
+        figures |= self._cost(subject)
+        violins = [Violin(kind, returns) for kind, returns in played.items()]
+        rows.sort(key=lambda row: float(row["return"]))
+        return Evaluation(figures, rows, violins=violins, told=self._told(len(kinds) > 1))
+
+    def _unseen(self, subject: Subject) -> Array:
+        """Domains, shape (domains, n)."""
+        rng = stream(self.seed, "unseen_domains")
+        if self.distribution is None:
+            return subject.contexts(self.domains, rng)
+        return self.distribution(subject.setting.space).sample([rng] * self.domains)
+
+    def _cost(self, subject: Subject) -> dict[str, float]:
+        """Of an action, s and bytes."""
+        observation = single(subject.slots(1, self.seed).observation)
+        seconds = inference_seconds(subject.policy, observation, self.calls)
+        return {"inference_seconds": seconds, "parameter_bytes": parameter_bytes(subject.policy)}
+
+    def _told(self, taught: bool) -> str:
+        told = (
+            f"{self.domains} domains that training has not seen, {self.starts} episodes in each, from starts that are "
+            "the same for every policy. median, lower and upper quartile: over all of these episodes. infeasible: "
+            "share of them that diverge, which count with the return that the task declares. inference seconds: median time "
+            f"of an action for one observation over {self.calls} calls on one core. parameter bytes: memory of the "
+            "policy's parameters. The table begins with the lowest returns; domains.csv says what each domain is like."
+        )
+        return f"{told} teachers: the domains that the policy was trained on." if taught else told
+
+
+def _quartiles(returns: Array) -> dict[str, float]:
+    first, median, third = np.quantile(returns, [0.25, 0.5, 0.75]).tolist()
+    return {"median": median, "lower_quartile": first, "upper_quartile": third}
+
+
+def _rows(kind: str, returns: Array) -> Iterator[Row]:
+    for (domain, start), value in np.ndenumerate(returns):
+        yield {"domains": kind, "domain": float(domain), "start": float(start), "return": float(value)}
+
+
+def _table(kind: str, space: ContextSpace, z: Array, returns: Array) -> Iterator[Row]:
+    for domain, (values, each) in enumerate(zip(z, returns, strict=True)):
+        yield {"domains": kind, "domain": float(domain), **_quartiles(each), **space.mapping(values)}
