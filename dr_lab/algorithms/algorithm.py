@@ -34,11 +34,9 @@ class Algorithm(ABC):
 
     Attributes:
         batch_frames: control steps, over all episodes, that one update wants.
-        domains: contexts on which it trains where these stay the same, shape (N, n); None where episodes draw theirs.
     """
 
     batch_frames: int
-    domains: Array | None = None
 
     @property
     def name(self) -> str:
@@ -49,6 +47,11 @@ class Algorithm(ABC):
     @abstractmethod
     def policies(self) -> Mapping[str, Policy]:
         """What is learnt and kept, by name; most algorithms have one, ``policy``, which explores."""
+
+    @property
+    def domains(self) -> Array | None:
+        """The contexts on which it trains where these stay the same, shape (N, n); None where episodes draw theirs."""
+        return None
 
     @property
     def judged_by_return(self) -> bool:
