@@ -1,4 +1,4 @@
-"""`report.md` of a benchmark, for a person."""
+"""What a benchmark found, for a person."""
 
 from collections.abc import Sequence
 
@@ -7,10 +7,11 @@ from dr_lab.benchmark.rates import parameter_errors
 from dr_lab.benchmark.score import mark
 from dr_lab.benchmark.scoring import Aliases
 from dr_lab.reports.benchmark import BenchmarkReport, Rate
+from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import ABSENT, number, percent
 from dr_lab.reports.tables import table
 
-_SAID = {
+SAID = {
     "top_1": "effect and site right, one hidden effect",
     "top_3": "… among the first three",
     "identifiable": "… of those that the data can show",
@@ -34,7 +35,7 @@ _KINDS = {"none": "nothing hidden", "single": "one effect", "several": "several"
 def rates_page(report: BenchmarkReport) -> str:
     """The figures with their intervals and goals."""
     rows = []
-    for name, said in _SAID.items():
+    for name, said in SAID.items():
         goal = report.goals.get(name)
         told = ("", "") if goal is None else (goal.goal, {True: "met", False: "MISSED", None: ""}[goal.met])
         rows.append([said, *_figure(report, name), *told])
@@ -107,18 +108,29 @@ def misses_page(report: BenchmarkReport) -> str:
     return table(["case", "hidden", "answered", "cause"], rows) or "None."
 
 
-def report_page(report: BenchmarkReport, outcomes: Sequence[Outcome], parameter_aliases: Aliases) -> str:
+def report_page(report: BenchmarkReport, outcomes: Sequence[Outcome], parameter_aliases: Aliases) -> Page:
     """The whole report."""
-    sections = {
-        "Figures": rates_page(report),
-        "Machines": machines_page(report),
-        "Instruments": instruments_page(outcomes),
-        "Misses": misses_page(report),
-        "Hidden effects": effects_page(outcomes, parameter_aliases),
-        "Confusion": "![hidden against answered](confusion.png)",
-    }
-    body = [f"## {title}\n\n{text}" for title, text in sections.items()]
-    return "\n\n".join([f"# Benchmark: {report.cases} cases", *body]) + "\n"
+    sections = [
+        Section("figures", "Figures", rates_page(report)),
+        Section("machines", "Machines", machines_page(report)),
+        Section("instruments", "Instruments", instruments_page(outcomes)),
+        Section("misses", "Misses", misses_page(report)),
+        Section("effects", "Hidden effects", effects_page(outcomes, parameter_aliases)),
+        Section("confusion", "Confusion", "![hidden against answered](confusion.png)"),
+    ]
+    return Page(f"Benchmark: {report.cases} cases", _lead(report), sections)
+
+
+def _lead(report: BenchmarkReport) -> str:
+    """How often the effect was found, and how often one was named where there is none."""
+    told = [
+        f"{said}: {_share(rate)} ({percent(rate.share)})"
+        for name in ("top_1", "both_found", "false_alarm")
+        for said, rate in [(SAID[name], report.rates[name])]
+        if rate is not None
+    ]
+    sentence = "; ".join(told)
+    return f"**{sentence[:1].upper()}{sentence[1:]}.**" if told else ""
 
 
 def _figure(report: BenchmarkReport, name: str) -> tuple[str, str, str]:

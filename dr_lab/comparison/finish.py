@@ -10,6 +10,7 @@ from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.comparison.progress import Screen
 from dr_lab.comparison.study import Study
 from dr_lab.comparison.write_simulated import write_simulated
+from dr_lab.html.gap_page import write_gap_page
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import Model
@@ -71,8 +72,8 @@ def finish(
 ) -> GapReport:
     """Write the run folder and print where the model fails and what must be known.
 
-    Files: ``report.json``, ``report.md``, ``metrics.csv``, ``review.rrd``, ``simulated.mcap``; with an improved model
-    (role ``after``) also ``model.xml``, ``rollout.npz`` (where a log is shown) and ``context.yaml``.
+    Files: ``report.json``, ``report.md``, ``report.html``, ``metrics.csv``, ``review.rrd``, ``simulated.mcap``; with an
+    improved model (role ``after``) also ``model.xml``, ``rollout.npz`` (where a log is shown) and ``context.yaml``.
 
     Args:
         study: model and logs.
@@ -95,6 +96,7 @@ def finish(
     run.screen.phase("Writing the recordings")
     played, forces = [play_log(study, log, shown) for log in logs], missing(study, models)
     overlays = [overlay(study, log, p, forces, look) for log, p in zip(logs, played, strict=True)]
+    write_gap_page(folder / "report.html", written, overlays, look)
     if AFTER in shown and played:
         write_rollout(folder / "rollout.npz", played[0][AFTER])
     write_review(folder / "review.rrd", written, report_markdown(written), overlays, study.compiled, look)

@@ -18,6 +18,7 @@ from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import MEASURED, Overlay
 from dr_lab.recorders.scene import body_poses
+from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array, Log
 
 _EVERY_WINDOW = 1e9  # s
@@ -69,11 +70,25 @@ def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces
             )
             for joint in joints
         },
+        arguments={joint: _arguments(study, log, joint, next(iter(forces.values()))[joint]) for joint in joints},
         commands=log.commands,
         noise={name: study.measurements.noise[name].std for name in log.outputs},
         gaps=study.measurements.gaps,
         residual_name=f"missing force [{unit}]",
     )
+
+
+def _arguments(study: Study, log: Log, joint: str, force: ResidualForce) -> dict[str, Array]:
+    """What a missing force may be a function of in the short windows of a log: velocity, position and commands."""
+    of_log = study.short.log[study.few] == study.short.logs.index(log.name)
+    unit = "m" if study.compiled.joint(joint).type[0] == mujoco.mjtJoint.mjJNT_SLIDE else "rad"
+    moved = {f"velocity of {joint} [{unit}/s]": force.velocity, f"position of {joint} [{unit}]": force.position}
+    windows = study.short.pick(study.few)
+    asked = {
+        titled(f"command {name}", signal.unit): windows.controls[..., windows.commands[name]].mean(1)
+        for name, signal in log.commands.items()
+    }
+    return {title: value[of_log] for title, value in (moved | asked).items()}
 
 
 def at_samples(log: Log, played: Played) -> dict[str, Array]:

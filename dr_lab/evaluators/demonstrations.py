@@ -8,6 +8,7 @@ import numpy as np
 
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
+from dr_lab.recorders.training import Sample
 from dr_lab.reports.quantity import percent
 from dr_lab.training.recorded import record
 
@@ -40,8 +41,9 @@ class DemonstrationsEvaluator(IntervalEvaluator):
             {"episode": each.name, "return": each.undiscounted, "steps": float(len(each.reward)), "ended": each.ended}
             for each in played
         ]
-        figures = self.figures(np.array([each.undiscounted for each in played]))
-        return Evaluation(figures, rows, episodes=played, told=self._told())
+        returns = np.array([each.undiscounted for each in played])
+        samples = [Sample("episodes", returns, "An episode each.")]
+        return Evaluation(self.figures(returns), rows, samples=samples, episodes=played, told=self._told())
 
     def _told(self) -> str:
         where = ", ".join(f"{name} = {value:g}" for name, value in (self.context or {}).items()) or "nominal values"

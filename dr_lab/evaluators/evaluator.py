@@ -16,7 +16,7 @@ from dr_lab.errors import DataError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.training import Curve, Gain, Grid, Matrix, Violin, Ways
+from dr_lab.recorders.training import Curve, Gain, Grid, Matrix, Sample, Ways
 from dr_lab.seeding import derived_seed
 from dr_lab.training.adapting import Adapting, OwnUpdates, TrainingOn
 from dr_lab.training.policy_snapshots import PolicySnapshot
@@ -129,7 +129,7 @@ class Evaluation:
         curves: figures over the control steps of training.
         gains: what updates add to the return over contexts, the most telling first.
         ways: of the policy in the plane, before and after updates.
-        violins: how returns are distributed.
+        samples: returns whose scatter is looked at, side by side.
         episodes: that are worth being looked at.
         told: what was played and what the figures mean, for the page.
     """
@@ -142,7 +142,7 @@ class Evaluation:
     curves: Sequence[Curve] = field(default_factory=tuple)
     gains: Sequence[Gain] = field(default_factory=tuple)
     ways: Sequence[Ways] = field(default_factory=tuple)
-    violins: Sequence[Violin] = field(default_factory=tuple)
+    samples: Sequence[Sample] = field(default_factory=tuple)
     episodes: Sequence[Episode] = field(default_factory=tuple)
     told: str = ""
 

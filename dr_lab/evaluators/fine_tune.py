@@ -15,7 +15,7 @@ from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import interquartile_mean
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
-from dr_lab.recorders.training import Curve
+from dr_lab.recorders.training import Curve, Sample
 from dr_lab.seeding import derived_seed, stream
 from dr_lab.trajectory import Array
 
@@ -135,7 +135,8 @@ def _summed_up(space: ContextSpace, drawn: Array, frames: NDArray[np.int64], ret
         Curve("infeasible share while training on", "", frames, infeasible, over="frames"),
     ]
     units = {p.name: p.unit for p in space.parameters}
-    return Evaluation(figures, rows, units, curves=curves if feasible.any() else ())
+    samples = [Sample("before", returns[:, 0], "A context each."), Sample("after training on", returns[:, -1])]
+    return Evaluation(figures, rows, units, curves=curves if feasible.any() else (), samples=samples)
 
 
 def _typical(returns: Array) -> float:

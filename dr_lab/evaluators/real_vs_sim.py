@@ -13,6 +13,7 @@ from dr_lab.envs.setting import Setting, require_mujoco
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.recorders.episode import Episode
+from dr_lab.recorders.training import Sample
 from dr_lab.reports.quantity import percent
 from dr_lab.targets.target import Target
 from dr_lab.training.recorded import as_episode, record
@@ -87,7 +88,9 @@ class RealVsSimEvaluator(IntervalEvaluator):
         widest = max(pairs, key=lambda pair: np.nan_to_num(abs(pair.difference)))
         shown = [widest.real, widest.simulated]
         rows, told = [_row(pair) for pair in pairs], self._told()
-        return Evaluation(self._figures(pairs), rows, _units(widest), episodes=shown, told=told)
+        returns = {"real": [p.real.undiscounted for p in pairs], "simulated": [p.expected for p in pairs]}
+        samples = [Sample(name, np.array(values), "An episode each.") for name, values in returns.items()]
+        return Evaluation(self._figures(pairs), rows, _units(widest), samples=samples, episodes=shown, told=told)
 
     def _told(self) -> str:
         return (

@@ -13,6 +13,7 @@ from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.evaluators.statistics import lower_tail, means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.recorders.training import Sample
 from dr_lab.reports.quantity import percent
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
@@ -42,21 +43,24 @@ class ReturnsEvaluator(IntervalEvaluator):
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
         """Play every distribution's contexts; an infeasible one counts for none of the means, and is counted."""
         del folder
-        rollouts, rows = subject.rollouts(self.parallel, self.seed), []
+        rollouts, rows, samples = subject.rollouts(self.parallel, self.seed), [], list[Sample]()
         for place, (name, make) in enumerate(self.distributions.items(), start=1):
             z = make(subject.setting.space).sample([stream(self.seed, "returns", name)] * self.contexts)
-            rows.append({"contexts": name, **self._summed_up(*rollouts.outcomes(np.repeat(z, self.episodes, axis=0)))})
+            returns, infeasible = rollouts.outcomes(np.repeat(z, self.episodes, axis=0))
+            rows.append({"contexts": name, **self._summed_up(returns, infeasible)})
+            samples.append(
+                Sample(name, self._means(returns, infeasible), f"Mean of {self.episodes} episodes a context.")
+            )
             progress(place / len(self.distributions))
         shown = ("iqm", "worst_decile", "cvar")
         figures = {f"{row['contexts']}.{key}": float(row[key]) for row in rows for key in shown}
-        return Evaluation(figures, rows, told=self._told())
+        return Evaluation(figures, rows, samples=samples, told=self._told())
 
     def _summed_up(self, returns: Array, infeasible: NDArray[np.bool_]) -> dict[str, float]:
         """Figures of the episodes of one distribution, context by context, shape (contexts · episodes,) each."""
-        shape = (self.contexts, self.episodes)
-        means = means_of_contexts(returns.reshape(shape), infeasible.reshape(shape))
+        means = self._means(returns, infeasible)
         known = means[np.isfinite(means)]
-        counted = returns.reshape(shape)[np.isfinite(means)].ravel()
+        counted = returns.reshape(len(means), -1)[np.isfinite(means)].ravel()
         return {
             **self.figures(means),
             "mean": float(known.mean()) if len(known) else float("nan"),
@@ -64,6 +68,11 @@ class ReturnsEvaluator(IntervalEvaluator):
             "cvar": lower_tail(counted, _WORST),
             "infeasible": float(np.mean(infeasible)),
         }
+
+    def _means(self, returns: Array, infeasible: NDArray[np.bool_]) -> Array:
+        """Return of each context, shape (contexts,); NaN of an infeasible one."""
+        shape = (self.contexts, self.episodes)
+        return means_of_contexts(returns.reshape(shape), infeasible.reshape(shape))
 
     def _told(self) -> str:
         return (

@@ -8,6 +8,7 @@ import numpy as np
 from dr_lab.collectors.collector import Policy
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
+from dr_lab.recorders.training import Sample
 from dr_lab.reports.quantity import percent
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
@@ -40,7 +41,11 @@ class SnapshotsEvaluator(IntervalEvaluator):
             rows.append({"frames": float(each.frames), "deterministic": returns[0], "stochastic": returns[1]})
             progress(place / len(snapshots))
         figures = {key: value for name in ("deterministic", "stochastic") for key, value in self._over(rows, name)}
-        return Evaluation(figures, rows, told=self._told(len(rows)))
+        samples = [
+            Sample(name, np.array([row[name] for row in rows]), f"Mean of {self.episodes} episodes of a kept policy.")
+            for name in ("deterministic", "stochastic")
+        ]
+        return Evaluation(figures, rows, samples=samples, told=self._told(len(rows)))
 
     def _return(self, subject: Subject, policy: Policy, z: Array) -> float:
         """Mean of what the policy got."""

@@ -13,7 +13,7 @@ from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Su
 from dr_lab.files import write_text
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
-from dr_lab.recorders.training import Violin
+from dr_lab.recorders.training import Sample
 from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
@@ -72,9 +72,9 @@ class UnseenDomainsEvaluator(Evaluator):
             progress(place / len(kinds))
         write_text(folder / "domains.csv", rows_csv(table))
         figures |= self._cost(subject)
-        violins = [Violin(kind, returns) for kind, returns in played.items()]
+        samples = [Sample(kind, returns, "An episode each.") for kind, returns in played.items()]
         rows.sort(key=lambda row: float(row["return"]))
-        return Evaluation(figures, rows, violins=violins, told=self._told(len(kinds) > 1))
+        return Evaluation(figures, rows, samples=samples, told=self._told(len(kinds) > 1))
 
     def _unseen(self, subject: Subject) -> Array:
         """Domains, shape (domains, n)."""
@@ -93,9 +93,10 @@ class UnseenDomainsEvaluator(Evaluator):
         told = (
             f"{self.domains} domains that training has not seen, {self.starts} episodes in each, from starts that are "
             "the same for every policy. median, lower and upper quartile: over all of these episodes. infeasible: "
-            "share of them that diverge, which count with the return that the task declares. inference seconds: median time "
-            f"of an action for one observation over {self.calls} calls on one core. parameter bytes: memory of the "
-            "policy's parameters. The table begins with the lowest returns; domains.csv says what each domain is like."
+            "share of them that diverge, which count with the return that the task declares. inference seconds: median "
+            f"time of an action for one observation over {self.calls} calls on one core. parameter bytes: memory of "
+            "the policy's parameters. The table begins with the lowest returns; domains.csv says what each domain is "
+            "like."
         )
         return f"{told} teachers: the domains that the policy was trained on." if taught else told
 

@@ -26,6 +26,7 @@ class Overlay:
         measured: channel to signal.
         simulated: by role, channel to values at the measured times, shaped as the measured values; NaN is a gap.
         residual_velocity: by joint, velocity in rad/s or m/s, shape (m,), and by role the residual, shape (m,).
+        arguments: by joint, what that residual may be a function of, by its title with unit, shape (m,) each.
         commands: actuator to signal, each value held until the next.
         noise: channel to standard deviation of the measurement noise, in the channel's unit.
         gaps: channel to the longest time in s between two samples that is not a gap; one that is left out has none.
@@ -44,6 +45,7 @@ class Overlay:
     commands: Mapping[str, Signal]
     noise: Mapping[str, float]
     gaps: Mapping[str, float] = field(default_factory=dict)
+    arguments: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     residual_name: str = "residual"
 
     def __post_init__(self) -> None:
@@ -56,6 +58,8 @@ class Overlay:
         for joint, (velocity, residuals) in self.residual_velocity.items():
             for role, residual in residuals.items():
                 self._expect(f"residual_velocity[{joint!r}][{role!r}]", residual, velocity.shape)
+            for title, value in self.arguments.get(joint, {}).items():
+                self._expect(f"arguments[{joint!r}][{title!r}]", value, velocity.shape)
 
     def _expect(self, name: str, given: Array, shape: tuple[int, ...]) -> None:
         if given.shape != shape:

@@ -13,7 +13,7 @@ from dr_lab.recorders.branch import FRAMES, Branch, entity_path
 from dr_lab.recorders.counted_axis import counted_axis
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.recording import recording_file
-from dr_lab.recorders.training import Band, Grid, Marginal, Violin
+from dr_lab.recorders.training import Band, Grid, Marginal, Sample
 
 # Rerun keeps one layout an application: every recording of a sweep shares this one.
 APPLICATION = "dr_lab_sweep"
@@ -39,7 +39,7 @@ class SweepRecord:
     bands: Sequence[Band] = ()
     marginals: Mapping[str, Mapping[str, Marginal]] = field(default_factory=dict)
     grids: Mapping[str, Grid] = field(default_factory=dict)
-    violins: Mapping[str, Sequence[Violin]] = field(default_factory=dict)
+    violins: Mapping[str, Sequence[Sample]] = field(default_factory=dict)
     pages: Mapping[str, str] = field(default_factory=dict)
 
     @property

@@ -168,19 +168,6 @@ class Gain:
 
 
 @dataclass(frozen=True)
-class Violin:
-    """How returns are distributed.
-
-    Attributes:
-        name: of what.
-        returns: shape (k,), one at least.
-    """
-
-    name: str
-    returns: Array
-
-
-@dataclass(frozen=True)
 class Ways:
     """Ways of a policy in the plane, before and after it was adapted to where it is to go.
 
@@ -195,3 +182,18 @@ class Ways:
     goals: Array
     before: Sequence[Array]
     after: Sequence[Array]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Returns whose scatter is looked at.
+
+    Attributes:
+        name: what tells them from others beside them.
+        value: shape (k,); NaN where it is unknown, e.g. of an infeasible context.
+        told: a sentence on what each value is.
+    """
+
+    name: str
+    value: Array
+    told: str = ""

@@ -16,7 +16,7 @@ from dr_lab.recorders.gains import log_gain
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.matrices import log_matrix
 from dr_lab.recorders.recording import recording_file
-from dr_lab.recorders.training import Curve, Gain, Grid, Marginal, Matrix, Pair, Violin, Ways
+from dr_lab.recorders.training import Curve, Gain, Grid, Marginal, Matrix, Pair, Sample, Ways
 from dr_lab.reports.quantity import titled
 
 # Rerun keeps one layout an application: every recording of training and evaluation shares this one.
@@ -38,7 +38,7 @@ class TrainingRecord:
         matrices: cosines between the gradients of contexts, that of the first page first.
         gains: what updates add to the return over contexts, that of the first page first.
         ways: in the plane, before and after updates.
-        violins: how returns are distributed, all in one chart.
+        samples: returns whose scatter is looked at, as violins in one chart.
     """
 
     name: str
@@ -51,7 +51,7 @@ class TrainingRecord:
     matrices: Sequence[Matrix] = ()
     gains: Sequence[Gain] = ()
     ways: Sequence[Ways] = ()
-    violins: Sequence[Violin] = ()
+    samples: Sequence[Sample] = ()
 
 
 def write_training_review(path: Path, record: TrainingRecord, look: Look) -> None:
@@ -97,8 +97,8 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
         log_gain(root / "gain" / gain.title, gain, look)
     for each in record.ways:
         ways.log_ways(root / "ways" / each.title, each, look)
-    if record.violins:
-        violins.log_violins(root / violins.ROOT, record.violins, [look.colour("after")] * len(record.violins), look)
+    if record.samples:
+        violins.log_violins(root / violins.ROOT, record.samples, [look.colour("after")] * len(record.samples), look)
     if record.episodes:
         log_episodes(root / ROOT, record.episodes, look)
     counting = _counting(record)
@@ -165,7 +165,7 @@ def _learned(record: TrainingRecord) -> list[rrb.View]:
 
 def _maps(record: TrainingRecord) -> list[rrb.View]:
     maps = [grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}") for grid in record.grids]
-    return [*violins.views(record.violins), *maps]
+    return [*violins.views(record.samples), *maps]
 
 
 def _adapted(record: TrainingRecord) -> list[rrb.View]:

@@ -9,7 +9,7 @@ from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Axis, Canvas, Chart, linear_axis
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.shape import Colour
-from dr_lab.recorders.training import Violin
+from dr_lab.recorders.training import Sample
 from dr_lab.reports.quantity import number
 from dr_lab.trajectory import Array
 
@@ -21,12 +21,12 @@ _POINTS = 200  # of an outline
 _LEAST = 0.01  # bandwidth in widths of the axis: equal returns are a spike, not a line without width
 
 
-def views(violins: Sequence[Violin]) -> list[rrb.View]:
-    """The view of what `log_violins` draws; none where there are no violins."""
-    return [_canvas(len(violins)).view([ROOT], "returns")] if violins else []
+def views(samples: Sequence[Sample]) -> list[rrb.View]:
+    """The view of what `log_violins` draws; none where there are no samples."""
+    return [_canvas(len(samples)).view([ROOT], "returns")] if samples else []
 
 
-def log_violins(root: Branch, violins: Sequence[Violin], colours: Sequence[Colour], look: Look) -> None:
+def log_violins(root: Branch, samples: Sequence[Sample], colours: Sequence[Colour], look: Look) -> None:
     """Draw Gaussian kernel densities of returns, each with its quartiles as a thick line and its median as a dot.
 
     Bandwidth: s k^(−1/5) of k returns with standard deviation s (Scott 1992, Multivariate Density Estimation). All are
@@ -34,31 +34,34 @@ def log_violins(root: Branch, violins: Sequence[Violin], colours: Sequence[Colou
 
     Args:
         root: where to.
-        violins: the returns, one violin at least.
+        samples: the returns, one sample at least; what is not known is left out.
         colours: of each.
         look: all other colours, and line widths.
     """
-    every = np.concatenate([violin.returns for violin in violins])
+    known = [sample.value[np.isfinite(sample.value)] for sample in samples]
+    every = np.concatenate([*known, np.zeros(0 if any(map(len, known)) else 1)])
     low, high = float(every.min()), float(every.max())
-    room = 0.05 * (high - low)
+    room = 0.05 * (high - low) or 1.0  # 1: of returns that are all the same
     x = linear_axis("return", low - room, high + room)
-    chart = Chart(root, _canvas(len(violins)), x, Axis("", 0.0, float(len(violins)), []))
+    chart = Chart(root, _canvas(len(samples)), x, Axis("", 0.0, float(len(samples)), []))
     chart.frame(look.colour("axis"), look.colour("text"))
-    for index, (violin, colour) in enumerate(zip(violins, colours, strict=True)):
-        _log_violin(chart, f"violin_{index:02}", violin, float(len(violins) - 1 - index), colour, look)
+    for index, (sample, returns, colour) in enumerate(zip(samples, known, colours, strict=True)):
+        bottom, name = float(len(samples) - 1 - index), f"violin_{index:02}"
+        told = _log_violin(chart, name, returns, bottom, colour, look) if len(returns) else "no return is known"
+        above = chart.place((x.low + x.high) / 2, bottom + 1.0)[0]
+        chart.words(f"{name}_label", [(above, f"{sample.name} · {told}")], look.colour("text"), lift=0.0)
 
 
-def _log_violin(chart: Chart, name: str, violin: Violin, bottom: float, colour: Colour, look: Look) -> None:
+def _log_violin(chart: Chart, name: str, returns: Array, bottom: float, colour: Colour, look: Look) -> str:
+    """Draw one; gives its quartiles in words."""
     middle = bottom + _MIDDLE
-    first, median, third = np.quantile(violin.returns, [0.25, 0.5, 0.75]).tolist()
-    at, width = _outline(violin.returns, chart.x)
+    first, median, third = np.quantile(returns, [0.25, 0.5, 0.75]).tolist()
+    at, width = _outline(returns, chart.x)
     across, up = np.concatenate([at, at[::-1]]), np.concatenate([width, -width[::-1]])
     chart.line(f"{name}_outline", across, middle + _HALF * up, colour, look.line_width / 2)
     chart.line(f"{name}_quartiles", [first, third], [middle] * 2, colour, look.measured_width)
     chart.dots(f"{name}_median", [median], [middle], look.colour("measured"), 2 * look.measured_width)
-    above = chart.place((chart.x.low + chart.x.high) / 2, bottom + 1.0)[0]
-    text = f"{violin.name} · median {number(median)} · quartiles {number(first)}, {number(third)}"
-    chart.words(f"{name}_label", [(above, text)], look.colour("text"), lift=0.0)
+    return f"median {number(median)} · quartiles {number(first)}, {number(third)}"
 
 
 def _outline(returns: Array, axis: Axis) -> tuple[Array, Array]:

@@ -1,15 +1,16 @@
-"""`report.md` of an evaluation, for a person."""
+"""What an evaluation found, for a person."""
 
 from pathlib import Path
 
 from dr_lab.reports.evaluate import Cell, EvaluateReport
+from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import number, titled
 from dr_lab.reports.tables import table
 
 _SHOWN = 40  # rows of the table in the page; all are in returns.csv
 
 
-def evaluate_markdown(report: EvaluateReport, told: str) -> str:
+def evaluate_page(report: EvaluateReport, told: str) -> Page:
     """The figures and the table behind them.
 
     Args:
@@ -21,8 +22,11 @@ def evaluate_markdown(report: EvaluateReport, told: str) -> str:
     header = [titled(name, report.units.get(name, "")) for name in (rows[0] if rows else ())]
     cells = [[_cell(value) for value in row.values()] for row in rows[:_SHOWN]]
     more = f"\n\n… and {len(rows) - _SHOWN} more in returns.csv." if len(rows) > _SHOWN else ""
-    title = f"# What {Path(report.trained).name} on {report.env} returns"
-    return f"{title}\n\n{told}\n\n{table(['figure', 'value'], figures)}\n\n{table(header, cells)}{more}\n"
+    sections = [
+        Section("figures", "", table(["figure", "value"], figures)),
+        Section("rows", "", f"{table(header, cells)}{more}"),
+    ]
+    return Page(f"What {Path(report.trained).name} on {report.env} returns", told, sections)
 
 
 def _cell(value: Cell) -> str:

@@ -1,10 +1,9 @@
-"""`report.md`: what a run found, for a person; also the text shown inside the recording."""
+"""What a comparing verb found, for a person: `report.md`, and the text shown inside the recording."""
 
 from collections.abc import Sequence
 
-from dr_lab.reports.gap import GapReport
+from dr_lab.reports.gap import Failure, GapReport
 from dr_lab.reports.gap_entries import (
-    CorrelationEntry,
     ExperimentEntry,
     MissingForceEntry,
     NoteEntry,
@@ -13,6 +12,7 @@ from dr_lab.reports.gap_entries import (
     TermEntry,
 )
 from dr_lab.reports.ladder import failing, judged, scored
+from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import number, percent
 from dr_lab.reports.tables import (
     channel_table,
@@ -29,37 +29,37 @@ from dr_lab.reports.view_command import view_command
 
 
 def report_markdown(report: GapReport) -> str:
-    """Render a report of compare, fit, diagnose, add or close.
+    """Render a report of compare, fit, diagnose, add or close; see `gap_page`."""
+    return gap_page(report).markdown()
+
+
+def gap_page(report: GapReport) -> Page:
+    """What a report of compare, fit, diagnose, add or close says to a person.
 
     Args:
-        report: what was found; sections of which it says nothing are left out.
-
-    Returns:
-        Markdown with tables and without mathematics, so that every viewer shows it.
+        report: what was found; sections of which it says nothing are empty.
     """
     title = " · ".join(dict.fromkeys(name for name in (report.model, report.measurements, report.verb) if name))
     parameters, judgement, failure = report.ladder[-1].parameters, report.judged, report.failing
+    fitted = "\n\n".join(part for part in (parameter_table(parameters), _trades(report, parameters)) if part)
     sections = [
-        f"# {title}",
-        verdict_markdown(report),
-        _section("Ladder of models", ladder_table(report)),
-        _section("Reasons", _reasons(report)),
-        _section(f"Error by channel, on {scored(report)}", channel_table(report)),
-        _section("Candidates", ranking_table(judgement.ranking, report.verdict)),
-        _section("Parameters", parameter_table(parameters)),
-        _trades(report, parameters),
-        _section("Parameters by log", per_log_table(parameters)),
-        _section(f"Where the {failing(report)} fails", _where(failure.where)),
-        _section("Missing forces", _missing_forces(judgement.missing_force)),
-        _section(f"Error of the {failing(report)} and horizon", horizon_table(report)),
-        _section(f"Residual of the {failing(report)} and command", _correlations(failure.input_correlation)),
-        _section("Next experiment", _next_experiment(judgement.next_experiment)),
-        _section("Noise floor", noise_table(report.noise)),
-        _section("Notes", notes_list(report.notes)),
-        _section("Clocks", clock_table(report.clocks)),
-        _section("How to look at it", _how_to_look(report)),
+        Section("ladder", "Ladder of models", ladder_table(report)),
+        Section("reasons", "Reasons", _reasons(report)),
+        Section("channels", f"Error by channel, on {scored(report)}", channel_table(report)),
+        Section("candidates", "Candidates", ranking_table(judgement.ranking, report.verdict)),
+        Section("parameters", "Parameters", fitted),
+        Section("parameters_by_log", "Parameters by log", per_log_table(parameters)),
+        Section("where", f"Where the {failing(report)} fails", _where(failure.where)),
+        Section("missing_forces", "Missing forces", _missing_forces(judgement.missing_force)),
+        Section("horizons", f"Error of the {failing(report)} and horizon", horizon_table(report)),
+        Section("correlations", f"Residual of the {failing(report)} and command", _correlations(failure)),
+        Section("next_experiment", "Next experiment", _next_experiment(judgement.next_experiment)),
+        Section("noise", "Noise floor", noise_table(report.noise)),
+        Section("notes", "Notes", notes_list(report.notes)),
+        Section("clocks", "Clocks", clock_table(report.clocks)),
+        Section("recording", "How to look at it", _how_to_look(report)),
     ]
-    return "\n\n".join(section for section in sections if section) + "\n"
+    return Page(title, verdict_markdown(report), sections)
 
 
 def _reasons(report: GapReport) -> str:
@@ -120,12 +120,12 @@ def _term(term: TermEntry, *, first: bool) -> str:
     return f"{sign}{number(abs(value), 3)}{name}"
 
 
-def _correlations(rows: Sequence[CorrelationEntry]) -> str:
+def _correlations(failure: Failure) -> str:
     """Residuals that still follow a command, beyond the 99 % band of chance."""
     lines = [
         f"- The residual of `{row.signal}` follows `{row.command}` after {_milliseconds(row.peak_lag)} ms: "
         f"correlation {number(row.peak, 2)}, chance stays below {number(row.band, 2)}"
-        for row in rows
+        for row in failure.input_correlation
         if row.significant
     ]
     return "\n".join(lines)
@@ -162,7 +162,3 @@ def notes_list(notes: Sequence[NoteEntry]) -> str:
 
 def _how_to_look(report: GapReport) -> str:
     return f"`{view_command(report.run)}` opens the recording `review.rrd` beside this page."
-
-
-def _section(title: str, body: str) -> str:
-    return f"## {title}\n\n{body}" if body else ""

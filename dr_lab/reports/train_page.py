@@ -1,5 +1,6 @@
-"""`report.md` of a training run, for a person."""
+"""What a training run came to, for a person."""
 
+from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import number
 from dr_lab.reports.tables import table
 from dr_lab.reports.train import TrainReport
@@ -7,16 +8,16 @@ from dr_lab.reports.train import TrainReport
 _NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate plays whole ones."
 
 
-def train_markdown(report: TrainReport) -> str:
+def train_page(report: TrainReport) -> Page:
     """How long was trained, what the policy returns, which one is deployed, and what it was trained on."""
-    lines = [f"# {report.algorithm} on {report.env}", _trained(report), _deployed(report)]
+    lines = [_trained(report), _deployed(report)]
     if report.rollout_frames:
         lines.append(f"Further episodes were played to learn from: {report.rollout_frames} control steps.")
     if report.infeasible_episodes:
         lines.append(f"Episodes in infeasible contexts, which no mean return counts: {report.infeasible_episodes}.")
     rows = [[name, number(p.mean), number(p.std, 3), p.unit] for name, p in report.context.items()]
-    lines.append(table(["parameter", "mean", "std", "unit"], rows))
-    return "\n\n".join(line for line in lines if line) + "\n"
+    context = Section("context", "", table(["parameter", "mean", "std", "unit"], rows))
+    return Page(f"{report.algorithm} on {report.env}", "\n\n".join(line for line in lines if line), [context])
 
 
 def _trained(report: TrainReport) -> str:

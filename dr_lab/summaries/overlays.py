@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.errors import DataError
 from dr_lab.evaluators.statistics import iqm_band
-from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal, Violin
+from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal, Sample
 from dr_lab.reports.evaluate import Cell, EvaluateReport
 from dr_lab.reports.train import HistogramEntry, TrainReport
 from dr_lab.summaries.groups import Group, Statistics
@@ -62,16 +62,16 @@ def grids(groups: Sequence[Group]) -> dict[str, Grid]:
     return found
 
 
-def violins(groups: Sequence[Group]) -> dict[str, list[Violin]]:
+def violins(groups: Sequence[Group]) -> dict[str, list[Sample]]:
     """By group, returns in unseen domains, and in those that were trained on, over all its runs."""
-    found: dict[str, list[Violin]] = {}
+    found: dict[str, list[Sample]] = {}
     for group in groups:
         each = [run.content for run in group.runs if isinstance(run.content, EvaluateReport)]
         rows = [row for report in each if report.evaluator == _DOMAINS for row in report.rows]
         kinds = dict.fromkeys(str(row["domains"]) for row in rows)
         returns = {kind: np.array([_number(row["return"]) for row in rows if row["domains"] == kind]) for kind in kinds}
         if returns:
-            found[group.label] = [Violin(f"{group.label} · {kind}", values) for kind, values in returns.items()]
+            found[group.label] = [Sample(f"{group.label} · {kind}", values) for kind, values in returns.items()]
     return found
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from dr_lab.evaluators.statistics import Interval
 from dr_lab.reports.csv_rows import rows_csv
+from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import number
 from dr_lab.reports.tables import table
 from dr_lab.summaries.groups import (
@@ -36,7 +37,7 @@ def summary_page(
     notes: Sequence[str],
     statistics: Statistics,
     reference: Group,
-) -> str:
+) -> Page:
     """What differs between groups, and their figures; those that all runs share, in one sentence.
 
     Args:
@@ -63,7 +64,8 @@ def summary_page(
     if any(row[-1] for row in rows):
         columns, about = [*columns, "larger"], [*about, _LARGER.format(reference.label)]
     found = table(["figure", *columns], [row[: len(columns) + 1] for row in rows])
-    return "\n\n".join([f"# {count} runs of {sweep}", " ".join(about), found, *told, *notes]) + "\n"
+    sections = [Section("figures", "", found), Section("notes", "", "\n\n".join([*told, *notes]))]
+    return Page(f"{count} runs of {sweep}", " ".join(about), sections)
 
 
 def _short(keys: Sequence[str]) -> list[str]:

@@ -8,10 +8,12 @@ from rich.markdown import Markdown
 
 from dr_lab.envs.environment import Environment
 from dr_lab.files import write_text
+from dr_lab.html.training_page import write_training_page
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.json_file import write_json
+from dr_lab.reports.page import Page
 from dr_lab.reports.train import TrainReport
 from dr_lab.training.episodes import keep_episodes
 
@@ -19,23 +21,25 @@ from dr_lab.training.episodes import keep_episodes
 def finish(
     run_dir: Path,
     report: TrainReport | EvaluateReport,
-    page: str,
+    page: Page,
     environment: Environment,
     record: TrainingRecord,
     look: Look,
 ) -> None:
-    """Write ``report.json``, ``report.md``, ``episodes.mcap`` and ``review.rrd``, and print the page.
+    """Write ``report.json``, ``report.md``, ``report.html``, ``episodes.mcap`` and ``review.rrd``, and print the page.
 
     Args:
         run_dir: the run folder.
         report: what was found.
-        page: the same for a person, as Markdown.
+        page: the same for a person.
         environment: what shows the episodes.
         record: what the recording holds beside the page.
         look: how it looks.
     """
     write_json(run_dir / "report.json", report)
-    write_text(run_dir / "report.md", page)
+    text = page.markdown()
+    write_text(run_dir / "report.md", text)
+    write_training_page(run_dir / "report.html", page, report, record)
     keep_episodes(run_dir, environment, record.episodes)
-    write_training_review(run_dir / "review.rrd", replace(record, pages={"Report": page}), look)
-    Console().print(Markdown(page))
+    write_training_review(run_dir / "review.rrd", replace(record, pages={"Report": text}), look)
+    Console().print(Markdown(text))

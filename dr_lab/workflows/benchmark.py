@@ -13,7 +13,7 @@ from dr_lab.benchmark.case import Case
 from dr_lab.benchmark.diagnosed import diagnose_case
 from dr_lab.benchmark.observed import Compose
 from dr_lab.benchmark.outcome import Outcome
-from dr_lab.benchmark.pages import effects_page, machines_page, misses_page, rates_page, report_page
+from dr_lab.benchmark.pages import SAID, effects_page, machines_page, misses_page, rates_page, report_page
 from dr_lab.benchmark.plan import BenchmarkPlan
 from dr_lab.benchmark.pool import Diagnose, finished, keep, run_cases
 from dr_lab.benchmark.score import mark
@@ -21,6 +21,7 @@ from dr_lab.benchmark.scoring import Scoring
 from dr_lab.benchmark.summary import answers, benchmark_report, cases_csv
 from dr_lab.errors import ConfigError, DrLabError
 from dr_lab.files import write_text
+from dr_lab.html.benchmark_page import write_benchmark_page
 from dr_lab.recorders.benchmark_review import write_benchmark_review
 from dr_lab.recorders.confusion import confusion_csv, confusion_picture, write_picture
 from dr_lab.recorders.look import Look
@@ -111,7 +112,9 @@ def _write(run_dir: Path, report: BenchmarkReport, outcomes: Sequence[Outcome], 
     aliases, matrix = scoring.parameter_aliases, answers(outcomes, scoring.effects)
     picture = confusion_picture(matrix, look)
     write_json(run_dir / "benchmark.json", report)
-    write_text(run_dir / "report.md", report_page(report, outcomes, aliases))
+    page = report_page(report, outcomes, aliases)
+    write_text(run_dir / "report.md", page.markdown())
+    write_benchmark_page(run_dir / "report.html", page, report, SAID, matrix)
     write_text(run_dir / "cases.csv", cases_csv(outcomes, aliases))
     write_text(run_dir / "confusion.csv", confusion_csv(matrix))
     write_picture(run_dir / "confusion.png", picture)

@@ -15,7 +15,7 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord
 from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.reports.evaluate import SCHEMA, EvaluateReport
-from dr_lab.reports.evaluate_page import evaluate_markdown
+from dr_lab.reports.evaluate_page import evaluate_page
 from dr_lab.reports.plain import finite
 from dr_lab.training.episodes import described, play_episodes
 from dr_lab.training.finish import finish
@@ -26,8 +26,9 @@ def evaluate(
 ) -> EvaluateReport:
     """Evaluate the policy that a training run left.
 
-    Files: ``returns.csv`` (the evaluator's table), ``report.json``, ``report.md``, ``review.rrd``, ``episodes.mcap``.
-    The latter two hold the evaluator's episodes or, where it keeps none, a few in contexts that were trained on.
+    Files: ``returns.csv`` (the evaluator's table), ``report.json``, ``report.md``, ``report.html``, ``review.rrd``,
+    ``episodes.mcap``. The latter two hold the evaluator's episodes or, where it keeps none, a few in contexts that were
+    trained on.
 
     Args:
         trained: the training run.
@@ -54,10 +55,10 @@ def evaluate(
     report = _report(folder, setting.name, evaluator, found, run_dir)
     name = f"{setting.name} · {subject.name}"
     parts = {"grids": found.grids, "matrices": found.matrices, "gains": found.gains, "ways": found.ways}
-    parts["violins"] = found.violins
+    parts |= {"samples": found.samples}
     record = TrainingRecord(name, found.curves, episodes=found.episodes, **parts)
     write_text(run_dir / "returns.csv", rows_csv(found.rows))
-    finish(run_dir, report, evaluate_markdown(report, found.told), setting, record, recorder)
+    finish(run_dir, report, evaluate_page(report, found.told), setting, record, recorder)
     return report
 
 

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.markdown import Markdown
 
 from dr_lab.files import write_text
+from dr_lab.html.sweep_page import write_sweep_page
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.reports.json_file import write_json
@@ -28,7 +29,8 @@ def summarize(sweep: str, settings: SummarySettings, recorder: Look, run_dir: Pa
 
     What was typed tells runs apart, and so does what they were configured with.
 
-    Files: ``runs.csv`` (a row a run), ``groups.csv`` (a row a group), ``report.json``, ``report.md``, ``review.rrd``.
+    Files: ``runs.csv`` (a row a run), ``groups.csv`` (a row a group), ``report.json``, ``report.md``,
+    ``report.html``, ``review.rrd``.
 
     Args:
         sweep: folder that holds the runs, at any depth.
@@ -49,9 +51,12 @@ def summarize(sweep: str, settings: SummarySettings, recorder: Look, run_dir: Pa
     write_text(run_dir / "runs.csv", runs_csv(found.runs, figures))
     write_text(run_dir / "groups.csv", groups_csv(found.groups, found.cells))
     write_json(run_dir / "report.json", report)
-    write_text(run_dir / "report.md", page)
-    write_sweep_review(run_dir / "review.rrd", _record(found, settings, page), recorder)
-    Console().print(Markdown(page))
+    text = page.markdown()
+    write_text(run_dir / "report.md", text)
+    record = _record(found, settings, text)
+    write_sweep_page(run_dir / "report.html", page, report, record)
+    write_sweep_review(run_dir / "review.rrd", record, recorder)
+    Console().print(Markdown(text))
     return report
 
 

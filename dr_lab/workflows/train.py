@@ -18,7 +18,7 @@ from dr_lab.randomizers.gaussian import GaussianRandomizer
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord
 from dr_lab.reports.train import ChoiceEntry, SnapshotEntry, TrainReport
-from dr_lab.reports.train_page import train_markdown
+from dr_lab.reports.train_page import train_page
 from dr_lab.sweeps.progress import tell
 from dr_lab.training.beginning import Beginning
 from dr_lab.training.checkpoint import save
@@ -44,10 +44,10 @@ def train(
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
     Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt`` (the last state, with the policies of the last
-    checkpoints), ``policy.pt`` (that of them which is deployed), ``report.json``, ``report.md``, ``review.rrd`` and
-    ``episodes.mcap`` (a few episodes of the trained policy); where a Gaussian over contexts was learnt, also
-    ``context.yaml``, its mean and covariance. An interrupted run is continued by the same command with
-    ``resume=<run folder>``, as if it had never stopped.
+    checkpoints), ``policy.pt`` (that of them which is deployed), ``report.json``, ``report.md``, ``report.html``,
+    ``review.rrd`` and ``episodes.mcap`` (a few episodes of the trained policy); where a Gaussian over contexts was
+    learnt, also ``context.yaml``, its mean and covariance. An interrupted run is continued by the same command
+    with ``resume=<run folder>``, as if it had never stopped.
 
     Args:
         plan: what is trained, and on what.
@@ -79,7 +79,7 @@ def train(
     record = TrainingRecord(plan.env.name, curves(history), learned, pairs, episodes=episodes)
     write_text(run_dir / "metrics.csv", metrics_csv(history))
     _keep_context(training, run_dir)
-    finish(run_dir, report, train_markdown(report), plan.env, record, recorder)
+    finish(run_dir, report, train_page(report), plan.env, record, recorder)
     return report
 
 

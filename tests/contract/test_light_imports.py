@@ -3,7 +3,18 @@
 import subprocess
 import sys
 
-LIGHT = ("cli", "comparison", "diagnosis", "effects", "measurements", "notebook", "physics", "plants", "recorders")
+LIGHT = (
+    "cli",
+    "comparison",
+    "diagnosis",
+    "effects",
+    "html",
+    "measurements",
+    "notebook",
+    "physics",
+    "plants",
+    "recorders",
+)
 VERBS = ("add", "benchmark", "close", "compare", "diagnose", "fit", "record", "view")
 CODE = """
 import importlib, pkgutil, sys

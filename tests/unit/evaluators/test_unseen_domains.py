@@ -82,7 +82,7 @@ def test_returns_are_those_of_the_drawn_domains_and_starts_differ(subject: Subje
     assert found.figures["unseen.median"] == np.median(every)
     assert found.figures["unseen.lower_quartile"] == np.quantile(every, 0.25)
     assert found.figures["unseen.infeasible"] == 0.0
-    assert [violin.name for violin in found.violins] == ["unseen"]
+    assert [sample.name for sample in found.samples] == ["unseen"]
     np.testing.assert_array_equal(np.sort(found.violins[0].returns), every)
 
 

@@ -150,8 +150,8 @@ def test_gains_and_ways_are_drawn_with_what_is_in_doubt(
 
 
 def test_violins_stand_below_one_another_with_their_medians(tmp_path: Path, look: Look) -> None:
-    drawn = [Violin("unseen", np.array([0.0, 10.0, 20.0])), Violin("teachers", np.full(5, 20.0))]
-    write_training_review(tmp_path / "review.rrd", TrainingRecord("violins", violins=drawn), look)
+    drawn = [Sample("unseen", np.array([0.0, 10.0, 20.0])), Sample("teachers", np.append(np.full(5, 20.0), np.nan))]
+    write_training_review(tmp_path / "review.rrd", TrainingRecord("violins", samples=drawn), look)
     entities = read_recording(tmp_path / "review.rrd")
     assert {f"/violins/violin_0{k}_{part}" for k in (0, 1) for part in ("outline", "quartiles", "median")} <= set(
         entities

@@ -95,7 +95,7 @@ def test_the_report_holds_goals_machines_and_misses(tmp_path: Path) -> None:
     path = tmp_path / "benchmark.json"
     write_json(path, found)
     assert typed(BenchmarkReport, json.loads(path.read_text(encoding="utf-8")), path) == found
-    page = report_page(found, OUTCOMES, ALIASES)
+    page = report_page(found, OUTCOMES, ALIASES).markdown()
     assert "| effect and site right, one hidden effect | 50 % | 15 % … 85 % | 2 of 4 | ≥ 0.7 | MISSED |" in page
     assert "failed: crank-none-encoders-9: DataError: no logs" in page
     rows = list(csv.DictReader(io.StringIO(cases_csv(OUTCOMES, ALIASES))))

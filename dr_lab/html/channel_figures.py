@@ -1,0 +1,127 @@
+"""A channel: measured and simulated, what is left of it, and whether that is noise."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from dr_lab.diagnosis.evidence.colour import autocorrelation
+from dr_lab.html.figure import INK, NOISE, ROLES, Plot, band, chart, line, numbers, series
+from dr_lab.html.thinning import thinned
+from dr_lab.recorders.overlay import AFTER, MEASURED, SIMULATED, Overlay, components
+from dr_lab.recorders.signals import residual
+from dr_lab.reports.gap_entries import ByChannel
+from dr_lab.reports.quantity import percent
+from dr_lab.trajectory import Array, Signal
+
+_CHANCE = 0.99  # of white noise whose autocorrelation lies within the band
+_LAGS = 0.25  # longest lag over the length of what is known
+_ANEW = "The simulation begins anew from the measured state at each window's start: there residuals jump."
+_HEIGHT, _ROOM = 170, 100  # px of a row, and of legend and title
+
+
+def channel_plots(overlay: Overlay, fits: Sequence[ByChannel], points: int) -> list[Plot]:
+    """Plots of one log.
+
+    Args:
+        overlay: the log.
+        fits: fit in % by channel, of the models that are shown.
+        points: of a curve, about.
+    """
+    curves = [_curves(overlay, channel, fits, points) for channel in overlay.measured]
+    correlations = [plot for channel in overlay.measured for plot in _correlation(overlay, channel)]
+    return [*curves, *correlations, *_commands(overlay, points)]
+
+
+def _curves(overlay: Overlay, channel: str, fits: Sequence[ByChannel], points: int) -> Plot:
+    """Signal, residuals, and the residual after, whose axis the one before does not stretch."""
+    signal, left = overlay.measured[channel], _residuals(overlay, channel)
+    rows = [*([left] if left else []), *([{AFTER: left[AFTER]}] if len(left) > 1 else [])]
+    titles = [f"{channel} [{signal.unit}]{_fit(channel, fits)}", *(_title(row) for row in rows)]
+    figure = chart(len(titles), 1, titles, shared_xaxes=True, vertical_spacing=0.1)
+    shown = {MEASURED: signal.value, **{role: overlay.simulated[role][channel] for role in left}}
+    for role, value in shown.items():
+        _add(figure, signal.time, components(value), role, overlay.label(role), row=1, points=points)
+    for place, each in enumerate(rows, start=2):
+        _add_band(figure, signal, overlay.noise.get(channel), place)
+        for role, value in each.items():
+            _add(figure, signal.time, value, role, "", row=place, points=points)
+    figure.update_yaxes(title=f"[{signal.unit}]")
+    figure.update_xaxes(title="t [s]", row=len(titles), col=1)
+    return Plot(figure, _ROOM + _HEIGHT * len(titles), _ANEW if left else "")
+
+
+def _residuals(overlay: Overlay, channel: str) -> dict[str, Array]:
+    """Measured − simulated by role, shape (n, k)."""
+    measured = overlay.measured[channel].value
+    roles = [role for role in SIMULATED if channel in overlay.simulated.get(role, {})]
+    return {role: components(residual(measured, overlay.simulated[role][channel])) for role in roles}
+
+
+def _fit(channel: str, fits: Sequence[ByChannel]) -> str:
+    """How well the models fit the channel, as far as it is known."""
+    known = [value for fit in fits if (value := fit.get(channel)) is not None]
+    return f" · fit {' → '.join(percent(value / 100) for value in known)}" if known else ""
+
+
+def _title(row: Mapping[str, Array]) -> str:
+    return f"residual, measured − simulated{', after alone' if [*row] == [AFTER] else ''}"
+
+
+def _add(figure: go.Figure, time: Array, value: Array, role: str, label: str, row: int, points: int) -> None:
+    """A curve a component; those of one role share a colour and a place in the legend."""
+    style = line(ROLES[role], 2.5 if role == MEASURED else 1.3)
+    for index, column in enumerate(value.T):
+        x, y = thinned(time, column, max(points // value.shape[1], 2))
+        named = bool(label) and index == 0
+        trace = go.Scatter(x=x, y=numbers(y), name=label, legendgroup=role, showlegend=named, **style)
+        figure.add_trace(trace, row=row, col=1)
+
+
+def _add_band(figure: go.Figure, signal: Signal, std: float | None, row: int) -> None:
+    if std is not None and len(signal):
+        ends = signal.time[[0, -1]]
+        edge = np.full(2, std)
+        named = {"name": "noise ±σ", "legendgroup": "noise", "showlegend": row == 2}
+        figure.add_trace(band(ends, -edge, edge, NOISE, **named), row=row, col=1)
+
+
+def _correlation(overlay: Overlay, channel: str) -> list[Plot]:
+    """Autocorrelation of the residuals, beside the band that white noise keeps to."""
+    figure, longest, time = chart(), 0.0, overlay.measured[channel].time
+    for role, value in _residuals(overlay, channel).items():
+        known: NDArray[np.bool_] = np.isfinite(value).all(axis=1)
+        if known.sum() < 8:
+            continue
+        rho = np.mean([autocorrelation(column[None], known[None]) for column in value.T], axis=0)
+        rho = rho[: max(2, int(_LAGS * known.sum()))]
+        lag = np.arange(len(rho)) * float(np.median(np.diff(time)))
+        edge, longest = norm.ppf(0.5 + _CHANCE / 2) / np.sqrt(known.sum()), max(longest, float(lag[-1]))
+        x, y = thinned(lag, rho, 500)
+        figure.add_trace(go.Scatter(x=x, y=numbers(y), name=overlay.label(role), **line(ROLES[role])))
+        figure.add_hrect(-edge, edge, fillcolor="var(--noise-soft)", line_width=0, layer="below")
+    if not figure.data:
+        return []
+    figure.add_hline(0.0, line={"color": INK, "width": 1})
+    figure.update_xaxes(title="lag [s]", range=[0.0, longest])
+    figure.update_yaxes(title="autocorrelation", range=[-1.05, 1.05])
+    caption = f"Residual of {channel}. Grey: where {percent(_CHANCE)} of white noise stays."
+    return [Plot(figure, 260, caption, half=True)]
+
+
+def _commands(overlay: Overlay, points: int) -> list[Plot]:
+    """Every command as the stairs that the actuator saw."""
+    if not overlay.commands:
+        return []
+    figure = chart()
+    for index, (name, signal) in enumerate(overlay.commands.items()):
+        x, y = thinned(signal.time, signal.value, points)
+        figure.add_trace(
+            go.Scatter(x=x, y=numbers(y), name=name, showlegend=True, **line(series(index + 3), shape="hv"))
+        )
+    units = dict.fromkeys(signal.unit for signal in overlay.commands.values())
+    figure.update_yaxes(title=f"command [{', '.join(units)}]")
+    figure.update_xaxes(title="t [s]")
+    return [Plot(figure, 260, half=True)]

@@ -1,0 +1,95 @@
+"""Figures over training: one run's curves, several runs' bands, and the choice of the policy."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import plotly.graph_objects as go
+
+from dr_lab.html.figure import AFTER, NOISE, Plot, band, chart, line, numbers, series
+from dr_lab.html.thinning import Numbers, thinned
+from dr_lab.recorders.training import Band, Curve
+from dr_lab.reports.quantity import number, titled
+from dr_lab.reports.train import ChoiceEntry
+from dr_lab.trajectory import Array
+
+_POINTS = 800  # of a curve
+_SMOOTHED = 20  # parts of training, the width of the running mean
+_FEW = 6  # points that are drawn as dots, too
+_LARGE, _SMALL = 340, 230  # px
+_COUNTED = {"iteration": "iteration", "frames": "control steps"}
+
+
+def curve_plots(curves: Sequence[Curve]) -> list[Plot]:
+    """The first curve large, the others two in a row."""
+    return [_curve(curve, first=index == 0) for index, curve in enumerate(curves)]
+
+
+def band_plots(bands: Sequence[Band], groups: Sequence[str]) -> list[Plot]:
+    """One plot a figure, with the groups' interquartile means and intervals; the first is large.
+
+    Args:
+        bands: of every group and figure.
+        groups: in the order of their colours.
+    """
+    names: Mapping[str, list[Band]] = {}
+    for each in bands:
+        names = {**names, each.name: [*names.get(each.name, []), each]}
+    return [_bands(name, each, groups, first=index == 0) for index, (name, each) in enumerate(names.items())]
+
+
+def choice_plots(choice: ChoiceEntry | None) -> list[Plot]:
+    """Returns of the policies that were kept, with the one that is deployed; nothing where one alone was."""
+    known = [] if choice is None else [each for each in choice.snapshots if each.mean_return is not None]
+    if choice is None or len(known) < 2:
+        return []
+    figure, at = chart(), [each.frames for each in known]
+    style = {"mode": "lines+markers", "line": {"color": NOISE, "width": 1}, "marker": {"size": 8}}
+    figure.add_trace(go.Scatter(x=at, y=[each.mean_return for each in known], name="kept", **style))
+    best = [each.mean_return for each in known if each.frames == choice.chosen]
+    marker = {"color": AFTER, "size": 15, "symbol": "star"}
+    figure.add_trace(go.Scatter(x=[choice.chosen], y=best, name="deployed", mode="markers", marker=marker))
+    figure.update_xaxes(title="control steps")
+    figure.update_yaxes(title="mean return")
+    return [Plot(figure, _SMALL, f"Chosen on {choice.choice_frames} control steps of episodes of its own.")]
+
+
+def _curve(curve: Curve, first: bool) -> Plot:
+    known = np.isfinite(curve.value)
+    x, y = thinned(curve.at[known], curve.value[known], _POINTS)
+    smooth = len(y) > 3 * _SMOOTHED
+    figure = chart()
+    mode = "lines+markers" if len(y) <= _FEW else "lines"
+    look = {"mode": mode, "line": {"color": NOISE if smooth else AFTER, "width": 1 if smooth else 1.8}}
+    figure.add_trace(go.Scatter(x=x, y=numbers(y), name="each iteration", showlegend=smooth and first, **look))
+    if smooth:
+        at, mean = _running_mean(x, y)
+        named = {"name": f"mean over 1/{_SMOOTHED} of the training", "showlegend": first}
+        figure.add_trace(go.Scatter(x=at, y=numbers(mean), **line(AFTER, 2.5), **named))
+    figure.update_xaxes(title=_COUNTED[curve.over], rangemode="tozero")
+    figure.update_yaxes(title=titled(curve.name.replace("_", " "), curve.unit))
+    alone = f"One point alone: {number(float(y[0]))}." if len(y) == 1 else ""
+    return Plot(figure, _LARGE if first else _SMALL, alone, half=not first)
+
+
+def _running_mean(x: Numbers, y: Array) -> tuple[Array, Array]:
+    """Mean over so many neighbouring points as a part of training has, at their middle."""
+    width = max(1, len(y) // _SMOOTHED)
+    kernel = np.ones(width) / width
+    return np.convolve(x, kernel, "valid"), np.convolve(y, kernel, "valid")
+
+
+def _bands(name: str, bands: Sequence[Band], groups: Sequence[str], first: bool) -> Plot:
+    figure = chart()
+    for each in bands:
+        colour = series(groups.index(each.group))
+        common = {"legendgroup": each.group}
+        figure.add_trace(band(each.frames, each.low, each.high, colour, showlegend=False, **common))
+        known = np.isfinite(each.value)
+        x, y = thinned(each.frames[known], each.value[known], _POINTS)
+        mode = "lines+markers" if len(y) <= _FEW else "lines"
+        look = {"mode": mode, "line": {"color": colour, "width": 2}}
+        figure.add_trace(go.Scatter(x=x, y=numbers(y), name=each.group, showlegend=first, **look, **common))
+    figure.update_xaxes(title="control steps", rangemode="tozero")
+    figure.update_yaxes(title=name.replace("_", " "))
+    caption = "Interquartile mean over the runs of a group, with its interval." if first else ""
+    return Plot(figure, _LARGE if first else _SMALL, caption, half=not first)

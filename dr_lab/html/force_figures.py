@@ -1,0 +1,52 @@
+"""What models miss at a joint, against what it may be a function of: friction shows as a step or a slope."""
+
+import numpy as np
+import plotly.graph_objects as go
+
+from dr_lab.html.figure import ROLES, Plot, chart, numbers
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.overlay import SIMULATED, Overlay
+from dr_lab.recorders.scatter import bin_means
+from dr_lab.trajectory import Array
+
+_COLUMNS = 3  # plots side by side
+_INSIDE = 99.5  # % of the dots that the axis holds, so that one does not flatten the others
+
+
+def force_plots(overlay: Overlay, look: Look) -> list[Plot]:
+    """One figure a joint: dots, and their mean over equally filled ranges."""
+    return [_joint(overlay, joint, look) for joint in overlay.joints() if overlay.arguments.get(joint)]
+
+
+def _joint(overlay: Overlay, joint: str, look: Look) -> Plot:
+    residuals = overlay.residual_velocity[joint][1]
+    arguments = overlay.arguments[joint]
+    lines = -(-len(arguments) // _COLUMNS)
+    figure = chart(lines, min(_COLUMNS, len(arguments)), shared_yaxes=True, horizontal_spacing=0.03)
+    for index, (title, value) in enumerate(arguments.items()):
+        row, col = index // _COLUMNS + 1, index % _COLUMNS + 1
+        for role in [role for role in SIMULATED if role in residuals]:
+            for trace in _traces(value, residuals[role], role, overlay.label(role), look):
+                figure.add_trace(trace.update(showlegend=trace.showlegend and index == 0), row=row, col=col)
+        figure.update_xaxes(title=title, row=row, col=col)
+    reach = _reach(np.concatenate([*residuals.values()]))
+    figure.update_yaxes(range=[-reach, reach], zeroline=True)
+    figure.update_yaxes(title=f"{joint}: {overlay.residual_name}", col=1)
+    return Plot(figure, 110 + 230 * lines)
+
+
+def _traces(value: Array, residual: Array, role: str, label: str, look: Look) -> list[go.Scatter]:
+    known = np.flatnonzero(np.isfinite(value) & np.isfinite(residual))
+    kept = known[:: max(1, -(-len(known) // look.scatter_points))]
+    dots = {"mode": "markers", "marker": {"color": ROLES[role], "size": 5, "opacity": 0.55}, "legendgroup": role}
+    means = {"mode": "lines", "line": {"color": ROLES[role], "width": 2.5}, "legendgroup": role, "hoverinfo": "skip"}
+    x, y = bin_means(value, residual, look.scatter_bins)
+    return [
+        go.Scatter(x=numbers(value[kept]), y=numbers(residual[kept]), name=label, showlegend=True, **dots),
+        go.Scatter(x=numbers(x), y=numbers(y), name=label, showlegend=False, **means),
+    ]
+
+
+def _reach(value: Array) -> float:
+    finite = np.abs(value[np.isfinite(value)])
+    return 1.05 * float(np.percentile(finite, _INSIDE)) if len(finite) and finite.max() > 0 else 1.0

@@ -1,0 +1,93 @@
+"""Every ranking of a report, rung by rung: what each effect removes, best first."""
+
+from collections.abc import Mapping, Sequence
+
+import plotly.graph_objects as go
+
+from dr_lab.html.document import Fold, Part, Text
+from dr_lab.html.figure import AFTER, BEFORE, INK, NOISE, Plot, chart, rows_height
+from dr_lab.reports.gap import GapReport
+from dr_lab.reports.gap_entries import CandidateEntry, JudgedRungEntry
+from dr_lab.reports.ladder import judged, scored, status
+from dr_lab.reports.quantity import number
+from dr_lab.reports.tables import ranking_table
+
+_MOST = 20  # rows of a plot; all candidates are in the table
+_WORTH = 0.01  # share that a candidate promises, from which on it is drawn although it was not fitted
+_WORST = -25.0  # %; what does far worse than the plain model is merely rejected
+_COLOURS = {"named": AFTER, "equivalent": BEFORE}
+
+
+def ranking_parts(report: GapReport) -> list[Part]:
+    """A plot and a table a rung; the first rung is open, since it says what the calibrated model lacks."""
+    rungs = report.judged.rungs or (JudgedRungEntry(report.verdict, report.judged.reason),)
+    parts: list[Part] = []
+    for index, rung in enumerate(rungs):
+        rows = rung.ranking or (report.judged.ranking if index == 0 else ())
+        if rows:
+            parts += _rung(rung, rows, report, folded=index > 0)
+    return parts
+
+
+def by_gain(ranking: Sequence[CandidateEntry]) -> list[CandidateEntry]:
+    """Fitted candidates by the share that they remove, largest first, then the others by what they promise."""
+    return sorted(ranking, key=lambda row: (not row.fitted, -(_gain(row) or 0.0)))
+
+
+def _rung(rung: JudgedRungEntry, rows: Sequence[CandidateEntry], report: GapReport, folded: bool) -> list[Part]:
+    held = ", ".join(rung.effects) or "no effect"
+    title = f"Model with {held}: {judged(rung.verdict or 'not judged', report.verdict)}"
+    ordered = by_gain(rows)
+    table = Fold(f"All {len(rows)} candidates", [Text(ranking_table(ordered, rung.verdict))])
+    plot = _plot(ordered, rung.verdict, scored(report))
+    inside: list[Part] = [*plot, table]
+    return [Fold(title, inside)] if folded else [Text(f"### {title}"), *inside]
+
+
+def _plot(ordered: Sequence[CandidateEntry], verdict: str | None, logs: str) -> list[Plot]:
+    fitted = [row for row in ordered if row.fitted and row.gain is not None][:_MOST]
+    promised = [row for row in ordered if not row.fitted and (row.predicted_gain or 0.0) >= _WORTH]
+    shown = [*fitted, *promised[: max(0, _MOST - len(fitted))]]
+    if not shown:
+        return []
+    figure = chart()
+    told = {row.label: status(row, verdict) for row in fitted}
+    for word in dict.fromkeys(told.values()):
+        figure.add_trace(_removed([row for row in fitted if told[row.label] == word], word))
+    if len(shown) > len(fitted):
+        figure.add_trace(_promised(shown[len(fitted) :]))
+    figure.add_vline(x=0.0, line={"color": INK, "width": 1})
+    low = min([0.0, *(100 * row.gain_ci[0] for row in fitted if row.gain_ci[0] is not None)])
+    figure.update_xaxes(title="share of χ² removed [%]", range=[max(low, _WORST) - 2.0, 102.0])
+    names = [row.label for row in shown]
+    figure.update_yaxes(categoryorder="array", categoryarray=names[::-1], range=[-0.7, len(shown) - 0.3])
+    left = len(ordered) - len(shown)
+    caption = f"On {logs}; lines are intervals." + (f" The table has {left} more." if left else "")
+    return [Plot(figure, rows_height(len(shown)), caption)]
+
+
+def _removed(rows: Sequence[CandidateEntry], word: str) -> go.Scatter:
+    gains = [100 * (row.gain or 0.0) for row in rows]
+    ends = [tuple(100 * (end if end is not None else row.gain or 0.0) for end in row.gain_ci) for row in rows]
+    error: Mapping[str, object] = {
+        "type": "data",
+        "symmetric": False,
+        "array": [max(high - gain, 0.0) for gain, (_, high) in zip(gains, ends, strict=True)],
+        "arrayminus": [max(gain - low, 0.0) for gain, (low, _) in zip(gains, ends, strict=True)],
+        "thickness": 2,
+    }
+    said = [f"χ² {number(row.held_out_chi2)}" if row.final else "tried on few windows" for row in rows]
+    marker = {"color": _COLOURS.get(word, NOISE), "size": 10}
+    labels = [row.label for row in rows]
+    return go.Scatter(x=gains, y=labels, error_x=error, text=said, name=word, mode="markers", marker=marker)
+
+
+def _promised(rows: Sequence[CandidateEntry]) -> go.Scatter:
+    """Of what was not fitted there is no gain, only what a linear step foretells."""
+    marker = {"color": NOISE, "size": 9, "symbol": "diamond-open"}
+    x, y = [100 * (row.predicted_gain or 0.0) for row in rows], [row.label for row in rows]
+    return go.Scatter(x=x, y=y, name="not fitted: what it promised", mode="markers", marker=marker)
+
+
+def _gain(row: CandidateEntry) -> float | None:
+    return row.gain if row.fitted else row.predicted_gain

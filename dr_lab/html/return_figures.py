@@ -1,0 +1,176 @@
+"""What evaluations show: returns over contexts, gains, gradients, ways, and how returns scatter."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from dr_lab.html.context_figures import DENSITY
+from dr_lab.html.figure import AFTER, BEFORE, INK, MEASURED, MUTED, Plot, band, chart, line, numbers, series
+from dr_lab.recorders.training import ContextAxis, Gain, Grid, Matrix, Sample, Ways
+from dr_lab.reports.quantity import titled
+from dr_lab.trajectory import Array
+
+_MAP, _LINE = 420, 320  # px
+_HATCHES = 3  # lines across a cell without a value
+_ABOUT_ZERO = [[0.0, BEFORE], [0.5, "var(--low)"], [1.0, AFTER]]
+_INFEASIBLE = "infeasible"
+
+
+def grid_plots(grids: Sequence[Grid]) -> list[Plot]:
+    """Returns over one parameter as a line, over two as a map; infeasible contexts are hatched."""
+    return [grid_map(grid) if len(grid.axes) == 2 else grid_lines({grid.title: grid}, [grid.title]) for grid in grids]
+
+
+def grid_lines(grids: Mapping[str, Grid], groups: Sequence[str]) -> Plot:
+    """Returns over one parameter, of several groups in one plot.
+
+    Args:
+        grids: over the same parameter, by group.
+        groups: in the order of their colours.
+    """
+    figure = chart()
+    for group, grid in grids.items():
+        colour, x = series(groups.index(group)), grid.axes[0].values
+        known = np.isfinite(grid.mean)
+        edges = grid.mean - grid.spread, grid.mean + grid.spread
+        figure.add_trace(band(x, *edges, colour, showlegend=False, legendgroup=group))
+        look = {"mode": "lines+markers", "line": {"color": colour, "width": 2}, "legendgroup": group}
+        figure.add_trace(go.Scatter(x=x[known], y=numbers(grid.mean[known]), name=group, showlegend=True, **look))
+        for index in np.flatnonzero(~known).tolist():
+            figure.add_vrect(*_cell(x, index), fillcolor=MUTED, opacity=0.15, line_width=0)
+    first = next(iter(grids.values()))
+    figure.update_xaxes(title=_title(first.axes[0]))
+    figure.update_yaxes(title="return")
+    unknown = any(not np.isfinite(grid.mean).all() for grid in grids.values())
+    return Plot(figure, _LINE, "Bands: ± a standard deviation over episodes." + " Grey: infeasible." * unknown)
+
+
+def grid_map(grid: Grid) -> Plot:
+    """Mean return over two parameters."""
+    figure = _map(grid.axes, grid.mean, DENSITY, "return", {"customdata": numbers(grid.spread.T)})
+    figure.update_traces(hovertemplate="%{x:.4g}, %{y:.4g}: %{z:.4g} ± %{customdata:.3g}<extra></extra>", selector=0)
+    return Plot(figure, _MAP, f"Mean returns, {grid.title}.{_hatched(grid.mean)}", half=True)
+
+
+def gain_plots(gains: Sequence[Gain]) -> list[Plot]:
+    """What updates add to the return; where its sign is in doubt is marked by a dot."""
+    return [_gain_map(gain) if len(gain.axes) == 2 else _gain_line(gain) for gain in gains]
+
+
+def matrix_plots(matrices: Sequence[Matrix]) -> list[Plot]:
+    """Cosines between the gradients of contexts; where the sign is in doubt is marked by a dot."""
+    plots = []
+    for each in matrices:
+        figure = _map([each.axis, each.axis], each.value, _ABOUT_ZERO, "cosine", {"zmin": -1.0, "zmax": 1.0})
+        figure.add_trace(_dots([each.axis, each.axis], each.doubtful & np.isfinite(each.value)))
+        plots.append(Plot(figure, _MAP, f"{each.title}. Dots: the sign is in doubt.{_hatched(each.value)}", half=True))
+    return plots
+
+
+def ways_plots(ways: Sequence[Ways]) -> list[Plot]:
+    """Ways in the plane before and after updates, to the goals."""
+    plots = []
+    for each in ways:
+        figure = chart()
+        for name, colour, courses in (("before", BEFORE, each.before), ("after", AFTER, each.after)):
+            # One trace, for its legend hides all: a NaN parts one course from the next.
+            points = [np.vstack([course, [[np.nan, np.nan]]]) for course in courses]
+            x, y = np.concatenate([*points, np.empty((0, 2))]).T
+            figure.add_trace(go.Scatter(x=numbers(x), y=numbers(y), name=name, **line(colour, 1.5)))
+        marker = {"color": MEASURED, "size": 12, "symbol": "circle-open", "line": {"width": 2}}
+        goal = {"mode": "markers", "marker": marker, "name": "goals"}
+        figure.add_trace(go.Scatter(x=each.goals[:, 0], y=each.goals[:, 1], **goal))
+        reach = 2.0 * float(np.abs(each.goals).max(initial=0.5))
+        figure.update_xaxes(title="x [m]", range=[-reach, reach])
+        figure.update_yaxes(title="y [m]", range=[-reach, reach], scaleanchor="x")
+        plots.append(Plot(figure, _MAP, f"Ways, {each.title}.", half=True))
+    return plots
+
+
+def sample_plots(samples: Sequence[Sample]) -> list[Plot]:
+    """How values scatter: a violin each, with quartiles, mean and every value; infeasible ones are left out."""
+    known = [(each, each.value[np.isfinite(each.value)]) for each in samples]
+    if not any(len(values) for _, values in known):
+        return []
+    figure = chart()
+    for index, (each, values) in enumerate(known):
+        colour = series(index)
+        style = {"line": {"color": colour, "width": 1.5}, "meanline": {"visible": True}, "box": {"visible": True}}
+        dots = {"points": "all", "pointpos": 0, "jitter": 0.4, "marker": {"size": 3, "opacity": 0.6}}
+        figure.add_trace(go.Violin(y=numbers(values), name=each.name, spanmode="hard", **style, **dots))
+    figure.update_layout(showlegend=False)
+    figure.update_yaxes(title="return", zeroline=False)
+    return [Plot(figure, _MAP, samples[0].told)]
+
+
+def _gain_map(gain: Gain) -> Plot:
+    known = np.abs(gain.value[np.isfinite(gain.value)])
+    reach = float(known.max()) if len(known) and known.max() > 0.0 else 1.0
+    figure = _map(gain.axes, gain.value, _ABOUT_ZERO, "gain", {"zmin": -reach, "zmax": reach})
+    figure.add_trace(_dots(gain.axes, gain.doubtful & np.isfinite(gain.value)))
+    return Plot(figure, _MAP, f"Gain {gain.title}. Dots: the sign is in doubt.{_hatched(gain.value)}", half=True)
+
+
+def _gain_line(gain: Gain) -> Plot:
+    x, known = gain.axes[0].values, np.isfinite(gain.value)
+    figure = chart()
+    figure.add_trace(band(x, gain.low, gain.high, AFTER, name="interval", showlegend=True))
+    look = {"mode": "lines+markers", "line": {"color": AFTER, "width": 2}}
+    figure.add_trace(go.Scatter(x=x[known], y=numbers(gain.value[known]), name="mean", **look))
+    figure.add_hline(0.0, line={"color": INK, "width": 1})
+    figure.update_xaxes(title=_title(gain.axes[0]))
+    figure.update_yaxes(title="gain")
+    return Plot(figure, _LINE, f"Gain {gain.title}.", half=True)
+
+
+def _map(
+    axes: Sequence[ContextAxis], value: Array, colours: Sequence[object], name: str, more: Mapping[str, object]
+) -> go.Figure:
+    """A heat map, shape (n, m) as the axes; cells without a value are hatched."""
+    across, up = axes
+    bar = {"title": {"text": name, "side": "right"}, "thickness": 12}
+    figure = chart()
+    shape = {"x": across.values, "y": up.values, "z": numbers(value.T), "colorscale": colours, "colorbar": bar}
+    figure.add_trace(go.Heatmap(**shape, **more))
+    figure.add_trace(_hatching(across.values, up.values, ~np.isfinite(value)))
+    figure.update_xaxes(title=_title(across), showgrid=False, zeroline=False)
+    figure.update_yaxes(title=_title(up), showgrid=False, zeroline=False)
+    return figure
+
+
+def _hatching(x: Array, y: Array, unknown: NDArray[np.bool_]) -> go.Scatter:
+    """Slanting lines across the cells without a value, as one trace with gaps."""
+    share = np.arange(1, 2 * _HATCHES) / _HATCHES  # of the way along the lower and the right edge
+    lines: list[tuple[float | None, float | None]] = []
+    for i, j in np.argwhere(unknown).tolist():
+        (left, right), (bottom, top) = _cell(x, i), _cell(y, j)
+        for at in share:
+            begin, end = (max(0.0, at - 1.0), min(at, 1.0)), (min(at, 1.0), max(0.0, at - 1.0))
+            for u, v in (begin, end):
+                lines.append((left + u * (right - left), bottom + v * (top - bottom)))
+            lines.append((None, None))
+    style = {"mode": "lines", "line": {"color": MUTED, "width": 1}, "hoverinfo": "skip", "name": _INFEASIBLE}
+    return go.Scatter(x=[u for u, _ in lines], y=[v for _, v in lines], showlegend=False, **style)
+
+
+def _cell(values: Array, index: int) -> tuple[float, float]:
+    """The ends of the cell about a value: half-way to its neighbours, as far on the other side where it has none."""
+    steps = np.diff(values) / 2 if len(values) > 1 else np.array([0.5])
+    below, above = steps[max(index - 1, 0)], steps[min(index, len(steps) - 1)]
+    return float(values[index] - below), float(values[index] + above)
+
+
+def _dots(axes: Sequence[ContextAxis], where: NDArray[np.bool_]) -> go.Scatter:
+    across, up = (axis.values[index] for axis, index in zip(axes, np.argwhere(where).T, strict=True))
+    style = {"mode": "markers", "marker": {"color": INK, "size": 5}, "showlegend": False, "hoverinfo": "skip"}
+    return go.Scatter(x=across, y=up, **style)
+
+
+def _hatched(value: Array) -> str:
+    return "" if np.isfinite(value).all() else " Hatched: infeasible, no value."
+
+
+def _title(axis: ContextAxis) -> str:
+    return titled(axis.name, axis.unit)

@@ -1,0 +1,77 @@
+"""`report.html` of summarize: the comparison first, then what its runs learnt and earned."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import plotly.graph_objects as go
+
+from dr_lab.html.context_figures import group_marginal_plots
+from dr_lab.html.curve_figures import band_plots
+from dr_lab.html.document import Chapter, Text, write_document
+from dr_lab.html.figure import Plot, chart, rows_height, series
+from dr_lab.html.return_figures import grid_lines, grid_map
+from dr_lab.recorders.sweep_review import SweepRecord
+from dr_lab.reports.page import Page
+from dr_lab.reports.quantity import number
+from dr_lab.reports.summarize import GroupEntry, SummarizeReport
+
+_UNTOLD = ("seconds",)  # figures that compare machines rather than methods come last
+_PLOTS = 12  # of figures; all are in the table
+
+
+def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: SweepRecord) -> None:
+    """Write the page, atomically: what `report.md` says, with plots of what the recording holds.
+
+    Args:
+        path: the file, by custom ``report.html``.
+        page: what is said.
+        report: the groups' figures.
+        record: what is drawn; its first groups are those of the report.
+
+    Raises:
+        DrLabError: the folder cannot be written to.
+    """
+    lines = [grid_lines(each, record.groups) for each in record.lines.values()]
+    maps = [grid_map(grid) for grid in record.maps.values()]
+    chapters = [
+        Chapter("Comparison", comparison_plots(report.groups, record.groups)),
+        *(Chapter(section.title or "Table", [Text(section.body)]) for section in page.sections if section.body),
+        Chapter("Over training", band_plots(record.bands, record.groups)),
+        Chapter("Learned distributions", group_marginal_plots(record.marginals, record.groups)),
+        Chapter("Returns over contexts", [*lines, *maps]),
+        *(Chapter(title, [Text(text)]) for title, text in record.pages.items() if title == "Runs"),
+    ]
+    write_document(path, page.title, page.lead, chapters)
+
+
+def comparison_plots(groups: Sequence[GroupEntry], labels: Sequence[str]) -> list[Plot]:
+    """Each figure's interquartile mean with its interval, a row a group; figures that do not differ are left out.
+
+    Args:
+        groups: with their figures.
+        labels: of the groups, in their order.
+    """
+    names = dict.fromkeys(name for group in groups for name, value in group.figures.items() if "iqm" in value)
+    differing = [name for name in names if len({group.figures.get(name, {}).get("iqm") for group in groups}) > 1]
+    ordered = sorted(differing, key=lambda name: name in _UNTOLD)
+    return [_comparison(name, groups, labels, index == 0) for index, name in enumerate(ordered[:_PLOTS])]
+
+
+def _comparison(name: str, groups: Sequence[GroupEntry], labels: Sequence[str], first: bool) -> Plot:
+    figure = chart()
+    for index, (group, label) in enumerate(zip(groups, labels, strict=False)):
+        found = group.figures.get(name, {})
+        value = found.get("iqm")
+        if value is None:
+            continue
+        low, high = (found.get(end) for end in ("low", "high"))
+        ends = {"array": [0.0 if high is None else high - value], "arrayminus": [0.0 if low is None else value - low]}
+        error = {"type": "data", "symmetric": False, "thickness": 3, "width": 6, **ends}
+        runs = f"{number(found.get('runs'))} run{'s' * (found.get('runs') != 1)}"
+        look = {"mode": "markers", "marker": {"color": series(index), "size": 11}, "showlegend": False}
+        figure.add_trace(go.Scatter(x=[value], y=[label], error_x=error, text=[runs], name=label, **look))
+    figure.update_xaxes(title=name.removeprefix("figures."), nticks=6)
+    figure.update_yaxes(autorange="reversed")
+    caption = "Interquartile means with their intervals; a group of one run has none." if first else ""
+    return Plot(figure, rows_height(len(groups)) + int(np.clip(60 * first, 0, 60)), caption, half=not first)

@@ -1,0 +1,133 @@
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from html_pages import figures, require_whole, text, traces, values
+
+from dr_lab.html.gap_page import write_gap_page
+from dr_lab.html.ranking_figures import by_gain
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.overlay import Overlay
+from dr_lab.reports.gap import GapReport
+from dr_lab.reports.plain import from_plain
+from dr_lab.trajectory import Signal
+
+LARGEST = 6_000_000  # bytes
+
+
+@pytest.fixture
+def written(tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, look: Look) -> str:
+    (velocity, _), path = overlay.residual_velocity["arm"], tmp_path / "report.html"
+    arguments = {"arm": {"velocity of arm [rad/s]": velocity, "command motor [V]": np.zeros_like(velocity)}}
+    close_report["ladder"][1]["converged"] = True
+    close_report["ladder"][1] |= {"fit": {"converged": True, "iterations": 3, "windows": 66, "infeasible_windows": 0}}
+    report = from_plain(GapReport, close_report)
+    write_gap_page(path, report, [dataclasses.replace(overlay, arguments=arguments)], look)
+    return path.read_text("utf-8")
+
+
+def test_the_page_is_whole_and_small(written: str) -> None:
+    require_whole(written)
+    assert len(written) < LARGEST
+
+
+def test_the_answer_stands_first(written: str) -> None:
+    said = text(written)
+    first = said.index("The missing effect is named: coulomb_friction@arm")
+    assert first < said.index("Ladder of models") < said.index("Next experiment") < said.index("Noise floor")
+    assert "separates coulomb_friction@arm from stribeck_friction@arm by 9.1 σ" in said
+
+
+def test_the_ladder_ends_at_each_models_chi2(written: str) -> None:
+    ladder = next(each for each in figures(written) if "noise floor" in str(each["layout"].get("xaxis", {})))
+    ends = {trace["y"][1]: trace["x"][1] for trace in ladder["data"]}
+    assert ends == {"model as given": 355.0, "calibrated": 213.4, "+ coulomb_friction@arm": 1.003}
+
+
+def test_curves_are_the_measured_and_simulated_ones(written: str, overlay: Overlay) -> None:
+    signal = overlay.measured["arm.position"]
+    for role, value in {
+        "measured": signal.value,
+        **{r: v["arm.position"] for r, v in overlay.simulated.items()},
+    }.items():
+        drawn = traces(written, role)[0]
+        at = np.searchsorted(signal.time, values(drawn["x"]))
+        np.testing.assert_allclose(values(drawn["y"]), value[at], rtol=1e-6)
+        assert np.nanmax(values(drawn["y"])) == pytest.approx(np.nanmax(value), rel=1e-6)
+    assert "arm.position [rad] · fit 71 % → 99 %" in written
+
+
+def test_the_autocorrelation_of_a_residual_begins_at_one(written: str) -> None:
+    plots = [each for each in figures(written) if "autocorrelation" in str(each["layout"])]
+    assert len(plots) == 2
+    before, after = (values(trace["y"]) for trace in plots[0]["data"][:2])
+    assert (before[0], after[0]) == (1.0, 1.0)
+    assert before[5] > 0.9  # friction that is missing
+    assert after[5] < 0.5  # noise, and starts that are a little off
+
+
+def test_candidates_stand_by_what_the_column_shows(close_report: dict[str, Any]) -> None:
+    rows = list(from_plain(GapReport, close_report).judged.ranking)
+    unfitted = dataclasses.replace(rows[0], effect="backlash", fitted=False, gain=0.0, predicted_gain=0.5)
+    gains = [row.gain for row in by_gain([unfitted, *reversed(rows)])]
+    assert gains == [0.953, 0.931, 0.41, 0.12, 0.02, -0.01, 0.0]
+    assert by_gain([unfitted, *rows])[-1] is unfitted
+
+
+def test_every_rung_has_its_ranking_and_what_was_not_fitted_no_gain(
+    tmp_path: Path, close_report: dict[str, Any], look: Look
+) -> None:
+    ranking = close_report["ranking"]
+    ranking[3] |= {"fitted": False, "gain": 0.0, "gain_ci": [0.0, 0.0], "predicted_gain": 0.3, "status": "rejected"}
+    close_report["rungs"][0] |= {"ranking": ranking, "effects": []}
+    close_report["rungs"][1] |= {"ranking": ranking[1:], "effects": ["coulomb_friction@arm"]}
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [], look)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert "Model with no effect: named" in page
+    assert "Model with coulomb_friction@arm: none" in page
+    gains = [
+        {y: x for t in f["data"] for x, y in zip(t["x"], t["y"], strict=False)}
+        for f in figures(page)
+        if "removed" in str(f)
+    ]
+    assert len(gains) == 2
+    assert gains[0]["coulomb_friction@arm"] == pytest.approx(95.3)
+    assert "coulomb_friction@arm" not in gains[1]
+    assert gains[0]["actuator_delay@motor"] == 30.0
+    assert all(t["marker"]["symbol"] == "diamond-open" for t in traces(page, "not fitted: what it promised"))
+
+
+def test_a_parameter_has_its_interval(written: str) -> None:
+    torque = next(t for t in traces(written, "fitted") if "N·m" in t["text"][0])
+    assert torque["x"] == [0.0020031]
+    assert torque["error_x"]["array"] == [2 * 1.04e-5]
+
+
+def test_one_model_alone_is_simulated_and_has_no_ladder(
+    tmp_path: Path, compare_report: dict[str, Any], overlay: Overlay, look: Look
+) -> None:
+    alone = dataclasses.replace(overlay, simulated={"before": overlay.simulated["before"]})
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, compare_report), [alone], look)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    require_whole(page)
+    assert traces(page, "simulated")
+    assert not traces(page, "after")
+    assert "removed [%]" not in page
+    horizons = next(each for each in figures(page) if "predicted for" in str(each["layout"]))
+    np.testing.assert_allclose(values(horizons["data"][1]["y"]), [4e-5, 6e-3, 0.1])
+
+
+def test_many_long_logs_stay_small(tmp_path: Path, close_report: dict[str, Any], look: Look) -> None:
+    time, rng = np.linspace(0.0, 60.0, 12_000), np.random.default_rng(0)
+    noisy = {
+        f"joint_{k}.position": Signal(f"joint_{k}.position", "rad", time, rng.normal(size=12_000)) for k in range(14)
+    }
+    simulated = {role: {name: 0.9 * s.value for name, s in noisy.items()} for role in ("before", "after")}
+    logs = [Overlay(f"log_{k}", time, {}, noisy, simulated, {}, {}, dict.fromkeys(noisy, 0.1)) for k in range(9)]
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), logs, look)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert len(page) < LARGEST
+    assert "Curves are thinned" in page
+    assert "more logs" in page

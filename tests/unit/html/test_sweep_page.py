@@ -1,0 +1,39 @@
+from pathlib import Path
+
+import numpy as np
+from html_pages import figures, require_whole, text, traces, values
+
+from dr_lab.html.sweep_page import write_sweep_page
+from dr_lab.recorders.sweep_review import SweepRecord
+from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
+from dr_lab.reports.page import Page, Section
+from dr_lab.reports.summarize import GroupEntry, SummarizeReport
+
+
+def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
+    figure = {"final_return": {"iqm": 10.0, "low": 8.0, "high": 13.0, "runs": 3.0}, "seconds": {"iqm": 5.0}}
+    other = {"final_return": {"iqm": 4.0, "low": None, "high": None, "runs": 1.0}, "seconds": {"iqm": 5.0}}
+    groups = (GroupEntry({"learner": "lsdr"}, ("0", "1", "2"), figure), GroupEntry({}, ("3",), other))
+    frames = np.array([100, 200, 300])
+    nan = np.full(3, np.nan)
+    bands = [
+        Band("lsdr", "episode_return", frames, np.array([1.0, 2.0, 3.0]), np.zeros(3), np.full(3, 4.0)),
+        Band("udr", "episode_return", frames, np.array([1.0, np.nan, 1.0]), nan, nan),
+    ]
+    marginal = Marginal("size", "m", np.array([0.0, 0.5]), np.ones(1), np.zeros(1, int), np.ones((1, 1)))
+    grid = Grid("lsdr", [ContextAxis("size", "m", np.array([0.1, 0.2]))], np.array([1.0, 2.0]), np.ones(2))
+    record = SweepRecord("s", ["lsdr", "udr"], bands, {"size": {"lsdr": marginal}}, {"lsdr": grid}, {"Runs": "| r |"})
+    report = SummarizeReport("dr_lab/summarize/1", "summarize", "s", groups, (), (), "run")
+    page = Page("4 runs of s", "Means.", [Section("figures", "", "| figure |\n|--|\n| final_return |")])
+    write_sweep_page(tmp_path / "report.html", page, report, record)
+    written = (tmp_path / "report.html").read_text("utf-8")
+    require_whole(written)
+    first, *others = figures(written)
+    assert first["layout"]["xaxis"]["title"]["text"] == "final_return"
+    rows = {t["name"]: (t["x"], t["error_x"]["array"], t["error_x"]["arrayminus"]) for t in first["data"]}
+    assert rows == {"lsdr": ([10.0], [3.0], [2.0]), "udr": ([4.0], [0.0], [0.0])}
+    assert "seconds" not in str(others)  # the same in all groups
+    said = text(written)
+    assert said.index("Comparison") < said.index("Over training") < said.index("Learned distributions")
+    curve = next(t for t in traces(written, "udr") if t.get("mode") == "lines+markers")
+    assert values(curve["y"]).tolist() == [1.0, 1.0]

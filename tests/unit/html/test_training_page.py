@@ -1,0 +1,122 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from html_pages import figures, require_whole, text, traces, values
+from written_runs import grid_report, train_report
+
+from dr_lab.html.training_page import write_training_page
+from dr_lab.recorders.training import ContextAxis, Curve, Gain, Grid, Marginal, Matrix, Pair, Sample, Ways
+from dr_lab.recorders.training_review import TrainingRecord
+from dr_lab.reports.evaluate import EvaluateReport
+from dr_lab.reports.evaluate_page import evaluate_page
+from dr_lab.reports.plain import from_plain
+from dr_lab.reports.train import ChoiceEntry, SnapshotEntry, TrainReport
+from dr_lab.reports.train_page import train_page
+
+AXIS = ContextAxis("friction", "N·m", np.array([0.0, 1.0, 3.0]))
+ITERATION = np.arange(5)
+
+
+def trained(folder: Path, record: TrainingRecord, choice: ChoiceEntry | None = None) -> str:
+    report = from_plain(TrainReport, train_report(12.0, {"torso.size": {"unit": "m", "std": 0.1}}))
+    report = replace(report, choice=choice)
+    write_training_page(folder / "report.html", train_page(report), report, record)
+    return (folder / "report.html").read_text("utf-8")
+
+
+def evaluated(folder: Path, record: TrainingRecord) -> str:
+    report = from_plain(EvaluateReport, grid_report([{"friction": 0.0, "return": 1.0}], {"friction": "N·m"}))
+    write_training_page(folder / "report.html", evaluate_page(report, "Two episodes."), report, record)
+    page = (folder / "report.html").read_text("utf-8")
+    require_whole(page)
+    return page
+
+
+def test_training_shows_the_return_what_was_learnt_and_the_choice(tmp_path: Path) -> None:
+    curve = Curve("episode_return", "", ITERATION, np.array([0.0, 1.0, np.nan, 3.0, 4.0]))
+    share = np.linspace(0.5, 0.9, 5)
+    learned = np.stack([share, 1 - share], axis=1)
+    marginal = Marginal("torso.size", "m", np.array([0.0, 0.1, 0.3]), np.array([0.5, 0.5]), ITERATION, learned)
+    covariance = np.tile(np.diag([0.04, 0.01]), (5, 1, 1))
+    pair = Pair(("a", "b"), ("1", "m"), np.zeros(2), np.ones(2), ITERATION, np.full((5, 2), 0.5), covariance)
+    kept = (SnapshotEntry(100, 3.0), SnapshotEntry(200, 9.0), SnapshotEntry(300, 5.0))
+    choice = ChoiceEntry(kept, 200, 3200, "policy.pt")
+    page = trained(tmp_path, TrainingRecord("run", [curve], [marginal], [pair]), choice=choice)
+    require_whole(page)
+    assert "Mean return of the episodes that ended last: 12." in text(page)
+    (returns,) = traces(page, "each iteration")
+    assert values(returns["y"]).tolist() == [0.0, 1.0, 3.0, 4.0]
+    (density,) = [t for t in traces(page, "learned") if "fillcolor" in t]
+    np.testing.assert_allclose(values(density["y"]), [0.0, 9.0, 9.0, 0.5, 0.5, 0.0], rtol=1e-6)  # 0.9/0.1, 0.1/0.2
+    course = next(t for figure in figures(page) for t in figure["data"] if t["type"] == "heatmap")
+    np.testing.assert_allclose(values(course["z"])[:, 0], [5.0, 2.5])
+    (deployed,) = traces(page, "deployed")
+    assert (deployed["x"], deployed["y"]) == ([200], [9.0])
+
+
+def test_a_distribution_that_nothing_learns_is_drawn_once(tmp_path: Path) -> None:
+    once = Marginal("torso.size", "m", np.array([0.0, 0.1]), np.ones(1), np.zeros(1, int), np.ones((1, 1)))
+    page = trained(tmp_path, TrainingRecord("run", marginals=[once]))
+    assert not traces(page, "learned")
+    assert "Contexts of training" in page
+    assert "Learned distribution" not in page
+
+
+def test_an_infeasible_cell_is_hatched_within_its_bounds(tmp_path: Path) -> None:
+    mean = np.arange(9.0).reshape(3, 3)
+    mean[2, 0] = np.nan  # friction 3 across, 0 up
+    page = evaluated(tmp_path, TrainingRecord("run", grids=[Grid("area", [AXIS, AXIS], mean, np.ones((3, 3)))]))
+    (hatch,) = traces(page, "infeasible")
+    x, y = (np.array([v for v in hatch[k] if v is not None]) for k in "xy")
+    assert (x.min(), x.max()) == (2.0, 4.0)
+    assert (y.min(), y.max()) == (-0.5, 0.5)
+    (heat,) = [t for t in figures(page)[0]["data"] if t["type"] == "heatmap"]
+    np.testing.assert_array_equal(values(heat["z"]), mean.T)
+    assert figures(page)[0]["layout"]["xaxis"]["title"]["text"] == "friction [N·m]"
+    assert "Hatched: infeasible" in text(page)
+
+
+def test_returns_over_one_parameter_have_their_band(tmp_path: Path) -> None:
+    grid = Grid("line", [AXIS], np.array([np.nan, 1.0, 2.0]), np.array([np.nan, 0.5, 0.25]))
+    page = evaluated(tmp_path, TrainingRecord("run", grids=[grid]))
+    (line,) = traces(page, "line")
+    assert values(line["y"]).tolist() == [1.0, 2.0]
+    band = figures(page)[0]["data"][0]
+    assert values(band["y"]).tolist() == [1.5, 2.25, 1.75, 0.5]
+    assert "Grey: infeasible" in text(page)
+
+
+def test_violins_hold_what_is_known(tmp_path: Path) -> None:
+    samples = [Sample("uniform", np.array([1.0, np.nan, 3.0]), "A context each."), Sample("nominal", np.ones(3))]
+    page = evaluated(tmp_path, TrainingRecord("run", samples=samples))
+    (uniform,) = traces(page, "uniform")
+    assert uniform["type"] == "violin"
+    assert values(uniform["y"]).tolist() == [1.0, 3.0]
+    assert "A context each." in text(page)
+
+
+def test_what_is_in_doubt_is_marked(tmp_path: Path) -> None:
+    value = np.array([[2.0, 1.0], [-2.0, np.nan]])
+    axis = ContextAxis("goal.x", "m", np.array([-1.0, 1.0]))
+    area = Gain("of 1 update", [axis, axis], value, value - [[1.0, 2.0], [1.0, np.nan]], value + 1.0)
+    line = Gain("of 2 updates", [axis], value[:, 0], value[:, 0] - 1.0, value[:, 0] + 1.0)
+    cosine = Matrix("initial", axis, np.eye(2), np.array([[False, True], [True, False]]))
+    way = np.array([[0.0, 0.0], [0.5, 0.5]])
+    ways = Ways("after 1 update", np.array([[1.0, 1.0], [-1.0, 1.0]]), [way, way], [way, -way])
+    page = evaluated(tmp_path, TrainingRecord("run", gains=[area, line], matrices=[cosine], ways=[ways]))
+    doubtful = [t for figure in figures(page) for t in figure["data"] if t.get("marker", {}).get("size") == 5]
+    assert [values(t["x"]).tolist() for t in doubtful] == [[-1.0], [-1.0, 1.0]]
+    (after,) = traces(page, "after")
+    assert np.isnan(values(after["x"])).sum() == 2  # a gap behind each way
+
+
+@pytest.mark.parametrize("count", [1, 400])
+def test_long_curves_have_a_running_mean_and_short_ones_do_not(tmp_path: Path, count: int) -> None:
+    curve = Curve("loss", "", np.arange(count), np.full(count, 2.0))
+    page = trained(tmp_path, TrainingRecord("run", [curve]))
+    means = traces(page, "mean over 1/20 of the training")
+    assert len(means) == (count > 1)
+    assert all(np.all(values(mean["y"]) == 2.0) for mean in means)
+    assert ("One point alone: 2." in text(page)) == (count == 1)
