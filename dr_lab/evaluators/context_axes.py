@@ -11,6 +11,8 @@ from dr_lab.physics.context import ContextSpace
 from dr_lab.recorders.training import ContextAxis
 from dr_lab.trajectory import Array
 
+_ROUNDING = 1e-12  # share of an axis below which a value is 0 but for rounding
+
 
 def context_axes(
     space: ContextSpace, given: Mapping[str, Sequence[float]] | None, count: int, most: int
@@ -44,7 +46,9 @@ def _axis(space: ContextSpace, name: str, *given: float) -> ContextAxis:
         raise ConfigError(
             f"evaluator.axes.{name} is {list(given)}; expected [lowest, highest, number of values], at least two."
         )
-    return ContextAxis(name, space.parameters[index].unit, np.linspace(given[0], given[1], int(given[2])))
+    values = np.linspace(given[0], given[1], int(given[2]))
+    values[np.abs(values) < _ROUNDING * (given[1] - given[0])] = 0.0
+    return ContextAxis(name, space.parameters[index].unit, values)
 
 
 def cells(space: ContextSpace, axes: Sequence[ContextAxis]) -> Array:

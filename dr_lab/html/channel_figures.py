@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 from scipy.stats import norm
 
 from dr_lab.diagnosis.evidence.colour import autocorrelation
@@ -92,7 +91,7 @@ def _correlation(overlay: Overlay, channel: str) -> list[Plot]:
     """Autocorrelation of the residuals, beside the band that white noise keeps to."""
     figure, longest, time = chart(), 0.0, overlay.measured[channel].time
     for role, value in _residuals(overlay, channel).items():
-        known: NDArray[np.bool_] = np.isfinite(value).all(axis=1)
+        known = np.logical_and.reduce(np.isfinite(value), axis=1)
         if known.sum() < 8:
             continue
         rho = np.mean([autocorrelation(column[None], known[None]) for column in value.T], axis=0)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import plotly.graph_objects as go
 
-from dr_lab.html.figure import AFTER, NOISE, Plot, chart, line, numbers, series
+from dr_lab.html.figure import AFTER, NOISE, Plot, chart, line, numbers, series, soft
 from dr_lab.recorders.distributions import CONTENTS, ellipse
 from dr_lab.recorders.training import Marginal, Pair
 from dr_lab.reports.quantity import percent, titled
@@ -66,7 +66,7 @@ def _density(marginal: Marginal, probability: Array, name: str, colour: str) -> 
     """Outline of the histogram, from the axis and back to it."""
     density = probability / np.diff(marginal.edges)
     x, y = np.repeat(marginal.edges, 2), np.concatenate([[0.0], np.repeat(density, 2), [0.0]])
-    fill = {"fill": "tozeroy", "fillcolor": colour.replace(")", "-soft)")}
+    fill = {"fill": "tozeroy", "fillcolor": soft(colour)}
     return go.Scatter(x=numbers(x), y=numbers(y), name=name, showlegend=True, **line(colour, 2.0), **fill)
 
 

@@ -48,7 +48,7 @@ def choice_plots(choice: ChoiceEntry | None) -> list[Plot]:
     best = [each.mean_return for each in known if each.frames == choice.chosen]
     marker = {"color": AFTER, "size": 15, "symbol": "star"}
     figure.add_trace(go.Scatter(x=[choice.chosen], y=best, name="deployed", mode="markers", marker=marker))
-    figure.update_xaxes(title="control steps")
+    figure.update_xaxes(title="control steps", exponentformat="SI")
     figure.update_yaxes(title="mean return")
     return [Plot(figure, _SMALL, f"Chosen on {choice.choice_frames} control steps of episodes of its own.")]
 
@@ -65,7 +65,7 @@ def _curve(curve: Curve, first: bool) -> Plot:
         at, mean = _running_mean(x, y)
         named = {"name": f"mean over 1/{_SMOOTHED} of the training", "showlegend": first}
         figure.add_trace(go.Scatter(x=at, y=numbers(mean), **line(AFTER, 2.5), **named))
-    figure.update_xaxes(title=_COUNTED[curve.over], rangemode="tozero")
+    figure.update_xaxes(title=_COUNTED[curve.over], rangemode="tozero", exponentformat="SI")
     figure.update_yaxes(title=titled(curve.name.replace("_", " "), curve.unit))
     alone = f"One point alone: {number(float(y[0]))}." if len(y) == 1 else ""
     return Plot(figure, _LARGE if first else _SMALL, alone, half=not first)
@@ -89,7 +89,7 @@ def _bands(name: str, bands: Sequence[Band], groups: Sequence[str], first: bool)
         mode = "lines+markers" if len(y) <= _FEW else "lines"
         look = {"mode": mode, "line": {"color": colour, "width": 2}}
         figure.add_trace(go.Scatter(x=x, y=numbers(y), name=each.group, showlegend=first, **look, **common))
-    figure.update_xaxes(title="control steps", rangemode="tozero")
+    figure.update_xaxes(title="control steps", rangemode="tozero", exponentformat="SI")
     figure.update_yaxes(title=name.replace("_", " "))
     caption = "Interquartile mean over the runs of a group, with its interval." if first else ""
     return Plot(figure, _LARGE if first else _SMALL, caption, half=not first)

@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from dr_lab.html.context_figures import DENSITY
-from dr_lab.html.figure import AFTER, BEFORE, INK, MEASURED, MUTED, Plot, band, chart, line, numbers, series
+from dr_lab.html.figure import AFTER, BEFORE, INK, MEASURED, MUTED, Plot, band, chart, line, numbers, series, soft
 from dr_lab.recorders.training import ContextAxis, Gain, Grid, Matrix, Sample, Ways
 from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array
@@ -97,9 +97,10 @@ def sample_plots(samples: Sequence[Sample]) -> list[Plot]:
     figure = chart()
     for index, (each, values) in enumerate(known):
         colour = series(index)
-        style = {"line": {"color": colour, "width": 1.5}, "meanline": {"visible": True}, "box": {"visible": True}}
-        dots = {"points": "all", "pointpos": 0, "jitter": 0.4, "marker": {"size": 3, "opacity": 0.6}}
-        figure.add_trace(go.Violin(y=numbers(values), name=each.name, spanmode="hard", **style, **dots))
+        style = {"line": {"color": colour, "width": 1.5}, "fillcolor": soft(colour), "width": 0.6, "spanmode": "hard"}
+        inside = {"meanline": {"visible": True}, "box": {"visible": True, "fillcolor": "rgba(0,0,0,0)", "width": 0.15}}
+        dots = {"points": "all", "pointpos": 0, "jitter": 0.5, "marker": {"size": 4, "opacity": 0.5, "color": INK}}
+        figure.add_trace(go.Violin(y=numbers(values), name=each.name, **style, **inside, **dots))
     figure.update_layout(showlegend=False)
     figure.update_yaxes(title="return", zeroline=False)
     return [Plot(figure, _MAP, samples[0].told)]

@@ -1,9 +1,8 @@
 """`report.html` of summarize: the comparison first, then what its runs learnt and earned."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
 import plotly.graph_objects as go
 
 from dr_lab.html.context_figures import group_marginal_plots
@@ -13,11 +12,12 @@ from dr_lab.html.figure import Plot, chart, rows_height, series
 from dr_lab.html.return_figures import grid_lines, grid_map
 from dr_lab.recorders.sweep_review import SweepRecord
 from dr_lab.reports.page import Page
+from dr_lab.reports.plain import Number
 from dr_lab.reports.quantity import number
 from dr_lab.reports.summarize import GroupEntry, SummarizeReport
 
 _UNTOLD = ("seconds",)  # figures that compare machines rather than methods come last
-_PLOTS = 12  # of figures; all are in the table
+_PLOTS, _COLUMNS = 10, 3  # of figures, the others are in the table; and side by side
 
 
 def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: SweepRecord) -> None:
@@ -55,23 +55,31 @@ def comparison_plots(groups: Sequence[GroupEntry], labels: Sequence[str]) -> lis
     names = dict.fromkeys(name for group in groups for name, value in group.figures.items() if "iqm" in value)
     differing = [name for name in names if len({group.figures.get(name, {}).get("iqm") for group in groups}) > 1]
     ordered = sorted(differing, key=lambda name: name in _UNTOLD)
-    return [_comparison(name, groups, labels, index == 0) for index, name in enumerate(ordered[:_PLOTS])]
+    if not ordered:
+        return []
+    first, others = ordered[:1], ordered[1:_PLOTS]
+    rows = [first, *(others[at : at + _COLUMNS] for at in range(0, len(others), _COLUMNS))]
+    told = ["Interquartile means with their intervals; a group of one run has none.", *[""] * (len(rows) - 1)]
+    return [_row(names, groups, labels, caption) for names, caption in zip(rows, told, strict=True)]
 
 
-def _comparison(name: str, groups: Sequence[GroupEntry], labels: Sequence[str], first: bool) -> Plot:
-    figure = chart()
-    for index, (group, label) in enumerate(zip(groups, labels, strict=False)):
-        found = group.figures.get(name, {})
-        value = found.get("iqm")
-        if value is None:
-            continue
-        low, high = (found.get(end) for end in ("low", "high"))
-        ends = {"array": [0.0 if high is None else high - value], "arrayminus": [0.0 if low is None else value - low]}
-        error = {"type": "data", "symmetric": False, "thickness": 3, "width": 6, **ends}
-        runs = f"{number(found.get('runs'))} run{'s' * (found.get('runs') != 1)}"
-        look = {"mode": "markers", "marker": {"color": series(index), "size": 11}, "showlegend": False}
-        figure.add_trace(go.Scatter(x=[value], y=[label], error_x=error, text=[runs], name=label, **look))
-    figure.update_xaxes(title=name.removeprefix("figures."), nticks=6)
-    figure.update_yaxes(autorange="reversed")
-    caption = "Interquartile means with their intervals; a group of one run has none." if first else ""
-    return Plot(figure, rows_height(len(groups)) + int(np.clip(60 * first, 0, 60)), caption, half=not first)
+def _row(names: Sequence[str], groups: Sequence[GroupEntry], labels: Sequence[str], caption: str) -> Plot:
+    """Some figures side by side, whose rows have their labels once."""
+    figure = chart(1, len(names), shared_yaxes=True, horizontal_spacing=0.03)
+    for column, name in enumerate(names, start=1):
+        for index, (group, label) in enumerate(zip(groups, labels, strict=False)):
+            if group.figures.get(name, {}).get("iqm") is not None:
+                figure.add_trace(_estimate(group.figures[name], label, series(index)), row=1, col=column)
+        figure.update_xaxes(title=name.removeprefix("figures."), nticks=5, tickangle=0, row=1, col=column)
+    figure.update_yaxes(categoryorder="array", categoryarray=[*labels[: len(groups)]][::-1])
+    return Plot(figure, rows_height(len(groups)), caption)
+
+
+def _estimate(found: Mapping[str, Number], label: str, colour: str) -> go.Scatter:
+    value = found["iqm"] or 0.0
+    low, high = (found.get(end) for end in ("low", "high"))
+    ends = {"array": [0.0 if high is None else high - value], "arrayminus": [0.0 if low is None else value - low]}
+    error = {"type": "data", "symmetric": False, "thickness": 3, "width": 6, **ends}
+    runs = f"{number(found.get('runs'))} run{'s' * (found.get('runs') != 1)}"
+    look = {"mode": "markers", "marker": {"color": colour, "size": 11}, "showlegend": False}
+    return go.Scatter(x=[value], y=[label], error_x=error, text=[runs], name=label, **look)

@@ -7,6 +7,7 @@ from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import number, titled
 from dr_lab.reports.tables import table
 
+_FIRST = 3  # figures that the first sentence tells
 _SHOWN = 40  # rows of the table in the page; all are in returns.csv
 
 
@@ -23,10 +24,12 @@ def evaluate_page(report: EvaluateReport, told: str) -> Page:
     cells = [[_cell(value) for value in row.values()] for row in rows[:_SHOWN]]
     more = f"\n\n… and {len(rows) - _SHOWN} more in returns.csv." if len(rows) > _SHOWN else ""
     sections = [
-        Section("figures", "", table(["figure", "value"], figures)),
-        Section("rows", "", f"{table(header, cells)}{more}"),
+        Section("figures", "Figures", table(["figure", "value"], figures)),
+        Section("rows", "Table", f"{table(header, cells)}{more}"),
     ]
-    return Page(f"What {Path(report.trained).name} on {report.env} returns", told, sections)
+    first = ", ".join(f"{name} {value}" for name, value in figures[:_FIRST])
+    lead = f"**{first[:1].upper()}{first[1:]}.** {told}" if first else told
+    return Page(f"What {Path(report.trained).name} on {report.env} returns", lead, sections)
 
 
 def _cell(value: Cell) -> str:

@@ -16,19 +16,19 @@ def train_page(report: TrainReport) -> Page:
     if report.infeasible_episodes:
         lines.append(f"Episodes in infeasible contexts, which no mean return counts: {report.infeasible_episodes}.")
     rows = [[name, number(p.mean), number(p.std, 3), p.unit] for name, p in report.context.items()]
-    context = Section("context", "", table(["parameter", "mean", "std", "unit"], rows))
+    context = Section("context", "Contexts", table(["parameter", "mean", "std", "unit"], rows))
     return Page(f"{report.algorithm} on {report.env}", "\n\n".join(line for line in lines if line), [context])
 
 
 def _trained(report: TrainReport) -> str:
-    taken = f"{report.frames} control steps in {report.seconds:.0f} s, {report.iterations} iterations."
+    taken = f"Trained for {report.frames} control steps in {report.seconds:.0f} s, {report.iterations} iterations."
     if report.adapted_returns:
         first, *others = map(number, report.adapted_returns)
         after = ", ".join(f"{value} after {k} update{'s' * (k > 1)}" for k, value in enumerate(others, start=1))
-        return f"{taken} Mean return in the last tasks: {first} before an update, {after}."
+        return f"Mean return in the last tasks: {first} before an update, {after}. {taken}"
     value = report.final_return
     returns = _NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."
-    return f"{taken} {returns}"
+    return f"{returns} {taken}"
 
 
 def _deployed(report: TrainReport) -> str:

@@ -26,6 +26,7 @@ _LARGER = (
     "better, in doubt as long as its interval holds 0.5."
 )
 
+_TOLD = 4  # groups that the first sentence compares
 _COMMON = "figures."  # path of all figures of an evaluation, which leaves too little of a narrow screen
 
 
@@ -65,7 +66,20 @@ def summary_page(
         columns, about = [*columns, "larger"], [*about, _LARGER.format(reference.label)]
     found = table(["figure", *columns], [row[: len(columns) + 1] for row in rows])
     sections = [Section("figures", "", found), Section("notes", "", "\n\n".join([*told, *notes]))]
-    return Page(f"{count} runs of {sweep}", " ".join(about), sections)
+    return Page(f"{count} runs of {sweep}", " ".join([*_first(groups, cells), *about]), sections)
+
+
+def _first(groups: Sequence[Group], cells: Sequence[Cells]) -> list[str]:
+    """The first figure of a few groups, largest first; nothing of more, which the table compares."""
+    name = next((name for row in cells for name, cell in row.items() if isinstance(cell, Estimate)), "")
+    found = [(group.label, row.get(name)) for group, row in zip(groups, cells, strict=True)]
+    known = [(label, cell) for label, cell in found if isinstance(cell, Estimate) and cell.runs]
+    if not 1 < len(known) <= _TOLD:
+        return []
+    ordered = sorted(known, key=lambda pair: -pair[1].value)
+    return [
+        f"**{name.removeprefix(_COMMON)}:** {'; '.join(f'`{label}` {_interval(cell)}' for label, cell in ordered)}."
+    ]
 
 
 def _short(keys: Sequence[str]) -> list[str]:

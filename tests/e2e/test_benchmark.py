@@ -24,6 +24,7 @@ CASES = [
 FILES = {
     "benchmark.json",
     "report.md",
+    "report.html",
     "cases.csv",
     "confusion.csv",
     "confusion.png",

@@ -22,7 +22,7 @@ from dr_lab.reports.schema import validate
 
 TRUTH = Path(__file__).parents[2] / "examples" / "furuta" / "truth.yaml"
 FILES = {
-    *("config.yaml", "report.json", "report.md", "metrics.csv", "review.rrd"),
+    *("config.yaml", "report.json", "report.md", "report.html", "metrics.csv", "review.rrd"),
     *("simulated.mcap", "model.xml", "rollout.npz", "context.yaml"),
 }
 CHANNELS = {"arm.position", "pole.position"}

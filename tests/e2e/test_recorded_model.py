@@ -38,7 +38,7 @@ def test_calibration_finds_the_recorded_mass(folder: Path) -> None:
 
 def test_comparison_leaves_a_folder_that_explains_itself(folder: Path) -> None:
     dr_lab(folder, "compare", *READ)
-    files = {"config.yaml", "report.json", "report.md", "metrics.csv", "review.rrd", "simulated.mcap"}
+    files = {"config.yaml", "report.json", "report.md", "report.html", "metrics.csv", "review.rrd", "simulated.mcap"}
     assert {path.name for path in (folder / "run").iterdir()} == files
     with (folder / "run" / "simulated.mcap").open("rb") as file:
         attached = {part.name: part.data for part in make_reader(file).iter_attachments()}

@@ -75,7 +75,7 @@ def test_a_grid_is_played_written_and_drawn(run: Path, tmp_path: Path) -> None:
     page = (tmp_path / "grid" / "report.md").read_text(encoding="utf-8")
     assert "| arm.mass [kg] | return | std | diverged |" in page
     assert "2 episodes in each of 3 contexts" in page
-    for name in ("review.rrd", "episodes.mcap"):
+    for name in ("report.html", "review.rrd", "episodes.mcap"):
         assert (tmp_path / "grid" / name).stat().st_size > 0
     assert len(report.episodes) == 3
 

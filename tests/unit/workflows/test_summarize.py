@@ -144,6 +144,7 @@ def test_the_verb_writes_tables_and_a_recording(sweep: Path, tmp_path: Path) -> 
     page = (folder / "report.md").read_text("utf-8")
     assert "| final_return | lsdr | 3 | 11 (10 … 12) |" in page
     assert "Without a report: 20." in page
+    assert "Without a report: 20." in (folder / "report.html").read_text("utf-8")
     entities = {str(chunk.entity_path) for chunk in rr.chunk.RrdReader(folder / "review.rrd").stream()}
     assert any(path.startswith("/curve/episode_return/") for path in entities)
     assert any(path.startswith("/distribution/torso") for path in entities)

@@ -62,7 +62,7 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
     assert report == typed(TrainReport, json.loads(path.read_text(encoding="utf-8")), path)
     assert report.final_return is not None
     assert [episode.ended for episode in report.episodes] == ["truncated"] * 3
-    for name in ("report.md", "review.rrd", "episodes.mcap"):
+    for name in ("report.md", "report.html", "review.rrd", "episodes.mcap"):
         assert (tmp_path / "whole" / name).stat().st_size > 0
     assert load(tmp_path / "second" / "checkpoint.pt")["history"][-1]["frames"] == 640
 
