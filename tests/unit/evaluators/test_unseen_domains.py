@@ -83,7 +83,7 @@ def test_returns_are_those_of_the_drawn_domains_and_starts_differ(subject: Subje
     assert found.figures["unseen.lower_quartile"] == np.quantile(every, 0.25)
     assert found.figures["unseen.infeasible"] == 0.0
     assert [sample.name for sample in found.samples] == ["unseen"]
-    np.testing.assert_array_equal(np.sort(found.violins[0].returns), every)
+    np.testing.assert_array_equal(np.sort(found.samples[0].value), every)
 
 
 def test_policies_meet_the_same_domains_from_the_same_starts(subject: Subject, tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ def test_domains_that_were_trained_on_stand_beside_unseen_ones(subject: Subject,
     assert [float(row["block.mass"]) for row in teachers] == [4.0, 0.5]
     medians = [float(row["median"]) for row in teachers]
     np.testing.assert_allclose(medians, STEP / np.array([4.0, 0.5]) * STEPS * (STEPS + 1) / 2, atol=2.0)
-    assert {violin.name: len(violin.returns) for violin in found.violins} == {"unseen": 2400, "teachers": 800}
+    assert {violin.name: len(violin.value) for violin in found.samples} == {"unseen": 2400, "teachers": 800}
     assert "teachers.median" in found.figures
     assert "teachers" in found.told
 

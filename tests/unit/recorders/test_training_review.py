@@ -11,7 +11,7 @@ from dr_lab.recorders.grids import return_span
 from dr_lab.recorders.heat_map import ColourScale, heat_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
-from dr_lab.recorders.training import ContextAxis, Curve, Gain, Grid, Marginal, Pair, Ways
+from dr_lab.recorders.training import ContextAxis, Curve, Gain, Grid, Marginal, Pair, Sample, Ways
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 
 ITERATION = np.arange(5)
