@@ -9,12 +9,13 @@ from dr_lab.physics import model
 from dr_lab.physics.model import Model
 
 
-def load(name: str, parameters: Mapping[str, Mapping[str, object]]) -> Model:
+def load(name: str, parameters: Mapping[str, Mapping[str, object]], derived: Mapping[str, str] | None = None) -> Model:
     """A machine of gymnasium's, e.g. ``hopper``.
 
     Args:
         name: name of its MJCF file without the ending.
         parameters: its free physics, as `dr_lab.physics.model.load` takes it.
+        derived: what follows from it, likewise.
 
     Raises:
         ModelError: gymnasium is not installed.
@@ -27,4 +28,4 @@ def load(name: str, parameters: Mapping[str, Mapping[str, object]]) -> Model:
     path = folder / f"{name}.xml"
     if not path.is_file():
         raise UnknownNameError("machine", name, [each.stem for each in folder.glob("*.xml")], "gymnasium")
-    return model.load(name, path, parameters)
+    return model.load(name, path, parameters, derived)

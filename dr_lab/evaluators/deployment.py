@@ -20,7 +20,7 @@ def inference_seconds(policy: Policy, observation: Tensor, calls: int) -> float:
     return float(np.median(taken))
 
 
-def parameter_bytes(policy: Policy) -> float:
+def parameter_bytes(policy: object) -> float:
     """Memory of the parameters of the module that acts, one of whose methods a policy may be; NaN where it is none."""
     module = getattr(policy, "__self__", policy)
     if not isinstance(module, nn.Module):

@@ -4,9 +4,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.errors import ConfigError, ModelError, UnknownNameError
 from dr_lab.physics.model import Model, from_spec, load
+from dr_lab.physics.simulator import Simulator
 
+ARM = """<mujoco><worldbody><body name="arm">
+  <inertial mass="1" pos="0 0 -1" diaginertia="1 1 1"/><joint name="hinge" axis="0 1 0"/>
+</body></worldbody></mujoco>"""
 XML = """
 <mujoco model="toy">
   <option timestep="0.01"/>
@@ -89,3 +93,38 @@ def test_without_parameters_every_value_of_the_file_stands(tmp_path: Path) -> No
     fixed = load("toy", tmp_path / "toy.xml", None)
     assert fixed.space.names == ()
     assert fixed.compile(fixed.space.nominal).body("arm").mass[0] == 2.0
+
+
+ROD = {
+    "length": {"nominal": 2.0, "unit": "m", "low": 1.0, "high": 3.0},
+    "arm.mass": {"nominal": 1.5, "unit": "kg", "low": 1.0, "high": 3.0},
+}
+
+
+def test_what_follows_from_parameters_is_written_by_field_and_by_compilation() -> None:
+    derived = {"body.arm.mass": "arm.mass", "body.arm.inertia[0]": "arm.mass * length**2 / 12"}
+    rod = from_spec("rod", mujoco.MjSpec.from_string(ARM), ROD, derived)
+    z = np.array([[3.0, 2.0]])
+    simulator = Simulator(rod, 1, threads=1)
+    simulator.set_contexts(z)
+    for compiled in (rod.compile(z[0]), simulator.batch.get_model(0)):
+        # the mass takes the other moments along, from 1 kg
+        np.testing.assert_allclose(compiled.body("arm").inertia, [2.0 * 9.0 / 12, 2.0, 2.0], rtol=1e-14)
+    np.testing.assert_allclose(rod.nominal().body("arm").inertia[0], 0.5, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "derived", "error", "message"),
+    [
+        (ROD, {"body.arm.mass": "arm.weight"}, ConfigError, "'arm.weight', which is not known.*arm.mass"),
+        (ROD, {"body.arm.mass": "arm.mass"}, ModelError, "'length' of model 'rod' changes nothing"),
+        (ROD, {"body.am.mass": "arm.mass * length"}, UnknownNameError, "Did you mean 'arm'"),
+        ({"length": {**ROD["length"], "target": "body.arm.mass"}}, {}, ModelError, "has target and nominal"),
+        ({"length": {"unit": "m", "low": 1.0, "high": 3.0}}, {}, ModelError, "has no 'target'"),
+    ],
+)
+def test_what_cannot_follow_is_refused(
+    parameters: dict[str, dict[str, object]], derived: dict[str, str], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        from_spec("rod", mujoco.MjSpec.from_string(ARM), parameters, derived)
