@@ -16,6 +16,8 @@ from dr_lab.effects.named import with_named_effects
 from dr_lab.envs.batched_env import single
 from dr_lab.envs.setting import Setting
 from dr_lab.envs.slots import Starts
+from dr_lab.errors import ConfigError
+from dr_lab.physics.model import Model
 from dr_lab.seeding import derived_seed
 from dr_lab.targets.target import Drive, Target, require_drive
 from dr_lab.trajectory import Array
@@ -30,18 +32,26 @@ class ModelTarget(Target):
         context: true values by parameter name, of the setting's own parameters and of effects
             (``coulomb_friction@arm.torque``); None changes nothing.
         seed: of the starts that are not given.
+        model: another model of the machine, such as a run of ``dr-lab close`` ended with; None for that of the setting.
 
     Raises:
         UnknownNameError: a parameter, effect or site does not exist.
+        ConfigError: the model has other joints, actuators or time steps.
     """
 
     def __init__(
-        self, setting: Setting, effects: Mapping[str, Effect], context: Mapping[str, float] | None, seed: int
+        self,
+        setting: Setting,
+        effects: Mapping[str, Effect],
+        context: Mapping[str, float] | None,
+        seed: int,
+        model: Model | None = None,
     ) -> None:
         self._space, values = setting.space, dict(context or {})
         asked = {parameter.name for parameter in setting.task.parameters}
-        model = with_named_effects(setting.model, effects, [name for name in values if name not in asked])
-        self._setting = replace(setting, model=model, show_context=False)
+        machine = setting.model if model is None else _require_same(setting.model, model)
+        machine = with_named_effects(machine, effects, [name for name in values if name not in asked])
+        self._setting = replace(setting, model=machine, show_context=False)
         self._z, self._seed = self._setting.space.vector(values), derived_seed(seed, "target")
         self._told = single(setting.space.to_unit(setting.space.nominal)) if setting.show_context else None
 
@@ -60,6 +70,24 @@ class ModelTarget(Target):
             for key in ("observation", ("next", "observation")):
                 played[key] = _joined(cast(Tensor, played[key]), self._told)
         return played.exclude("context", ("next", "context"))
+
+
+def _require_same(known: Model, true: Model) -> Model:
+    """The true model, of the same machine as the known one."""
+    mine, theirs = _layout(known), _layout(true)
+    if mine != theirs:
+        raise ConfigError(
+            f"The target's model has {theirs}; that of env has {mine}. Give a model of the same machine: "
+            "evaluator.target.model…"
+        )
+    return true
+
+
+def _layout(model: Model) -> str:
+    compiled = model.nominal()
+    joints = ", ".join(compiled.joint(i).name for i in range(compiled.njnt))
+    actuators = ", ".join(compiled.actuator(i).name for i in range(compiled.nactuator))
+    return f"joints {joints}, actuators {actuators} and steps of {compiled.opt.timestep:g} s"
 
 
 class _Told:

@@ -18,7 +18,7 @@ from dr_lab.cli.verbs import verbs
 from dr_lab.errors import ConfigError
 
 FOLDERS = (shipped(),)
-NEEDS_RUN = {"from_run": "model.run", "sim2real_furuta": "run"}
+NEEDS_RUN = {"from_run": "model.run", "sim2real_furuta": "run", "didor_real": "evaluator.target.model.run"}
 EXPERT = {
     "lunar_lander_adr_plus": "distribution_learner.expert.path",
     "lunar_lander_gail": "algorithm.expert.path",

@@ -1,7 +1,11 @@
 """Every algorithm, randomizer, learner and collector fits the verb `train`, every target `evaluate`."""
 
+from pathlib import Path
+
 import pytest
-from test_configurations import check_verb, options_of
+from test_configurations import check_verb, options_of, run
+
+__all__ = ["run"]  # a fixture
 
 GROUPS = ("algorithm", "randomizer", "distribution_learner", "collector", "normaliser", "reward_scale")
 PLACE = {"normaliser": "normaliser@algorithm.actor.normaliser", "reward_scale": "reward_scale@algorithm.reward_scale"}
@@ -29,8 +33,9 @@ def test_part_of_maml_fits(group: str, option: str, monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize("option", options_of("target"))
-def test_target_fits(option: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    check_verb("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={option}"], monkeypatch)
+def test_target_fits(option: str, run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = [f"evaluator.target.model.run={run}"] if option == "from_run" else []
+    check_verb("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={option}", *given], monkeypatch)
 
 
 @pytest.mark.parametrize("option", options_of("expert"))

@@ -1,7 +1,9 @@
 """Targets are driven and watched: their motions are those of what is behind them, which cannot be read."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import cast
 
 import numpy as np
@@ -16,8 +18,12 @@ from dr_lab.cli.compose import compose
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.groups import options
 from dr_lab.collectors.play import play
+from dr_lab.comparison.export import write_context
+from dr_lab.effects.from_run import from_run
+from dr_lab.effects.named import with_named_effects
 from dr_lab.envs.setting import Setting
-from dr_lab.errors import UnknownNameError
+from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.targets.model import ModelTarget
 from dr_lab.targets.plant import PlantTarget
 from dr_lab.targets.target import Target
@@ -101,7 +107,25 @@ def test_an_effect_that_does_not_exist_is_told() -> None:
         hidden({"rusty_hinge@arm.torque": 1.0})(furuta())
 
 
-@pytest.mark.parametrize("name", options("target", (shipped(),)))
+def test_a_model_that_a_run_ended_with_moves_as_that_with_its_effects(tmp_path: Path) -> None:
+    known, (name, value) = furuta().model, *FRICTION.items()
+    effects = {"coulomb_friction": catalogue_effect("coulomb_friction")}
+    *own, torque = with_named_effects(known, effects, [name]).space.parameters
+    space = ContextSpace((*own, replace(torque, high=2.0 * value)))
+    found = ContextEstimate(space, space.vector({name: value}), 1e-12 * np.eye(len(space.names)))
+    write_context(tmp_path / "context.yaml", found)
+    closed = partial(ModelTarget, effects={}, context=None, seed=0, model=from_run(str(tmp_path), known, effects))
+    played, expected = (make(furuta()).play(wave, STARTS, 2) for make in (closed, hidden(FRICTION)))
+    torch.testing.assert_close(played["next", "qpos"], expected["next", "qpos"])
+
+
+def test_a_model_of_another_machine_is_refused() -> None:
+    other = partial(ModelTarget, effects={}, context=None, seed=0, model=setting("cartpole").model)
+    with pytest.raises(ConfigError, match=r"has joints cart, pole, .* that of env has joints arm, pole"):
+        other(furuta())
+
+
+@pytest.mark.parametrize("name", sorted(options("target", (shipped(),)).keys() - {"from_run"}))
 def test_every_target_is_composed_with_the_evaluator(name: str) -> None:
     cfg = compose("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={name}"])
     made = instantiate(cfg.evaluator, _convert_="all")
