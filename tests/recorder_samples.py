@@ -128,7 +128,7 @@ _CLOSE: dict[str, Any] = {
     "remaining": {"status": "at_floor", "chi2": 1.003},
     "rungs": [
         {"verdict": "named", "reason": "coulomb_friction@arm lowers the held-out χ² beyond every other candidate."},
-        {"verdict": "none", "reason": "The model is at the noise floor."},
+        {"verdict": "none", "reason": "The model is at the noise floor.", "effects": ["coulomb_friction@arm"]},
     ],
     "input_correlation": [
         {"signal": s, "command": "motor", "peak_lag": 0.004, "peak": peak, "band": 0.05, "significant": peak > 0.05}

@@ -1,10 +1,11 @@
 """`report.html` of compare, fit, diagnose, add and close."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from dr_lab.html.channel_figures import channel_plots
 from dr_lab.html.document import Chapter, Fold, Part, Text, write_document
+from dr_lab.html.experiment_figures import experiment_plots
 from dr_lab.html.force_figures import force_plots
 from dr_lab.html.ladder_figures import horizon_plots, ladder_plots
 from dr_lab.html.parameter_figures import parameter_plots
@@ -34,13 +35,14 @@ def write_gap_page(path: Path, report: GapReport, overlays: Sequence[Overlay], l
         DrLabError: the folder cannot be written to.
     """
     page, plots = gap_page(report), _plots(report, overlays, look)
+    plots["next_experiment"] = experiment_plots(path.parent, report.judged.next_experiment)
     bodies = {section.key: [Text(section.body)] if section.body else [] for section in page.sections}
     bodies["candidates"] = []  # which are told rung by rung
     chapters = [Chapter(s.title, [*plots.get(s.key, ()), *bodies[s.key]]) for s in page.sections]
     write_document(path, page.title, page.lead, chapters)
 
 
-def _plots(report: GapReport, overlays: Sequence[Overlay], look: Look) -> Mapping[str, Sequence[Part]]:
+def _plots(report: GapReport, overlays: Sequence[Overlay], look: Look) -> dict[str, Sequence[Part]]:
     """By the section that they belong to."""
     return {
         "ladder": ladder_plots(report),

@@ -7,9 +7,10 @@ import plotly.graph_objects as go
 from dr_lab.html.document import Fold, Part, Text
 from dr_lab.html.figure import AFTER, BEFORE, INK, NOISE, Plot, chart, rows_height
 from dr_lab.reports.gap import GapReport
-from dr_lab.reports.gap_entries import CandidateEntry, JudgedRungEntry
-from dr_lab.reports.ladder import judged, scored, status
+from dr_lab.reports.gap_entries import CandidateEntry
+from dr_lab.reports.ladder import scored, status
 from dr_lab.reports.quantity import number
+from dr_lab.reports.rankings import rankings
 from dr_lab.reports.tables import ranking_table
 
 _MOST = 20  # rows of a plot; all candidates are in the table
@@ -20,28 +21,14 @@ _COLOURS = {"named": AFTER, "equivalent": BEFORE}
 
 def ranking_parts(report: GapReport) -> list[Part]:
     """A plot and a table a rung; the first rung is open, since it says what the calibrated model lacks."""
-    rungs = report.judged.rungs or (JudgedRungEntry(report.verdict, report.judged.reason),)
     parts: list[Part] = []
-    for index, rung in enumerate(rungs):
-        rows = rung.ranking or (report.judged.ranking if index == 0 else ())
-        if rows:
-            parts += _rung(rung, rows, report, folded=index > 0)
+    for index, ranking in enumerate(rankings(report)):
+        if not ranking.rows:
+            continue
+        table = Fold(f"All {len(ranking.rows)} candidates", [Text(ranking_table(ranking.rows, report.verdict))])
+        inside: list[Part] = [*_plot(ranking.rows, report.verdict, scored(report)), table]
+        parts += [Fold(ranking.title, inside)] if index else [Text(f"### {ranking.title}"), *inside]
     return parts
-
-
-def by_gain(ranking: Sequence[CandidateEntry]) -> list[CandidateEntry]:
-    """Fitted candidates by the share that they remove, largest first, then the others by what they promise."""
-    return sorted(ranking, key=lambda row: (not row.fitted, -(_gain(row) or 0.0)))
-
-
-def _rung(rung: JudgedRungEntry, rows: Sequence[CandidateEntry], report: GapReport, folded: bool) -> list[Part]:
-    held = ", ".join(rung.effects) or "no effect"
-    title = f"Model with {held}: {judged(rung.verdict or 'not judged', report.verdict)}"
-    ordered = by_gain(rows)
-    table = Fold(f"All {len(rows)} candidates", [Text(ranking_table(ordered, rung.verdict))])
-    plot = _plot(ordered, rung.verdict, scored(report))
-    inside: list[Part] = [*plot, table]
-    return [Fold(title, inside)] if folded else [Text(f"### {title}"), *inside]
 
 
 def _plot(ordered: Sequence[CandidateEntry], verdict: str | None, logs: str) -> list[Plot]:
@@ -87,7 +74,3 @@ def _promised(rows: Sequence[CandidateEntry]) -> go.Scatter:
     marker = {"color": NOISE, "size": 9, "symbol": "diamond-open"}
     x, y = [100 * (row.predicted_gain or 0.0) for row in rows], [row.label for row in rows]
     return go.Scatter(x=x, y=y, name="not fitted: what it promised", mode="markers", marker=marker)
-
-
-def _gain(row: CandidateEntry) -> float | None:
-    return row.gain if row.fitted else row.predicted_gain

@@ -13,6 +13,7 @@ from dr_lab.recorders.shape import Colour
 from dr_lab.reports.gap_entries import CandidateEntry
 from dr_lab.reports.ladder import LadderModel, status
 from dr_lab.reports.quantity import number
+from dr_lab.reports.rankings import by_gain
 
 # Canvas units a row: a line of text above its bar, whose place is given as a share of the row from below.
 _ROW = 18.0
@@ -36,7 +37,7 @@ class _Row:
 
 def ranking_canvas(ranking: Sequence[CandidateEntry]) -> Canvas:
     """Measures of the chart that `log_ranking` draws."""
-    return _canvas(min(len(ranking), _MOST), _RANKED)
+    return _canvas(len(_drawn(ranking)), _RANKED)
 
 
 def ladder_canvas(ladder: Sequence[LadderModel]) -> Canvas:
@@ -45,7 +46,7 @@ def ladder_canvas(ladder: Sequence[LadderModel]) -> Canvas:
 
 
 def log_ranking(root: Branch, ranking: Sequence[CandidateEntry], look: Look) -> None:
-    """Draw the best candidates: the share of χ² that each removes, with its interval."""
+    """Draw the best fitted candidates: the share of χ² that each removes, with its interval."""
     colours = {"named": "after", "equivalent": "before"}
     rows = [
         _Row(
@@ -54,7 +55,7 @@ def log_ranking(root: Branch, ranking: Sequence[CandidateEntry], look: Look) -> 
             None if None in row.gain_ci else (_as_percent(row.gain_ci[0]), _as_percent(row.gain_ci[1])),
             look.colour(colours.get(status(row, None), "noise")),
         )
-        for row in ranking[:_MOST]
+        for row in _drawn(ranking)
     ]
     low = min([0.0, *(row.interval[0] for row in rows if row.interval)])
     axis = linear_axis("share of χ² that the effect removes [%]", max(low, _WORST), 100.0)
@@ -84,6 +85,11 @@ def log_ladder(root: Branch, ladder: Sequence[LadderModel], pair: Sequence[Ladde
         for step, value in zip(ladder, chi2, strict=True)
     ]
     _log_rows(root, ladder_canvas(ladder), rows, axis, axis.low, look)
+
+
+def _drawn(ranking: Sequence[CandidateEntry]) -> list[CandidateEntry]:
+    """Of what was not fitted no gain is known; the table says what it promised."""
+    return [row for row in by_gain(ranking) if row.fitted][:_MOST]
 
 
 def _canvas(rows: int, room: int) -> Canvas:

@@ -18,6 +18,7 @@ from dr_lab.recorders.shape import Paint
 from dr_lab.recorders.signals import log_commands, log_residuals, log_signals
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.ladder import before_after, steps
+from dr_lab.reports.rankings import by_gain
 from dr_lab.reports.tables import error_table, ranking_table
 from dr_lab.reports.verdict import verdict_markdown
 
@@ -70,7 +71,7 @@ def _log_report(root: Branch, report: GapReport, report_md: str, look: Look) -> 
         log_ladder(diagnosis / "ladder", ladder, before_after(report), look)
     if ranking := report.judged.ranking:
         log_ranking(diagnosis / "ranking", ranking, look)
-        _log_text(diagnosis / "ranking_table", ranking_table(ranking, report.verdict))
+        _log_text(diagnosis / "ranking_table", ranking_table(by_gain(ranking), report.verdict))
 
 
 def _log_text(place: Branch, text: str) -> None:

@@ -11,9 +11,10 @@ from dr_lab.reports.gap_entries import (
     RegionEntry,
     TermEntry,
 )
-from dr_lab.reports.ladder import failing, judged, scored
+from dr_lab.reports.ladder import failing, scored
 from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import number, percent
+from dr_lab.reports.rankings import rankings
 from dr_lab.reports.tables import (
     channel_table,
     clock_table,
@@ -46,7 +47,7 @@ def gap_page(report: GapReport) -> Page:
         Section("ladder", "Ladder of models", ladder_table(report)),
         Section("reasons", "Reasons", _reasons(report)),
         Section("channels", f"Error by channel, on {scored(report)}", channel_table(report)),
-        Section("candidates", "Candidates", ranking_table(judgement.ranking, report.verdict)),
+        Section("candidates", "Candidates", _candidates(report)),
         Section("parameters", "Parameters", fitted),
         Section("parameters_by_log", "Parameters by log", per_log_table(parameters)),
         Section("where", f"Where the {failing(report)} fails", _where(failure.where)),
@@ -63,10 +64,18 @@ def gap_page(report: GapReport) -> Page:
 
 
 def _reasons(report: GapReport) -> str:
-    """Why each rung's verdict is what it is; the first rung's alone where there is but one."""
-    alone = [(report.verdict, report.judged.reason)] if report.judged.reason else []
-    told = [(rung.verdict, rung.reason) for rung in report.judged.rungs] or alone
-    return "\n".join(f"- {judged(word or '', report.verdict)}: {reason}" for word, reason in told)
+    """Why each rung's verdict is what it is."""
+    told = [f"- {each.title}. {each.reason}" for each in rankings(report) if each.reason]
+    return "\n".join(told)
+
+
+def _candidates(report: GapReport) -> str:
+    """A table of each rung; the rung is named where there are several."""
+    found = [each for each in rankings(report) if each.rows]
+    tables = [ranking_table(each.rows, report.verdict) for each in found]
+    if len(found) == 1:
+        return tables[0]
+    return "\n\n".join(f"### {each.title}\n\n{table}" for each, table in zip(found, tables, strict=True))
 
 
 def _where(regions: Sequence[RegionEntry]) -> str:

@@ -7,11 +7,11 @@ import pytest
 from html_pages import figures, require_whole, text, traces, values
 
 from dr_lab.html.gap_page import write_gap_page
-from dr_lab.html.ranking_figures import by_gain
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import Overlay
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.plain import from_plain
+from dr_lab.reports.rankings import by_gain
 from dr_lab.trajectory import Signal
 
 LARGEST = 6_000_000  # bytes
@@ -23,6 +23,7 @@ def written(tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, look
     arguments = {"arm": {"velocity of arm [rad/s]": velocity, "command motor [V]": np.zeros_like(velocity)}}
     close_report["ladder"][1]["converged"] = True
     close_report["ladder"][1] |= {"fit": {"converged": True, "iterations": 3, "windows": 66, "infeasible_windows": 0}}
+    (tmp_path / "next_experiment.csv").write_text("time_s,motor\n0,1.5\n0.5,-2\n", "utf-8")
     report = from_plain(GapReport, close_report)
     write_gap_page(path, report, [dataclasses.replace(overlay, arguments=arguments)], look)
     return path.read_text("utf-8")
@@ -85,7 +86,7 @@ def test_every_rung_has_its_ranking_and_what_was_not_fitted_no_gain(
     close_report["rungs"][1] |= {"ranking": ranking[1:], "effects": ["coulomb_friction@arm"]}
     write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [], look)
     page = (tmp_path / "report.html").read_text("utf-8")
-    assert "Model with no effect: named" in page
+    assert "Calibrated model: named" in page
     assert "Model with coulomb_friction@arm: none" in page
     gains = [
         {y: x for t in f["data"] for x, y in zip(t["x"], t["y"], strict=False)}
@@ -97,6 +98,13 @@ def test_every_rung_has_its_ranking_and_what_was_not_fitted_no_gain(
     assert "coulomb_friction@arm" not in gains[1]
     assert gains[0]["actuator_delay@motor"] == 30.0
     assert all(t["marker"]["symbol"] == "diamond-open" for t in traces(page, "not fitted: what it promised"))
+
+
+def test_the_next_experiment_is_the_command_file(written: str) -> None:
+    (command,) = [
+        trace for trace in traces(written, "motor") if trace["line"]["shape"] == "hv" and len(values(trace["x"])) == 2
+    ]
+    assert (values(command["x"]).tolist(), values(command["y"]).tolist()) == ([0.0, 0.5], [1.5, -2.0])
 
 
 def test_a_parameter_has_its_interval(written: str) -> None:

@@ -33,7 +33,7 @@ def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None
     assert _cells(text, "calibrated") == ["calibrated", "213.4", "0.0512", "0.0301"]
     assert _cells(text, "`arm.position`")[1:] == ["rad", "0.0015", "0.0412", "0.00151", "0.0512", "0.00158", "99 %"]
     assert _cells(text, "`pole.mass` [kg]")[1:] == ["0.0262", "0.0261"]
-    assert "- none: The model is at the noise floor." in text
+    assert "- Model with coulomb_friction@arm: none. The model is at the noise floor." in text
     assert "The residual of `arm.position` follows `motor` after 4 ms: correlation 0.31" in text
     assert "`pole.position` follows" not in text
     assert _cells(text, "swing_05")[1:] == ["`motor`", "log", "0.0123 s", "21 ppm", "0.4 ms"]
@@ -84,7 +84,7 @@ def test_nothing_is_called_named_where_the_verdict_names_nothing(close_report: d
     close_report["verdict"] = verdict
     text = page(close_report)
     assert _cells(text, "1")[1:3] == ["`coulomb_friction@arm`", "best, not named"]
-    assert "- best, not named: coulomb_friction@arm lowers" in text
+    assert "- Calibrated model: best, not named. coulomb_friction@arm lowers" in text
     assert "best, not named" in ranking_summary(from_plain(GapReport, close_report).judged.ranking, verdict)
     assert " named" not in text.replace("not named", "")
     close_report["ladder"] = close_report["ladder"][:1]
