@@ -1,5 +1,6 @@
 """The ladder of models, and the error of its first one over the horizon."""
 
+import numpy as np
 import plotly.graph_objects as go
 
 from dr_lab.html.figure import AFTER, BEFORE, INK, MUTED, NOISE, ROLES, Plot, chart, rows_height
@@ -9,6 +10,7 @@ from dr_lab.reports.ladder import before_after, steps
 from dr_lab.reports.quantity import number, titled
 
 _COLUMNS = 3  # plots side by side
+_LABEL = 0.15  # room for a number behind the longest line, as a share of it
 
 
 def ladder_plots(report: GapReport) -> list[Plot]:
@@ -29,7 +31,9 @@ def ladder_plots(report: GapReport) -> list[Plot]:
         text = ["", f"  {number(value)}"]
         figure.add_trace(go.Scatter(x=[1.0, value], y=[name, name], text=text, hoverinfo="x+y", **style, **look))
     figure.add_vline(x=1.0, line={"color": INK, "dash": "dot", "width": 1})
-    figure.update_xaxes(title="χ² (1 = noise floor)", type="log", dtick=1)
+    low, high = (np.log10(f([1.0, *values])) for f in (min, max))
+    room = _LABEL * (high - low)
+    figure.update_xaxes(title="χ² (1 = noise floor)", type="log", dtick=1, range=[low - 0.02 * room, high + room])
     figure.update_yaxes(autorange="reversed", showgrid=False)
     return [Plot(figure, rows_height(len(made)))]
 

@@ -20,7 +20,9 @@ from dr_lab.trajectory import Array
 # Rows of plots that can be read on one sheet.
 _ROWS = 4
 _LINKED = rrb.TimeAxis(link="LinkToGlobal")
-_RANKING = "Beside the calibrated model, on {} (blue: named, orange: equivalent, grey: neither; white line: interval)"
+_RANKING = (
+    "Ranking beside the calibrated model, on {} (blue: named, orange: equivalent, grey: neither; white line: interval)"
+)
 
 
 def review_blueprint(
