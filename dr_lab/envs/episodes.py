@@ -11,6 +11,7 @@ from dr_lab.envs.slots import Flags, Rows, Starts, StepOutcome
 from dr_lab.envs.task import Change, Fields, Task, Values, context_space, required_bounds
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
+from dr_lab.physics.setpoints import Setpoints
 from dr_lab.physics.simulator import Simulator
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
@@ -78,6 +79,7 @@ class Episodes(ContextSlots):
         if self._forces is not None:
             self._fields[_FORCES] = self._forces.values
         self._qpos, self._qvel = self.simulator.batch.bind("qpos"), self.simulator.batch.bind("qvel")
+        self._setpoints = Setpoints(self.simulator.batch)
         self._steps, self._returns = np.zeros(nsim, np.intp), np.zeros(nsim)
         self._failed = np.zeros(nsim, bool)  # ended as infeasible and not begun anew
         self.infeasible = 0
@@ -107,6 +109,7 @@ class Episodes(ContextSlots):
         else:
             for row, rng in zip(rows, streams, strict=True):
                 self._qpos[row], self._qvel[row] = self.task.start(rng, self.simulator.compiled)
+        self._setpoints.follow(rows)
         self.simulator.forward(rows)
         if self._forces is not None:
             self._forces.rest(rows)
@@ -120,13 +123,13 @@ class Episodes(ContextSlots):
         """One control step of all episodes; those that have ended want a `begin` before the next.
 
         Args:
-            action: in the actuators' unit, shape (n, nu); what lies outside of the bounds is cut off.
+            action: as the task takes it, shape (n, a); what lies outside of the bounds is cut off.
         """
-        action = np.clip(action, self.low, self.high)
-        self.simulator.step(action, self.task.frame_skip)
+        action, values = np.clip(action, self.low, self.high), self._by_name(self.contexts)
+        self.simulator.step(self.task.controls(action, values), self.task.frame_skip)
         if self._forces is not None:
             self._forces.update()
-        fields, values = self._fields, self._by_name(self.contexts)
+        fields = self._fields
         observation, marker = self._seen(fields, self.contexts), self.task.marker(fields)
         terminated = self.task.terminated(fields, values)
         reward = self.task.reward(Change(self._marker, marker, fields, values, terminated, action, self.seconds))

@@ -35,7 +35,7 @@ class Change:
         fields: fields after it.
         values: the context.
         terminated: where the step has ended the episode, shape (n,).
-        action: what the policy did, within its bounds, shape (n, nu).
+        action: what the policy did, within its bounds, shape (n, a).
         seconds: length of the step.
     """
 
@@ -94,8 +94,21 @@ class Task(ABC):
         return None
 
     def action_bounds(self, compiled: mujoco.MjModel) -> tuple[Array, Array]:
-        """Lowest and highest action, shape (nu,), in the actuators' unit: their control range unless said otherwise."""
+        """Lowest and highest action, shape (a,): the actuators' control range, in their unit, unless said otherwise."""
         return compiled.actuator_ctrlrange[:, 0].copy(), compiled.actuator_ctrlrange[:, 1].copy()
+
+    def controls(self, action: Array, values: Values) -> Array:
+        """What the actuators are commanded where the policy does `action`: the same unless said otherwise.
+
+        Args:
+            action: within its bounds, shape (n, a).
+            values: the context.
+
+        Returns:
+            In the actuators' unit, shape (n, nu).
+        """
+        del values
+        return action
 
     @abstractmethod
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:

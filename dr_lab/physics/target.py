@@ -16,7 +16,7 @@ _ATTRIBUTES: dict[str, dict[str, int]] = {
     "body": {"mass": 1, "inertia": 3, "inertia_scale": 1, "ipos": 3, "pos": 3},
     "joint": {"damping": 1, "frictionloss": 1, "armature": 1, "stiffness": 1, "springref": 1},
     "geom": {"size": 3, "friction": 3, "density": 1, "mass": 1},
-    "actuator": {"gear": 6, "gainprm": 10, "force_limit": 1},
+    "actuator": {"gear": 6, "gainprm": 10, "force_limit": 1, "kp": 1, "kv": 1},
     "option": {"gravity": 3, "density": 1, "viscosity": 1, "wind": 3},
 }
 
@@ -38,6 +38,8 @@ _FIELDS = {
     ("option", "viscosity"): "opt.viscosity",
     ("option", "wind"): "opt.wind",
 }
+# entries that a servo's gains share, force = kp setpoint - kp length - kv velocity
+_SERVO = {"kp": (("actuator_gainprm", 0), ("actuator_biasprm", 1)), "kv": (("actuator_biasprm", 2),)}
 _PER_DOF = {"dof_damping", "dof_frictionloss", "dof_armature"}
 
 
@@ -62,8 +64,8 @@ class Target:
 
     ``body.<b>.mass`` scales the body's inertia along (same shape, other density); ``body.<b>.inertia_scale`` scales
     inertia alone, so every admissible pair is physically consistent. ``body.<b>.inertia`` are its principal moments,
-    where the file gives them as ``diaginertia``. ``actuator.<a>.force_limit`` is F of a symmetric
-    ``forcerange`` ±F.
+    where the file gives them as ``diaginertia``. ``actuator.<a>.force_limit`` is F of a symmetric ``forcerange`` ±F;
+    ``actuator.<a>.kp`` and ``kv`` are the gains of a position servo.
     """
 
     kind: str
@@ -102,7 +104,8 @@ class Target:
 
         Raises:
             ModelError: a body's mass is asked for but the body has no <inertial>, its principal moments but it has a
-                full inertia, or an actuator's force limit but its force is not limited symmetrically.
+                full inertia, an actuator's force limit but its force is not limited symmetrically, or a servo's gain
+                but it is none.
             UnknownNameError: the element is not in the model.
         """
         if self.attribute == "inertia_scale":
@@ -110,6 +113,8 @@ class Target:
         element = self._element(spec)
         if self.attribute == "force_limit":
             return self._force_limit(element)
+        if self.attribute in _SERVO:
+            return self._servo_gain(element)
         if self.kind == "body" and self.attribute in ("mass", "inertia", "ipos") and not element.explicitinertial:
             raise ModelError(f"Target {self}: body {self.element!r} needs an explicit <inertial> to vary its inertia.")
         if self.attribute == "inertia" and np.isfinite(element.fullinertia[0]):
@@ -133,6 +138,10 @@ class Target:
             _scale_inertia(element, value)
         elif self.attribute == "force_limit":
             element.forcerange = [-value, value]
+        elif self.attribute == "kp":
+            element.gainprm[0], element.biasprm[1] = value, -value
+        elif self.attribute == "kv":
+            element.biasprm[2] = -value
         elif self.attribute == "mass" and self.kind == "body":
             _scale_inertia(element, value / element.mass)
             element.mass = value
@@ -153,6 +162,9 @@ class Target:
         if self.attribute == "force_limit":
             row = model.actuator(self.element).id
             return (FieldEdit("actuator_forcerange", (row, slice(None)), relative=True),)
+        if self.attribute in _SERVO:
+            row = model.actuator(self.element).id
+            return tuple(FieldEdit(field, (row, entry), relative=True) for field, entry in _SERVO[self.attribute])
         field = _FIELDS.get((self.kind, self.attribute))
         if field is None:
             return ()
@@ -176,6 +188,15 @@ class Target:
                 "F > 0. Set it in the MJCF."
             )
         return high
+
+    def _servo_gain(self, element: Any) -> float:  # noqa: ANN401 (MjsActuator)
+        gain, (_, position, velocity) = float(element.gainprm[0]), (float(value) for value in element.biasprm[:3])
+        if not (gain == -position > 0.0):
+            raise ModelError(
+                f"Target {self}: actuator {self.element!r} has gainprm[0] {gain:g} and biasprm[1] {position:g}; "
+                "expected those of a position servo, kp > 0 and -kp. Take a <position> or <intvelocity> actuator."
+            )
+        return gain if self.attribute == "kp" else -velocity
 
     def _unit(self, spec: mujoco.MjSpec) -> float:
         """The spec's unit of the value in SI; where MJCF angles are degrees, a hinge's reference is one of them."""

@@ -19,6 +19,7 @@ XML = """
     <motor name="motor" joint="hinge" gear="7" forcerange="-5 5"/>
     <motor name="skew" joint="hinge" forcerange="-5 4"/>
     <dcmotor name="servo" joint="slide" motorconst="1" resistance="1" input="pos" controller="10 0 1 0 0 18"/>
+    <intvelocity name="drive" joint="slide" kp="40" kv="3" actrange="-1 1"/>
   </actuator>
 </mujoco>
 """
@@ -39,6 +40,8 @@ def spec() -> mujoco.MjSpec:
         ("actuator.motor.gear[0]", 7.0),
         ("actuator.motor.force_limit", 5.0),
         ("actuator.servo.gainprm[7]", 18.0),
+        ("actuator.drive.kp", 40.0),
+        ("actuator.drive.kv", 3.0),
         ("option.gravity[2]", -9.81),
     ],
 )
@@ -72,6 +75,8 @@ def test_linear_damping_leaves_the_polynomial_alone() -> None:
         "actuator.motor.gear[0]",
         "actuator.motor.force_limit",
         "actuator.servo.gainprm[7]",
+        "actuator.drive.kp",
+        "actuator.drive.kv",
         "body.arm.ipos[2]",
     ],
 )
@@ -92,6 +97,11 @@ def test_a_force_limit_is_symmetric() -> None:
     np.testing.assert_array_equal(one.compile().actuator("motor").forcerange, [-2.0, 2.0])
     with pytest.raises(ModelError, match=r"'skew' has forcerange \[-5, 4\]; expected \[-F, F\]"):
         Target.parse("actuator.skew.force_limit").read(one)
+
+
+def test_the_gains_of_what_is_no_position_servo_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"'motor' has gainprm\[0\] 1 and biasprm\[1\] 0; .* Take a <position>"):
+        Target.parse("actuator.motor.kp").read(spec())
 
 
 def test_sizes_must_be_recompiled() -> None:
