@@ -39,6 +39,7 @@ class Drawer(Task):
         pose: of the arm at the start, rad, shape (7,).
         start_noise: half width of the uniform noise on it, rad.
         wanted: how far the drawer is to be opened, m.
+        open_at: x of the handle from which on the drawer counts as open, m.
         grasp: half sizes of the region around the handle in which the effector has the bar between its fingers, along
             the bar and along the pull, m.
         weights: w of `distance` (1/m), `angle` (1/rad), `opening` (1/m), `fingers` and `action`, per control step.
@@ -52,10 +53,12 @@ class Drawer(Task):
     pose: Sequence[float]
     start_noise: NotNegative
     wanted: Positive
+    open_at: float
     grasp: Sequence[float]
     weights: Mapping[str, float]
     scales: Sequence[float] | None = None
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "site_xpos", "site_xmat")
+    measured: ClassVar[Mapping[str, int]] = {"handle.x": 7, "handle.y": 8, "handle.z": 9}
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -100,6 +103,10 @@ class Drawer(Task):
             + weights["fingers"] * self._between(place, away)
             - weights["action"] * np.square(change.action).sum(axis=1)
         )
+
+    def solved(self, observation: Array) -> NDArray[np.bool_]:
+        """Where the handle has come far enough."""
+        return observation[:, self.measured["handle.x"]] <= self.open_at
 
     def _between(self, place: Array, away: Array) -> NDArray[np.bool_]:
         """Where the bar is between the fingers, one above and one below it, shape (n,)."""

@@ -23,6 +23,7 @@ CHAIN = (
 )
 MASSES = (4.970684, 0.646926, 3.228604, 3.587895, 1.225946, 1.666555, 0.735522)  # kg, of the links (Gaz et al. 2019)
 HAND = 0.73 + 2 * 0.015  # kg
+GRASPING = (0.0, 0.1516, 0.0, -1.8123, 0.0, 3.5347, -0.7853)  # rad; the bar of the closed drawer between the fingers
 EVERYTHING = "env/context=[drawer/cabinet,drawer/joints,drawer/gripper,drawer/drawer,drawer/scales]"
 
 
@@ -78,6 +79,7 @@ def test_a_free_arm_keeps_its_energy() -> None:
     compiled.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
     compiled.opt.integrator, compiled.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, 1e-3
     compiled.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    compiled.dof_damping[:] = 0.0  # of the fingers
     data.qpos[:7], data.qpos[7:9] = setting("drawer").task.pose, 0.02  # pyright: ignore[reportAttributeAccessIssue]
     data.qvel[:7] = [-0.5, -0.4, 0.3, 0.2, 0.5, -0.5, 0.4]
     energies = []
@@ -146,3 +148,28 @@ def test_the_handle_is_seen_where_the_cabinet_stands() -> None:
     made = episodes("env/context=[drawer/cabinet]", context={"cabinet.lateral": 0.15})
     np.testing.assert_allclose(made.observation[0, 7:], [0.72, 0.15, 0.65], atol=1e-12)
     assert made.observation.shape == (1, 10)
+
+
+def test_the_drawer_is_open_where_its_handle_has_come_far_enough() -> None:
+    made = episodes(slots=2)
+    qpos = made.state[0]
+    qpos[:, 9] = [0.19, 0.21]
+    made.begin(np.arange(2), (qpos, np.zeros((2, 10))))
+    np.testing.assert_array_equal(made.task.solved(made.observation), [False, True])
+
+
+def test_closing_fingers_hold_the_bar_by_its_friction() -> None:
+    made = episodes("env/context=[drawer/drawer]", slots=2)
+    space = made.space
+    made.give_contexts(np.array([space.vector({"handle.friction": mu}) for mu in (1.0, 0.0)]))
+    qpos = np.tile([*GRASPING, 0.04, 0.04, 0.0], (2, 1))
+    made.begin(np.arange(2), (qpos, np.zeros((2, 10))))
+    shut = [0.0] * 7 + [-1.0]
+    for _ in range(10):
+        made.step(np.tile(shut, (2, 1)))
+    assert (made.state[0][:, 7:9].sum(axis=1) > 0.017).all()  # the bar, 20 mm thick, is between them
+    for _ in range(40):
+        made.step(np.tile([0.0, -0.77, 0.0, -0.82, 0.0, 0.03, 0.0, -1.0], (2, 1)))
+    held, slipped = made.state[0][:, 9]
+    assert held > 0.05
+    assert slipped < 0.2 * held
