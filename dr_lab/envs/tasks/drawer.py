@@ -74,10 +74,10 @@ class Drawer(Task):
         return -np.ones(8), np.ones(8)
 
     def controls(self, action: Array, values: Values) -> Array:
-        """Velocities of the joints, rad/s, and places of the fingers, m, shape (n, 9)."""
+        """Velocities of the joints, rad/s, and the distance of the fingers, m, shape (n, 8)."""
         scale = np.stack([values.get(f"{joint}.scale", np.full(len(action), self.scale)) for joint in _JOINTS], axis=1)
-        open_to = 0.5 * self.finger_travel * (1.0 + action[:, 7:])
-        return np.concatenate([scale * self.speeds * action[:, :7], open_to, open_to], axis=1)
+        apart = self.finger_travel * (1.0 + action[:, 7:])
+        return np.concatenate([scale * self.speeds * action[:, :7], apart], axis=1)
 
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """At rest near the pose, the gripper open, the drawer closed."""
