@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar
 
 import mujoco
@@ -61,6 +62,8 @@ class Task(ABC):
         frame_skip: physics steps per control step.
         time_limit: control steps after which an episode is cut (a truncation, not a termination).
         reads: `MjData` fields that it reads.
+        measured: columns of the observation that tell the machine's motion beside its joints, by name, as the place of
+            an object; SimOpt compares machine and model by them, too.
 
     Raises:
         ConfigError: one of them is not at least 1.
@@ -69,6 +72,7 @@ class Task(ABC):
     frame_skip: Count
     time_limit: Count
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel")
+    measured: ClassVar[Mapping[str, int]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
         require_bounds(self, "env.task")
@@ -125,6 +129,11 @@ class Task(ABC):
     @abstractmethod
     def reward(self, change: Change) -> Array:
         """Reward of one control step, shape (n,)."""
+
+    def solved(self, observation: Array) -> NDArray[np.bool_] | None:
+        """Where what is seen, shape (n, o), is what the task is for, shape (n,); None where it names no such thing."""
+        del observation
+        return None
 
     def terminated(self, fields: Fields, values: Values) -> NDArray[np.bool_]:
         """Where an episode has come to its end, shape (n,); nowhere unless said otherwise."""

@@ -86,17 +86,18 @@ class RealVsSimEvaluator(IntervalEvaluator):
             pairs.append(Pair(real, replace(twin, name=f"simulated_{number}")))
             progress(number / self.episodes)
         widest = max(pairs, key=lambda pair: np.nan_to_num(abs(pair.difference)))
-        shown = [widest.real, widest.simulated]
-        rows, told = [_row(pair) for pair in pairs], self._told()
+        shown, solved = [widest.real, widest.simulated], _solved(setting, pairs)
+        rows = [{**_row(pair), **{key: float(each[i]) for key, each in solved.items()}} for i, pair in enumerate(pairs)]
+        figures = self._figures(pairs) | {key: float(values.mean()) for key, values in solved.items()}
         returns = {"real": [p.real.undiscounted for p in pairs], "simulated": [p.expected for p in pairs]}
         samples = [Sample(name, np.array(values), "An episode each.") for name, values in returns.items()]
-        return Evaluation(self._figures(pairs), rows, _units(widest), samples=samples, episodes=shown, told=told)
+        return Evaluation(figures, rows, _units(widest), samples=samples, episodes=shown, told=self._told())
 
     def _told(self) -> str:
         return (
             f"{self.episodes} episodes on the target and from the same starts in the model. Returns are interquartile "
             f"means, low and high their {percent(self.confidence)} intervals; infeasible is the share of episodes that "
-            "diverge in the model."
+            "diverge in the model; solved that of those at whose end the task is solved, where it says so."
         )
 
     def _figures(self, pairs: Sequence[Pair]) -> dict[str, float]:
@@ -111,6 +112,13 @@ class RealVsSimEvaluator(IntervalEvaluator):
             found = self.interval(np.array(values))
             figures |= {name: found.value, f"{name}.low": found.low, f"{name}.high": found.high}
         return figures | {"infeasible": float(np.mean(~np.isfinite(columns["simulated"])))}
+
+
+def _solved(setting: Setting, pairs: Sequence[Pair]) -> dict[str, Array]:
+    """Whether the task is solved at the end, 0 or 1 by episode, shape (k,); nothing where it names no such thing."""
+    last = {"real": [pair.real for pair in pairs], "simulated": [pair.simulated for pair in pairs]}
+    found = {key: setting.task.solved(np.stack([e.observation[-1] for e in each])) for key, each in last.items()}
+    return {f"{key}.solved": values.astype(np.float64) for key, values in found.items() if values is not None}
 
 
 def _row(pair: Pair) -> Row:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import cast
 
 import mujoco
@@ -16,6 +17,7 @@ from dr_lab.trajectory import Array
 
 _SIMPLE = {int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)}
 _STATES = {"position": "qpos", "velocity": "qvel"}
+_NOTHING: Mapping[str, int] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,9 @@ class Discrepancy:
     Source: Chebotar et al. 2019, equation 4 and appendix.
 
     Attributes:
-        weights: W by what is measured, ``<joint>.position`` or ``<joint>.velocity``, per rad, m, rad/s or m/s; None
-            measures the positions of all hinges and slides, with weight 1.
+        weights: W by what is measured, ``<joint>.position`` or ``<joint>.velocity`` or what the task says that it sees
+            (`Task.measured`), per rad, m, rad/s or m/s; None measures the positions of all hinges and slides, with
+            weight 1.
         l1: w₁.
         l2: w₂.
         smoothing: standard deviation of G in control steps; 0 filters nothing.
@@ -51,14 +54,18 @@ class Discrepancy:
     def __post_init__(self) -> None:
         require_bounds(self, "distribution_learner.discrepancy")
 
-    def measured(self, compiled: mujoco.MjModel) -> dict[str, float]:
+    def measured(self, compiled: mujoco.MjModel, seen: Mapping[str, int] = _NOTHING) -> dict[str, float]:
         """W of each quantity of a machine.
+
+        Args:
+            compiled: the machine.
+            seen: what the task sees besides, by name, as columns of the observation.
 
         Raises:
             UnknownNameError: a name is no quantity of the machine.
             ConfigError: nothing is measured.
         """
-        known = columns(compiled)
+        known = columns(compiled, seen)
         everything = {name: 1.0 for name in known if name.endswith(".position")}
         weights = everything if self.weights is None else dict(self.weights)
         for name in weights:
@@ -71,33 +78,39 @@ class Discrepancy:
             )
         return weights
 
-    def __call__(self, compiled: mujoco.MjModel, real: TensorDict, simulated: TensorDict) -> Array:
+    def __call__(
+        self,
+        compiled: mujoco.MjModel,
+        real: TensorDict,
+        simulated: TensorDict,
+        seen: Mapping[str, int] = _NOTHING,
+    ) -> Array:
         """D of each simulated episode, size [k, t], from one real episode, size [T]; shape (k,)."""
-        names = self.measured(compiled)
-        weight = np.array(list(names.values()))
+        weights, known = self.measured(compiled, seen), columns(compiled, seen)
+        weight, places = np.array(list(weights.values())), [known[name] for name in weights]
         length = int(cast(Tensor, real["mask"]).sum())
-        away = _course(compiled, names, simulated, length) - _course(compiled, names, real[None], length)
+        away = _course(places, simulated, length) - _course(places, real[None], length)
         if self.smoothing > 0.0:
             away = gaussian_filter1d(away, self.smoothing, axis=1, mode="nearest", truncate=self.truncation)
         return (self.l1 * np.abs(weight * away) + self.l2 * np.square(weight * away)).sum(axis=(1, 2))
 
 
-def columns(compiled: mujoco.MjModel) -> dict[str, tuple[str, int]]:
-    """State and column of every quantity that can be measured at the hinges and slides of a machine, by its name."""
+def columns(compiled: mujoco.MjModel, seen: Mapping[str, int] = _NOTHING) -> dict[str, tuple[str, int]]:
+    """Key of an episode and column of every quantity that can be measured, by its name; arguments as `measured`."""
     joints = [compiled.joint(index) for index in range(compiled.njnt)]
     simple = [joint for joint in joints if int(joint.type[0]) in _SIMPLE]
     place = {"position": "qposadr", "velocity": "dofadr"}
-    return {
+    found = {
         f"{joint.name}.{kind}": (_STATES[kind], int(getattr(joint, address)[0]))
         for kind, address in place.items()
         for joint in simple
     }
+    return found | {name: ("observation", column) for name, column in seen.items()}
 
 
-def _course(compiled: mujoco.MjModel, names: Iterable[str], played: TensorDict, steps: int) -> Array:
+def _course(places: Iterable[tuple[str, int]], played: TensorDict, steps: int) -> Array:
     """What is measured after each control step, shape (k, steps, c); the last of an episode stays."""
-    known = columns(compiled)
     length = cast(Tensor, played["mask"]).sum(1).numpy()
     row = np.minimum(np.arange(steps), np.maximum(length, 1)[:, None] - 1)
-    found = [cast(Tensor, played["next", known[name][0]])[..., known[name][1]].numpy() for name in names]
+    found = [cast(Tensor, played["next", key])[..., column].double().numpy() for key, column in places]
     return np.take_along_axis(np.stack(found, -1), row[..., None], axis=1)

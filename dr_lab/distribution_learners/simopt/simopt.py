@@ -87,7 +87,7 @@ class SimOpt(DistributionLearner):
         self._gaussian = _require_gaussian(randomizer)
         self._setting = require_mujoco(setting, "distribution_learner=simopt")
         self._compiled = self._setting.model.nominal()
-        discrepancy.measured(self._compiled)
+        discrepancy.measured(self._compiled, self._setting.task.measured)
         self._discrepancy, self._target = discrepancy, target(self._setting)
         self.rng = stream(seed, "simopt")
         self._turns = 0
@@ -141,7 +141,8 @@ class SimOpt(DistributionLearner):
         played = experience.play(policy, z.repeat(self.rollouts, axis=0), (qpos, qvel))
         _, infeasible = outcomes(played)
         pairs = ((real[k], played[k :: self.rollouts]) for k in range(self.rollouts))
-        costs = np.stack([self._discrepancy(self._compiled, *cast(_Pair, pair)) for pair in pairs])
+        seen = self._setting.task.measured
+        costs = np.stack([self._discrepancy(self._compiled, *cast(_Pair, pair), seen) for pair in pairs])
         return np.where(infeasible.reshape(self.samples, -1).any(1), np.nan, costs.mean(0))
 
     def _starts(self) -> Starts:

@@ -77,6 +77,17 @@ def test_a_constant_distance_is_weighed_as_the_formula_says() -> None:
     np.testing.assert_array_equal(costs(blind, real, simulated), 0.0)
 
 
+def test_what_the_task_sees_is_measured_by_its_column() -> None:
+    real, simulated = course(np.zeros((1, 10))), course(np.ones((1, 10)))
+    for episodes, place in ((real, 0.0), (simulated, 0.3)):
+        episodes["next", "observation"] = torch.tensor([7.0, place]).expand(1, 10, 2)
+    peg = Discrepancy({"peg.z": 1.0}, l1=0.5, l2=1.0, smoothing=5.0, truncation=4.0)
+    found = peg(COMPILED, cast(TensorDict, real[0]), simulated, {"peg.z": 1})
+    np.testing.assert_allclose(found, 10 * (0.5 * 0.3 + 0.09), rtol=1e-6)
+    with pytest.raises(UnknownNameError, match=r"peg\.z"):
+        peg(COMPILED, cast(TensorDict, real[0]), simulated)
+
+
 def test_who_ends_early_stays_and_what_follows_the_real_end_does_not_count() -> None:
     ramp = np.arange(1.0, 6.0)[None]
     only_l1 = Discrepancy({"arm.position": 1.0}, l1=1.0, l2=0.0, smoothing=0.0, truncation=4.0)

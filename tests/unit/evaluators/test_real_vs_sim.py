@@ -24,6 +24,7 @@ from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model
 from dr_lab.plants.rig import Rig
 from dr_lab.recorders.episode import Episode
+from dr_lab.targets.model import ModelTarget
 from dr_lab.targets.plant import PlantTarget
 from dr_lab.training.recorded import record
 
@@ -76,6 +77,24 @@ def test_a_gap_shows_and_the_model_of_a_run_closes_it(tmp_path: Path) -> None:
     assert abs(closed.figures["difference"]) < 0.01 * abs(gap.figures["difference"])
     for error in ("arm.rmse", "pole.rmse"):
         assert all(float(c[error]) < 0.02 * float(g[error]) for c, g in zip(closed.rows, gap.rows, strict=True))
+
+
+@pytest.mark.parametrize(("depth", "solved"), [(0.0, 0.0), (-0.5, 1.0)], ids=["in_the_hole", "anywhere"])
+def test_where_the_task_says_when_it_is_solved_its_share_is_told(depth: float, solved: float) -> None:
+    near = [f"env.task.solved_depth={depth}", f"env.task.solved_radius={0.02 + abs(depth)}"]
+    of = setting("swing_peg", "env.task.time_limit=3", *near)
+    target = partial(ModelTarget, effects={}, context=None, seed=0)
+    still = Subject(
+        "still",
+        of,
+        lambda observation: observation.new_zeros(len(observation), 7),
+        lambda *_: pytest.fail("no training"),
+    )
+    evaluator = RealVsSimEvaluator(target=target, episodes=2, confidence=0.9, resamples=50, seed=0)
+    found = evaluator.evaluate(still, Path(), lambda _: None)
+    for where in ("real", "simulated"):
+        assert found.figures[f"{where}.solved"] == solved
+        assert [row[f"{where}.solved"] for row in found.rows] == [solved, solved]
 
 
 def test_pairs_begin_alike_and_their_differences_are_paired() -> None:
