@@ -28,7 +28,7 @@ from dr_lab.cli.compose import HYDRA_VERSION, prepare
 from dr_lab.cli.folders import shipped
 from dr_lab.envs.setting import Setting
 
-PARTS = ("swing_peg/joints", "swing_peg/rope", "swing_peg/peg")
+PARTS = tuple(f"swing_peg/{part}" for part in ("joints", "action_scaling", "rope", "rope_twist", "peg"))
 INNER = (0.3, 0.7)  # of the bounds, from which contexts are drawn
 
 
