@@ -203,6 +203,24 @@ def test_contexts_written_as_fields_move_as_compiled_ones_do() -> None:
     np.testing.assert_allclose(simulator.batch.bind("qpos")[0], data.qpos, atol=1e-7)
 
 
+def test_its_time_step_is_fine_enough() -> None:
+    places = []
+    for parts in (1, 10):
+        compiled = OF.model.nominal()
+        compiled.opt.timestep /= parts
+        data, course = mujoco.MjData(compiled), list[Array]()
+        data.qpos[:] = compiled.qpos_spring
+        data.qpos[7] = 0.1
+        for k in range(150):
+            data.ctrl[:] = 0.6 * np.sin(0.08 * k + 1.3 * np.arange(7))
+            mujoco.mj_step(compiled, data, 4 * parts)
+            mujoco.mj_kinematics(compiled, data)
+            course.append(data.site("peg").xpos.copy())
+        places.append(np.array(course))
+    assert np.ptp(places[1], axis=0).max() > 0.1
+    np.testing.assert_allclose(*places, rtol=0, atol=5e-4)
+
+
 def test_it_starts_at_rest_near_its_pose_with_a_swinging_rope() -> None:
     qpos, qvel = OF.make(None, 200, 0, threads=1).episodes.state
     rest = OF.model.nominal().qpos_spring
