@@ -94,7 +94,7 @@ def test_it_weighs_what_is_stated() -> None:
     compiled = OF.model.nominal()
     mass = {compiled.body(i).name: float(compiled.body_mass[i]) for i in range(compiled.nbody)}
     assert sum(mass[f"link_{i}"] for i in range(1, 8)) == pytest.approx(9.5, rel=1e-4)
-    assert mass["gripper"] == pytest.approx(0.23)
+    assert mass["gripper"] == pytest.approx(0.22)
     for i in range(1, SEGMENTS + 1):
         assert mass[f"rope_{i}"] == pytest.approx(SEGMENT_MASS, rel=1e-4)
     assert mass["peg"] == pytest.approx(PEG_MASS, rel=1e-4)
