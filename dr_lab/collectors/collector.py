@@ -20,6 +20,10 @@ class Policy(Protocol):
         ...
 
 
+Drive = Policy | Array
+"""A policy, or commands of each episode, shape (count, steps, nu), in the actuators' unit."""
+
+
 @runtime_checkable
 class StochasticPolicy(Protocol):
     """A policy that knows how likely its actions are."""

@@ -8,7 +8,7 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
-from dr_lab.collectors.collector import Collector, Policy
+from dr_lab.collectors.collector import Collector, Drive, Policy
 from dr_lab.collectors.play import play
 from dr_lab.envs.slots import EpisodeSlots, Starts
 from dr_lab.physics.context import ContextSpace
@@ -85,9 +85,9 @@ class Experience:
         """
         self._collector.begin(z)
 
-    def play(self, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
-        """Whole episodes of a policy, one in each context; arguments and result as those of `collectors.play.play`."""
-        played = play(self._episodes, policy, z, starts)
+    def play(self, drive: Drive, z: Array, starts: Starts | None = None) -> TensorDict:
+        """Whole episodes, one in each context; arguments and result as those of `collectors.play.play`."""
+        played = play(self._episodes, drive, z, starts)
         self.rollout_frames += int(cast(Tensor, played["mask"]).sum())
         return played
 

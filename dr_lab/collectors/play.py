@@ -1,5 +1,7 @@
-"""Whole episodes of a policy in contexts of one's choice, with all that happens in them."""
+"""Whole episodes of a policy, or of commands, in contexts of one's choice, with all that happens in them."""
 
+import math
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -7,7 +9,7 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
-from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.collector import Drive
 from dr_lab.envs.batched_env import single
 from dr_lab.envs.slots import EpisodeSlots, Flags, Starts, StepOutcome
 from dr_lab.trajectory import Array
@@ -15,12 +17,12 @@ from dr_lab.trajectory import Array
 _FLAGS = ("terminated", "truncated", "infeasible", "done")
 
 
-def play(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
+def play(episodes: EpisodeSlots, drive: Drive, z: Array, starts: Starts | None = None) -> TensorDict:
     """Play one episode in each context, from its start to its end.
 
     Args:
         episodes: slots that run side by side; more contexts than slots are played one load after the other.
-        policy: what acts.
+        drive: what acts; commands (k, steps, nu) end with the last the episodes that still go on.
         z: contexts, shape (k, n), k ≥ 1.
         starts: positions (k, nq) and velocities (k, nv) with which they begin; None draws them, as the task does.
 
@@ -33,7 +35,8 @@ def play(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts | None
     width = episodes.nsim
     loads = [slice(first, first + width) for first in range(0, len(z), width)]
     given = [None if starts is None else (starts[0][load], starts[1][load]) for load in loads]
-    parts = [_play_load(episodes, policy, z[load], start) for load, start in zip(loads, given, strict=True)]
+    acting = [drive[load] if isinstance(drive, np.ndarray) else drive for load in loads]
+    parts = [_play_load(episodes, *each) for each in zip(acting, (z[load] for load in loads), given, strict=True)]
     longest = max(part.shape[1] for part in parts)
     return cast(TensorDict, torch.cat([_lengthened(part, longest) for part in parts]))
 
@@ -51,7 +54,7 @@ def outcomes(played: TensorDict) -> tuple[Array, Flags]:
     return returns, np.any(infeasible, axis=1)
 
 
-def _play_load(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts | None) -> TensorDict:
+def _play_load(episodes: EpisodeSlots, drive: Drive, z: Array, starts: Starts | None) -> TensorDict:
     """At most as many episodes as there are slots; the slots that are left over repeat the last."""
     count, rows = len(z), np.minimum(np.arange(episodes.nsim), len(z) - 1)
     episodes.give_contexts(z[rows])
@@ -59,14 +62,17 @@ def _play_load(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts 
     observations, states = [single(episodes.observation)], [episodes.state]
     actions, outcomes, masks = list[Tensor](), list[StepOutcome](), list[np.ndarray]()
     going = np.ones(episodes.nsim, bool)
-    while going[:count].any():
+    recited = isinstance(drive, np.ndarray)
+    acts, most = (_Recited(drive[rows]), drive.shape[1]) if recited else (drive, math.inf)
+    while going[:count].any() and len(actions) < most:
         with torch.no_grad():
-            actions.append(policy(observations[-1]))
+            actions.append(acts(observations[-1]))
         outcomes.append(episodes.step(actions[-1].numpy()))
         masks.append(going)
         observations.append(single(outcomes[-1].observation))
         states.append(episodes.state)
         going = going & ~outcomes[-1].done
+    outcomes[-1] = replace(outcomes[-1], truncated=outcomes[-1].truncated | going)  # where the commands end
     mask = torch.from_numpy(np.stack(masks, 1)[:count])
     qpos, qvel = (np.stack(each, 1) for each in zip(*states, strict=True))
     course = {
@@ -75,6 +81,17 @@ def _play_load(episodes: EpisodeSlots, policy: Policy, z: Array, starts: Starts 
         "qvel": torch.from_numpy(qvel),
     }
     return _laid_out(course, torch.stack(actions, 1), outcomes, mask, single(z))
+
+
+class _Recited:
+    """Commands (n, steps, nu), one after the other."""
+
+    def __init__(self, commands: Array) -> None:
+        self._next = iter(np.moveaxis(commands, 1, 0))
+
+    def __call__(self, observation: Tensor) -> Tensor:
+        del observation
+        return torch.from_numpy(next(self._next))
 
 
 def _laid_out(

@@ -18,7 +18,7 @@ class TargetExpert(Expert):
     Args:
         environment: machine and task that are trained.
         target: makes the target of a machine and its task; it must need no policy.
-        episodes: how many are taken, the first.
+        episodes: how many are taken.
 
     Raises:
         ConfigError: the number is below 1.

@@ -9,7 +9,7 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
-from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.collector import Drive, Policy
 from dr_lab.collectors.play import play
 from dr_lab.effects.effect import Effect
 from dr_lab.effects.named import with_named_effects
@@ -19,8 +19,7 @@ from dr_lab.envs.slots import Starts
 from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.seeding import derived_seed
-from dr_lab.targets.target import Drive, Target, require_drive
-from dr_lab.trajectory import Array
+from dr_lab.targets.target import Target, require_drive
 
 
 class ModelTarget(Target):
@@ -60,12 +59,10 @@ class ModelTarget(Target):
         env = self._setting.make(None, count, self._seed)
         self._seed = derived_seed(self._seed, "next")  # so that starts differ from call to call
         acts = require_drive(drive)
-        policy = _Recited(acts) if isinstance(acts, np.ndarray) else _Told(acts, self._told)
-        played = play(env.episodes, policy, np.tile(self._z, (count, 1)), starts)
+        acts = acts if isinstance(acts, np.ndarray) else _Told(acts, self._told)
+        played = play(env.episodes, acts, np.tile(self._z, (count, 1)), starts)
         bounds = torch.from_numpy(env.episodes.low), torch.from_numpy(env.episodes.high)
         played["action"] = cast(Tensor, played["action"]).double().clamp(*bounds)
-        if isinstance(acts, np.ndarray):
-            played = _cut(played, acts.shape[1])
         if self._told is not None:
             for key in ("observation", ("next", "observation")):
                 played[key] = _joined(cast(Tensor, played[key]), self._told)
@@ -98,27 +95,6 @@ class _Told:
 
     def __call__(self, observation: Tensor) -> Tensor:
         return self._policy(observation if self._told is None else _joined(observation, self._told))
-
-
-class _Recited:
-    """Commands (n, steps, nu), one after the other, the last one held."""
-
-    def __init__(self, commands: Array) -> None:
-        self._commands, self._step = commands, -1
-
-    def __call__(self, observation: Tensor) -> Tensor:
-        del observation
-        self._step += 1
-        return torch.from_numpy(self._commands[:, min(self._step, self._commands.shape[1] - 1)])
-
-
-def _cut(played: TensorDict, steps: int) -> TensorDict:
-    """The first steps, the last of which ends every episode that still goes on."""
-    cut = cast(TensorDict, played[:, :steps].clone())
-    last = cast(Tensor, cut["mask"])[:, -1:, None] & ~cast(Tensor, cut["next", "terminated"])[:, -1:]
-    for key in ("truncated", "done"):
-        cast(Tensor, cut["next", key])[:, -1:] |= last
-    return cut
 
 
 def _joined(observation: Tensor, told: Tensor) -> Tensor:

@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from tensordict import TensorDict, pad_sequence
 
-from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.collector import Drive, Policy
 from dr_lab.envs.batched_env import single
 from dr_lab.envs.setting import Setting
 from dr_lab.envs.slots import Starts
@@ -16,7 +16,7 @@ from dr_lab.plants.operator import Experiment
 from dr_lab.plants.rig import Rig
 from dr_lab.plants.tracking import track
 from dr_lab.seeding import stream
-from dr_lab.targets.target import Drive, Target, require_drive
+from dr_lab.targets.target import Target, require_drive
 from dr_lab.targets.task_view import TaskView
 from dr_lab.trajectory import Array
 

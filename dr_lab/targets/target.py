@@ -1,16 +1,13 @@
 """The contract of a target: what stands for the real machine."""
 
 from abc import ABC, abstractmethod
+from typing import ClassVar
 
 from tensordict import TensorDict
 
-from dr_lab.collectors.collector import Policy
+from dr_lab.collectors.collector import Drive
 from dr_lab.envs.slots import Starts
 from dr_lab.errors import ConfigError
-from dr_lab.trajectory import Array
-
-Drive = Policy | Array
-"""A policy, or commands of each episode, shape (count, steps, nu), in the actuators' unit."""
 
 
 def require_drive(drive: Drive | None) -> Drive:
@@ -27,10 +24,15 @@ def require_drive(drive: Drive | None) -> Drive:
 class Target(ABC):
     """A machine whose parameters and effects nobody on this side knows.
 
-    Its only public member is `play`: what is behind it cannot be read, and what it gives holds motions, not causes. It
-    is made for a setting, whose task says what is seen and rewarded; a policy that sees the context is told the nominal
+    It can be played and no more: what is behind it cannot be read, and what it gives holds motions, not causes. It is
+    made for a setting, whose task says what is seen and rewarded; a policy that sees the context is told the nominal
     one.
+
+    Attributes:
+        drivable: whether a policy or commands of one's choice can act on it, from starts of one's choice.
     """
+
+    drivable: ClassVar[bool] = True
 
     @abstractmethod
     def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:

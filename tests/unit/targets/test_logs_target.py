@@ -20,8 +20,9 @@ def log(name: str, seconds: float) -> Log:
     return Log(name, signals, {"motor": command})
 
 
-def target(*logs: Log) -> LogsTarget:
-    return LogsTarget(setting("furuta", f"env.task.time_limit={STEPS}"), MeasurementSet("m", logs, (), {}, {}), 0.01)
+def target(*logs: Log, env: str = "furuta", stretch: float | None = None, held_out: tuple[Log, ...] = ()) -> LogsTarget:
+    measured = MeasurementSet("m", logs, held_out, {}, {})
+    return LogsTarget(setting(env, f"env.task.time_limit={STEPS}"), measured, 0.01, stretch)
 
 
 def test_a_log_comes_back_as_an_episode() -> None:
@@ -38,10 +39,32 @@ def test_a_log_comes_back_as_an_episode() -> None:
     assert played["next", "truncated"][0, -1]
 
 
+def test_stretches_follow_one_another_and_are_spread_over_the_fitted_logs() -> None:
+    made = target(log("long", 1.0), log("short", 0.35), stretch=0.2, held_out=(log("unseen", 9.0),))
+    played = made.play(None, None, 5)  # four and one; what is left of a log is dropped
+    assert played["mask"].sum(1).tolist() == [20] * 5  # pyright: ignore[reportOptionalMemberAccess]
+    begins = np.array([0.0, 0.2, 0.4, 0.6, 0.0])
+    np.testing.assert_allclose(played["qpos"][:, 0, 1], begins - begins**2, atol=1e-5)
+    np.testing.assert_allclose(made.play(None, None, 2)["qpos"][:, 0], played["qpos"][[0, 2], 0])
+    with pytest.raises(ConfigError, match=r"6 episodes .* has 5"):
+        made.play(None, None, 6)
+    with pytest.raises(ConfigError, match=r"lasts 2 s"):
+        target(log("short", 0.305), env="furuta", stretch=2.0).play(None, None, 1)
+
+
+def test_what_the_task_cannot_do_is_refused() -> None:
+    strong = log("strong", 1.0)
+    strong.commands["motor"].value[1] = 5.0  # V; the task has 4
+    with pytest.raises(ConfigError, match=r"commanded from 1 to 5; .* from -4 to 4"):
+        target(strong)
+    with pytest.raises(ConfigError, match="ends an episode at once"):
+        target(log("hanging", 1.0), env="furuta_balance")
+
+
 def test_it_cannot_be_driven() -> None:
     with pytest.raises(ConfigError, match="cannot be driven"):
         target(log("a", 1.0)).play(lambda observation: observation[:, :1], None, 1)
-    with pytest.raises(ConfigError, match=r"2 episodes .* has 1 logs"):
+    with pytest.raises(ConfigError, match=r"2 episodes .* has 1"):
         target(log("a", 1.0)).play(None, None, 2)
 
 
