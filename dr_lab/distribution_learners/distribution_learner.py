@@ -1,7 +1,7 @@
 """The contract of a distribution learner: what shapes p_φ(z) while a policy trains on it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tensordict import TensorDict
@@ -9,6 +9,7 @@ from tensordict import TensorDict
 from dr_lab.collectors.experience import Experience
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.recorders.training import Comparison
 
 
 class DistributionLearner(ABC):
@@ -45,6 +46,10 @@ class DistributionLearner(ABC):
         Returns:
             Figures to be recorded, by name.
         """
+
+    def compared(self) -> Sequence[Comparison]:
+        """What updates since the last call compared, for pictures, one entry a quantity; by default nothing is."""
+        return ()
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""

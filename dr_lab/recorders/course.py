@@ -12,15 +12,13 @@ from dr_lab.trajectory import Array
 
 
 def log_course(root: Branch, marginal: Marginal, look: Look) -> None:
-    """Draw one parameter's probability density over iterations, dark where it is 0; nothing where it never changed.
+    """Draw one parameter's probability density over iterations, dark where it is 0.
 
     Args:
         root: where to.
-        marginal: the histograms.
+        marginal: the histograms, two at least.
         look: colours.
     """
-    if len(marginal.iteration) < 2:
-        return
     first, last = (float(marginal.iteration[end]) for end in (0, -1))
     low, high = (float(marginal.edges[end]) for end in (0, -1))
     value = linear_axis(titled(marginal.name, marginal.unit), low, high)

@@ -15,7 +15,7 @@ from dr_lab.reports.quantity import number, titled
 from dr_lab.trajectory import Array
 
 CANVAS = Canvas(width=130.0, height=90.0, left=18.0, right=24.0, top=12.0, bottom=16.0)
-_PIXELS = 10  # of the heat map's picture, a canvas unit
+PIXELS = 10  # of the heat map's picture, a canvas unit
 _SCALE = (6.0, 8.0)  # distance and width of the colour scale beside the map
 
 DARK_TO_LIGHT = ("fixed", "after", "measured")
@@ -80,7 +80,7 @@ def log_map(root: Branch, axes: Sequence[ContextAxis], value: Array, scale: Colo
 
 def pixels() -> tuple[int, int]:
     """Rows and columns of a picture that fills the canvas."""
-    return _PIXELS * int(CANVAS.height), _PIXELS * int(CANVAS.width)
+    return PIXELS * int(CANVAS.height), PIXELS * int(CANVAS.width)
 
 
 def log_picture(root: Branch, value: Array, scale: ColourScale, look: Look) -> None:
@@ -93,7 +93,7 @@ def log_picture(root: Branch, value: Array, scale: ColourScale, look: Look) -> N
         look: what they are.
     """
     place = root / "map"
-    place.static(rr.Transform3D(scale=1 / _PIXELS))
+    place.static(rr.Transform3D(scale=1 / PIXELS))
     place.static(rr.Image(heat_map(value, scale, look)))
     _log_scale(root / "scale", scale, look)
 
@@ -107,10 +107,10 @@ def cell_axis(axis: ContextAxis) -> Axis:
 def _log_scale(root: Branch, scale: ColourScale, look: Look) -> None:
     """The colour scale, at the map's right."""
     distance, width = _SCALE
-    ramp = heat_map(np.linspace(scale.high, scale.low, int(CANVAS.height) * _PIXELS)[:, None], scale, look)
+    ramp = heat_map(np.linspace(scale.high, scale.low, int(CANVAS.height) * PIXELS)[:, None], scale, look)
     place = root / "ramp"
-    place.static(rr.Transform3D(scale=1 / _PIXELS, translation=[CANVAS.width + distance, 0.0, 0.0]))
-    place.static(rr.Image(np.repeat(ramp, int(width) * _PIXELS, axis=1)))
+    place.static(rr.Transform3D(scale=1 / PIXELS, translation=[CANVAS.width + distance, 0.0, 0.0]))
+    place.static(rr.Image(np.repeat(ramp, int(width) * PIXELS, axis=1)))
     at = CANVAS.width + distance + width / 2
     words: Colour = look.colour("text")
     labels = rr.Points2D(

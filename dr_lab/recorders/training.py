@@ -1,6 +1,6 @@
 """What is to be seen of a training run: figures as it goes on, the learned distribution, returns over contexts."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -48,6 +48,74 @@ class Marginal:
     initial: Array
     iteration: NDArray[np.integer]
     probability: Array
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Mean and standard deviation of one context parameter over iterations.
+
+    Attributes:
+        name: the parameter.
+        unit: its unit.
+        iteration: shape (k,), increasing.
+        mean: shape (k,).
+        std: shape (k,).
+    """
+
+    name: str
+    unit: str
+    iteration: NDArray[np.integer]
+    mean: Array
+    std: Array
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One quantity of one episode, as a target moved and as the model moves.
+
+    Attributes:
+        name: of the quantity, e.g. ``arm.position``.
+        unit: its unit.
+        time: after the episode's start, s, shape (t,).
+        target: shape (t,).
+        mean: of the model at the mean of the distribution, shape (t,).
+        drawn: of the model in a few contexts that were drawn from it, shape (m, t).
+    """
+
+    name: str
+    unit: str
+    time: Array
+    target: Array
+    mean: Array
+    drawn: Array
+
+
+@dataclass(frozen=True)
+class Comparisons:
+    """What was compared of one quantity over iterations.
+
+    Attributes:
+        iteration: shape (k,), increasing.
+        shown: k comparisons, of the same quantity.
+    """
+
+    iteration: NDArray[np.integer]
+    shown: Sequence[Comparison]
+
+
+@dataclass(frozen=True)
+class Decline:
+    """Figures above 0 that fall by orders of magnitude.
+
+    Attributes:
+        name: what they are, with their unit.
+        iteration: shape (k,), increasing.
+        values: by what the legend calls them, shape (k,) each; NaN where it is unknown.
+    """
+
+    name: str
+    iteration: NDArray[np.integer]
+    values: Mapping[str, Array]
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """`review.rrd` of a training run or an evaluation: curves, learned distribution, returns, episodes, report."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
-from dr_lab.recorders import course, distributions, grids, heat_map, violins, ways
+from dr_lab.recorders import comparisons, course, distributions, grids, heat_map, spread, violins, ways
 from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.counted_axis import counted_axis
 from dr_lab.recorders.episode import Episode
@@ -16,7 +17,19 @@ from dr_lab.recorders.gains import log_gain
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.matrices import log_matrix
 from dr_lab.recorders.recording import recording_file
-from dr_lab.recorders.training import Curve, Gain, Grid, Marginal, Matrix, Pair, Sample, Ways
+from dr_lab.recorders.training import (
+    Comparisons,
+    Curve,
+    Decline,
+    Gain,
+    Grid,
+    Marginal,
+    Matrix,
+    Pair,
+    Sample,
+    Spread,
+    Ways,
+)
 from dr_lab.reports.quantity import titled
 
 # Rerun keeps one layout an application: every recording of training and evaluation shares this one.
@@ -39,6 +52,9 @@ class TrainingRecord:
         gains: what updates add to the return over contexts, that of the first page first.
         ways: in the plane, before and after updates.
         samples: returns whose scatter is looked at, as violins in one chart.
+        spreads: one parameter's mean and standard deviation each.
+        comparisons: one quantity of target and model each.
+        declines: figures that fall by orders of magnitude.
     """
 
     name: str
@@ -52,14 +68,23 @@ class TrainingRecord:
     gains: Sequence[Gain] = ()
     ways: Sequence[Ways] = ()
     samples: Sequence[Sample] = ()
+    spreads: Sequence[Spread] = ()
+    comparisons: Sequence[Comparisons] = ()
+    declines: Sequence[Decline] = ()
+
+    @property
+    def courses(self) -> Sequence[Marginal | Spread]:
+        """What shows how each parameter's distribution changed: mean and bands where known, else the density."""
+        return [each for each in self.spreads or self.marginals if len(each.iteration) > 1]
 
 
 def write_training_review(path: Path, record: TrainingRecord, look: Look) -> None:
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<name>``, ``/distribution/<parameter>``, ``/distribution/<parameter>, <parameter>``,
-    ``/course/<parameter>``, ``/grid/<title>``, ``/matrix/<title>``, ``/gain/<title>``, ``/ways/<title>``,
-    ``/violins``, ``/pages/<title>`` on the timeline ``iteration``, curves over control steps on ``frames``,
+    ``/course/<parameter>``, ``/comparison/<quantity>``, ``/decline/<name>``, ``/grid/<title>``, ``/matrix/<title>``,
+    ``/gain/<title>``, ``/ways/<title>``, ``/violins``, ``/pages/<title>`` on the timeline ``iteration``, curves over
+    control steps on ``frames``,
     ``/episode/<name>/{world,reward,action}`` on ``t``, the time since the episode's start.
 
     Args:
@@ -83,11 +108,7 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
             )
         )
         place.over(curve.over, curve.at, rr.Scalars.columns(scalars=curve.value))
-    for marginal in record.marginals:
-        distributions.log_marginal(root / "distribution" / marginal.name, marginal, look)
-        course.log_course(root / "course" / marginal.name, marginal, look)
-    for pair in record.pairs:
-        distributions.log_pair(root / "distribution" / _joined(pair), pair, look)
+    _log_learned(root, record, look)
     span = grids.return_span(record.grids)
     for grid in record.grids:
         grids.log_grid(root / "grid" / grid.title, grid, look, span)
@@ -108,6 +129,20 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
         (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
 
 
+def _log_learned(root: Branch, record: TrainingRecord, look: Look) -> None:
+    for marginal in record.marginals:
+        distributions.log_marginal(root / "distribution" / marginal.name, marginal, look)
+    for each in record.courses:
+        place = root / "course" / each.name
+        spread.log_spread(place, each, look) if isinstance(each, Spread) else course.log_course(place, each, look)
+    for each in record.comparisons:
+        comparisons.log_comparisons(root / "comparison" / each.shown[0].name, each, look)
+    for decline in record.declines:
+        comparisons.log_decline(root / "decline" / decline.name, decline, look)
+    for pair in record.pairs:
+        distributions.log_pair(root / "distribution" / _joined(pair), pair, look)
+
+
 def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=rr.new_entity_path(["pages", title]), name=title) for title in record.pages]
     # A view stands in one place only: the overview has its own.
@@ -117,13 +152,15 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     sheets = {
         "Curves": _curves(record),
         "Learned distribution": _learned(record),
+        "Pairs of parameters": _pairs(record),
+        "Target and model": _compared(record),
         "Returns over contexts": _maps(record),
         "Gradients of contexts": _matrices(record),
         "Adaptation": _adapted(record),
     }
     pages: list[rrb.Container | rrb.View] = [
         *([overview] if text or plots else []),
-        *(rrb.Grid(*views, name=name) for name, views in sheets.items() if views),
+        *(_sheet(name, views) for name, views in sheets.items() if views),
         *([episodes_page(record.episodes, look)] if record.episodes else []),
         *text[1:],
     ]
@@ -133,6 +170,11 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
         rrb.SelectionPanel(state="hidden"),
         _time(record),
     )
+
+
+def _sheet(name: str, views: Sequence[rrb.View]) -> rrb.Grid:
+    """As many columns as rows or one more: charts are nearly as high as wide, and their letters do not shrink."""
+    return rrb.Grid(*views, grid_columns=math.ceil(math.sqrt(len(views))), name=name)
 
 
 def _time(record: TrainingRecord) -> rrb.TimePanel:
@@ -157,10 +199,22 @@ def _curves(record: TrainingRecord) -> list[rrb.View]:
 
 
 def _learned(record: TrainingRecord) -> list[rrb.View]:
-    names = [*(marginal.name for marginal in record.marginals), *(_joined(pair) for pair in record.pairs)]
+    names = [marginal.name for marginal in record.marginals]
     present = [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in names]
-    changed = [marginal.name for marginal in record.marginals if len(marginal.iteration) > 1]
+    changed = [each.name for each in record.courses]
     return [*present, *(grids.CANVAS.view(["course", name], f"p(z) of {name} over iterations") for name in changed)]
+
+
+def _pairs(record: TrainingRecord) -> list[rrb.View]:
+    names = [_joined(pair) for pair in record.pairs]
+    return [distributions.CANVAS.view(["distribution", name], f"p(z) of {name}") for name in names]
+
+
+def _compared(record: TrainingRecord) -> list[rrb.View]:
+    names = [each.shown[0].name for each in record.comparisons]
+    moved = [comparisons.CANVAS.view(["comparison", name], f"{name} of target and model") for name in names]
+    fallen = [comparisons.CANVAS.view(["decline", d.name], f"{d.name} over iterations") for d in record.declines]
+    return [*moved, *fallen]
 
 
 def _maps(record: TrainingRecord) -> list[rrb.View]:

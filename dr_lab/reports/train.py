@@ -49,6 +49,28 @@ class ChoiceEntry:
 
 
 @dataclass(frozen=True)
+class MomentsEntry:
+    """What was believed of a parameter."""
+
+    unit: str
+    mean: Number
+    std: Number
+
+
+@dataclass(frozen=True)
+class RungEntry:
+    """An iteration of a learner that compares the model with a target, and the distribution after it."""
+
+    iteration: int
+    frames: int
+    discrepancy: Number
+    discrepancy_of_mean: Number
+    divergence: Number
+    target_steps: int
+    context: Mapping[str, MomentsEntry]
+
+
+@dataclass(frozen=True)
 class TrainReport:
     """What a training run came to; `report.json` holds it."""
 
@@ -69,3 +91,4 @@ class TrainReport:
     episodes: tuple[EpisodeEntry, ...] = ()
     choice: ChoiceEntry | None = field(default=None, metadata=IN_PLACE)
     adapted_returns: tuple[float, ...] = ()
+    ladder: tuple[RungEntry, ...] = ()

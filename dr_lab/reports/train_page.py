@@ -1,7 +1,7 @@
 """What a training run came to, for a person."""
 
 from dr_lab.reports.page import Page, Section
-from dr_lab.reports.quantity import number
+from dr_lab.reports.quantity import number, uncertain
 from dr_lab.reports.tables import table
 from dr_lab.reports.train import TrainReport
 
@@ -17,7 +17,8 @@ def train_page(report: TrainReport) -> Page:
         lines.append(f"Episodes in infeasible contexts, which no mean return counts: {report.infeasible_episodes}.")
     rows = [[name, number(p.mean), number(p.std, 3), p.unit] for name, p in report.context.items()]
     context = Section("context", "Contexts", table(["parameter", "mean", "std", "unit"], rows))
-    return Page(f"{report.algorithm} on {report.env}", "\n\n".join(line for line in lines if line), [context])
+    told = "\n\n".join(line for line in lines if line)
+    return Page(f"{report.algorithm} on {report.env}", told, [context, *_ladder(report)])
 
 
 def _trained(report: TrainReport) -> str:
@@ -29,6 +30,28 @@ def _trained(report: TrainReport) -> str:
     value = report.final_return
     returns = _NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."
     return f"{returns} {taken}"
+
+
+def _ladder(report: TrainReport) -> list[Section]:
+    """Every iteration of a learner that compares the model with a target; none of others."""
+    if not report.ladder:
+        return []
+    names = list(report.ladder[0].context)
+    rows = [
+        [
+            str(rung.iteration),
+            *map(number, (rung.discrepancy, rung.discrepancy_of_mean, rung.divergence)),
+            *(uncertain(rung.context[name].mean, rung.context[name].std, rung.context[name].unit) for name in names),
+        ]
+        for rung in report.ladder
+    ]
+    played = sum(rung.target_steps for rung in report.ladder)
+    told = (
+        f"Model and target, of which {played} control steps were seen: the discrepancy before an iteration (mean of "
+        "the contexts drawn) and after it (at the mean), and the largest KL(new‖old) of its updates in nat."
+    )
+    rungs = told + "\n\n" + table(["iteration", "before", "after", "KL", *names], rows)
+    return [Section("ladder", "Target and model", rungs)]
 
 
 def _deployed(report: TrainReport) -> str:

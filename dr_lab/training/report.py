@@ -12,7 +12,9 @@ from dr_lab.reports.plain import finite
 from dr_lab.reports.train import SCHEMA, ChoiceEntry, ContextEntry, HistogramEntry, TrainReport
 from dr_lab.training.episodes import described
 from dr_lab.training.history import adapted_returns, final_return, infeasible_episodes
+from dr_lab.training.ladder import ladder
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
+from dr_lab.training.snapshots import Snapshots
 from dr_lab.trajectory import Array
 
 _DRAWS = 100_000  # of a distribution, for its mean and standard deviation: to 0.3 % of the latter
@@ -21,7 +23,7 @@ _DRAWS = 100_000  # of a distribution, for its mean and standard deviation: to 0
 def train_report(
     training: Training,
     plan: Plan,
-    learned: Sequence[Marginal],
+    snapshots: Snapshots,
     choice: ChoiceEntry,
     episodes: Sequence[Episode],
     run_dir: Path,
@@ -31,7 +33,7 @@ def train_report(
     Args:
         training: at its end.
         plan: what was trained, and on what.
-        learned: the distribution of each parameter over time.
+        snapshots: the distribution over time.
         choice: which policy is deployed.
         episodes: of it.
         run_dir: the run folder.
@@ -49,7 +51,7 @@ def train_report(
             seconds=history[-1]["seconds"],
             final_return=adapted[-1] if adapted else final_return(history, plan.final_share),
             final=history[-1],
-            context=_context(training.randomizer, learned),
+            context=_context(training.randomizer, snapshots.marginals()),
             checkpoint=CHECKPOINT,
             run=str(run_dir),
             rollout_frames=int(history[-1]["rollout_frames"]),
@@ -57,6 +59,7 @@ def train_report(
             episodes=described(episodes),
             choice=choice,
             adapted_returns=adapted,
+            ladder=ladder(history, snapshots.spreads()),
         )
     )
 

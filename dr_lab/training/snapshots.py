@@ -1,20 +1,22 @@
-"""The learned distribution over time, as recordings show it."""
+"""The learned distribution over time, and what it was learnt by, as recordings show it."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from dr_lab.randomizers.gaussian import GaussianRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
-from dr_lab.recorders.training import Marginal, Pair
+from dr_lab.recorders.training import Comparison, Comparisons, Marginal, Pair, Spread
 from dr_lab.trajectory import Array
 
 _UNSEEN = 1e-3  # share of draws beyond either end of a picture
 
 
 class Snapshots:
-    """Keeps marginals, mean and covariance of p_φ(z) from iteration to iteration.
+    """Keeps marginals, mean and covariance of p_φ(z) from iteration to iteration, and what a learner compared.
 
     Args:
         randomizer: p_φ(z), as it is whenever `take` is called.
@@ -24,12 +26,15 @@ class Snapshots:
         self._randomizer = randomizer
         self._taken: list[dict[str, Any]] = []
 
-    def take(self, iteration: int) -> None:
-        """Keep p_φ(z) as it is now."""
+    def take(self, iteration: int, compared: Sequence[Comparison] = ()) -> None:
+        """Keep p_φ(z) as it is now, and what this iteration compared."""
         marginals = [self._randomizer.marginal(axis) for axis in range(len(self._randomizer.space.names))]
         moments = self._randomizer.moments()
         mean, covariance = (None, None) if moments is None else moments
         self._taken.append({"iteration": iteration, "marginals": marginals, "mean": mean, "covariance": covariance})
+        self._taken[-1] |= (
+            {"compared": [asdict(each) for each in compared]} if compared else {}
+        )  # as checkpoints take it
 
     def marginals(self) -> list[Marginal]:
         """One parameter each, over its bounds and as far beyond as p_φ(z) reaches, at most once their width."""
@@ -43,6 +48,24 @@ class Snapshots:
             edges, shown = edges[first : last + 1], probability[:, first:last]
             found.append(Marginal(parameter.name, parameter.unit, edges, shown[0], self._iterations, shown))
         return found
+
+    def spreads(self) -> list[Spread]:
+        """One parameter each, of a Gaussian, whose bands these are."""
+        if not isinstance(self._randomizer, GaussianRandomizer):
+            return []
+        mean = np.array([each["mean"] for each in self._taken])
+        std = np.sqrt(np.array([np.diag(each["covariance"]) for each in self._taken]))
+        return [
+            Spread(p.name, p.unit, self._iterations, mean[:, i], std[:, i])
+            for i, p in enumerate(self._randomizer.space.parameters)
+        ]
+
+    def comparisons(self) -> list[Comparisons]:
+        """One quantity each; none where nothing was compared."""
+        known = [each for each in self._taken if "compared" in each]
+        iteration = np.array([each["iteration"] for each in known])
+        by_quantity = zip(*(each["compared"] for each in known), strict=True)
+        return [Comparisons(iteration, [Comparison(**each) for each in shown]) for shown in by_quantity]
 
     def pairs(self) -> list[Pair]:
         """Every two parameters; none where the randomizer tells no moments."""

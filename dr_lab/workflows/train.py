@@ -26,6 +26,7 @@ from dr_lab.training.episode_log import Finished
 from dr_lab.training.episodes import play_episodes
 from dr_lab.training.finish import finish
 from dr_lab.training.history import curves, metrics_csv
+from dr_lab.training.ladder import declines
 from dr_lab.training.plan import CHECKPOINT, POLICY, Plan, Training
 from dr_lab.training.policy_snapshots import Choice, PolicySnapshots
 from dr_lab.training.report import train_report
@@ -74,9 +75,18 @@ def train(
     _run(training, snapshots, policies, plan, run_dir)
     deployed, chosen = _deploy(training, policies, choice, plan, run_dir)
     episodes = play_episodes(plan.env, deployed, training.randomizer, recorder.episodes, plan.seed, plan.threads)
-    history, learned, pairs = training.trainer.history, snapshots.marginals(), snapshots.pairs()
-    report = train_report(training, plan, learned, chosen, episodes, run_dir)
-    record = TrainingRecord(plan.env.name, curves(history), learned, pairs, episodes=episodes)
+    history = training.trainer.history
+    report = train_report(training, plan, snapshots, chosen, episodes, run_dir)
+    record = TrainingRecord(
+        plan.env.name,
+        curves(history),
+        snapshots.marginals(),
+        snapshots.pairs(),
+        spreads=snapshots.spreads(),
+        comparisons=snapshots.comparisons(),
+        declines=declines(report.ladder),
+        episodes=episodes,
+    )
     write_text(run_dir / "metrics.csv", metrics_csv(history))
     _keep_context(training, run_dir)
     finish(run_dir, report, train_page(report), plan.env, record, recorder)
@@ -122,7 +132,7 @@ def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, pl
 
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
                 if training.learner.learns:
-                    snapshots.take(int(figures["iteration"]))
+                    snapshots.take(int(figures["iteration"]), training.learner.compared())
                 if trainer.due or trainer.frames >= plan.frames:
                     policies.take(trainer.frames)
                 if trainer.due:

@@ -1,8 +1,7 @@
 """How far a simulated course is from a real one that began alike."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import cast
 
 import mujoco
@@ -12,12 +11,9 @@ from tensordict import TensorDict
 from torch import Tensor
 
 from dr_lab.bounds import NotNegative, require_bounds
+from dr_lab.distribution_learners.simopt.quantity import Quantity, quantities
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.trajectory import Array
-
-_SIMPLE = {int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)}
-_STATES = {"position": "qpos", "velocity": "qvel"}
-_NOTHING: Mapping[str, int] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -54,20 +50,19 @@ class Discrepancy:
     def __post_init__(self) -> None:
         require_bounds(self, "distribution_learner.discrepancy")
 
-    def measured(self, compiled: mujoco.MjModel, seen: Mapping[str, int] = _NOTHING) -> dict[str, float]:
-        """W of each quantity of a machine.
+    def measured(self, compiled: mujoco.MjModel, seen: Mapping[str, int]) -> dict[Quantity, float]:
+        """W of each quantity that is measured.
 
         Args:
             compiled: the machine.
-            seen: what the task sees besides, by name, as columns of the observation.
+            seen: what the task sees besides, `Task.measured`.
 
         Raises:
             UnknownNameError: a name is no quantity of the machine.
             ConfigError: nothing is measured.
         """
-        known = columns(compiled, seen)
-        everything = {name: 1.0 for name in known if name.endswith(".position")}
-        weights = everything if self.weights is None else dict(self.weights)
+        known = quantities(compiled, seen)
+        weights = {name: 1.0 for name in known if name.endswith(".position")} if self.weights is None else self.weights
         for name in weights:
             if name not in known:
                 raise UnknownNameError("measured quantity", name, known, "the machine (discrepancy.weights)")
@@ -76,41 +71,29 @@ class Discrepancy:
                 "distribution_learner.discrepancy.weights measures nothing. Give a weight above 0 to one of: "
                 f"{', '.join(known) or 'none, for the machine has neither hinge nor slide'}."
             )
-        return weights
+        return {known[name]: weight for name, weight in weights.items()}
 
-    def __call__(
-        self,
-        compiled: mujoco.MjModel,
-        real: TensorDict,
-        simulated: TensorDict,
-        seen: Mapping[str, int] = _NOTHING,
-    ) -> Array:
-        """D of each simulated episode, size [k, t], from one real episode, size [T]; shape (k,)."""
-        weights, known = self.measured(compiled, seen), columns(compiled, seen)
-        weight, places = np.array(list(weights.values())), [known[name] for name in weights]
-        length = int(cast(Tensor, real["mask"]).sum())
-        away = _course(places, simulated, length) - _course(places, real[None], length)
+    def __call__(self, measured: Mapping[Quantity, float], real: TensorDict, simulated: TensorDict) -> Array:
+        """D of each simulated episode from a real one.
+
+        Args:
+            measured: as the method of this name gives it.
+            real: size [T].
+            simulated: size [k, t].
+
+        Returns:
+            D, shape (k,).
+        """
+        weight, length = np.array(list(measured.values())), int(cast(Tensor, real["mask"]).sum())
+        away = courses(list(measured), simulated, length) - courses(list(measured), real[None], length)
         if self.smoothing > 0.0:
             away = gaussian_filter1d(away, self.smoothing, axis=1, mode="nearest", truncate=self.truncation)
         return (self.l1 * np.abs(weight * away) + self.l2 * np.square(weight * away)).sum(axis=(1, 2))
 
 
-def columns(compiled: mujoco.MjModel, seen: Mapping[str, int] = _NOTHING) -> dict[str, tuple[str, int]]:
-    """Key of an episode and column of every quantity that can be measured, by its name; arguments as `measured`."""
-    joints = [compiled.joint(index) for index in range(compiled.njnt)]
-    simple = [joint for joint in joints if int(joint.type[0]) in _SIMPLE]
-    place = {"position": "qposadr", "velocity": "dofadr"}
-    found = {
-        f"{joint.name}.{kind}": (_STATES[kind], int(getattr(joint, address)[0]))
-        for kind, address in place.items()
-        for joint in simple
-    }
-    return found | {name: ("observation", column) for name, column in seen.items()}
-
-
-def _course(places: Iterable[tuple[str, int]], played: TensorDict, steps: int) -> Array:
-    """What is measured after each control step, shape (k, steps, c); the last of an episode stays."""
+def courses(measured: Sequence[Quantity], played: TensorDict, steps: int) -> Array:
+    """What is measured of episodes, size [k, t], after each control step, shape (k, steps, c); the last value stays."""
     length = cast(Tensor, played["mask"]).sum(1).numpy()
     row = np.minimum(np.arange(steps), np.maximum(length, 1)[:, None] - 1)
-    found = [cast(Tensor, played["next", key])[..., column].double().numpy() for key, column in places]
+    found = [cast(Tensor, played["next", each.key])[..., each.column].double().numpy() for each in measured]
     return np.take_along_axis(np.stack(found, -1), row[..., None], axis=1)

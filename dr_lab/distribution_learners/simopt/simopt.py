@@ -1,6 +1,6 @@
 """SimOpt: adapting the distribution of simulations with a few episodes of the real machine."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, cast
 
 import numpy as np
@@ -8,10 +8,10 @@ from tensordict import TensorDict
 from torch.distributions import kl_divergence
 
 from dr_lab.bounds import Count, Natural, Positive, at_least, require_bounds
-from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.experience import Experience
 from dr_lab.collectors.play import outcomes
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
+from dr_lab.distribution_learners.simopt.comparison import comparisons
 from dr_lab.distribution_learners.simopt.discrepancy import Discrepancy
 from dr_lab.distribution_learners.simopt.relative_entropy import (
     Gaussian,
@@ -19,17 +19,18 @@ from dr_lab.distribution_learners.simopt.relative_entropy import (
     sample_weights,
     temperature,
 )
+from dr_lab.distribution_learners.simopt.trial import Trial
 from dr_lab.envs.environment import Environment
 from dr_lab.envs.setting import Setting, require_mujoco
-from dr_lab.envs.slots import Starts
 from dr_lab.errors import ConfigError
 from dr_lab.randomizers.gaussian import GaussianRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.recorders.training import Comparison
 from dr_lab.seeding import stream
 from dr_lab.targets.target import Target
 from dr_lab.trajectory import Array
 
-_Pair = tuple[TensorDict, TensorDict]
+_DRAWN = 6  # contexts whose courses are shown
 
 
 class SimOpt(DistributionLearner):
@@ -37,9 +38,10 @@ class SimOpt(DistributionLearner):
 
     An iteration, once the policy has been trained for `every` control steps more:
 
-    1. The policy, without exploration, is played on the target, from a few starts of the task.
-    2. It is played in the model from the same starts, in contexts drawn from p_φ; c(z) is the mean discrepancy over
-       the starts. A context that is infeasible costs as much as the worst that is not.
+    1. The policy, without exploration, is played on the target, from a few starts of the task. Of recorded logs as many
+       episodes are taken, with their own starts and commands.
+    2. The policy is played in the model from the same starts, or what was commanded, in contexts drawn from p_φ; c(z)
+       is the mean discrepancy over the starts. A context that is infeasible costs as much as the worst that is not.
     3. φ moves by relative entropy policy search, KL(p_φ′‖p_φ) ≤ ε. Steps 2 and 3 are repeated with the same real
        episodes.
 
@@ -87,27 +89,40 @@ class SimOpt(DistributionLearner):
         self._gaussian = _require_gaussian(randomizer)
         self._setting = require_mujoco(setting, "distribution_learner=simopt")
         self._compiled = self._setting.model.nominal()
-        discrepancy.measured(self._compiled, self._setting.task.measured)
+        self._measured = discrepancy.measured(self._compiled, self._setting.task.measured)
         self._discrepancy, self._target = discrepancy, target(self._setting)
         self.rng = stream(seed, "simopt")
         self._turns = 0
+        self._compared: Sequence[Comparison] = ()
 
     def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
-        """An iteration; gives the discrepancy before its first update, and the largest divergence of an update."""
+        """An iteration; gives the discrepancy before its first update and at the mean after its last.
+
+        Also the largest divergence of an update, the last temperature, the share of infeasible contexts and the control
+        steps of the target's episodes.
+        """
         del batch
         self._turns += 1
         if self._turns <= self.warm_up:
             return {}
-        starts = self._starts()
-        real = self._target.play(experience.deployed, starts, self.rollouts)
-        steps = [self._step(experience, real, starts) for _ in range(self.updates)]
+        trial, tried = self._trial(experience), np.empty(0)
+        steps = list[dict[str, float]]()
+        for _ in range(self.updates):
+            tried = self.randomizer.sample([self.rng] * self.samples)
+            steps.append(self._step(tried, self._costs(trial, trial.simulated(experience, tried))))
         return {
             "discrepancy": steps[0]["discrepancy"],
+            "discrepancy_of_mean": self._look(experience, trial, tried[:_DRAWN]),
             "divergence": max(each["divergence"] for each in steps),
             "temperature": steps[-1]["temperature"],
             "infeasible": float(np.mean([each["infeasible"] for each in steps])),
-            "target_steps": float(real["mask"].sum()),
+            "target_steps": float(trial.real["mask"].sum()),
         }
+
+    def compared(self) -> Sequence[Comparison]:
+        """The episode of the newest iteration in which the model at the mean differs most from the target."""
+        found, self._compared = self._compared, ()
+        return found
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
@@ -119,10 +134,16 @@ class SimOpt(DistributionLearner):
         self.rng.bit_generator.state = state["rng"]
         self._turns = state["turns"]
 
-    def _step(self, experience: Experience, real: TensorDict, starts: Starts) -> dict[str, float]:
-        """One update of φ."""
-        z = self.randomizer.sample([self.rng] * self.samples)
-        costs = self._costs(experience, experience.deployed, z, real, starts)
+    def _trial(self, experience: Experience) -> Trial:
+        """What this iteration has of the target."""
+        if not self._target.drivable:
+            return Trial.of_logs(self._target, self.rollouts)
+        each = [self._setting.task.start(self.rng, self._compiled) for _ in range(self.rollouts)]
+        qpos, qvel = zip(*each, strict=True)
+        return Trial.of_policy(self._target, experience.deployed, (np.stack(qpos), np.stack(qvel)))
+
+    def _step(self, z: Array, costs: Array) -> dict[str, float]:
+        """One update of φ by the costs of contexts, NaN where one is infeasible."""
         known = np.isfinite(costs)
         infeasible = float(np.mean(~known))
         if not known.any():
@@ -135,20 +156,26 @@ class SimOpt(DistributionLearner):
         mean = float(costs[known].mean())
         return {"discrepancy": mean, "divergence": moved, "temperature": eta, "infeasible": infeasible}
 
-    def _costs(self, experience: Experience, policy: Policy, z: Array, real: TensorDict, starts: Starts) -> Array:
-        """Mean discrepancy of each context over the starts, shape (samples,); NaN where one diverges."""
-        qpos, qvel = (np.tile(each, (self.samples, 1)) for each in starts)
-        played = experience.play(policy, z.repeat(self.rollouts, axis=0), (qpos, qvel))
-        _, infeasible = outcomes(played)
-        pairs = ((real[k], played[k :: self.rollouts]) for k in range(self.rollouts))
-        seen = self._setting.task.measured
-        costs = np.stack([self._discrepancy(self._compiled, *cast(_Pair, pair), seen) for pair in pairs])
-        return np.where(infeasible.reshape(self.samples, -1).any(1), np.nan, costs.mean(0))
+    def _costs(self, trial: Trial, played: TensorDict) -> Array:
+        """Mean discrepancy of each context over the starts, shape (m,), of what was played, size [m, k, t]."""
+        _, infeasible = outcomes(cast(TensorDict, played.flatten(0, 1)))
+        costs = self._by_start(trial, played).mean(1)
+        return np.where(infeasible.reshape(len(played), -1).any(1), np.nan, costs)
 
-    def _starts(self) -> Starts:
-        each = [self._setting.task.start(self.rng, self._compiled) for _ in range(self.rollouts)]
-        qpos, qvel = zip(*each, strict=True)
-        return np.stack(qpos), np.stack(qvel)
+    def _by_start(self, trial: Trial, played: TensorDict) -> Array:
+        """Discrepancy of each context from each start, shape (m, k)."""
+        pairs = zip(trial.real.unbind(0), played.unbind(1), strict=True)
+        return np.stack([self._discrepancy(self._measured, real, each) for real, each in pairs], 1)
+
+    def _look(self, experience: Experience, trial: Trial, drawn: Array) -> float:
+        """Keep for pictures how the model at the mean and in some contexts moves; gives the mean's discrepancy."""
+        mean = self._gaussian.moments()[0]
+        mean = self._setting.space.clip(mean) if self._gaussian.clip else mean
+        played = trial.simulated(experience, np.concatenate([mean[None], drawn]))
+        worst = int(self._by_start(trial, played)[0].argmax())
+        real, seen = (cast(TensorDict, each) for each in (trial.real[worst], played[:, worst]))
+        self._compared = comparisons(list(self._measured), self._setting.seconds, real, seen)
+        return float(self._costs(trial, played)[0])
 
 
 def _require_gaussian(randomizer: Randomizer) -> GaussianRandomizer:

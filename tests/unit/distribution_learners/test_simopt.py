@@ -11,17 +11,21 @@ from settings import setting
 from tensordict import TensorDict
 from torch import Tensor
 
+from dr_lab.collectors.collector import Drive
 from dr_lab.collectors.experience import Experience
 from dr_lab.collectors.lean import LeanCollector
-from dr_lab.distribution_learners.simopt.discrepancy import Discrepancy, columns
+from dr_lab.distribution_learners.simopt.discrepancy import Discrepancy
+from dr_lab.distribution_learners.simopt.quantity import quantities
 from dr_lab.distribution_learners.simopt.simopt import SimOpt
 from dr_lab.envs.setting import Setting
+from dr_lab.envs.slots import Starts
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.gaussian import gaussian
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.targets.model import ModelTarget
+from dr_lab.targets.target import Target
 from dr_lab.trajectory import Array
 
 FURUTA: Setting = setting("furuta", "env.task.time_limit=40")
@@ -42,7 +46,8 @@ def wide(space: ContextSpace, relative_std: float = 0.5, clip: bool = True) -> R
 def learner(randomizer: Randomizer, seed: int = 0, **changes: Any) -> SimOpt:  # noqa: ANN401
     numbers: dict[str, Any] = {"rollouts": 2, "samples": 60, "updates": 3, "max_kl": 1.0, "least_temperature": 1e-6}
     numbers |= {"discrepancy": PLAIN, "warm_up": 0, "every": 1, "setting": FURUTA} | changes
-    return SimOpt(randomizer, seed, target=partial(ModelTarget, effects={}, context=HIDDEN, seed=0), **numbers)
+    numbers = {"target": partial(ModelTarget, effects={}, context=HIDDEN, seed=0)} | numbers
+    return SimOpt(randomizer, seed, **numbers)
 
 
 def experience(randomizer: Randomizer) -> Experience:
@@ -65,7 +70,7 @@ def course(position: Array, ends: int | None = None) -> TensorDict:
 
 
 def costs(discrepancy: Discrepancy, real: TensorDict, simulated: TensorDict) -> Array:
-    return discrepancy(COMPILED, cast(TensorDict, real[0]), simulated)
+    return discrepancy(discrepancy.measured(COMPILED, {}), cast(TensorDict, real[0]), simulated)
 
 
 def test_a_constant_distance_is_weighed_as_the_formula_says() -> None:
@@ -82,10 +87,10 @@ def test_what_the_task_sees_is_measured_by_its_column() -> None:
     for episodes, place in ((real, 0.0), (simulated, 0.3)):
         episodes["next", "observation"] = torch.tensor([7.0, place]).expand(1, 10, 2)
     peg = Discrepancy({"peg.z": 1.0}, l1=0.5, l2=1.0, smoothing=5.0, truncation=4.0)
-    found = peg(COMPILED, cast(TensorDict, real[0]), simulated, {"peg.z": 1})
+    found = peg(peg.measured(COMPILED, {"peg.z": 1}), cast(TensorDict, real[0]), simulated)
     np.testing.assert_allclose(found, 10 * (0.5 * 0.3 + 0.09), rtol=1e-6)
     with pytest.raises(UnknownNameError, match=r"peg\.z"):
-        peg(COMPILED, cast(TensorDict, real[0]), simulated)
+        peg.measured(COMPILED, {})
 
 
 def test_who_ends_early_stays_and_what_follows_the_real_end_does_not_count() -> None:
@@ -142,6 +147,47 @@ def test_continues_exactly() -> None:
     assert run(second, 1)[-1] == last
 
 
+def test_recorded_motions_find_the_machine_by_what_was_commanded() -> None:
+    """A wave of its own for every log, from starts of its own."""
+    rng, steps = np.random.default_rng(0), 40
+    machine = ModelTarget(FURUTA, {}, HIDDEN, seed=0)
+    commands = 3.0 * np.sin(np.arange(steps) * rng.uniform(0.1, 0.5, (4, 1)))[..., None]
+    starts = rng.normal(0.0, 0.3, (2, 4, 2))
+    recorded = machine.play(commands, (starts[0], starts[1]), 4)
+
+    class Logs(Target):
+        drivable = False
+
+        def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:
+            assert drive is None
+            assert starts is None
+            return cast(TensorDict, recorded[:count])
+
+    learner_ = learner(wide(FURUTA.space), samples=100, rollouts=4, target=lambda _: Logs())
+    figures = run(learner_, 8)
+    assert figures[-1]["discrepancy_of_mean"] < 5e-3 * figures[0]["discrepancy"]
+    mean = cast(tuple[Array, Array], learner_.randomizer.moments())[0]
+    for name, value in HIDDEN.items():
+        assert mean[FURUTA.space.index(name)] == pytest.approx(value, rel=0.03)
+
+
+def test_what_is_shown_is_what_was_compared() -> None:
+    truth = FURUTA.space.mapping(FURUTA.space.nominal) | HIDDEN
+    exact = gaussian(FURUTA.space, mean=truth, std=None, relative_std=1e-5, clip=True)
+    learner_ = learner(exact)
+    assert learner_.compared() == ()
+    (figures,) = run(learner_, 1)
+    arm, pole = learner_.compared()
+    assert (arm.name, arm.unit, pole.name, pole.unit) == ("arm.position", "rad", "pole.position", "rad")
+    assert len(arm.time) == 40
+    assert arm.time[0] == pytest.approx(0.01)
+    assert arm.drawn.shape == (6, 40)
+    assert np.ptp(arm.target) > 0.05
+    np.testing.assert_allclose(arm.mean, arm.target, atol=1e-3)
+    assert figures["discrepancy_of_mean"] < 1e-2
+    assert learner_.compared() == ()  # until there is something new
+
+
 def test_what_cannot_be_moved_or_measured_is_refused() -> None:
     uniform = UniformRandomizer(FURUTA.space, ranges={})
     with pytest.raises(ConfigError, match="Take randomizer=gaussian or from_run"):
@@ -151,4 +197,4 @@ def test_what_cannot_be_moved_or_measured_is_refused() -> None:
             learner(wide(FURUTA.space), discrepancy=Discrepancy(weights, 0.5, 1.0, 0.0, 4.0))
     with pytest.raises(ConfigError, match=r"distribution_learner\.max_kl is 0; expected a number above 0\."):
         learner(wide(FURUTA.space), max_kl=0.0)
-    assert list(columns(COMPILED)) == ["arm.position", "pole.position", "arm.velocity", "pole.velocity"]
+    assert list(quantities(COMPILED, {})) == ["arm.position", "pole.position", "arm.velocity", "pole.velocity"]

@@ -10,8 +10,22 @@ from dr_lab.recorders.distributions import CANVAS, ellipse
 from dr_lab.recorders.grids import return_span
 from dr_lab.recorders.heat_map import ColourScale, heat_map
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.spread import bands
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
-from dr_lab.recorders.training import ContextAxis, Curve, Gain, Grid, Marginal, Pair, Sample, Ways
+from dr_lab.recorders.training import (
+    Comparison,
+    Comparisons,
+    ContextAxis,
+    Curve,
+    Decline,
+    Gain,
+    Grid,
+    Marginal,
+    Pair,
+    Sample,
+    Spread,
+    Ways,
+)
 from dr_lab.recorders.training_review import TrainingRecord, write_training_review
 
 ITERATION = np.arange(5)
@@ -114,6 +128,43 @@ def test_a_distributions_course_shows_the_histogram_taken_last() -> None:
     # iterations 0.5, 1.5, 2.5, 3.5 at 0.25, 0.15 and 0.05 m
     expected = density[[0, 1, 1, 1]].T[[1, 1, 0]]
     np.testing.assert_allclose(course(learned, rows=3, columns=4), expected)
+
+
+def test_bands_hold_one_and_two_standard_deviations() -> None:
+    spread = Spread("mass", "kg", np.array([0, 2, 4]), np.array([2.0, 2.0, 3.0]), np.array([1.0, 0.4, 0.4]))
+    # at 3.5, 2.5, 1.5 and 0.5 kg in iterations 0.5, 1.5, 2.5 and 3.5: 2 ± 0.85, 2 ± 0.55, 2.25 ± 0.4, 2.75 ± 0.4 kg
+    expected = [[1, 0, 0, 1], [2, 2, 2, 2], [2, 2, 1, 0], [1, 0, 0, 0]]
+    np.testing.assert_array_equal(bands(spread, (0.0, 4.0), rows=4, columns=4), expected)
+
+
+def test_target_and_model_are_drawn_by_iteration(tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RERUN_STRICT", "1")
+    time = np.array([0.1, 0.2])
+    shown = [Comparison("arm.position", "rad", time, time, 1.0 - time, np.full((3, 2), 9.0 * k)) for k in range(2)]
+    spread = Spread("torso.size", "m", ITERATION, np.linspace(1.0, 2.0, 5), np.full(5, 0.1))
+    decline = Decline(
+        "discrepancy", np.array([1, 3]), {"mean": np.array([10.0, 0.01]), "draws": np.array([1.0, np.nan])}
+    )
+    path = tmp_path / "review.rrd"
+    record = TrainingRecord(
+        "run",
+        marginals=[marginal()],
+        spreads=[spread],
+        comparisons=[Comparisons(np.array([1, 3]), shown)],
+        declines=[decline],
+    )
+    write_training_review(path, record, look)
+    found = read_recording(path)
+    drawn = found["/comparison/arm.position/drawn"]
+    np.testing.assert_array_equal(drawn["iteration"], [1, 3])
+    assert [len(each) for each in drawn["LineStrips2D:strips"]] == [3, 3]
+    target, mean = (found[f"/comparison/arm.position/{name}"]["LineStrips2D:strips"] for name in ("target", "mean"))
+    ends = np.array([np.array(each[1]).reshape(2, 2)[:, 1] for each in (target, mean)])
+    np.testing.assert_allclose(ends.sum(axis=0), CANVAS.height, rtol=1e-5)  # one is the other upside down
+    falling = np.array(found["/decline/discrepancy/mean"]["LineStrips2D:strips"][0]).reshape(2, 2)[:, 1]
+    assert 0.0 < falling[0] < falling[1] < CANVAS.height
+    assert {"/course/torso.size/bands", "/course/torso.size/mean"} < found.keys()
+    assert "/course/torso.size/map" not in found
 
 
 def test_a_density_and_not_a_probability_is_drawn(tmp_path: Path, look: Look, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,6 +7,7 @@ import torch
 from randomizer_samples import SPACE, correlated, uneven
 
 from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.recorders.training import Comparison
 from dr_lab.training.snapshots import Snapshots
 from dr_lab.trajectory import Array
 
@@ -74,6 +75,24 @@ def test_what_tells_no_moments_has_marginals_and_no_pairs() -> None:
     first, second = snapshots.marginals()
     assert np.count_nonzero(first.initial) == np.count_nonzero(second.initial) == 2
     np.testing.assert_allclose(first.initial[first.initial > 0], 0.5, atol=0.03)
+
+
+def test_what_was_compared_stays_at_its_iteration() -> None:
+    time = np.array([0.01, 0.02])
+    seen = [Comparison("arm.position", "rad", time, time * k, time, np.zeros((3, 2))) for k in (1, 2)]
+    first, second = Snapshots(correlated()), Snapshots(correlated())
+    first.take(0)
+    first.take(1, [seen[0]])
+    second.load_state_dict(first.state_dict())
+    second.take(2)
+    second.take(3, [seen[1]])
+    (arm,) = second.comparisons()
+    assert arm.iteration.tolist() == [1, 3]
+    np.testing.assert_array_equal([each.target for each in arm.shown], [time, 2 * time])
+    mass, friction = second.spreads()
+    np.testing.assert_allclose((mass.mean, mass.std), ([1.4] * 4, [0.3] * 4), rtol=1e-6)
+    np.testing.assert_allclose((friction.mean, friction.std), ([0.2] * 4, [0.2] * 4), rtol=1e-6)
+    assert Snapshots(uneven()).spreads() == []
 
 
 def test_continues() -> None:
