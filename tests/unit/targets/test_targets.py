@@ -129,4 +129,5 @@ def test_a_model_of_another_machine_is_refused() -> None:
 def test_every_target_is_composed_with_the_evaluator(name: str) -> None:
     cfg = compose("evaluate", ["evaluator=real_vs_sim", f"target@evaluator.target={name}"])
     made = instantiate(cfg.evaluator, _convert_="all")
-    assert isinstance(made.target(setting("ergo_reacher") if name == "ergo_robot" else furuta()), Target)
+    machine = setting("ergo_reacher") if name == "ergo_robot" else furuta("env.task.voltage=6.0")  # as in the logs
+    assert isinstance(made.target(machine), Target)
