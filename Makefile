@@ -53,8 +53,8 @@ format: $(STAMP)  ## mend the style
 bench: $(STAMP)  ## the benchmarks, one after the other
 	set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python "$$script"; done
 
-lock: pyproject.toml  ## resolve requirements.lock anew (needs uv)
-	uv pip compile pyproject.toml --quiet --extra box2d --extra dev --extra ray --extra strangers --universal --python-version 3.11 --upgrade \
+lock: pyproject.toml  ## requirements.lock for pyproject.toml, pins kept; UPGRADE=--upgrade resolves anew (needs uv)
+	uv pip compile pyproject.toml --quiet --extra box2d --extra dev --extra ray --extra strangers --universal --python-version 3.11 $(UPGRADE) \
 		--generate-hashes --no-emit-index-url --no-header --output-file requirements.lock
 
 clean:  ## caches and built packages; runs and .venv stay
