@@ -10,6 +10,7 @@ class DataContract:
     Attributes:
         minimum_samples: fewest samples a measured channel may have.
         longest_period: s, samples that usually lie farther apart have times in another unit.
+        shortest_period: s, samples that usually lie closer together, too.
         longest_mean_wait: s, a channel whose samples lie farther apart on average has stamps from another epoch.
         gap: a time between two samples that is longer than this many usual periods is a gap.
         event_share: a command with more gaps than this share of its samples is sent on change; it has no gaps.
@@ -44,6 +45,7 @@ class DataContract:
 
     minimum_samples: int
     longest_period: float
+    shortest_period: float
     longest_mean_wait: float
     gap: float
     event_share: float

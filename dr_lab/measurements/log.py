@@ -12,6 +12,7 @@ from dr_lab.measurements.cleaning import drop_not_finite, drop_unordered, find_g
 from dr_lab.measurements.constant import find_constant
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.glitches import drop_glitches
+from dr_lab.measurements.log_file import stem
 from dr_lab.measurements.noise import estimate_noise
 from dr_lab.measurements.raw_log import RawChannel, RawLog, TimeAxis, read_raw
 from dr_lab.measurements.recordings import Recording
@@ -34,7 +35,7 @@ def read_log(
     """Read one file.
 
     Args:
-        path: MCAP (``.mcap``), CSV (``.csv``, ``.txt``) or Parquet (``.parquet``) file.
+        path: a file or bag folder of one of the kinds of `dr_lab.measurements.log_file`.
         outputs: entries of the measured channels; see `dr_lab.measurements.signal_map.channel_map`.
         commands: entries of the commands.
         contract: thresholds.
@@ -51,7 +52,7 @@ def read_log(
     raw = read_raw(
         Recording(path), channel_maps(outputs, clock), channel_maps(commands, clock), time or TimeAxis(), contract
     )
-    return clean(raw, path.stem, -np.inf, np.inf, contract)
+    return clean(raw, stem(path), -np.inf, np.inf, contract)
 
 
 def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContract) -> Log:

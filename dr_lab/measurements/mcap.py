@@ -42,6 +42,7 @@ class McapSource:
 
     Args:
         path: the file.
+        origin: the log whose messages it holds, for messages to the user; None is the file itself.
 
     Raises:
         DataError: empty, not an MCAP, cut before its first message, or without messages.
@@ -49,16 +50,22 @@ class McapSource:
 
     natural_clock = "log"
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, origin: Path | None = None) -> None:
         self._path = path
+        self._origin = origin or path
         self._recover = False
         self._header_zero: int | None = None
         self._topics: dict[str, _Topic] = {}
         self._info = self._inspect()
         if self._info.message_count == 0 and self._recover:
-            raise DataError(f"{path} is cut before its first message was complete. Leave it out of logs.")
+            raise DataError(f"{self._origin} is cut before its first message was complete. Leave it out of logs.")
         if self._info.message_count == 0:
-            raise DataError(f"{path} holds no messages. Record it again, or leave it out of logs.")
+            raise DataError(f"{self._origin} holds no messages. Record it again, or leave it out of logs.")
+
+    @property
+    def name(self) -> str:
+        """Of the log's file or folder."""
+        return self._origin.name
 
     @property
     def notes(self) -> tuple[Note, ...]:
@@ -66,7 +73,7 @@ class McapSource:
         notes = []
         if self._recover:
             count = self._info.message_count
-            message = f"{self._path.name} ends early (interrupted recording); {count} complete messages were recovered."
+            message = f"{self.name} ends early (interrupted recording); {count} complete messages were recovered."
             notes.append(Note("cut", "", message, count))
         for name, topic in self._topics.items():
             count = sum(channel.message_count for channel in self._channels[name])
@@ -88,7 +95,7 @@ class McapSource:
             DataError: its messages are damaged, of another type, or of different lengths.
         """
         found = self._topic(topic)
-        where = f"Topic {topic!r} ({found.kind}) of {self._path.name}"
+        where = f"Topic {topic!r} ({found.kind}) of {self.name}"
         if "data" not in found.messages.type.names:
             raise DataError(f"{where} holds no arrays; expected std_msgs/msg/Float64MultiArray.")
         data = found.messages.field("data")
@@ -106,11 +113,11 @@ class McapSource:
         """
         if not channel.topic:
             raise DataError(
-                f"Channel {channel.name!r} names a column, but {self._path.name} is an MCAP file. "
+                f"Channel {channel.name!r} names a column, but {self.name} is an MCAP file. "
                 "Write topic: NAME and field: PATH instead."
             )
         topic = self._topic(channel.topic)
-        where = f"topic {channel.topic!r} ({topic.kind}) of {self._path.name}"
+        where = f"topic {channel.topic!r} ({topic.kind}) of {self.name}"
         found = {name: extract(topic.messages, name, where) for name in names_of(channel.readings)}
         rows = _common([part.rows for part in found.values()])
         parts = {name: part.value[np.searchsorted(part.rows, rows)] for name, part in found.items()}
@@ -125,21 +132,21 @@ class McapSource:
 
     def _inspect(self) -> Any:  # noqa: ANN401  (the class is private to Rerun)
         if self._path.stat().st_size == 0:
-            raise DataError(f"{self._path} is empty (0 bytes). Record it again, or leave it out of logs.")
+            raise DataError(f"{self._origin} is empty (0 bytes). Record it again, or leave it out of logs.")
         try:
             return self._reader().info()
         except ValueError as error:
             if "start magic" in str(error):
                 raise DataError(
-                    f"{self._path} is not an MCAP file: it does not start with MCAP's magic bytes. "
-                    "Name another file in logs; convert a ROS 1 bag or a ROS 2 .db3 with the mcap tool."
+                    f"{self._origin} is not an MCAP file: it does not start with MCAP's magic bytes. "
+                    "Name another file in logs; convert a ROS 1 bag with the mcap tool."
                 ) from error
         self._recover = True
         try:
             return self._reader().info()
         except ValueError as error:
             raise DataError(
-                f"{self._path} is damaged and nothing in it could be recovered: {error}. Leave it out of logs."
+                f"{self._origin} is damaged and nothing in it could be recovered: {error}. Leave it out of logs."
             ) from error
 
     def _batches(self, topic: str) -> list[pa.RecordBatch]:
@@ -153,7 +160,7 @@ class McapSource:
 
     def _damaged(self, reason: str) -> DataError:
         return DataError(
-            f"{self._path} is damaged ({reason}). Copy it again, mend it with mcap recover, or leave it out of logs."
+            f"{self._origin} is damaged ({reason}). Copy it again, mend it with mcap recover, or leave it out of logs."
         )
 
     def _reader(self, topic: str | None = None) -> McapReader:
@@ -171,7 +178,7 @@ class McapSource:
     def _topic(self, name: str) -> _Topic:
         if name not in self._topics:
             if name not in self._channels:
-                raise UnknownNameError("topic", name, self._channels, self._path.name)
+                raise UnknownNameError("topic", name, self._channels, self.name)
             self._topics[name] = self._read(name)
         return self._topics[name]
 
@@ -182,14 +189,14 @@ class McapSource:
         if not batches:
             encoding, schema = channels[0].message_encoding, channels[0].schema
             raise DataError(
-                f"Topic {name!r} ({' and '.join(kinds)}) of {self._path.name} holds no message that can be decoded: "
+                f"Topic {name!r} ({' and '.join(kinds)}) of {self.name} holds no message that can be decoded: "
                 f"its encoding is {encoding} with schema {schema.encoding if schema else 'none'}; expected cdr with "
                 "schema ros2msg."
             )
         column, *others = {c: None for batch in batches for c in batch.schema.names if c.endswith(suffix)}
         if others:
             raise DataError(
-                f"Topic {name!r} of {self._path.name} holds messages of several types ({', '.join(kinds)}); expected "
+                f"Topic {name!r} of {self.name} holds messages of several types ({', '.join(kinds)}); expected "
                 "one. Publish each on a topic of its own, or leave the file out of logs."
             )
         messages = pa.concat_arrays([batch.column(column).flatten() for batch in batches])

@@ -10,9 +10,11 @@ import numpy as np
 from dr_lab.bounds import Positive, require_bounds
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.measurements.alignment import align
+from dr_lab.measurements.bag import BagSource
 from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.log_file import BAG, EXPECTED, TABLES, kind
 from dr_lab.measurements.mcap import McapSource
-from dr_lab.measurements.recordings import TABLES, Recording
+from dr_lab.measurements.recordings import Recording
 from dr_lab.measurements.samples import Samples, SampleSource
 from dr_lab.measurements.signal_map import SCALARS, ChannelMap
 from dr_lab.measurements.table import TableSource
@@ -121,17 +123,20 @@ def _check_single(channel: ChannelMap, samples: Samples, file: str) -> None:
 
 
 def open_source(recording: Recording, time: TimeAxis) -> SampleSource:
-    """Open a recording by its file's suffix.
+    """Open a recording by the kind of its file.
 
     Raises:
         DataError: no such file, or it cannot be read.
-        ConfigError: unknown suffix.
+        ConfigError: another kind of file.
     """
     path = recording.path
-    if not path.is_file():
+    found = kind(path)
+    if found != BAG and not path.is_file():
         raise DataError(f"There is no file {path}.")
-    if path.suffix == ".mcap":
+    if found == ".mcap":
         return McapSource(path)
-    if path.suffix in TABLES:
+    if found in (BAG, ".db3"):
+        return BagSource(path)
+    if found in TABLES:
         return TableSource(path, time.column, time.unit, time.scale, recording.rows)
-    raise ConfigError(f"{path.name}: a log is an .mcap, .csv, .txt or .parquet file; convert it to one of these.")
+    raise ConfigError(f"{path.name}: {EXPECTED}. Convert it to one of these.")

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dr_lab.errors import ConfigError
+from dr_lab.measurements.log_file import TABLES, kind
 from dr_lab.measurements.table import grouped
 from dr_lab.measurements.table_file import Rows
-
-TABLES = (".csv", ".txt", ".parquet")
 
 
 @dataclass(frozen=True)
@@ -16,7 +15,7 @@ class Recording:
     """The place of one log.
 
     Attributes:
-        path: file.
+        path: file, or folder of a bag.
         rows: the rows of its table that count; None takes the whole file.
     """
 
@@ -40,7 +39,7 @@ def recordings(files: Mapping[str, Path], group: str | None) -> dict[str, Record
     if group is None:
         return {stem: Recording(path) for stem, path in files.items()}
     for path in files.values():
-        if path.suffix not in TABLES:
+        if kind(path) not in TABLES:
             raise ConfigError(
                 f"group is {group!r}, a column of tables ({', '.join(TABLES)}), but {path.name} is none. Leave group "
                 "out, or this file."

@@ -1,4 +1,4 @@
-"""Times that no log of a machine has: nanoseconds read as seconds, a stamp from another epoch."""
+"""Times that no log of a machine has: nanoseconds read as seconds or the reverse, a stamp from another epoch."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ _TYPICAL = 3e-3  # s, in the middle of 20 Hz and 5 kHz on a logarithmic scale
 
 
 def check_sampling(name: str, time: Array, clock: str, contract: DataContract) -> None:
-    """Refuse times that are too far apart to be seconds, or to be those of one motion.
+    """Refuse times that are too far apart or too close to be seconds, or too far to be those of one motion.
 
     Args:
         name: channel, for messages.
@@ -24,7 +24,7 @@ def check_sampling(name: str, time: Array, clock: str, contract: DataContract) -
         contract: how far is too far.
 
     Raises:
-        DataError: samples usually lie too far apart, or a few stamps or stretches lie far from all others.
+        DataError: samples usually lie too far apart or too close, or a few stamps or stretches lie far from all others.
     """
     if len(time) < 2:
         return
@@ -35,6 +35,12 @@ def check_sampling(name: str, time: Array, clock: str, contract: DataContract) -
             f"{name} has a sample every {usual:.3g} s, {len(time)} in {span:.3g} s; its times seem to be in another "
             f"unit than s. {_other_unit(usual, clock)}, or raise contract.longest_period "
             f"({contract.longest_period:g} s) if it is that slow."
+        )
+    if max(usual, single) < contract.shortest_period:
+        raise DataError(
+            f"{name} has a sample every {usual:.3g} s, {len(time)} in {span:.3g} s; its times seem to be in another "
+            f"unit than declared. {_longer_unit(usual, clock)}, or lower contract.shortest_period "
+            f"({contract.shortest_period:g} s) if it is that fast."
         )
     crowded = span / len(waits) <= contract.longest_mean_wait
     if usual <= contract.longest_period and crowded:
@@ -69,8 +75,19 @@ def _between(low: float, high: float) -> str:
     return next((text for text in written if low < float(text) < high), repr(float(low + high) / 2))
 
 
+def _longer_unit(usual: float, clock: str) -> str:
+    if clock != "column":
+        return _another(clock)
+    factor = min(_UNITS.values(), key=lambda size: abs(np.log(usual / size / _TYPICAL)))
+    return f"If they are {1 / factor:.0e} times longer, correct time.unit or time.scale".replace("e+0", "e")
+
+
+def _another(clock: str) -> str:
+    return f"Choose another clock than {clock}: {' or '.join(c for c in CLOCKS if c != clock)}"
+
+
 def _other_unit(usual: float, clock: str) -> str:
     if clock != "column":
-        return f"Choose another clock than {clock}: {' or '.join(c for c in CLOCKS if c != clock)}"
+        return _another(clock)
     unit = min(_UNITS, key=lambda name: abs(np.log(usual * _UNITS[name] / _TYPICAL)))
     return f"If they are in {unit}, set time.scale={_UNITS[unit]:.0e}".replace("e-0", "e-")

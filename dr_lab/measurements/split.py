@@ -8,6 +8,7 @@ from glob import glob
 from pathlib import Path
 
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
+from dr_lab.measurements.log_file import is_bag, stem
 
 _SEGMENT = re.compile(r"(?P<log>.+)\[(?P<start>[^:\[\]]*):(?P<stop>[^:\[\]]*)\]")
 _VARIABLE = re.compile(r"\$\{?(?P<name>[A-Za-z_]\w*)\}?")
@@ -31,7 +32,7 @@ class Part:
 
 
 def find_files(patterns: Sequence[str]) -> dict[str, Path]:
-    """Expand file names and globs (``*``, ``**``) to files by stem, sorted by path.
+    """Expand file names and globs (``*``, ``**``) to files and bag folders by stem, sorted by path.
 
     Raises:
         DataError: a file does not exist, a glob matches nothing, two files share a stem, or a name still holds an
@@ -40,9 +41,10 @@ def find_files(patterns: Sequence[str]) -> dict[str, Path]:
     paths = sorted({path for pattern in patterns for path in _expand(str(pattern))})
     files: dict[str, Path] = {}
     for path in paths:
-        if path.stem in files:
-            raise DataError(f"{files[path.stem]} and {path} have the same stem, which names the log; rename one.")
-        files[path.stem] = path
+        name = stem(path)
+        if name in files:
+            raise DataError(f"{files[name]} and {path} have the same stem, which names the log; rename one.")
+        files[name] = path
     return files
 
 
@@ -92,9 +94,9 @@ def _expand(pattern: str) -> list[Path]:
             f"data: export {name}=FOLDER."
         )
     path = Path(pattern).expanduser()
-    if path.is_file():
+    if path.is_file() or is_bag(path):
         return [path]
-    found = [Path(name) for name in glob(str(path), recursive=True) if Path(name).is_file()]
+    found = [each for name in glob(str(path), recursive=True) if (each := Path(name)).is_file() or is_bag(each)]
     if found:
         return found
     if path.is_dir():

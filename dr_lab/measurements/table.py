@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from dr_lab.errors import DataError, UnknownNameError
 from dr_lab.measurements.samples import Samples, Stamps, combine
@@ -14,6 +15,8 @@ from dr_lab.measurements.units import Unit, unit
 from dr_lab.trajectory import Array, Note
 
 _NUMERIC = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, pa.types.is_decimal)
+_LISTS = (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list)
+_ENTRY = re.compile(r"(?P<column>.+)\[(?P<index>\d+)\]")
 _NUMBER = re.compile(r"\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?\s*")
 
 
@@ -126,8 +129,16 @@ def _text(value: pa.Scalar) -> str:
     return str(int(plain)) if isinstance(plain, float) and plain.is_integer() else str(plain)
 
 
+def is_list(kind: pa.DataType) -> bool:
+    """Whether a column holds lists, of which ``column[0]`` is the first entry."""
+    return any(is_kind(kind) for is_kind in _LISTS)
+
+
 def _column(table: pa.Table, name: str, path: Path) -> pa.ChunkedArray:
     if name not in table.column_names:
+        entry = _ENTRY.fullmatch(name)
+        if entry and entry["column"] in table.column_names:
+            return _entry(_column(table, entry["column"], path), entry["column"], int(entry["index"]), path)
         alone = " (one column: neither commas nor semicolons nor tabs in its header)" if table.num_columns == 1 else ""
         raise UnknownNameError("column", name, table.column_names, f"{path.name}{alone}")
     if (count := table.column_names.count(name)) > 1:
@@ -135,11 +146,30 @@ def _column(table: pa.Table, name: str, path: Path) -> pa.ChunkedArray:
     return table.column(name)
 
 
+def _entry(column: pa.ChunkedArray, name: str, index: int, path: Path) -> pa.ChunkedArray:
+    """One entry of every list of a column; empty where a list is empty or missing."""
+    if not is_list(column.type):
+        raise DataError(
+            f"{path.name}: column {name!r} holds {column.type}, no lists; write its name without [{index}]."
+        )
+    lengths = pc.call_function("list_value_length", [column])
+    longest = pc.call_function("max", [lengths]).as_py() or 0
+    if index >= longest:
+        raise DataError(
+            f"{path.name}: the lists of column {name!r} have up to {longest} entries; there is no [{index}]."
+        )
+    held = pc.call_function("greater", [lengths, pa.scalar(index, lengths.type)])
+    known = pc.call_function("if_else", [held, column, pa.scalar(None, column.type)])
+    return pc.call_function("list_element", [known, pa.scalar(index)])
+
+
 def _numbers(column: pa.ChunkedArray, name: str, path: Path) -> Array:
     kind = column.type
     if pa.types.is_null(kind):
         return np.full(len(column), np.nan)
     if not any(is_kind(kind) for is_kind in _NUMERIC):
+        if is_list(kind):
+            raise DataError(f"{path.name}: column {name!r} holds lists. Take one entry of each, e.g. {name}[0].")
         example = f" (e.g. {_no_number(column)!r})" if pa.types.is_string(kind) else ""
         raise DataError(
             f"{path.name}: column {name!r} holds {kind}{example}, not numbers. Write numbers without thousands "

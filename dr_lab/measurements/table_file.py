@@ -10,6 +10,7 @@ import pyarrow.csv
 import pyarrow.parquet
 
 from dr_lab.errors import DataError
+from dr_lab.measurements.log_file import kind
 from dr_lab.trajectory import Note
 
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
@@ -32,7 +33,7 @@ class Rows:
 
 
 def load(path: Path) -> Rows:
-    """Read a whole table, CSV or, by its suffix, Parquet.
+    """Read a whole table, CSV, compressed or not, or, by its suffix, Parquet.
 
     The header tells what separates the columns of a CSV: commas, semicolons or tabs. Its numbers have decimal points,
     or all of them decimal commas; numbers of the other kind, or with thousands separators, are left as text. Where
@@ -43,7 +44,7 @@ def load(path: Path) -> Rows:
         DataError: empty or unreadable file.
     """
     try:
-        rows = Rows(pyarrow.parquet.read_table(path), ()) if path.suffix == ".parquet" else _csv(path)
+        rows = Rows(pyarrow.parquet.read_table(path), ()) if kind(path) == ".parquet" else _csv(path)
         names = [name.strip() for name in rows.table.column_names]
     except UnicodeDecodeError as error:
         raise DataError(
@@ -59,15 +60,15 @@ def load(path: Path) -> Rows:
 
 
 def _csv(path: Path) -> Rows:
-    with path.open("rb") as file:
-        header, first, *_ = [*file.read(_LOOK).decode("latin-1").splitlines(), "", ""]
-        file.seek(max(0, path.stat().st_size - _LOOK))
-        unfinished = file.read().decode("utf-8", "replace").rpartition("\n")[2].strip()
+    content = pa.input_stream(path, compression="detect").read_buffer()
+    header, first, *_ = [*bytes(content[:_LOOK]).decode("latin-1").splitlines(), "", ""]
+    last = bytes(content[max(0, len(content) - _LOOK) :])
+    unfinished = last.decode("utf-8", "replace").rpartition("\n")[2].strip()
     separator, decimal = _separator(header, first), "."
-    table, cut = _parsed(path, separator, decimal, unfinished)
+    table, cut = _parsed(content, separator, decimal, unfinished)
     if _has_decimal_commas(table, separator):
         decimal = ","
-        table, cut = _parsed(path, separator, decimal, unfinished)
+        table, cut = _parsed(content, separator, decimal, unfinished)
     notes = []
     if separator != "," or decimal == ",":
         mark = " and numbers with decimal commas" if decimal == "," else ""
@@ -89,7 +90,7 @@ def _separator(header: str, row: str) -> str:
     return max(_SEPARATORS, key=fits)
 
 
-def _parsed(path: Path, separator: str, decimal: str, unfinished: str) -> tuple[pa.Table, int]:
+def _parsed(content: pa.Buffer, separator: str, decimal: str, unfinished: str) -> tuple[pa.Table, int]:
     """The complete rows, and how many were cut."""
     cut = 0
 
@@ -101,7 +102,7 @@ def _parsed(path: Path, separator: str, decimal: str, unfinished: str) -> tuple[
         return "skip"
 
     table = pyarrow.csv.read_csv(
-        path,
+        pa.BufferReader(content),
         parse_options=pyarrow.csv.ParseOptions(delimiter=separator, invalid_row_handler=on_wrong_length),
         convert_options=pyarrow.csv.ConvertOptions(strings_can_be_null=True, decimal_point=decimal),
     )

@@ -1,4 +1,4 @@
-"""Angles in degrees that are declared as radians, and the other way round."""
+"""Angles in degrees that are declared as radians, and the other way round; times in another unit than declared."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,6 +13,8 @@ from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.trajectory import Array, Note, Signal
 
 _DEGREES = 180.0 / np.pi
+# What a derivative is too large by where times in s are declared in these units; too small by in the other case.
+_TIMES = {"ms": 1e3, "µs": 1e6, "ns": 1e9}
 _SUSPICION = "the factor 57.3 = 180/π is suspected"
 # Half-width of the derivative's window, in sample periods.
 _REACH = 5
@@ -70,6 +72,7 @@ def _compare(
     if norm == 0.0 or abs(slope @ measured) < _CORRELATED * norm:
         return []
     ratio = float(slope @ slope) / float(slope @ measured)
+    _require_seconds(ratio, place, rate, contract)
     for factor, wrong in ((_DEGREES, place), (1.0 / _DEGREES, rate)):
         if abs(np.log(abs(ratio) / factor)) < contract.unit_ratio:
             other = rate if wrong is place else place
@@ -79,6 +82,17 @@ def _compare(
                 f"{other.name} is in radians (declared {other.unit.given!r}; write {_radians(other)})."
             )
     return _weaker(ratio, rate.name, place.name, contract)
+
+
+def _require_seconds(ratio: float, place: ChannelMap, rate: ChannelMap, contract: DataContract) -> None:
+    """Refuse times of a table whose unit explains the ratio of derivative to velocity."""
+    for name, factor in _TIMES.items() if not place.topic else ():
+        for size, read in ((factor, f"s that are read as {name}"), (1 / factor, f"{name} that are read as s")):
+            if abs(np.log(abs(ratio) / size)) < contract.unit_ratio:
+                raise DataError(
+                    f"The derivative of {place.name} is {abs(ratio):.3g} times {rate.name}: the times seem to be "
+                    f"{read}. Correct time.unit or time.scale; if the times are right, the unit of one of the two channels."
+                )
 
 
 def _weaker(ratio: float, rate: str, place: str, contract: DataContract) -> list[Note]:

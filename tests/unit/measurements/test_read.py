@@ -282,7 +282,7 @@ def test_two_files_of_one_stem_and_unknown_suffixes(folder: Path, contract: Data
     with pytest.raises(DataError, match="have the same stem"):
         read("bench", [str(folder / "**" / "*.mcap")], OUTPUTS, contract)
     (folder / "log.bag").write_text("x")
-    with pytest.raises(ConfigError, match=r"log\.bag: a log is an \.mcap, \.csv"):
+    with pytest.raises(ConfigError, match=r"log\.bag: a log is an \.mcap or \.db3 file"):
         read("bench", [str(folder / "log.bag")], OUTPUTS, contract)
     with pytest.raises(DataError, match="There is no file"):
         read_log(folder / "nothing.mcap", OUTPUTS, {}, contract)

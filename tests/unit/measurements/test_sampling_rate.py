@@ -106,3 +106,20 @@ def test_signals_of_one_clock_that_do_not_overlap_are_not_sent_back_to_it(
     write_mcap(tmp_path / "a.mcap", [states, FloatArrays("/u", ("u",), TIME + 100.0, TIME[:, None])], {}, {})
     with pytest.raises(DataError, match=message):
         read_log(tmp_path / "a.mcap", ARM, {"u": {"topic": "/u", "field": "data", "unit": "V"}}, contract, clock=clock)
+
+
+def test_seconds_read_as_milliseconds_are_named_as_that(tmp_path: Path, contract: DataContract) -> None:
+    path = csv(tmp_path / "a.csv", time=TIME, q=np.sin(TIME), v=np.cos(TIME))
+    outputs = {"q.position": {"column": "q", "unit": "rad"}, "q.velocity": {"column": "v", "unit": "rad/s"}}
+    with pytest.raises(DataError, match=r"a sample every 4e-06 s.*another unit than declared.*1e3 times longer"):
+        read_log(path, outputs, {}, contract, time=TimeAxis(unit="ms"))
+    slow = csv(
+        tmp_path / "b.csv", time=0.1 * np.arange(200), q=np.sin(0.1 * np.arange(200)), v=np.cos(0.1 * np.arange(200))
+    )
+    with pytest.raises(DataError, match=r"times q\.velocity: the times seem to be s that are read as ms"):
+        read_log(slow, outputs, {}, contract, time=TimeAxis(unit="ms"))
+    fast = csv(
+        tmp_path / "c.csv", time=0.2 * np.arange(500), q=np.sin(2e-4 * np.arange(500)), v=np.cos(2e-4 * np.arange(500))
+    )
+    with pytest.raises(DataError, match=r"the times seem to be ms that are read as s"):
+        read_log(fast, outputs, {}, contract)

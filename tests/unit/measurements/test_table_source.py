@@ -1,5 +1,8 @@
 """CSV and Parquet logs."""
 
+import bz2
+import gzip
+from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
 
@@ -9,6 +12,7 @@ import pyarrow.parquet
 import pytest
 
 from dr_lab.errors import DataError, UnknownNameError
+from dr_lab.measurements import log_file
 from dr_lab.measurements.signal_map import channel_map
 from dr_lab.measurements.table import TableSource
 from dr_lab.measurements.table_file import load
@@ -221,4 +225,42 @@ def test_names_in_another_encoding_than_utf_8_are_refused(tmp_path: Path, encodi
     path = tmp_path / "a.csv"
     path.write_bytes("t,q [°]\n0,1\n".encode(encoding))
     with pytest.raises(DataError, match=r"Cannot read .* it is no UTF-8 text .* Save it as UTF-8"):
+        load(path)
+
+
+def test_an_entry_of_a_list_column_is_a_column(tmp_path: Path) -> None:
+    states = [[1.0, 2.0], [3.0, 4.0], None, [5.0]]
+    pairs = pa.array([[1, 2], [3, 4], [5, 6], [7, 8]], pa.list_(pa.float32(), 2))
+    table = pa.table({"t": [0.0, 0.1, 0.2, 0.3], "observation.state": states, "action": pairs})
+    pyarrow.parquet.write_table(table, tmp_path / "a.parquet")
+    np.testing.assert_array_equal(
+        column(tmp_path / "a.parquet", "observation.state[1]", "t", "s"), [2, 4, np.nan, np.nan]
+    )
+    np.testing.assert_array_equal(column(tmp_path / "a.parquet", "action[1]", "t", "s"), [2, 4, 6, 8])
+    for name, message in (
+        ("action", r"holds lists\. Take one entry of each, e\.g\. action\[0\]"),
+        ("action[2]", r"have up to 2 entries; there is no \[2\]"),
+        ("t[0]", r"holds double, no lists"),
+    ):
+        with pytest.raises(DataError, match=message):
+            column(tmp_path / "a.parquet", name, "t", "s")
+    with pytest.raises(UnknownNameError, match=r"no column 'state\[0\]'.*observation\.state"):
+        column(tmp_path / "a.parquet", "state[0]", "t", "s")
+
+
+@pytest.mark.parametrize(("suffix", "pack"), [("gz", gzip.compress), ("bz2", bz2.compress), ("zst", None)])
+def test_a_compressed_table_reads_as_the_plain_one(
+    tmp_path: Path, suffix: str, pack: Callable[[bytes], bytes] | None
+) -> None:
+    path = tmp_path / f"log.csv.{suffix}"
+    with pa.output_stream(path, compression="zstd") if pack is None else path.open("wb") as file:
+        file.write(TEXT.encode() if pack is None else pack(TEXT.encode()))
+    np.testing.assert_array_equal(column(path, "q1"), [0.5, np.nan, 1.5])
+    assert (log_file.kind(path), log_file.stem(path)) == (".csv", "log")
+
+
+def test_a_cut_compressed_table_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv.gz"
+    path.write_bytes(gzip.compress(TEXT.encode())[:-20])
+    with pytest.raises(DataError, match="Cannot read"):
         load(path)
