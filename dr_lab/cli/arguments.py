@@ -14,11 +14,12 @@ from omegaconf import DictConfig, OmegaConf
 from dr_lab.cli.check import check
 from dr_lab.cli.compose import compose_from, register_resolvers
 from dr_lab.cli.groups import misplaced, options
+from dr_lab.cli.positional import KEY as POSITIONAL
 from dr_lab.cli.provenance import CONFIG_FILE
 from dr_lab.errors import ConfigError
 
 # Keys of a configuration that are not a workflow's business, unless it asks for them.
-COMMAND_LINE_KEYS = ("outputs", "made_with")
+COMMAND_LINE_KEYS = ("outputs", "made_with", POSITIONAL)
 # Parameter of a workflow that can go on with an earlier run's folder.
 RESUME = "resume"
 # Parameters of a workflow that the command line gives, not the configuration.

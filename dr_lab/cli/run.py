@@ -13,6 +13,7 @@ from dr_lab.cli.explain import explain, interruption
 from dr_lab.cli.flags import require_known_flags, runs_jobs
 from dr_lab.cli.hydra_node import checked_at_composition
 from dr_lab.cli.overrides import composed
+from dr_lab.cli.positional import spelt_out
 from dr_lab.cli.task import Task
 from dr_lab.cli.verb_help import verb_help
 
@@ -39,6 +40,7 @@ def run(verb: str, arguments: list[str], folders: tuple[Path, ...]) -> int:
             print(verb_help(verb, [word for word in arguments if not word.startswith("-")], folders))
             return 0
         require_known_flags(arguments, verb)
+        arguments = spelt_out(verb, arguments, folders)
         with _environment(RUST_LOG="error"):  # Rerun's reader logs what becomes a note in the report
             _hand_to_hydra(verb, arguments, folders, traceback_wanted)
     except BrokenPipeError:

@@ -100,7 +100,7 @@ def _positions(parent: pa.StructArray, key: str, where: str) -> tuple[Rows, Rows
     """Place of the entry named `key` in each message's list, and the messages that have one."""
     names = next((f.name for f in parent.type if f.type.equals(pa.list_(pa.string())) or _is_strings(f.type)), None)
     if names is None:
-        labels = _labels(parent)
+        labels = labels_of(parent)
         if key not in labels:
             raise UnknownNameError("entry", key, labels or (), where)
         return np.full(len(parent), labels.index(key)), np.arange(len(parent))
@@ -121,14 +121,14 @@ def _is_strings(kind: pa.DataType) -> bool:
     return pa.types.is_list(kind) and pa.types.is_string(kind.value_type)
 
 
-def _labels(parent: pa.StructArray) -> list[str]:
+def labels_of(parent: pa.StructArray) -> list[str]:
     """Comma-separated label of the first dimension of a Float64MultiArray, of the first message that has one."""
     if "layout" not in [field.name for field in parent.type]:
         return []
     dimensions = parent.field("layout").field("dim")
     first = next((row for row in dimensions if len(row)), None)
     label = first[0]["label"].as_py() if first is not None else ""
-    return label.split(",") if label else []
+    return [str(part) for part in label.split(",")] if label.strip(",") else []
 
 
 def _numbers(array: pa.Array, where: str) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rerun.chunk import McapReader
 
 from dr_lab.errors import DataError, UnknownNameError
+from dr_lab.measurements.field_list import Field, numeric_fields
 from dr_lab.measurements.field_path import Rows, extract
 from dr_lab.measurements.mcap_chunks import damaged_chunks
 from dr_lab.measurements.samples import Samples, Stamps, combine
@@ -86,6 +87,22 @@ class McapSource:
     def topics(self) -> tuple[str, ...]:
         """Of all messages, by name."""
         return tuple(sorted(self._channels))
+
+    def fields(self, topic: str) -> tuple[Field, ...]:
+        """The numeric fields of a topic; none where its messages cannot be decoded.
+
+        Raises:
+            UnknownNameError: no such topic; the message lists those there are.
+        """
+        try:
+            return tuple(numeric_fields(self._topic(topic).messages))
+        except DataError:
+            return ()
+
+    def stamped(self, topic: str) -> bool:
+        """Whether somebody set the header stamps of a topic that can be decoded."""
+        stamps = self._topic(topic).stamps.get("header")
+        return stamps is not None and bool(stamps.any())
 
     def rows(self, topic: str) -> Array:
         """All entries of a topic of ``std_msgs/msg/Float64MultiArray``, message by message, shape (n, k).

@@ -91,7 +91,7 @@ def _require_seconds(ratio: float, place: ChannelMap, rate: ChannelMap, contract
             if abs(np.log(abs(ratio) / size)) < contract.unit_ratio:
                 raise DataError(
                     f"The derivative of {place.name} is {abs(ratio):.3g} times {rate.name}: the times seem to be "
-                    f"{read}. Correct time.unit or time.scale; if the times are right, the unit of one of the two channels."
+                    f"{read}. Correct time.unit or time.scale; if they are right, the unit of one of both channels."
                 )
 
 

@@ -129,7 +129,7 @@ def smoothed_motion(
         for k, signal in enumerate(signals):
             rows = index == k
             if rows.any():
-                path = _spline(signal, settings.cutoff)
+                path = smooth(signal, settings.cutoff)
                 path = path.antiderivative() if order[dof] else path
                 qpos[rows, adr] = path(time[rows]) + (model.qpos0[adr] if order[dof] else 0.0)
                 qvel[rows, dof], qacc[rows, dof] = path(time[rows], 1), path(time[rows], 2)
@@ -182,7 +182,8 @@ def _grid(log: Log, settings: EquationErrorSettings) -> Array:
     return np.arange(first, last, settings.step) if enough and last - first > edge else np.empty(0)
 
 
-def _spline(signal: Signal, cutoff: float) -> BSpline:
+def smooth(signal: Signal, cutoff: float) -> BSpline:
+    """The smoothing spline of a signal whose gain falls to a half at a frequency in Hz; see `smoothed_motion`."""
     spacing = float(np.ptp(signal.time)) / (len(signal) - 1)
     # In units of the spacing and of the range, so that the penalty stays well conditioned whatever the units.
     size = float(np.ptp(signal.value)) or 1.0

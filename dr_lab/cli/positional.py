@@ -1,0 +1,48 @@
+"""Words of a command line that stand for keys: ``dr-lab init robot.xml logs/*.mcap``."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import yaml
+
+KEY = "positional"  # of a root configuration: the keys whose names may be left out, in order
+
+
+def positional(verb: str, folders: Sequence[Path]) -> list[str]:
+    """The keys of a verb whose names may be left out; the last takes all words that are left, as a list.
+
+    Args:
+        verb: name of a root configuration.
+        folders: configuration folders, first searched first.
+    """
+    root = next(path for folder in folders if (path := folder / f"{verb}.yaml").is_file())
+    content = yaml.safe_load(root.read_text(encoding="utf-8"))
+    return list(content.get(KEY, ()))
+
+
+def spelt_out(verb: str, arguments: Sequence[str], folders: Sequence[Path]) -> list[str]:
+    """The arguments with keys before the words that have none: names of files, which the shell may have expanded.
+
+    Args:
+        verb: name of a root configuration.
+        arguments: what follows the verb.
+        folders: configuration folders, first searched first.
+    """
+    keys = positional(verb, folders)
+    words = [word for word in arguments if _is_plain(word)] if keys else []
+    if not words:
+        return list(arguments)
+    first, last = words[: len(keys) - 1], words[len(keys) - 1 :]
+    given = [f"{key}={_quoted(word)}" for key, word in zip(keys, first, strict=False)]
+    if last:
+        given.append(f"{keys[-1]}=[{','.join(map(_quoted, last))}]")
+    return [*given, *(word for word in arguments if not _is_plain(word))]
+
+
+def _is_plain(word: str) -> bool:
+    return not word.startswith("-") and ("=" not in word or Path(word).exists())
+
+
+def _quoted(word: str) -> str:
+    """A text that Hydra's grammar takes whole."""
+    return '"' + word.replace('"', r"\"") + '"'

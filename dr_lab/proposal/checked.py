@@ -1,0 +1,92 @@
+"""A proposal read back as the other verbs will read it: which logs can be used, and what they tell of the model."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import yaml
+
+from dr_lab.comparison.comparison import ComparisonSettings
+from dr_lab.diagnosis.checks.numerical_floor import numerical_floor
+from dr_lab.diagnosis.checks.refinement import refine
+from dr_lab.diagnosis.faults.data_faults import suspect_faults
+from dr_lab.errors import DrLabError
+from dr_lab.measurements.read import read
+from dr_lab.physics.model import from_spec
+from dr_lab.proposal.pages import measurements_page
+from dr_lab.proposal.propose import Proposal
+from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.split import Split, split_logs
+from dr_lab.trajectory import MeasurementSet
+
+_MESSAGE = 300  # letters of an error that a comment shows
+
+
+def usable_logs(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, MeasurementSet]:
+    """Split the logs that the data contract lets pass.
+
+    Raises:
+        DrLabError: none passes; the error of the first.
+    """
+    split = split_logs(proposal, {}, settings.held_out)
+    try:
+        return split, _read(proposal, split, settings)
+    except DrLabError as error:
+        refused = _refused(proposal, split, settings)
+        if len(refused) in (0, len(proposal.logs.logs)):
+            raise error from None
+    split = split_logs(proposal, refused, settings.held_out)
+    return split, _read(proposal, split, settings)
+
+
+def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSettings) -> Proposal:
+    """The proposal with what seems wrong with commands, and with a time step that does not show.
+
+    A URDF has no time step, so that it gets one that is fine enough; that of an MJCF stays, and what it does is told.
+    """
+    model = from_spec(proposal.robot.name, proposal.spec, proposal.parameters)
+    faults = [
+        f"Log {each.log}: {each.message} {each.remedy}" for each in suspect_faults(model, measured, checks.faults)
+    ]
+    logs = measured.held_out or measured.fit
+    floor = numerical_floor(model, logs, measured, checks.windows, checks.threads)
+    finer = refine(model, logs, measured, checks.windows, checks.model_check, floor, checks.threads)
+    told = replace(proposal, doubts=(*proposal.doubts, *faults))
+    if not finer.message:
+        return told
+    moved = (
+        f"The time step of {floor.step:g} s alone moves {floor.worst} by {floor.largest:.2g} noise standard deviations"
+    )
+    step = finer.model.spec.option.timestep
+    if not proposal.robot.urdf:
+        remedy = (
+            f"Set timestep {step:g}"
+            if step < floor.step
+            else "Set integrator RK4"
+            if finer.left < floor.largest
+            else ""
+        )
+        doubt = f"{moved}, which can pass for missing physics. {remedy or 'Finer steps do not help (contacts)'}."
+        return replace(told, doubts=(*told.doubts, doubt))
+    note = f"Time step {step:g} s: {moved.replace('The time', 'a')}."
+    spec = proposal.spec.copy()
+    spec.option.timestep, spec.option.integrator = step, finer.model.spec.option.integrator
+    return replace(told, spec=spec, notes=(*told.notes, note))
+
+
+def _refused(proposal: Proposal, split: Split, settings: ProposalSettings) -> dict[str, str]:
+    """Logs that cannot be used alone, with the reason."""
+    reasons = {}
+    for name in proposal.logs.logs:
+        alone = Split(split.files, (name,), (), {})
+        try:
+            _read(proposal, alone, settings)
+        except DrLabError as error:
+            reasons[name] = str(error)[:_MESSAGE]
+    return reasons
+
+
+def _read(proposal: Proposal, split: Split, settings: ProposalSettings) -> MeasurementSet:
+    entries: Mapping[str, Any] = yaml.safe_load(measurements_page(proposal, split))
+    wanted = {key: value for key, value in entries.items() if key not in ("_target_", "defaults")}
+    return read(**wanted, contract=settings.contract)

@@ -1,0 +1,212 @@
+"""Which series is which actuator's command, with which sign and in which unit, by what the motion needed."""
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from dr_lab.proposal.by_name import matches
+from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.survey import Series
+from dr_lab.proposal.trial import Given, Outcome
+from dr_lab.trajectory import Array
+
+# Sizes of the units that are mistaken for one another, by the SI unit of a command.
+UNITS: dict[str, dict[str, float]] = {
+    "N·m": {"N·m": 1.0, "mN·m": 1e-3, "kgf·cm": 0.0980665, "kgf·m": 9.80665},
+    "N": {"N": 1.0, "mN": 1e-3, "kgf": 9.80665, "kN": 1e3},
+    "V": {"V": 1.0, "mV": 1e-3},
+    "rad": {"rad": 1.0, "deg": math.pi / 180},
+    "m": {"m": 1.0, "mm": 1e-3},
+    "1": {"1": 1.0, "percent": 1e-2},
+}
+_NEAR = 1.6  # ratio up to which a gain passes for a unit: a model's own error and friction; as in faults.fault_words
+
+
+@dataclass(frozen=True)
+class Drive:
+    """An actuator that a series may command.
+
+    Attributes:
+        name: of the actuator, or of one that is to be added.
+        dof: degree of freedom that it moves most.
+        joint: name of that joint.
+        unit: SI unit of its control.
+        force: joint force per unit of control, N·m or N.
+        servo: whether its control is a position.
+        added: whether the model lacks it.
+    """
+
+    name: str
+    dof: int
+    joint: str
+    unit: str
+    force: float
+    servo: bool
+    added: bool
+
+
+@dataclass(frozen=True)
+class Command:
+    """A proposed command.
+
+    Attributes:
+        drive: the actuator.
+        series: what holds it.
+        given: what it does; None where that could not be tried.
+        unit: of its numbers.
+        sign: +1 or −1.
+        scale: factor into the unit.
+        why: what speaks for it.
+        doubts: what is unsure, a sentence each.
+    """
+
+    drive: Drive
+    series: Series
+    given: Given | None
+    unit: str
+    sign: int
+    scale: float
+    why: str
+    doubts: tuple[str, ...]
+
+
+def drives_of(model: mujoco.MjModel, force: Array) -> tuple[Drive, ...]:
+    """The actuators of a model, or, where it has none, a motor at every hinge and slide that might be there.
+
+    Args:
+        model: compiled.
+        force: joint force per unit of control, shape (nu, nv).
+    """
+    if model.nu == 0:
+        return tuple(
+            Drive(name, dof, name, "N" if _slides(model, dof) else "N·m", 1.0, servo=False, added=True)
+            for dof in range(model.nv)
+            if (name := _joint(model, dof))
+        )
+    found = []
+    for k in range(model.nactuator):
+        dof = int(np.argmax(np.abs(force[k]))) if model.nv else 0
+        unit, servo = _control(model, k, dof)
+        found.append(
+            Drive(model.actuator(k).name, dof, _joint(model, dof), unit, float(force[k, dof]), servo, added=False)
+        )
+    return tuple(found)
+
+
+def choose_commands(
+    drives: Sequence[Drive],
+    series: Sequence[Series],
+    usable: Collection[int],
+    outcome: Outcome,
+    settings: ProposalSettings,
+) -> tuple[Command, ...]:
+    """Give every actuator the series that explains its joint's motion best, each series to one actuator.
+
+    Of series that explain it about as well, a measured one goes before one that is asked for.
+
+    Args:
+        drives: actuators.
+        series: the drives of the trial.
+        usable: those of them that may be commands, as places.
+        outcome: the chosen reading of the positions, tried.
+        settings: which share a command must explain.
+    """
+    named = matches([drive.name if not drive.added else drive.joint for drive in drives], series)
+    offers = []
+    for k, drive in enumerate(drives):
+        mine = {*named[k]} & {*usable}
+        allowed = [given for given in outcome.given[drive.dof] if given.series in mine and _fits(drive, given, series)]
+        least = min((given.left for given in allowed), default=0.0)
+        for given in allowed:
+            equal = given.left <= settings.near * least + settings.close
+            rank = (series[given.series].words.asked, given.stiffness > 0) if equal else (True, True)
+            offers.append((not equal, *rank, given.left, k, given))
+    chosen: dict[int, Given] = {}
+    for *_, k, given in sorted(offers, key=lambda offer: offer[:4]):
+        idle = float(outcome.idle[drives[k].dof])
+        explains = given.left <= (1 - settings.explained) * idle
+        alone = len(named[k]) == 1
+        if k not in chosen and (explains or alone) and given.series not in {g.series for g in chosen.values()}:
+            chosen[k] = given
+    return tuple(_command(drives[k], series, chosen[k], outcome, settings) for k in sorted(chosen))
+
+
+def commands_by_name(drives: Sequence[Drive], series: Sequence[Series]) -> tuple[Command, ...]:
+    """Commands where only names tell: of actuators that there are, and of motors that are to be added."""
+    found = []
+    named = matches([drive.name if not drive.added else drive.joint for drive in drives], series)
+    for drive, places in zip(drives, named, strict=True):
+        fitting = [series[k] for k in places if not (drive.added and series[k].words.kind != "drive")]
+        measured = [each for each in fitting if not each.words.asked] or fitting
+        if len(measured) == 1:
+            unit = measured[0].words.unit or drive.unit
+            found.append(Command(drive, measured[0], None, unit, 1, 1.0, "by its name", ()))
+    return tuple(found)
+
+
+def _fits(drive: Drive, given: Given, series: Sequence[Series]) -> bool:
+    """A servo takes positions, a motor forces; a name that says nothing may be either."""
+    kind = series[given.series].words.kind
+    if drive.added:
+        return not (given.stiffness > 0 and kind == "drive")
+    return given.stiffness == 0 and not (drive.servo and kind == "drive")
+
+
+def _command(
+    drive: Drive, series: Sequence[Series], given: Given, outcome: Outcome, settings: ProposalSettings
+) -> Command:
+    idle = float(outcome.idle[drive.dof])
+    servo = given.stiffness > 0
+    base = drive.unit if not servo else ("m" if drive.unit == "N" else "rad")
+    gain = given.gain / (given.stiffness if servo else drive.force)
+    words = series[given.series].words
+    unit, scale, doubts = _unit(gain, base, words.unit, settings)
+    explained = 1 - given.left / max(idle, np.finfo(float).tiny)
+    late = f", {1e3 * given.lag:.0f} ms late" if given.lag else ""
+    why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {gain:.2g}"
+    if explained < settings.explained:
+        doubts.append(
+            f"{series[given.series].place} explains {max(explained, 0.0):.0%} of what {drive.joint} needs; sign and "
+            "unit are by its name alone."
+        )
+        return Command(drive, series[given.series], given, words.unit or base, 1, 1.0, "by its name", tuple(doubts))
+    return Command(drive, series[given.series], given, unit, 1 if gain > 0 else -1, scale, why, tuple(doubts))
+
+
+def _unit(gain: float, base: str, said: str, settings: ProposalSettings) -> tuple[str, float, list[str]]:
+    """Unit and scale of a command by its gain, and what is unsure about them."""
+    size, known = abs(gain), UNITS.get(base, {base: 1.0})
+    if said in known:
+        left = size / known[said]
+        if settings.gain < left < 1 / settings.gain:
+            return said, 1.0, []
+    name, factor = min(known.items(), key=lambda entry: abs(math.log(size / entry[1])))
+    if abs(math.log(size / factor)) < math.log(_NEAR):
+        contradicts = [f"named {said}, but it moves the joint as {name} do."] if said and said != name else []
+        return name, 1.0, contradicts
+    if settings.gain < size < 1 / settings.gain and said in ("", base):
+        return base, 1.0, [f"acts {size:.2g} times as strongly as {base} would; read as {base}."]
+    return base, float(f"{size:.3g}"), [f"its scale of {size:.3g} {base} is judged from the motion alone; check it."]
+
+
+def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
+    """SI unit of an actuator's control, and whether it is a position."""
+    slide = _slides(model, dof)
+    if int(model.actuator_gaintype[k]) == int(mujoco.mjtGain.mjGAIN_DCMOTOR):
+        return "V", False
+    if model.actuator_biasprm[k, 1] < 0 and math.isclose(model.actuator_gainprm[k, 0], -model.actuator_biasprm[k, 1]):
+        return ("m" if slide else "rad"), True
+    if int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE) and model.actuator_gainprm[k, 0] == 1.0:
+        return ("N" if slide else "N·m"), False
+    return "1", False
+
+
+def _slides(model: mujoco.MjModel, dof: int) -> bool:
+    return int(model.jnt_type[model.dof_jntid[dof]]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+def _joint(model: mujoco.MjModel, dof: int) -> str:
+    return model.joint(int(model.dof_jntid[dof])).name

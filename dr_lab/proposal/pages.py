@@ -1,0 +1,139 @@
+"""The files of a proposal: measurements and model, with what was found and what is unsure in their comments."""
+
+import json
+import re
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+
+from dr_lab.proposal.drives import Command
+from dr_lab.proposal.positions import Position
+from dr_lab.proposal.propose import Proposal
+from dr_lab.proposal.split import Split
+
+_WIDTH = 116
+_PLAIN = re.compile(r"[A-Za-z_/][\w./·^°-]*")
+_WORDS = {"true", "false", "null", "yes", "no", "on", "off", "none", "y", "n"}
+
+CHANNEL_KEYS = """\
+# What a channel may hold beside its place (topic and field, or column) and unit; value = unit · (sign · scale · number
+# + offset), and all keys may be left out:
+#   sign: -1          turns the direction
+#   scale: 0.01       factor into the unit: a gear ratio, an amplifier's gain
+#   offset: -1.57     in the unit: where the zero of the log differs from the model's
+#   wrap: true        an angle that jumps by full turns
+#   latency: 0.002    s by which the stamps lie after the true times
+#   clock: header     whose stamps: header, publish or log of a message, column of a table
+#   noise_std: 0.001  of the numbers, in the unit; estimated where it is left out
+# A field or column may be a sum: {shoulder: 1, elbow: -1}. A command that is the same all the time is a sum without
+# weight: {column: {ANY: 0}, offset: 0.5, unit: rad}, or with topic and field. Commands hold until the next sample.
+"""
+
+_PARAMETERS = (
+    "# A parameter is a number of the MJCF that is fitted, between two bounds: body.<name>.mass, .inertia_scale,",
+    "# .ipos[0]; joint.<name>.damping, .armature, .frictionloss, .stiffness; actuator.<name>.gear[0], .force_limit; …",
+    "# Dry friction, backlash, delays and so on need none: they are effects, which dr-lab close tries and adds.",
+)
+
+
+def measurements_page(proposal: Proposal, split: Split) -> str:
+    """``measurements/<name>.yaml``."""
+    clock = proposal.logs.clock
+    lines = [f"# logs of {proposal.robot.name}, as dr-lab init read them", "#"]
+    lines += _comments("Unsure: ", proposal.doubts) or ["# Nothing is unsure."]
+    lines += ["defaults:", "  - /data_contract@contract: default", "  - _self_"]
+    lines += ["_target_: dr_lab.measurements.read.read", f"name: {proposal.robot.name}"]
+    lines += ["logs:", *(f"  - {_text(str(path))}" for path in split.files)]
+    if clock is not None and clock.group:
+        lines.append(f"group: {_text(clock.group)}  # every value of this column is a log, FILE/VALUE")
+    if split.fit is not None:
+        lines.append(_names("fit", split.fit))
+    lines.append(_names("held_out", split.held_out) + "  # never fitted; what models are judged by")
+    if clock is not None:
+        lines.append(f"time: {{column: {_text(clock.axis.column)}, unit: {clock.axis.unit}}}")
+    else:
+        lines.append(f"clock: {_clock(proposal)}  # of the channels that name none")
+    lines.append("outputs:  # <joint>.position, <joint>.velocity or sensor.<name>")
+    lines += [_channel(each.channel, _of_output(each, proposal), each.why) for each in proposal.outputs]
+    lines.append("commands:  # by actuator" if proposal.commands else "commands: {}  # none: the machine swings freely")
+    lines += [_channel(each.drive.name, _of_command(each, proposal), each.why) for each in proposal.commands]
+    return "\n".join([*lines, *_left_out(split), CHANNEL_KEYS])
+
+
+def model_page(proposal: Proposal) -> str:
+    """``model/<name>.yaml``."""
+    name = proposal.robot.name
+    lines = [f"# {name}, from {proposal.robot.path.name}: what of its physics may be wrong", "#"]
+    lines += _comments("", proposal.notes)
+    lines += [
+        *_PARAMETERS,
+        "_target_: dr_lab.physics.model.load",
+        f"name: {name}",
+        f"mjcf: ${{conf:model/{name}.xml}}",
+        "parameters:",
+    ]
+    lines += [f"  {_text(key)}: {_flow(entry)}" for key, entry in proposal.parameters.items()]
+    return "\n".join([*lines, ""])
+
+
+def _comments(prefix: str, sentences: Sequence[str]) -> list[str]:
+    return [
+        line
+        for sentence in sentences
+        for line in textwrap.wrap(prefix + sentence, _WIDTH, initial_indent="# ", subsequent_indent="#   ")
+    ]
+
+
+def _left_out(split: Split) -> Iterator[str]:
+    for name, why in split.left_out.items():
+        yield from textwrap.wrap(f"Left out: {name}. {why}", _WIDTH, initial_indent="# ", subsequent_indent="#   ")
+
+
+def _names(key: str, names: Sequence[str]) -> str:
+    return f"{key}: [{', '.join(map(_text, names))}]"
+
+
+def _channel(name: str, entry: Mapping[str, object], why: str) -> str:
+    return f"  {_text(name)}: {_flow(entry)}  # {why}"
+
+
+def _of_output(output: Position, proposal: Proposal) -> dict[str, object]:
+    entry: dict[str, object] = {**output.series.place.entry, "unit": output.unit}
+    if output.sign < 0:
+        entry["sign"] = -1
+    if output.offset:
+        entry["offset"] = float(f"{output.offset:.15g}")
+    if output.wrap:
+        entry["wrap"] = True
+    return entry | _own_clock(output.series.place.clock, proposal)
+
+
+def _of_command(command: Command, proposal: Proposal) -> dict[str, object]:
+    entry: dict[str, object] = {**command.series.place.entry, "unit": command.unit}
+    if command.sign < 0:
+        entry["sign"] = -1
+    if command.scale != 1.0:
+        entry["scale"] = command.scale
+    return entry | _own_clock(command.series.place.clock, proposal)
+
+
+def _own_clock(clock: str, proposal: Proposal) -> dict[str, object]:
+    return {} if proposal.logs.clock is not None or clock == _clock(proposal) else {"clock": clock}
+
+
+def _clock(proposal: Proposal) -> str:
+    """That of the outputs."""
+    return proposal.outputs[0].series.place.clock
+
+
+def _flow(entry: Mapping[str, object]) -> str:
+    return "{" + ", ".join(f"{key}: {_value(value)}" for key, value in entry.items()) + "}"
+
+
+def _value(value: object) -> str:
+    return _text(value) if isinstance(value, str) else json.dumps(value)
+
+
+def _text(text: str) -> str:
+    """A yaml text, quoted where it would not be one."""
+    plain = _PLAIN.fullmatch(text) and text.lower() not in _WORDS
+    return text if plain else json.dumps(text, ensure_ascii=False)

@@ -1,0 +1,136 @@
+"""A robot's description and its logs to a proposal: the model that is simulated, and what each series is."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import mujoco
+
+from dr_lab.physics.compiling import compiled
+from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
+from dr_lab.proposal.freedom import Entry, free_parameters
+from dr_lab.proposal.overlaps import overlaps
+from dr_lab.proposal.positions import Position, Positions, find_positions
+from dr_lab.proposal.robot import Robot
+from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.survey import Survey
+
+_BEYOND = 0.02  # of a joint's range, by which its stop may give way
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What was found.
+
+    Attributes:
+        robot: as described.
+        logs: what they hold.
+        spec: the robot's, with what it lacked.
+        changed: whether `spec` differs from the file.
+        outputs: measured channels.
+        commands: commands of actuators.
+        parameters: what is free.
+        notes: what was done to the model and why, a sentence each.
+        doubts: what is unsure, a sentence each.
+    """
+
+    robot: Robot
+    logs: Survey
+    spec: mujoco.MjSpec
+    changed: bool
+    outputs: tuple[Position, ...]
+    commands: tuple[Command, ...]
+    parameters: Mapping[str, Entry]
+    notes: tuple[str, ...]
+    doubts: tuple[str, ...]
+
+
+def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
+    """Find outputs and commands, add the actuators that are lacking, and declare what is free.
+
+    Raises:
+        DataError: the logs do not fit the robot.
+    """
+    spec = robot.spec.copy()
+    if robot.urdf:
+        spec.option.timestep, spec.option.integrator = settings.timestep, mujoco.mjtIntegrator.mjINT_RK4
+    found = find_positions(compiled(spec.copy()), logs, settings)
+    commands = _commands(found, settings)
+    added = [_add(spec, command) for command in commands if command.drive.added]
+    overlapping = overlaps(compiled(spec.copy()), found, settings.touching)
+    for a, b in overlapping:
+        spec.add_exclude(bodyname1=a, bodyname2=b)
+    free = free_parameters(robot, spec, found, settings)
+    apart = [
+        f"{a} and {b} overlap in the whole motion: their contact is taken out (<exclude>)." for a, b in overlapping
+    ]
+    return Proposal(
+        robot=robot,
+        logs=logs,
+        spec=spec,
+        changed=robot.urdf or bool(added or overlapping),
+        outputs=found.outputs,
+        commands=commands,
+        parameters=free.parameters,
+        notes=(*robot.notes, *added, *apart, *free.notes),
+        doubts=(*found.doubts, *_of_commands(found, commands), *_ranges(compiled(spec.copy()), found)),
+    )
+
+
+def _commands(found: Positions, settings: ProposalSettings) -> tuple[Command, ...]:
+    used = {output.series.place for output in found.outputs}
+    usable = [k for k, series in enumerate(found.commands) if series.place not in used]
+    if found.found is None:
+        return commands_by_name(found.drives, [found.commands[k] for k in usable])
+    return choose_commands(found.drives, found.commands, usable, found.found.outcome, settings)
+
+
+def _add(spec: mujoco.MjSpec, command: Command) -> str:
+    """Add the actuator that a command needs; says which."""
+    actuator = spec.add_actuator(
+        name=command.drive.name, target=command.drive.joint, trntype=mujoco.mjtTrn.mjTRN_JOINT, gear=[1.0] + [0.0] * 5
+    )
+    given = command.given
+    if given is None or given.stiffness == 0.0:
+        actuator.set_to_motor()
+        return f"Actuator {command.drive.name} was added: the command's force acts at the joint as it is (motor)."
+    kp, kv = (float(f"{value:.3g}") for value in (given.stiffness, given.damping))
+    actuator.set_to_position(kp=kp, kv=kv)
+    return (
+        f"Actuator {command.drive.name} was added: a servo towards the command (position) with kp {kp:g} and kv "
+        f"{kv:g}, as the motion shows them."
+    )
+
+
+def _of_commands(found: Positions, commands: Sequence[Command]) -> list[str]:
+    """What is unsure about the commands."""
+    doubts = [d if d.startswith(c.drive.name) else f"{c.drive.name}: {d}" for c in commands for d in c.doubts]
+    given = {command.drive.name for command in commands}
+    lacking = [drive.name for drive in found.drives if not drive.added and drive.name not in given]
+    if lacking:
+        doubts.append(
+            f"No series of the logs is the command of {', '.join(lacking)}: controlled by 0. If one is constant, see "
+            "the comment at the end of the measurements."
+        )
+    unused = [str(each.place) for each in found.commands if each.place not in {c.series.place for c in commands}]
+    if not commands and unused:
+        doubts.append(
+            f"None of {', '.join(unused)} moves a joint as a command would: the machine is taken to swing freely."
+        )
+    return doubts
+
+
+def _ranges(model: mujoco.MjModel, found: Positions) -> list[str]:
+    """Joints that move beyond their range in the model."""
+    if found.trial is None or found.found is None:
+        return []
+    qpos, beyond = found.trial.motion(found.found.readings).qpos, []
+    for i in range(model.njnt):
+        low, high = model.jnt_range[i]
+        place = qpos[:, model.jnt_qposadr[i]]
+        if model.jnt_limited[i] and (place.min() < low - _BEYOND or place.max() > high + _BEYOND):
+            beyond.append(
+                f"{model.joint(i).name} ({place.min():.3g} … {place.max():.3g}, range {low:.3g} … {high:.3g})"
+            )
+    if not beyond:
+        return []
+    return [f"Beyond the range in the model, whose stop acts there: {', '.join(beyond)}. Check zero, sign and range."]

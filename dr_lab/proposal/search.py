@@ -1,0 +1,183 @@
+"""Which series is which joint's position, with which sign and in which unit.
+
+The reading wins that leaves least to the equation of motion, and of those that it cannot tell apart the plainest.
+"""
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.trial import Outcome, Reading
+
+_FEW = 4  # joints whose signs are tried in all combinations
+_UNUSUAL = 0.5  # cost of a unit other than SI, and of commands with an unusual gain
+_BASES = 8  # readings without offsets that are tried with them
+_OFFSETS = (math.pi, math.pi / 2, -math.pi / 2)  # of angles that count from another direction
+
+Readings = tuple[Reading, ...]
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a joint's position may be.
+
+    Attributes:
+        series: places among the candidates.
+        units: factors to SI, the likeliest first.
+        angle: whether it may count from another direction.
+    """
+
+    series: tuple[int, ...]
+    units: tuple[float, ...]
+    angle: bool
+
+
+@dataclass(frozen=True)
+class Found:
+    """The chosen reading.
+
+    Attributes:
+        readings: of each joint, in the model's order.
+        outcome: it, tried.
+        others: readings that explain the motion about as well.
+        plain: those of them that are about as plain.
+    """
+
+    readings: Readings
+    outcome: Outcome
+    others: tuple[Readings, ...]
+    plain: tuple[Readings, ...]
+
+
+def search(
+    trial: Callable[[Readings], Outcome],
+    options: Sequence[Options],
+    cost: Callable[[Outcome], float],
+    settings: ProposalSettings,
+) -> Found:
+    """Try readings, and choose.
+
+    Args:
+        trial: tries one.
+        options: of each joint, in the model's order.
+        cost: what speaks against a reading that explains the motion as well as others do.
+        settings: how many are tried, and how close counts as equal.
+    """
+    tried: dict[Readings, Outcome] = {}
+
+    def outcome(readings: Readings) -> float:
+        if readings not in tried:
+            tried[readings] = trial(readings)
+        return tried[readings].total
+
+    for order in _orders(options, settings.most_orders):
+        _signs_and_units(order, options, outcome)
+    if len(options) > 1:
+        _swaps(options, tried, outcome)
+    if float(min(tried.values(), key=lambda each: each.total).left.max()) > settings.well:
+        _offsets(options, tried, outcome)
+    least = min(each.total for each in tried.values())
+    most = least + settings.close + (settings.near - 1) * min(least, settings.well)
+    near = [readings for readings, each in tried.items() if each.total <= most]
+    costs = {readings: _cost(readings) + cost(tried[readings]) for readings in near}
+    chosen = min(near, key=lambda readings: (costs[readings], tried[readings].total))
+    others = tuple(readings for readings in near if readings != chosen)
+    plain = tuple(readings for readings in others if costs[readings] <= costs[chosen] + _UNUSUAL)
+    return Found(chosen, tried[chosen], others, plain)
+
+
+def _cost(readings: Readings) -> float:
+    """Turned signs, units other than SI, and offsets."""
+    turned = sum(each.factor < 0 for each in readings)
+    return turned + sum(_UNUSUAL * (abs(each.factor) != 1.0) + (each.offset != 0.0) for each in readings)
+
+
+def _orders(options: Sequence[Options], most: int) -> Iterator[tuple[int, ...]]:
+    """Assignments of different series to the joints; only the first where there are very many."""
+    every = (order for order in itertools.product(*(each.series for each in options)) if len({*order}) == len(order))
+    first = list(itertools.islice(every, most + 1))
+    yield from first if len(first) <= most else first[:1]
+
+
+def _signs_and_units(order: tuple[int, ...], options: Sequence[Options], total: Callable[[Readings], float]) -> None:
+    """All signs of few joints, one after the other of many; units of all joints together, then each alone."""
+    best: Readings = ()
+    for place in range(max(len(each.units) for each in options)):
+        units = [each.units[min(place, len(each.units) - 1)] for each in options]
+        plain = tuple(Reading(k, unit) for k, unit in zip(order, units, strict=True))
+        best = min((best or plain, _turned(plain, total)), key=total)
+    for j, each in enumerate(options):
+        for unit in each.units:
+            tried = _with(best, j, factor=math.copysign(unit, best[j].factor))
+            best = min(best, tried, key=total)
+
+
+def _turned(readings: Readings, total: Callable[[Readings], float]) -> Readings:
+    if len(readings) <= _FEW:
+        signs = itertools.product((1, -1), repeat=len(readings))
+        return min((_signed(readings, each) for each in signs), key=total)
+    improved = True
+    while improved:
+        turns = [_with(readings, j, factor=-each.factor) for j, each in enumerate(readings)]
+        best = min(turns, key=total)
+        improved = total(best) < total(readings)
+        readings = best if improved else readings
+    return readings
+
+
+def _swaps(options: Sequence[Options], tried: dict[Readings, Outcome], total: Callable[[Readings], float]) -> None:
+    """Exchange the series of two joints as long as that leaves less, where they may be exchanged."""
+    improved = True
+    while improved:
+        best = min(tried, key=total)
+        for a, b in itertools.combinations(range(len(best)), 2):
+            if best[b].series in options[a].series and best[a].series in options[b].series:
+                swapped = _with(_with(best, a, series=best[b].series), b, series=best[a].series)
+                _turned(swapped, total)
+        improved = total(min(tried, key=total)) < total(best)
+
+
+def _offsets(options: Sequence[Options], tried: dict[Readings, Outcome], total: Callable[[Readings], float]) -> None:
+    """Angles that count from another direction: of each order and unit, of two joints together, else one by one."""
+    best: dict[tuple[tuple[int, float], ...], Readings] = {}
+    for readings in sorted(tried, key=total):
+        best.setdefault(tuple((each.series, abs(each.factor)) for each in readings), readings)
+    for readings in list(best.values())[:_BASES]:
+        for offsets in _directions(options):
+            moved = tuple(replace(each, offset=offset) for each, offset in zip(readings, offsets, strict=True))
+            _turned(moved, total)
+
+
+def _directions(options: Sequence[Options]) -> Iterator[tuple[float, ...]]:
+    """Offsets of all joints: each combination of two, and of more those that move one."""
+    choices = [(0.0, *_OFFSETS) if each.angle else (0.0,) for each in options]
+    every = itertools.product(*choices)
+    yield from (each for each in every if len(options) <= 2 or sum(offset != 0.0 for offset in each) == 1)
+
+
+def _with(readings: Readings, joint: int, **changes: float) -> Readings:
+    changed = replace(readings[joint], **changes)  # pyright: ignore[reportArgumentType]
+    return (*readings[:joint], changed, *readings[joint + 1 :])
+
+
+def _signed(readings: Readings, signs: Sequence[int]) -> Readings:
+    return tuple(replace(each, factor=sign * each.factor) for each, sign in zip(readings, signs, strict=True))
+
+
+def ambiguous(found: Found) -> list[tuple[int, ...]]:
+    """The sets of joints whose signs may be turned together without leaving much more."""
+    sets = set()
+    for other in found.others:
+        if all(
+            a.series == b.series and abs(a.factor) == abs(b.factor) for a, b in zip(found.readings, other, strict=True)
+        ):
+            turned = tuple(
+                int(j)
+                for j in np.flatnonzero([a.factor != b.factor for a, b in zip(found.readings, other, strict=True)])
+            )
+            sets.add(turned)
+    return sorted(sets - {()})

@@ -1,0 +1,65 @@
+"""How a proposal is judged by the data; the values live in conf/init.yaml."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated
+
+from dr_lab.bounds import Count, Positive, Share, above, require_bounds
+from dr_lab.measurements.contract import DataContract
+
+
+@dataclass(frozen=True)
+class ProposalSettings:
+    """How a proposal is judged by the data.
+
+    Attributes:
+        contract: thresholds of the data contract.
+        seconds: s, of the logs that are looked at.
+        logs: how many of them at most.
+        grid: s, between two times at which the equation of motion is tested.
+        tests: test functions.
+        cutoff: Hz, at which the smoother passes half of a motion.
+        lags: s, by which commands may act late.
+        most_orders: orders of columns that are tried exhaustively; of more, swaps are tried.
+        near: readings that leave up to this many times the least squares count as equally good …
+        close: … and those that leave this share of the squares more.
+        well: share of the squares that the best reading may leave before offsets of angles are tried.
+        explained: share of the squares that a command must take away.
+        fits: share of the squares that may be left.
+        gain: commands that act with less than this, or more than its inverse, have another unit.
+        derivative: least correlation of a velocity with its position's derivative.
+        held_out: share of the logs that are never fitted.
+        spread: bounds of a mass are the documented one over and times this.
+        distinct: share of what a mass does that no other parameter does.
+        felt: share of the forces that a mass must move.
+        touching: share of the motion in which two bodies touch that overlap by their shapes.
+        timestep: s, of a URDF.
+
+    Raises:
+        ConfigError: a number is out of its range.
+    """
+
+    contract: DataContract
+    seconds: Positive
+    logs: Count
+    grid: Positive
+    tests: Count
+    cutoff: Positive
+    lags: Sequence[float]
+    most_orders: Count
+    near: Annotated[float, above(1.0)]
+    close: Share
+    well: Share
+    explained: Share
+    fits: Share
+    gain: Share
+    derivative: Share
+    held_out: Share
+    spread: Annotated[float, above(1.0)]
+    distinct: Share
+    felt: Share
+    touching: Share
+    timestep: Positive
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "proposal")

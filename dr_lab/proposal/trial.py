@@ -1,0 +1,218 @@
+"""A reading of the logs, tried by the robot's equation of motion: what the joints needed, and which series gave it.
+
+The force that inverse dynamics asks for is compared with each command in weak form (`diagnosis.faults.equation_error`),
+beside what may brake: viscous and dry friction and a rotor's inertia, none of them negative, and a constant.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from scipy.optimize import nnls
+
+from dr_lab.diagnosis.faults.equation_error import Demand, actuation, demand
+from dr_lab.diagnosis.faults.smoothed_motion import Motion
+from dr_lab.proposal.grid import Grid, Path
+from dr_lab.trajectory import Array
+
+_SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
+_PROBED = 50  # times at which an actuator's force per control is looked at
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a joint's position follows from a series: factor · raw + offset.
+
+    Attributes:
+        series: its place among the candidates.
+        factor: sign and unit.
+        offset: rad or m.
+    """
+
+    series: int
+    factor: float
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a series gives a joint.
+
+    Attributes:
+        series: its place among the drives.
+        lag: s by which it acts late.
+        gain: joint force per unit of the raw number, N·m or N.
+        stiffness: of a servo towards the series as a position, N·m/rad or N/m; 0 where the series is a force.
+        damping: of that servo, N·m·s/rad or N·s/m.
+        left: squares that remain, over those of the joint's inertial and gravitational forces, or of what it needs.
+    """
+
+    series: int
+    lag: float
+    gain: float
+    stiffness: float
+    damping: float
+    left: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A reading, tried.
+
+    Attributes:
+        idle: squares that remain without any command, by degree of freedom, shape (nv,); relative as `Given.left`.
+        given: what each series gives each degree of freedom that may be driven, best first.
+        need: force that the motion asks for, shape (w, nv).
+        speed: shape (n, nv), for bounds of damping.
+    """
+
+    idle: Array
+    given: tuple[tuple[Given, ...], ...]
+    need: Array
+    speed: Array
+
+    @property
+    def left(self) -> Array:
+        """Squares that remain by degree of freedom, each with the series that explains it best, shape (nv,)."""
+        return np.array(
+            [min([idle, *(each.left for each in g)]) for idle, g in zip(self.idle, self.given, strict=True)]
+        )
+
+    @property
+    def total(self) -> float:
+        """Mean over the degrees of freedom; a share above 1 says no more than 1 does."""
+        return float(np.minimum(self.left, 1.0).mean())
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A robot and the series of its logs.
+
+    Attributes:
+        model: compiled; every joint is a hinge or slide.
+        grid: test functions.
+        candidates: what may be positions.
+        drives: what may be commands: by lag, numbers on the grid, shape (n,).
+        lags: s, of `drives`.
+        servos: whether each drive may be the reference of a servo that the model lacks.
+        driven: degrees of freedom that may be driven.
+        biased: whether actuators give force at control 0.
+    """
+
+    model: mujoco.MjModel
+    grid: Grid
+    candidates: tuple[Path, ...]
+    drives: tuple[tuple[Array, ...], ...]
+    lags: Sequence[float]
+    servos: tuple[bool, ...]
+    driven: tuple[bool, ...]
+    biased: bool
+
+    def motion(self, readings: Sequence[Reading]) -> Motion:
+        """The motion that a reading makes of the candidates, joints in the model's order."""
+        used = [(self.candidates[r.series], r) for r in readings]
+        qpos, qvel, qacc = (
+            np.stack([r.factor * getattr(path, name) for path, r in used], axis=1)
+            for name in ("value", "slope", "curvature")
+        )
+        qpos = qpos + [r.offset for r in readings]
+        count, nv = qpos.shape
+        log = np.repeat(self.grid.log, self.grid.time.shape[1])
+        still = np.zeros(nv)
+        return Motion(
+            log, self.grid.time.ravel(), qpos, qvel, qacc, np.ones(count, bool), still, still, np.zeros(nv, np.intp),
+            self.grid.step,
+        )  # fmt: skip
+
+    def __call__(self, readings: Sequence[Reading]) -> Outcome:
+        """Try a reading."""
+        motion, weak = self.motion(readings), self.grid.weak
+        needed = demand(self.model, motion)
+        force = needed.force
+        if self.biased:
+            controls = np.zeros((len(motion), self.model.nu))
+            force = force - actuation(self.model, motion, controls).idle
+        need = weak.project(force)
+        size = np.maximum(self._size(needed), ((need - need.mean(0)) ** 2).sum(0))
+        brakes = [_brakes(weak.project, motion, dof) for dof in range(self.model.nv)]
+        idle = np.array([_fit(need[:, j], b)[1] for j, b in enumerate(brakes)]) / size
+        given = tuple(
+            self._given(need[:, j], brakes[j], weak.project(motion.qpos[:, [j]])[:, 0], float(size[j]))
+            if driven
+            else ()
+            for j, driven in enumerate(self.driven)
+        )
+        return Outcome(idle, given, need, motion.qvel)
+
+    def _size(self, needed: Demand) -> Array:
+        """Squares of the joint's forces about their mean, which a constant would explain."""
+        weak = self.grid.weak
+        parts = [weak.project(part) for part in (needed.inertia, needed.gravity)]
+        return np.maximum(sum(((part - part.mean(0)) ** 2).sum(0) for part in parts), np.finfo(float).tiny)
+
+    def _given(self, need: Array, brakes: Array, place: Array, size: float) -> tuple[Given, ...]:
+        found = []
+        for k, late in enumerate(self.drives):
+            columns = [self.grid.weak.project(values[:, None])[:, 0] for values in late]
+            lag = int(np.argmin([_rest(need, brakes, column) for column in columns]))
+            found.append(self._as_force(k, lag, columns[lag], need, brakes, size))
+            if self.servos[k]:
+                found.append(self._as_servo(k, lag, columns[lag], need, brakes, place, size))
+        return tuple(sorted(found, key=lambda each: each.left))
+
+    def _as_force(self, k: int, lag: int, column: Array, need: Array, brakes: Array, size: float) -> Given:
+        unit = float(np.abs(column).max()) or 1.0
+        x, left = _fit(need, np.column_stack([column / unit, -column / unit, brakes]))
+        return Given(k, self.lags[lag], float(x[0] - x[1]) / unit, 0.0, 0.0, left / size)
+
+    def _as_servo(
+        self, k: int, lag: int, column: Array, need: Array, brakes: Array, place: Array, size: float
+    ) -> Given:
+        """Need = kp (f · series − q) − kv q' beside what brakes; f is a unit, or a sign."""
+        unit = float(np.abs(column).max()) or 1.0
+        x, left = _fit(need, np.column_stack([column / unit, -column / unit, -place, brakes]))
+        return Given(k, self.lags[lag], float(x[0] - x[1]) / unit, float(x[2]), float(x[3]), left / size)
+
+
+def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
+    """Force of each actuator at each degree of freedom per unit of control, shape (nu, nv); whether any acts at 0.
+
+    Activations are given time to settle.
+    """
+    rng = np.random.default_rng(0)
+    moving = rng.normal(scale=0.1, size=(2, _PROBED, model.nv))
+    motion = Motion(
+        np.zeros(_PROBED, np.intp), np.arange(_PROBED, dtype=np.float64), model.qpos0 + moving[0], moving[1],
+        0 * moving[0], np.ones(_PROBED, bool), np.zeros(model.nv), np.zeros(model.nv), np.zeros(model.nv, np.intp), 0.1,
+    )  # fmt: skip
+    found = np.zeros((model.nu, model.nv))
+    idle = np.zeros((_PROBED, model.nv))
+    for k in range(model.nu):
+        controls = np.zeros((_PROBED, model.nu))
+        controls[:, k] = 1.0
+        acting = actuation(model, motion, controls)
+        found[k], idle = np.median(acting.driven.sum(1)[_PROBED // 2 :], axis=0), acting.idle
+    return found, bool(np.abs(idle).max(initial=0.0) > 0)
+
+
+def _brakes(project: object, motion: Motion, dof: int) -> Array:
+    """What may brake a joint, typical size 1: viscous and dry friction, a rotor; and a constant of either sign."""
+    speed, bend = motion.qvel[:, dof], motion.qacc[:, dof]
+    slow = _SLOW * float(np.sqrt((speed**2).mean())) or 1.0
+    columns = np.stack([-speed, -np.tanh(speed / slow), -bend, np.ones(len(speed)), -np.ones(len(speed))], axis=1)
+    return project(columns)  # pyright: ignore[reportCallIssue]
+
+
+def _fit(need: Array, columns: Array) -> tuple[Array, float]:
+    """Least squares without negative coefficients, and the squares that remain."""
+    size = np.sqrt((columns**2).sum(0))
+    size[size == 0.0] = 1.0
+    x, rest = nnls(columns / size, need)
+    return x / size, float(rest**2)
+
+
+def _rest(need: Array, others: Array, column: Array) -> float:
+    """Squares that remain with coefficients of any sign."""
+    found = np.column_stack([others, column])
+    return float(((need - found @ np.linalg.lstsq(found, need, rcond=None)[0]) ** 2).sum())

@@ -1,0 +1,180 @@
+"""What a topic, field or column is, by its name alone: which quantity, in which unit, of which joint."""
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal["position", "velocity", "drive", "reference", "other", ""]
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|°")
+# Units as the last words of a name, the longest first, with the quantity that they say.
+_UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
+    (("rad", "per", "s"), "rad/s", "velocity"),
+    (("deg", "per", "s"), "deg/s", "velocity"),
+    (("rad", "s", "2"), "rad/s^2", "other"),
+    (("m", "s", "2"), "m/s^2", "other"),
+    (("rad", "s"), "rad/s", "velocity"),
+    (("rads",), "rad/s", "velocity"),
+    (("deg", "s"), "deg/s", "velocity"),
+    (("mm", "s"), "mm/s", "velocity"),
+    (("m", "s"), "m/s", "velocity"),
+    (("rpm",), "rpm", "velocity"),
+    (("m", "nm"), "mN·m", "drive"),
+    (("mnm",), "mN·m", "drive"),
+    (("n", "m"), "N·m", "drive"),
+    (("nm",), "N·m", "drive"),
+    (("newton",), "N", "drive"),
+    (("mv",), "mV", "drive"),
+    (("volt",), "V", "drive"),
+    (("volts",), "V", "drive"),
+    (("v",), "V", "drive"),
+    (("ma",), "mA", "drive"),
+    (("amp",), "A", "drive"),
+    (("a",), "A", "drive"),
+    (("n",), "N", "drive"),
+    (("rad",), "rad", "position"),
+    (("deg",), "deg", "position"),
+    (("degrees",), "deg", "position"),
+    (("mm",), "mm", "position"),
+    (("m",), "m", "position"),
+)
+_VELOCITY = {"vel", "vels", "velocity", "velocities", "dot", "qd", "dq", "qvel", "speed", "omega", "rate"}
+_OTHER = {
+    *("acc", "accel", "acceleration", "accelerations", "qdd", "ddq", "error", "errors", "temperature", "temp"),
+    *("index", "frame", "count", "id", "episode", "task", "done", "reward", "time", "timestamp", "stamp", "seq"),
+}
+_REFERENCE = {
+    *("ref", "reference", "des", "desired", "target", "goal", "setpoint", "cmd", "command", "commands", "commanded"),
+    *("action", "ctrl", "control", "controls", "con", "input"),
+}
+_MEASURED = {"state", "states", "feedback", "actual", "meas", "measured"}
+_DRIVE = {
+    *("tau", "taus", "torque", "torques", "effort", "efforts", "force", "forces", "voltage", "duty", "pwm", "current"),
+    *("u", "motor", "act"),
+}
+_POSITION = {
+    *("pos", "position", "positions", "q", "qpos", "angle", "angles", "theta", "phi", "psi", "alpha", "beta", "state"),
+    *("x", "y", "z", "enc", "encoder", "encoders", "joints"),
+}
+
+_GENERIC = {
+    *(
+        "joint",
+        "joints",
+        "link",
+        "meas",
+        "measured",
+        "actual",
+        "observation",
+        "raw",
+        "est",
+        "estimated",
+        "data",
+        "main",
+    ),
+    *(
+        "j",
+        "states",
+        "feedback",
+        "applied",
+        "per",
+        "s",
+        "applied",
+        "values",
+        "controller",
+        "position",
+        "velocity",
+        "group",
+    ),
+}
+_UNTELLING = (
+    _GENERIC | _VELOCITY | _REFERENCE | _OTHER | _DRIVE | _MEASURED | {"pos", "positions", "q", "qpos", "angle"}
+)
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a name says.
+
+    Attributes:
+        kind: the quantity; ``drive`` is a force, torque, voltage or current, ``reference`` what is asked for, whatever
+            its quantity; empty where the name does not say.
+        unit: empty where the name does not say.
+        asked: whether it is said to be asked for rather than measured.
+        identity: words that may be those of a joint or actuator.
+        number: the only number in the name, or None.
+    """
+
+    kind: Kind
+    unit: str
+    asked: bool
+    identity: frozenset[str]
+    number: int | None
+
+
+def tokens(text: str) -> list[str]:
+    """Lower-case words and numbers of a name."""
+    return [word.lower() for word in _WORD.findall(text)]
+
+
+def read_name(topic: str, path: str, label: str) -> Words:
+    """Read the name of a series.
+
+    Args:
+        topic: of its messages; empty for a table.
+        path: field or column.
+        label: of a list's entry; empty where it has none.
+    """
+    place, words = path.replace(f"[{label}]", "") if label else path, tokens(label)
+    own = tokens(place)
+    unit, unit_kind, rest = _unit(own)
+    above = set(tokens(topic))
+    asked = bool({*rest} & _REFERENCE or (above & _REFERENCE and not (above | {*rest}) & _MEASURED))
+    numbers = [int(word) for word in (words or rest) if word.isdigit()]
+    identity = frozenset(word for word in (*words, *rest) if _names(word))
+    return Words(_kind(rest, above, unit_kind, asked), unit, asked, identity, numbers[-1] if numbers else None)
+
+
+def identity(name: str) -> frozenset[str]:
+    """The words of a joint's or actuator's name that tell it from others."""
+    words = frozenset(tokens(name)) - {"joint", "link", "motor", "actuator", "act"}
+    return words or frozenset(tokens(name))
+
+
+def _kind(rest: list[str], above: set[str], by_unit: Kind, asked: bool) -> Kind:
+    own = {_bare(word) for word in rest}
+    said = own | above
+    if own & _OTHER or by_unit == "other":
+        return "other"
+    if by_unit == "velocity" or own & _VELOCITY or any(word.startswith("d") and word[1:] in _POSITION for word in own):
+        return "other" if asked else "velocity"
+    if by_unit == "drive" or own & (_DRIVE - {"u", "motor"}):
+        return "drive"
+    if asked:
+        return "drive" if above & (_DRIVE - {"u", "motor"}) else "reference"
+    if by_unit == "position" or own & _POSITION:
+        return "position"
+    return "drive" if said & _DRIVE else ""
+
+
+def _bare(word: str) -> str:
+    return word.rstrip("0123456789")
+
+
+def _unit(words: list[str]) -> tuple[str, Kind, list[str]]:
+    """Unit at the end of a name, before an index in brackets; what it says; the words before it."""
+    rest = list(words)
+    while rest and rest[-1].isdigit() and len(rest) > 1 and not _ends(rest):
+        rest = rest[:-1]
+    for ending, unit, kind in _UNITS:
+        if len(rest) > len(ending) and tuple(rest[-len(ending) :]) == ending:
+            return unit, kind, rest[: -len(ending)] + words[len(rest) :]
+    return "", "", words
+
+
+def _ends(words: list[str]) -> bool:
+    return any(len(words) > len(ending) and tuple(words[-len(ending) :]) == ending for ending, _, _ in _UNITS)
+
+
+def _names(word: str) -> bool:
+    return not word.isdigit() and word not in _UNTELLING

@@ -1,0 +1,97 @@
+"""The verb `init`: what a user has, a robot's description and logs, to a model and measurements for the other verbs."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import mujoco
+
+from dr_lab.comparison.comparison import ComparisonSettings
+from dr_lab.errors import DrLabError
+from dr_lab.files import write_text
+from dr_lab.physics.mjcf import mjcf
+from dr_lab.physics.model import from_spec
+from dr_lab.proposal.checked import told, usable_logs
+from dr_lab.proposal.folder import Folder
+from dr_lab.proposal.pages import measurements_page, model_page
+from dr_lab.proposal.propose import Proposal, propose
+from dr_lab.proposal.robot import read_robot
+from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.split import Split, split_logs
+from dr_lab.proposal.survey import survey
+
+
+def init(
+    robot: str, logs: Sequence[str], folder: Folder, proposal: ProposalSettings, checks: ComparisonSettings
+) -> Proposal:
+    """Propose a model and measurements, and write them.
+
+    Args:
+        robot: an MJCF or URDF file, a folder with one, or a name of the package robot_descriptions.
+        logs: files, bag folders or globs.
+        folder: where the files go.
+        proposal: thresholds.
+        checks: settings of the comparing verbs, by which they will look at model and logs.
+
+    Returns:
+        What was written.
+
+    Raises:
+        ConfigError: the files are there already.
+        DataError: there are no logs, they cannot be read, or do not fit the robot.
+        ModelError: the robot cannot be read.
+    """
+    described = read_robot(robot, folder.name)
+    files = folder.files(described.name)
+    found = propose(described, survey(logs, proposal), proposal)
+    found, split = _checked(found, proposal, checks)
+    write_text(files.xml, _xml(found))
+    write_text(files.measurements, measurements_page(found, split))
+    write_text(files.model, model_page(found))
+    _tell(found, split, folder)
+    return found
+
+
+def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSettings) -> tuple[Proposal, Split]:
+    """The proposal with what the other verbs would say first, and how its logs are used."""
+    try:
+        split, measured = usable_logs(found, settings)
+    except DrLabError as error:
+        refused = f"The other verbs refuse these logs as they are read here: {error}"
+        return replace(found, doubts=(*found.doubts, refused)), split_logs(found, {}, settings.held_out)
+    try:
+        return told(found, measured, checks), split
+    except DrLabError as error:
+        return replace(found, doubts=(*found.doubts, str(error))), split
+
+
+def _xml(found: Proposal) -> str:
+    """The file as it was where nothing was changed and nothing beside it is needed."""
+    if not found.changed:
+        text = found.robot.path.read_text(encoding="utf-8")
+        unnamed = mujoco.MjSpec.from_string(text) if "<include" not in text and "file=" not in text else None
+        if unnamed is not None and all(e.name for kind in (unnamed.joints, unnamed.actuators) for e in kind):
+            return text
+    model = from_spec(found.robot.name, found.spec, {})
+    return mjcf(model, model.space.nominal)
+
+
+def _tell(found: Proposal, split: Split, folder: Folder) -> None:
+    """What was found, what is unsure, and what to type next."""
+    name = found.robot.name
+    rows = [(o.channel, str(o.series.place), o.unit, o.sign, o.why) for o in found.outputs]
+    rows += [(c.drive.name, str(c.series.place), c.unit, c.sign, c.why) for c in found.commands]
+    widths = [max(len(str(row[k])) for row in rows) for k in range(3)]
+    count = f"{len(found.logs.logs)} logs, {len(split.held_out)} held out, {len(found.parameters)} free parameters"
+    print(f"{name}: {count}\n")
+    for channel, place, unit, sign, why in rows:
+        turned = "−" if sign < 0 else " "
+        print(f"  {channel:<{widths[0]}}  {turned}{place:<{widths[1]}}  {unit:<{widths[2]}}  {why}")
+    for title, sentences in (("Done", found.notes), ("Unsure", found.doubts), ("Left out", _reasons(split))):
+        if sentences:
+            print("\n".join([f"\n{title}:", *(f"  - {sentence}" for sentence in sentences)]))
+    print(f"\nWritten: {', '.join(str(path) for path in folder.files(name, free=False))}")
+    print(f"Next: dr-lab close --config-dir {folder.path} model={name} measurements={name}")
+
+
+def _reasons(split: Split) -> list[str]:
+    return [f"{name}: {why}" for name, why in split.left_out.items()]
