@@ -14,11 +14,12 @@ from dr_lab.cli.experiments import GROUP as EXPERIMENT
 from dr_lab.cli.experiments import experiments
 from dr_lab.cli.groups import nested_options, options, side_by_side
 from dr_lab.cli.place import interpolated
+from dr_lab.cli.positional import KEY, positional
 from dr_lab.cli.verbs import description, summary
 
 WIDTH = 118
 ABSENT = object()
-NOT_SETTINGS = ("defaults", "hydra", "_target_")
+NOT_SETTINGS = ("defaults", "hydra", "_target_", KEY)
 _SENTENCE_END = re.compile(r"(?<!et al)\. (?=[A-Z])")
 FLAGS = """\
 Flags
@@ -41,7 +42,8 @@ def verb_help(verb: str, overrides: Sequence[str], folders: Sequence[Path]) -> s
     cfg = compose_with_hydra(verb, overrides, folders)
     root = next(path for folder in folders if (path := folder / f"{verb}.yaml").is_file())
     first, *examples = description(root)
-    lines = [f"dr-lab {verb} [group=option ...] [key=value ...]", "", f"  {first}"]
+    words = "".join(f"{key.upper()} " for key in positional(verb, folders))
+    lines = [f"dr-lab {verb} {words}[group=option ...] [key=value ...]", "", f"  {first}"]
     lines += [f"  {line}".rstrip() for line in examples]
     lines += ["", "Groups"]
     groups = choices(cfg)

@@ -195,7 +195,9 @@ def _doubts(
             f"The best reading leaves {left:.0%} of a joint's forces unexplained: an angle may be read wrongly "
             "(absolute where the model's is relative, another zero), or a mass be far off."
         )
-    turned = any(each.factor < 0 for each in found.readings)
+    turned = any(each.factor < 0 for each in found.readings) or any(
+        given[0].gain < 0 for given in found.outcome.given if given
+    )
     sets = ambiguous(found)
     if sets and turned:
         listed = "; ".join(" and ".join(joints[j] for j in each) for each in sets)

@@ -23,7 +23,11 @@ EXPERT = {
     "lunar_lander_adr_plus": "distribution_learner.expert.path",
     "lunar_lander_gail": "algorithm.expert.path",
 }
-NEEDED = {"add": ["effect=coulomb_friction", "effect.joint=arm"], "summarize": ["sweep=outputs"]}
+NEEDED = {
+    "add": ["effect=coulomb_friction", "effect.joint=arm"],
+    "init": ["robot=robot.xml", "logs=[log.csv]"],
+    "summarize": ["sweep=outputs"],
+}
 
 
 def experiments() -> Iterator[tuple[str, str]]:

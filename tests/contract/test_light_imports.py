@@ -13,9 +13,10 @@ LIGHT = (
     "notebook",
     "physics",
     "plants",
+    "proposal",
     "recorders",
 )
-VERBS = ("add", "benchmark", "close", "compare", "diagnose", "fit", "record", "view")
+VERBS = ("add", "benchmark", "close", "compare", "diagnose", "fit", "init", "record", "view")
 CODE = """
 import importlib, pkgutil, sys
 

@@ -44,8 +44,8 @@ def proposed(robot: str, logs: list[str], *more: str) -> dict[str, Any]:
     return yaml.safe_load(Path("mine/measurements/two.yaml").read_text(encoding="utf-8"))
 
 
-def read_as(channel: Mapping[str, Any]) -> tuple[object, ...]:
-    return channel.get("column", channel.get("field")), channel["unit"], channel.get("sign", 1)
+def read_as(channel: Mapping[str, Any]) -> tuple[str, str, int]:
+    return str(channel.get("column", channel.get("field"))), channel["unit"], channel.get("sign", 1)
 
 
 def plain(motion: Motion) -> dict[str, Array]:
