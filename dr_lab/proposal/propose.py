@@ -72,8 +72,19 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
         commands=commands,
         parameters=free.parameters,
         notes=(*robot.notes, *added, *apart, *free.notes),
-        doubts=(*found.doubts, *_of_commands(found, commands), *_ranges(compiled(spec.copy()), found)),
+        doubts=(
+            *_of_clock(logs),
+            *found.doubts,
+            *_of_commands(found, commands),
+            *_ranges(compiled(spec.copy()), found),
+        ),
     )
+
+
+def _of_clock(logs: Survey) -> tuple[str, ...]:
+    if logs.clock is None or not logs.clock.doubt:
+        return ()
+    return (f"The unit of the clock {logs.clock.axis.column}: {logs.clock.doubt}.",)
 
 
 def _commands(found: Positions, settings: ProposalSettings) -> tuple[Command, ...]:
