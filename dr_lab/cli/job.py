@@ -83,6 +83,8 @@ def run_job(job: Job, cfg: DictConfig) -> None:
     if RUN_DIR in arguments:
         folder = _shortest(arguments[RUN_DIR])
         print(f"\nRun folder: {folder}")
+        if (folder / "report.html").exists():
+            print(f"Report to send: {folder / 'report.html'}")
         if (folder / "review.rrd").exists():
             print(f"Look at it: {view_command(folder)}")
 

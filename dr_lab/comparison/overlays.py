@@ -13,6 +13,7 @@ from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.channels import residual as channel_residual
 from dr_lab.diagnosis.windows.channels import resolve
 from dr_lab.diagnosis.windows.windows import cut, window_begins
+from dr_lab.effects.joint_effect import drives, slides
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
@@ -79,14 +80,19 @@ def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces
 
 
 def _arguments(study: Study, log: Log, joint: str, force: ResidualForce) -> dict[str, Array]:
-    """What a missing force may be a function of in the short windows of a log: velocity, position and commands."""
+    """What a missing force may be a function of in the short windows of a log.
+
+    Velocity, position, and the commands of the joint's own actuators, or all where it has none.
+    """
     of_log = study.short.log[study.few] == study.short.logs.index(log.name)
-    unit = "m" if study.compiled.joint(joint).type[0] == mujoco.mjtJoint.mjJNT_SLIDE else "rad"
+    unit, windows = "m" if slides(study.compiled, joint) else "rad", study.short.pick(study.few)
     moved = {f"velocity of {joint} [{unit}/s]": force.velocity, f"position of {joint} [{unit}]": force.position}
-    windows = study.short.pick(study.few)
+    columns = {name: windows.commands[name] for name in log.commands}
+    own = drives(study.compiled, joint)
     asked = {
-        titled(f"command {name}", signal.unit): windows.controls[..., windows.commands[name]].mean(1)
-        for name, signal in log.commands.items()
+        titled(f"command {name}", log.commands[name].unit): windows.controls[..., column].mean(1)
+        for name, column in columns.items()
+        if own[column] or not own[[*columns.values()]].any()
     }
     return {title: value[of_log] for title, value in (moved | asked).items()}
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import ModelError, UnknownNameError
@@ -28,8 +29,13 @@ def slides(model: mujoco.MjModel, joint: str) -> bool:
 
 def driven(model: mujoco.MjModel, joint: str) -> bool:
     """Whether an actuator acts on the joint itself."""
+    return bool(drives(model, joint).any())
+
+
+def drives(model: mujoco.MjModel, joint: str) -> NDArray[np.bool_]:
+    """Which actuators act on the joint itself, shape (nu,)."""
     at_joints = np.isin(model.actuator_trntype, _AT_A_JOINT)
-    return bool((at_joints & (model.actuator_trnid[:, 0] == model.joint(joint).id)).any())
+    return at_joints & (model.actuator_trnid[:, 0] == model.joint(joint).id)
 
 
 def joint_of(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsJoint)

@@ -6,24 +6,31 @@ import numpy as np
 import plotly.graph_objects as go
 
 from dr_lab.html.figure import AFTER, NOISE, Plot, chart, line, numbers, series, soft
+from dr_lab.html.thinning import spread
 from dr_lab.recorders.distributions import CONTENTS, ellipse
 from dr_lab.recorders.training import Marginal, Pair
 from dr_lab.reports.quantity import percent, titled
 from dr_lab.trajectory import Array
 
-_TIMES = 120  # columns of a picture over iterations
+_TIMES, _LEAST = 120, 10  # columns of a picture over iterations, at most and at least
+_CELLS = 250_000  # of all pictures together, about 1.3 MB
+_PAIRS = 28  # ellipses of 8 parameters; the recording has all
 _HEIGHT = 280  # px
 DENSITY = [[0.0, "var(--low)"], [0.5, "var(--middle)"], [1.0, "var(--high)"]]
 
 
 def marginal_plots(marginals: Sequence[Marginal]) -> list[Plot]:
     """Each parameter's density at the beginning and in the end and, where it changed, its course between."""
-    return [plot for each in marginals for plot in (_ends(each), *_course(each))]
+    bins = sum(each.probability.shape[1] for each in marginals)
+    times = max(_LEAST, min(_TIMES, _CELLS // max(bins, 1)))
+    return [plot for each in marginals for plot in (_ends(each), *_course(each, times))]
 
 
 def pair_plots(pairs: Sequence[Pair]) -> list[Plot]:
-    """Ellipses of two parameters in the end, that of the beginning, and the way of the mean."""
-    return [_pair(pair) for pair in pairs]
+    """Ellipses of the first pairs of parameters in the end, those of the beginning, and the way of the mean."""
+    left = f" {len(pairs) - _PAIRS} more pairs are in review.rrd." if len(pairs) > _PAIRS else ""
+    shown = pairs[:_PAIRS]
+    return [_pair(pair, left if pair is shown[-1] else "") for pair in shown]
 
 
 def group_marginal_plots(learned: Mapping[str, Mapping[str, Marginal]], groups: Sequence[str]) -> list[Plot]:
@@ -70,11 +77,11 @@ def _density(marginal: Marginal, probability: Array, name: str, colour: str) -> 
     return go.Scatter(x=numbers(x), y=numbers(y), name=name, showlegend=True, **line(colour, 2.0), **fill)
 
 
-def _course(marginal: Marginal) -> list[Plot]:
+def _course(marginal: Marginal, times: int) -> list[Plot]:
     """The density over iterations; nothing where it never changed."""
     if len(marginal.iteration) < 2:
         return []
-    kept = np.unique(np.linspace(0, len(marginal.iteration) - 1, _TIMES).round().astype(int))
+    kept = spread(len(marginal.iteration), times)
     density = marginal.probability[kept] / np.diff(marginal.edges)
     middle = (marginal.edges[1:] + marginal.edges[:-1]) / 2
     bar = {"title": {"text": "density", "side": "right"}, "thickness": 12}
@@ -87,9 +94,9 @@ def _course(marginal: Marginal) -> list[Plot]:
     return [Plot(figure, _HEIGHT, half=True)]
 
 
-def _pair(pair: Pair) -> Plot:
-    figure = chart()
-    figure.add_trace(go.Scatter(x=pair.mean[:, 0], y=pair.mean[:, 1], name="way of the mean", **line(NOISE, 1.0)))
+def _pair(pair: Pair, left: str) -> Plot:
+    figure, kept = chart(), spread(len(pair.iteration), _TIMES)
+    figure.add_trace(go.Scatter(x=pair.mean[kept, 0], y=pair.mean[kept, 1], name="way of the mean", **line(NOISE, 1.0)))
     for index, content in enumerate(CONTENTS):
         for at, name, colour in ((0, "initial", NOISE), (-1, "learned", AFTER)):
             x, y = ellipse(pair.mean[at], pair.covariance[at], content)
@@ -98,5 +105,5 @@ def _pair(pair: Pair) -> Plot:
     titles = [titled(name, unit) for name, unit in zip(pair.names, pair.units, strict=True)]
     figure.update_xaxes(title=titles[0], range=[pair.low[0], pair.high[0]])
     figure.update_yaxes(title=titles[1], range=[pair.low[1], pair.high[1]])
-    caption = f"Ellipses hold {', '.join(map(percent, CONTENTS))}."
+    caption = f"Ellipses hold {', '.join(map(percent, CONTENTS))}.{left}"
     return Plot(figure, 360, caption, half=True)

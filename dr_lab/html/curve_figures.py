@@ -1,18 +1,19 @@
 """Figures over training: one run's curves, several runs' bands, and the choice of the policy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import plotly.graph_objects as go
 
 from dr_lab.html.figure import AFTER, NOISE, Plot, band, chart, line, numbers, series
-from dr_lab.html.thinning import Numbers, thinned
+from dr_lab.html.thinning import Numbers, spread, thinned
 from dr_lab.recorders.training import Band, Curve
 from dr_lab.reports.quantity import number, titled
 from dr_lab.reports.train import ChoiceEntry
 from dr_lab.trajectory import Array
 
-_POINTS = 800  # of a curve
+_POINTS, _LEAST = 800, 40  # of a curve, at most and at least
+_ALL, _LINES = 120_000, 5  # points of all bands together, about 2 MB; and columns of numbers of one
 _SMOOTHED = 20  # parts of training, the width of the running mean
 _FEW = 6  # points that are drawn as dots, too
 _LARGE, _SMALL = 340, 230  # px
@@ -31,10 +32,11 @@ def band_plots(bands: Sequence[Band], groups: Sequence[str]) -> list[Plot]:
         bands: of every group and figure.
         groups: in the order of their colours.
     """
-    names: Mapping[str, list[Band]] = {}
+    points = max(_LEAST, min(_POINTS, _ALL // (_LINES * max(len(bands), 1))))
+    figures: dict[str, list[Band]] = {}
     for each in bands:
-        names = {**names, each.name: [*names.get(each.name, []), each]}
-    return [_bands(name, each, groups, first=index == 0) for index, (name, each) in enumerate(names.items())]
+        figures.setdefault(each.name, []).append(_sampled(each, points))
+    return [_bands(name, each, groups, first=index == 0) for index, (name, each) in enumerate(figures.items())]
 
 
 def choice_plots(choice: ChoiceEntry | None) -> list[Plot]:
@@ -78,6 +80,13 @@ def _running_mean(x: Numbers, y: Array) -> tuple[Array, Array]:
     return np.convolve(x, kernel, "valid"), np.convolve(y, kernel, "valid")
 
 
+def _sampled(band: Band, points: int) -> Band:
+    """At most so many of its points, evenly spaced, the first and the last among them."""
+    kept = spread(len(band.frames), points)
+    low, value, high = (column[kept] for column in (band.low, band.value, band.high))
+    return Band(band.group, band.name, band.frames[kept], value, low, high)
+
+
 def _bands(name: str, bands: Sequence[Band], groups: Sequence[str], first: bool) -> Plot:
     figure = chart()
     for each in bands:
@@ -85,7 +94,7 @@ def _bands(name: str, bands: Sequence[Band], groups: Sequence[str], first: bool)
         common = {"legendgroup": each.group}
         figure.add_trace(band(each.frames, each.low, each.high, colour, showlegend=False, **common))
         known = np.isfinite(each.value)
-        x, y = thinned(each.frames[known], each.value[known], _POINTS)
+        x, y = each.frames[known], each.value[known]
         mode = "lines+markers" if len(y) <= _FEW else "lines"
         look = {"mode": mode, "line": {"color": colour, "width": 2}}
         figure.add_trace(go.Scatter(x=x, y=numbers(y), name=each.group, showlegend=first, **look, **common))

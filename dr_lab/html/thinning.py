@@ -35,3 +35,8 @@ def thinned(time: Numbers, value: Array, most: int) -> tuple[Numbers, Array]:
     kept = [index[rows, at][has] for at, has in ((lowest, known.any(1)), (highest, known.any(1)))]
     places = np.unique(np.concatenate([*kept, index[rows, gap][(~known & inside).any(1)]]))
     return time[places], value[places]
+
+
+def spread(count: int, most: int) -> NDArray[np.intp]:
+    """At most so many of a count of places, evenly spaced, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.intp))

@@ -39,7 +39,7 @@ def test_run_dir_is_named_by_verb_model_and_time_and_holds_only_the_config(dr_la
     assert [path.name for path in run_dir.iterdir()] == ["config.yaml"]
 
 
-@pytest.mark.parametrize("files", [[], ["review.rrd"]])
+@pytest.mark.parametrize("files", [[], ["report.html", "review.rrd"]])
 def test_the_end_says_where_the_run_is_and_how_to_look_at_what_it_recorded(
     files: list[str], dr_lab: CommandLine, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -47,6 +47,7 @@ def test_the_end_says_where_the_run_is_and_how_to_look_at_what_it_recorded(
     assert dr_lab("compare", "hydra.run.dir=my runs/first") == 0
     told = capsys.readouterr().out
     assert "\nRun folder: my runs/first\n" in told
+    assert ("\nReport to send: my runs/first/report.html\n" in told) == bool(files)
     assert ("\nLook at it: dr-lab view 'run=my runs/first'\n" in told) == bool(files)
 
 

@@ -139,3 +139,19 @@ def test_many_long_logs_stay_small(tmp_path: Path, close_report: dict[str, Any],
     assert len(page) < LARGEST
     assert "Curves are thinned" in page
     assert "more logs" in page
+
+
+def test_an_orientation_is_drawn_by_its_components(tmp_path: Path, close_report: dict[str, Any], look: Look) -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    angle = 0.5 * time
+    turned = np.stack([np.cos(angle / 2), np.zeros(101), np.zeros(101), np.sin(angle / 2)], axis=1)
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (101, 1))
+    overlay = Overlay(
+        "log", time, {}, {"box": Signal("box", "1", time, turned)}, {"before": {"box": still}}, {}, {}, {}
+    )
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [overlay], look)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert len(traces(page, "measured")) == 4
+    assert [trace["showlegend"] for trace in traces(page, "measured")] == [True, False, False, False]
+    residuals = [trace for trace in traces(page, "") if trace.get("yaxis") == "y2"]
+    np.testing.assert_allclose(values(residuals[2]["y"]), angle, atol=1e-6)  # about z, rad

@@ -37,3 +37,16 @@ def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
     assert said.index("Comparison") < said.index("Over training") < said.index("Learned distributions")
     curve = next(t for t in traces(written, "udr") if t.get("mode") == "lines+markers")
     assert values(curve["y"]).tolist() == [1.0, 1.0]
+
+
+def test_many_groups_and_figures_stay_small(tmp_path: Path) -> None:
+    frames, groups = np.arange(0, 2_000_000, 1000), [f"group {k}" for k in range(24)]
+    value = frames / 1e6
+    bands = [Band(group, f"figure {k}", frames, value, value - 1, value + 1) for group in groups for k in range(20)]
+    report = SummarizeReport("dr_lab/summarize/1", "summarize", "s", (), (), (), "run")
+    write_sweep_page(tmp_path / "report.html", Page("Runs", "", []), report, SweepRecord("s", groups, bands))
+    written = (tmp_path / "report.html").read_text("utf-8")
+    assert len(written) < 6_000_000
+    curves = [t for t in traces(written, "group 3") if t["mode"] == "lines"]
+    assert len(curves) == 20
+    assert values(curves[0]["x"])[[0, -1]].tolist() == frames[[0, -1]].tolist()

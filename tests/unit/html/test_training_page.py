@@ -120,3 +120,16 @@ def test_long_curves_have_a_running_mean_and_short_ones_do_not(tmp_path: Path, c
     assert len(means) == (count > 1)
     assert all(np.all(values(mean["y"]) == 2.0) for mean in means)
     assert ("One point alone: 2." in text(page)) == (count == 1)
+
+
+def test_many_parameters_stay_small(tmp_path: Path) -> None:
+    iteration, edges = np.arange(500), np.linspace(0.0, 1.0, 101)
+    share = np.full((500, 100), 0.01)
+    marginals = [Marginal(f"p{k}", "kg", edges, share[0], iteration, share) for k in range(40)]
+    mean, covariance = np.full((500, 2), 0.5), np.tile(0.01 * np.eye(2), (500, 1, 1))
+    names = [(f"p{i}", f"p{j}") for i in range(40) for j in range(i)]
+    pairs = [Pair(each, ("kg", "kg"), np.zeros(2), np.ones(2), iteration, mean, covariance) for each in names]
+    curves = [Curve(f"figure {k}", "", np.arange(20_000), np.arange(20_000.0)) for k in range(30)]
+    page = trained(tmp_path, TrainingRecord("run", curves, marginals, pairs))
+    assert len(page) < 6_000_000
+    assert len([t for figure in figures(page) for t in figure["data"] if t["type"] == "heatmap"]) == 40
