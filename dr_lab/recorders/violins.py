@@ -57,7 +57,7 @@ def _log_violin(chart: Chart, name: str, returns: Array, bottom: float, colour: 
     middle = bottom + _MIDDLE
     first, median, third = np.quantile(returns, [0.25, 0.5, 0.75]).tolist()
     at, width = _outline(returns, chart.x)
-    across, up = np.concatenate([at, at[::-1]]), np.concatenate([width, -width[::-1]])
+    across, up = np.concatenate([at, at[::-1], at[:1]]), np.concatenate([width, -width[::-1], width[:1]])
     chart.line(f"{name}_outline", across, middle + _HALF * up, colour, look.line_width / 2)
     chart.line(f"{name}_quartiles", [first, third], [middle] * 2, colour, look.measured_width)
     chart.dots(f"{name}_median", [median], [middle], look.colour("measured"), 2 * look.measured_width)

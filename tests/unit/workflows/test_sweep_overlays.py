@@ -8,7 +8,7 @@ from written_runs import STATISTICS, grid_report, train_report, two_kinds, write
 from dr_lab.errors import DataError
 from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.groups import grouped
-from dr_lab.summaries.overlays import bands, grids, marginals
+from dr_lab.summaries.overlays import bands, grids, marginals, violins
 from dr_lab.summaries.runs import find_runs
 
 
@@ -56,6 +56,17 @@ def test_grids_are_averaged_cell_by_cell(tmp_path: Path) -> None:
     np.testing.assert_allclose(grid.mean, [[np.nan, 5.5, 6.5], [5.5, 6.5, 7.5]])
     # Two runs whose means lie ½ off their mean, with a standard deviation of 1 each.
     np.testing.assert_allclose(grid.spread, np.sqrt(1.25) * np.array([[np.nan, 1, 1], [1, 1, 1]]))
+
+
+def test_violins_hold_the_returns_of_all_seeds_unseen_and_taught_apart(tmp_path: Path) -> None:
+    for seed, kinds in enumerate([("unseen", "teachers"), ("unseen",)]):
+        rows = [{"domains": kind, "domain": 0.0, "start": 0.0, "return": float(seed)} for kind in kinds]
+        report = grid_report(rows, {}) | {"evaluator": "UnseenDomainsEvaluator"}
+        write_run(tmp_path / str(seed), report, f"seed={seed}")
+    ((label, (unseen, teachers)),) = violins(grouped(find_runs(tmp_path)[0], ["seed"])).items()
+    assert (unseen.name, teachers.name) == (f"{label} · unseen", f"{label} · teachers")
+    np.testing.assert_array_equal(np.sort(unseen.value), [0.0, 1.0])
+    np.testing.assert_array_equal(teachers.value, [0.0])
 
 
 def test_evaluations_are_told_apart_by_how_their_policies_were_trained(tmp_path: Path) -> None:
