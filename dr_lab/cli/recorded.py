@@ -11,7 +11,7 @@ from dr_lab.errors import ConfigError
 def recorded(run: str, key: str) -> DictConfig | ListConfig:
     """A group of what a run was configured with; the resolver ``${recorded:FOLDER,model}``.
 
-    It is checked like what stands in the new configuration itself.
+    It is checked like what stands in the new configuration itself. A training run has its machine below ``env``.
 
     Args:
         run: the run folder.
@@ -25,10 +25,12 @@ def recorded(run: str, key: str) -> DictConfig | ListConfig:
     """
     folder = Path(run).expanduser()
     path = folder / CONFIG_FILE
-    remedy = "Give the folder of a run of dr-lab close, add or fit."
+    remedy = "Give the folder of a run of dr-lab close, add or fit, or of a training that learnt a Gaussian."
     if not folder.is_dir():
         raise ConfigError(f"There is no folder {folder}. {remedy}")
     if not path.is_file():
         raise ConfigError(f"run={run} holds no {CONFIG_FILE}. {remedy}")
-    found = OmegaConf.select(OmegaConf.load(path), key, default=OmegaConf.create({}))
+    config = OmegaConf.load(path)
+    of_training = OmegaConf.select(config, f"env.{key}", default=OmegaConf.create({}))
+    found = OmegaConf.select(config, key, default=of_training)
     return OmegaConf.create(OmegaConf.to_container(found, resolve=True))

@@ -1,11 +1,15 @@
 """SimOpt from the command line, and what its run folder is good for."""
 
+import json
 from pathlib import Path
 
 import numpy as np
+import pytest
+from hydra.utils import instantiate
 from settings import setting
 from test_evaluate import job
 
+from dr_lab.cli.compose import compose
 from dr_lab.physics.context_file import read_context
 from dr_lab.randomizers.from_run import from_run
 
@@ -28,6 +32,15 @@ def test_a_learnt_gaussian_is_a_context_to_train_on(tmp_path: Path) -> None:
     again = from_run(space, str(folder), clip=True)
     np.testing.assert_allclose(again.moments()[0], found.mean)
     np.testing.assert_allclose(again.moments()[1], found.covariance, rtol=1e-9)
+    model = instantiate(compose("compare", ["model=from_run", f"model.run={folder}"]).model, _convert_="all")
+    np.testing.assert_allclose(model.space.nominal, space.clip(found.mean))
+    report = json.loads((folder / "report.json").read_text("utf-8"))
+    start, *_, last = report["ladder"]
+    assert (start["iteration"], start["discrepancy"], start["context"]["arm.mass"]["mean"]) == (0, None, 0.125)
+    assert last["context"]["arm.mass"]["mean"] == pytest.approx(found.mean[0], rel=1e-9)
+    assert last["discrepancy"] > 0.0
+    assert len(report["ladder"]) == 1 + 1024 // 256
+    assert "iteration" in (folder / "report.md").read_text("utf-8")
     head, *rows = (folder / "metrics.csv").read_text("utf-8").splitlines()
     columns = dict(zip(head.split(","), rows[-1].split(","), strict=True))
     assert 0.0 < float(columns["divergence"]) <= 1.0 + 1e-6
