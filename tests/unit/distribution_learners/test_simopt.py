@@ -145,6 +145,9 @@ def test_continues_exactly() -> None:
     second = learner(wide(FURUTA.space), seed=3)
     second.load_state_dict(first.state_dict())
     assert run(second, 1)[-1] == last
+    for one, other in zip(second.compared(), whole.compared(), strict=True):
+        np.testing.assert_array_equal(one.mean, other.mean)
+        np.testing.assert_array_equal(one.drawn, other.drawn)
 
 
 def test_recorded_motions_find_the_machine_by_what_was_commanded() -> None:
