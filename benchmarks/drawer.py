@@ -56,7 +56,11 @@ def success(run: Path, offsets: Sequence[float], count: int, seed: int) -> None:
     torch.set_num_threads(1)
     subject = subject_of(run, partial(compose_arguments, folders=(shipped(),)), 1)
     slots, space = subject.slots(count, seed), subject.setting.space
-    table = Table("control steps", *(f"{offset:g} m" for offset in offsets), title=f"{run}: drawer open, mean opening")
+    table = Table(
+        "control steps",
+        *(f"{offset:g} m" for offset in offsets),
+        title="share of episodes with an open drawer, mean opening [m]",
+    )
     found = dict[int, list[float]]()
     for snapshot in subject.kept():
         opened = []
@@ -64,7 +68,7 @@ def success(run: Path, offsets: Sequence[float], count: int, seed: int) -> None:
             played = play(slots, snapshot.deployed, np.tile(space.vector({PARAMETER: offset}), (count, 1)))
             opened.append(played["next", "qpos"][:, -1, JOINT].numpy())  # pyright: ignore[reportAttributeAccessIssue]
         found[snapshot.frames] = [float(np.mean(each >= OPEN)) for each in opened]
-        table.add_row(str(snapshot.frames), *(f"{np.mean(each >= OPEN):.2f}, {each.mean():.3f} m" for each in opened))
+        table.add_row(str(snapshot.frames), *(f"{np.mean(each >= OPEN):.2f}, {each.mean():.3f}" for each in opened))
     Console().print(table)
     print(json.dumps({"run": str(run), "offsets": offsets, "open": found}))
 
