@@ -63,6 +63,21 @@ def test_voltage_is_cut_off_and_the_rail_ends() -> None:
 def test_rewards_and_models_are_options() -> None:
     assert isinstance(setting("furuta", "env/reward=furuta/shared").task.reward_of, SharedReward)  # pyright: ignore
     assert setting("furuta", "model@env.model=qube").model.name == "qube"
+    exponential, quadratic = (
+        setting("cartpole", f"env/reward=cartpole/{name}").task.reward_of  # pyright: ignore
+        for name in ("exponential", "quadratic")
+    )
+    np.testing.assert_allclose(exponential(ERROR, ACTION), np.exp(quadratic(ERROR, ACTION)))
+
+
+def test_the_rail_of_a_domain_ends_where_its_length_says() -> None:
+    one = setting("cartpole_domains").make(None, 2, 0, threads=1).episodes
+    space = one.space
+    one.give_contexts(np.array([space.vector({"rail.length": length}) for length in (0.4, 0.6)]))
+    one.begin(np.arange(2))
+    one.simulator.batch.bind("qpos")[:] = [[0.2, 0.0], [0.2, 0.0]]  # limits 0.15 and 0.25 m
+    one.simulator.batch.bind("qvel")[:] = 0.0
+    assert list(one.step(np.zeros((2, 1))).terminated) == [True, False]
 
 
 def test_a_pole_to_be_balanced_starts_upright_and_ends_where_it_leans_too_far() -> None:
