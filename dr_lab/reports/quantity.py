@@ -43,14 +43,15 @@ def uncertain(value: float | None, std: float | None, unit: str) -> str:
 
 
 def percent(share: float | None) -> str:
-    """A share of one as whole per cent, one decimal below 10 %.
+    """A share of one as whole per cent, one decimal below 10 %; what rounds to zero is 0.
 
-    >>> percent(0.953), percent(0.0123)
-    ('95 %', '1.2 %')
+    >>> percent(0.953), percent(0.0123), percent(0.0)
+    ('95 %', '1.2 %', '0 %')
     """
     if share is None or not math.isfinite(share):
         return ABSENT
-    return f"{100 * share:.0f} %" if abs(share) >= 0.1 else f"{100 * share:z.1f} %"
+    text = f"{100 * share:.0f}" if abs(share) >= 0.1 else f"{100 * share:z.1f}"
+    return "0 %" if text == "0.0" else f"{text} %"
 
 
 def titled(name: str, unit: str) -> str:

@@ -32,3 +32,9 @@ def test_value_with_its_deviation(value: float | None, std: float | None, text: 
 
 def test_missing_numbers_are_a_dash() -> None:
     assert number(math.nan) == number(math.inf) == number(None) == percent(None) == "–"
+
+
+def test_a_share_of_zero_is_no_decimal() -> None:
+    assert [percent(share) for share in (0.0, -0.0001, 0.0004, 0.0006, 0.1, -0.05)] == [
+        "0 %", "0 %", "0 %", "0.1 %", "10 %", "-5.0 %"
+    ]  # fmt: skip
