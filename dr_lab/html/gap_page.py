@@ -61,7 +61,8 @@ def _signals(report: GapReport, overlays: Sequence[Overlay]) -> list[Part]:
     points = min(_MOST, max(_LEAST, _POINTS // (_CURVES * channels * max(len(shown), 1))))
     fits = [step.held_out.fit_percent for step in before_after(report)]
     parts = _by_log(shown, [channel_plots(overlay, fits, points) for overlay in shown])
-    left = f" {len(overlays) - len(shown)} more logs are there." if len(shown) < len(overlays) else ""
+    others = ", ".join(overlay.log for overlay in overlays[len(shown) :])
+    left = f" It also holds {others}." if others else ""
     told = f"Curves are thinned to about {points} points, the extremes of every stretch; review.rrd holds all.{left}"
     return [*parts, Text(told)] if parts else []
 
