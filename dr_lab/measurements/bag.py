@@ -15,6 +15,7 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
 
 from dr_lab.errors import DataError
+from dr_lab.measurements.field_list import BULKY
 from dr_lab.measurements.mcap import McapSource
 from dr_lab.trajectory import Note
 
@@ -24,8 +25,8 @@ _FILE = "messages.mcap"
 class BagSource(McapSource):
     """A bag, read from an MCAP file that lasts as long as this object.
 
-    Bags before ROS 2 Jazzy hold no message definitions; those that ROS itself ships are known, and topics of other
-    types are left out.
+    Pictures and other bulky messages are not taken along. Bags before ROS 2 Jazzy hold no message definitions; those
+    that ROS itself ships are known, and topics of other types are left out.
 
     Args:
         path: ``.db3`` file or bag folder.
@@ -54,9 +55,10 @@ def _convert(path: Path, target: Path) -> dict[str, str]:
     """Write a bag's messages into an MCAP file; returns the topics left out, with their types."""
     try:
         with Reader(path) as reader, target.open("wb") as file:
-            texts = {c.id: text for c in reader.connections if (text := _definition(c)) is not None}
+            wanted = [c for c in reader.connections if c.msgtype not in BULKY]
+            texts = {c.id: text for c in wanted if (text := _definition(c)) is not None}
             _write(reader, texts, Writer(file, compression=CompressionType.NONE))
-            return {c.topic: c.msgtype for c in reader.connections if c.id not in texts}
+            return {c.topic: c.msgtype for c in wanted if c.id not in texts}
     except Exception as error:  # rosbags', SQLite's, zstd's and the system's own, depending on the bytes
         raise DataError(
             f"Cannot read {path}: {str(error).rstrip('.') or type(error).__name__}. Expected what rosbag2 writes (a "

@@ -8,6 +8,17 @@ import pyarrow as pa
 from dr_lab.measurements.field_path import labels_of
 
 _STAMPS = ("header", "stamp", "layout")  # no measured quantities
+# Types whose messages are pictures, scans and texts, which may fill gigabytes.
+BULKY = {
+    *(f"sensor_msgs/msg/{name}" for name in ("Image", "CompressedImage", "PointCloud2", "LaserScan", "CameraInfo")),
+    *(
+        "nav_msgs/msg/OccupancyGrid",
+        "rcl_interfaces/msg/Log",
+        "tf2_msgs/msg/TFMessage",
+        "foxglove_msgs/msg/CompressedVideo",
+    ),
+    *("visualization_msgs/msg/MarkerArray", "theora_image_transport/msg/Packet"),
+}
 _LONGEST = 64  # entries; longer lists are images or scans
 
 

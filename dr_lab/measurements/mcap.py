@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rerun.chunk import McapReader
 
 from dr_lab.errors import DataError, UnknownNameError
-from dr_lab.measurements.field_list import Field, numeric_fields
+from dr_lab.measurements.field_list import BULKY, Field, numeric_fields
 from dr_lab.measurements.field_path import Rows, extract
 from dr_lab.measurements.mcap_chunks import damaged_chunks
 from dr_lab.measurements.samples import Samples, Stamps, combine
@@ -89,11 +89,14 @@ class McapSource:
         return tuple(sorted(self._channels))
 
     def fields(self, topic: str) -> tuple[Field, ...]:
-        """The numeric fields of a topic; none where its messages cannot be decoded.
+        """The numeric fields of a topic; none where its messages cannot be decoded, or are pictures and the like.
 
         Raises:
             UnknownNameError: no such topic; the message lists those there are.
         """
+        schema = self._channels[topic][0].schema if topic in self._channels else None
+        if schema is not None and schema.name in BULKY:
+            return ()
         try:
             return tuple(numeric_fields(self._topic(topic).messages))
         except DataError:

@@ -17,6 +17,7 @@ from dr_lab.trajectory import Array, Signal
 _HALF_WIDTH = 0.1  # s, of a test function; as faults.equation.half_width of comparisons
 _TURNS = (2 * np.pi, 360.0)  # of angles that wrap
 _WRAPS = 0.1  # share of a turn within which a jump is one
+_MARGIN = 1.0  # s
 _GAP = 5.0  # periods without a sample
 
 
@@ -93,7 +94,7 @@ def path_of(series: Series, grid: Grid, cutoff: float) -> Path:
     for k, signal in enumerate(series.signals):
         rows = grid.log == k
         if rows.any():
-            spline = smooth(_unwrapped(signal, turn), cutoff)
+            spline = smooth(_around(_unwrapped(signal, turn), grid.time[rows]), cutoff)
             for order in range(3):
                 parts[order, rows] = spline(grid.time[rows], order)
     value, slope, curvature = parts.reshape(3, -1)
@@ -119,6 +120,12 @@ def wrapped(values: Array) -> float:
         if len(large) and (np.abs(large - turn) < _WRAPS * turn).all() and np.ptp(values) < (1 + _WRAPS) * turn:
             return turn
     return 0.0
+
+
+def _around(signal: Signal, time: Array) -> Signal:
+    """The part of a signal about some times: the rest of a long log costs and tells nothing."""
+    near = (signal.time >= time.min() - _MARGIN) & (signal.time <= time.max() + _MARGIN)
+    return Signal(signal.name, signal.unit, signal.time[near], signal.value[near])
 
 
 def _unwrapped(signal: Signal, turn: float) -> Signal:

@@ -80,6 +80,8 @@ def search(
         _swaps(options, tried, outcome)
     if float(min(tried.values(), key=lambda each: each.total).left.max()) > settings.well:
         _offsets(options, tried, outcome)
+    if float(min(tried.values(), key=lambda each: each.total).left.max()) > settings.fits:
+        tried = {readings: each for readings, each in tried.items() if not any(r.offset for r in readings)}
     least = min(each.total for each in tried.values())
     most = least + settings.close + (settings.near - 1) * min(least, settings.well)
     near = [readings for readings, each in tried.items() if each.total <= most]

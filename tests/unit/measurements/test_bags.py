@@ -10,6 +10,7 @@ from rosbags.rosbag2 import StoragePlugin
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.inventory import messages_of
 from dr_lab.measurements.log import read_log
 from dr_lab.measurements.read import read
 from dr_lab.recorders.mcap import JointStates, write_mcap
@@ -67,3 +68,13 @@ def test_what_is_no_bag_is_refused(
     path.write_bytes(content)
     with pytest.raises(DataError, match=message):
         read_log(path if path.suffix == ".db3" else path.parent, ARM, {}, contract)
+
+
+def test_pictures_are_not_taken_along(tmp_path: Path, contract: DataContract) -> None:
+    path = write_bag(tmp_path / "bag", ("arm",), TIME, ANGLE[:, None]) / "bag.db3"
+    with sqlite3.connect(path) as database:
+        database.execute("INSERT INTO topics VALUES (9, '/camera', 'sensor_msgs/msg/Image', 'cdr', '', '')")
+        database.execute("INSERT INTO messages VALUES (1000, 9, 1, x'00')")
+    database.close()
+    assert read_log(path, ARM, {}, contract).notes == ()
+    assert {place.topic for place in messages_of(path)} == {"/joint_states"}

@@ -254,3 +254,25 @@ def test_a_coarse_time_step_is_told_and_a_urdf_gets_a_fine_one(capsys: pytest.Ca
 def test_the_peak_of_the_commands_is_as_planned() -> None:
     """Else gains say nothing."""
     assert np.abs(motions()[0].torque).max(0) == pytest.approx(PEAK, rel=0.1)
+
+
+def test_logs_that_the_robot_does_not_explain_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    """Another arm whose joints are called the same."""
+    Path("two.xml").write_text(MJCF.replace('pos="0 0 -0.15"', 'pos="0.3 0 0.1"').replace('mass="0.8"', 'mass="3"'))
+    found = proposed("two.xml", write_logs(plain))
+    assert "the logs may be of another robot" in capsys.readouterr().out
+    assert "offset" not in found["outputs"]["shoulder.position"]
+    page = " ".join(line.lstrip("# ") for line in Path("mine/measurements/two.yaml").read_text().splitlines())
+    assert "the logs may be of another robot" in page
+
+
+def test_what_inverse_dynamics_cannot_test_is_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+    inertial = '<inertial mass="0.01" pos="0 0 0" diaginertia="1e-5 1e-5 1e-5"/>'
+    finger = f'<body>{inertial}<joint name="finger" type="slide"/></body>'
+    elbow = '<joint name="elbow" axis="0 1 0" damping="0.03"/>'
+    Path("two.xml").write_text(MJCF.replace(elbow, elbow + finger))
+    found = proposed("two.xml", write_logs(plain))
+    assert list(found["outputs"]) == ["shoulder.position", "elbow.position"]
+    told = capsys.readouterr().out
+    assert "Signs and units are by name alone" in told
+    assert "No series is said to be finger" in told

@@ -126,8 +126,8 @@ def test_a_name_of_robot_descriptions(here: Path, monkeypatch: pytest.MonkeyPatc
         ModuleType(f"robot_descriptions{name}") for name in ("", "._descriptions", ".two_description")
     )
     package.__path__, package.__spec__ = [], None
-    listed.DESCRIPTIONS = {"two_description": None}
-    robot.URDF_PATH = str(here / "two.urdf")
+    listed.__dict__["DESCRIPTIONS"] = {"two_description": None}
+    robot.__dict__["URDF_PATH"] = str(here / "two.urdf")
     for module in (package, listed, robot):
         monkeypatch.setitem(sys.modules, module.__name__, module)
     monkeypatch.setattr("importlib.util.find_spec", lambda name: object())
