@@ -16,8 +16,8 @@ URDF = """<robot name="two">
     <inertia ixx="0.006" iyy="0.006" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <link name="lower"><inertial><origin xyz="0 0 -0.1"/><mass value="0.4"/>
     <inertia ixx="0.002" iyy="0.002" izz="0.0005" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
-    <limit lower="-3" upper="3" effort="20" velocity="10"/><dynamics damping="0.05"/></joint>
+  <joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+    <limit effort="20" velocity="10"/><dynamics damping="0.05"/></joint>
   <joint name="elbow" type="continuous"><origin xyz="0 0 -0.3"/><parent link="upper"/><child link="lower"/>
     <axis xyz="0 1 0"/><limit effort="20" velocity="10"/><dynamics damping="0.03"/></joint>
 </robot>"""

@@ -188,7 +188,15 @@ def _missing_option(error: MissingConfigException, verb: str, folders: Sequence[
     if not group or not available:
         return str(error).splitlines()[0]
     beside = [name for name in available if name.startswith(f"{option.partition('/')[0]}/")]
-    return str(UnknownNameError(group, option, beside or available, "the configuration"))
+    return f"{UnknownNameError(group, option, beside or available, 'the configuration')}{_own(group, option)}"
+
+
+def _own(group: str, option: str) -> str:
+    """Where a file of the user's with that name lies, below where she is."""
+    found = next((path for path in Path.cwd().glob(f"*/{group}/{option}.yaml")), None)
+    return (
+        "" if found is None else f" There is one in {found.parents[1].name}: add --config-dir {found.parents[1].name}."
+    )
 
 
 def _unknown_key(refused: RefusedKey, error: Exception, verb: str, folders: Sequence[Path]) -> DrLabError:

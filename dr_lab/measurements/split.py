@@ -8,7 +8,7 @@ from glob import glob
 from pathlib import Path
 
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
-from dr_lab.measurements.log_file import is_bag, stem
+from dr_lab.measurements.log_file import KINDS, is_bag, kind, stem
 
 _SEGMENT = re.compile(r"(?P<log>.+)\[(?P<start>[^:\[\]]*):(?P<stop>[^:\[\]]*)\]")
 _VARIABLE = re.compile(r"\$\{?(?P<name>[A-Za-z_]\w*)\}?")
@@ -100,7 +100,10 @@ def _expand(pattern: str) -> list[Path]:
     if found:
         return found
     if path.is_dir():
-        raise DataError(f"{path} is a folder. Name the files in it in logs, e.g. {path}/*.mcap.")
+        suffixes = [each.suffix for each in sorted(path.iterdir()) if kind(each) in KINDS and not is_bag(each)]
+        example = f"{path}/*{suffixes[0]}" if suffixes else f"{path}/*" if any(map(is_bag, path.iterdir())) else ""
+        named = f" Name the files in it in logs, e.g. {example}." if example else f"; {_contents(path)}. Name logs."
+        raise DataError(f"{path} is a folder{'.' if example else ''}{named}")
     missing = "No file matches" if any(mark in pattern for mark in "*?[") else "There is no file"
     raise DataError(f"{missing} {pattern!r}; {_contents(path.parent)}. Correct logs.")
 

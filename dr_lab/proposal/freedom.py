@@ -10,7 +10,8 @@ import numpy as np
 from dr_lab.diagnosis.faults.equation_error import parameter_columns
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.physics.target import Target
-from dr_lab.proposal.positions import Positions, unhindered
+from dr_lab.proposal.output import Positions
+from dr_lab.proposal.positions import unhindered
 from dr_lab.proposal.robot import Robot
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.trajectory import Array

@@ -5,7 +5,7 @@ from collections import Counter
 import mujoco
 import numpy as np
 
-from dr_lab.proposal.positions import Positions
+from dr_lab.proposal.output import Positions
 from dr_lab.trajectory import Array
 
 _LOOKED_AT = 200  # places of the motion

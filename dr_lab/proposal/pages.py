@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 
 from dr_lab.proposal.drives import Command
-from dr_lab.proposal.positions import Position
+from dr_lab.proposal.output import Position
 from dr_lab.proposal.propose import Proposal
 from dr_lab.proposal.split import Split
 

@@ -8,13 +8,12 @@ import mujoco
 from dr_lab.physics.compiling import compiled
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.freedom import Entry, free_parameters
+from dr_lab.proposal.output import Position, Positions
 from dr_lab.proposal.overlaps import overlaps
-from dr_lab.proposal.positions import Position, Positions, find_positions
+from dr_lab.proposal.positions import beyond, find_positions
 from dr_lab.proposal.robot import Robot
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Survey
-
-_BEYOND = 0.02  # of a joint's range, by which its stop may give way
 
 
 @dataclass(frozen=True)
@@ -134,14 +133,11 @@ def _ranges(model: mujoco.MjModel, found: Positions) -> list[str]:
     """Joints that move beyond their range in the model."""
     if found.trial is None or found.found is None:
         return []
-    qpos, beyond = found.trial.motion(found.found.readings).qpos, []
-    for i in range(model.njnt):
-        low, high = model.jnt_range[i]
-        place = qpos[:, model.jnt_qposadr[i]]
-        if model.jnt_limited[i] and (place.min() < low - _BEYOND or place.max() > high + _BEYOND):
-            beyond.append(
-                f"{model.joint(i).name} ({place.min():.3g} … {place.max():.3g}, range {low:.3g} … {high:.3g})"
-            )
-    if not beyond:
+    moved = beyond(model, found.trial, found.found.readings)
+    listed = [
+        f"{joint} ({low:.3g} … {high:.3g}, range {model.joint(joint).range[0]:.3g} … {model.joint(joint).range[1]:.3g})"
+        for joint, (low, high) in moved.items()
+    ]
+    if not listed:
         return []
-    return [f"Beyond the range in the model, whose stop acts there: {', '.join(beyond)}. Check zero, sign and range."]
+    return [f"Beyond the range in the model, whose stop acts there: {', '.join(listed)}. Check zero, sign and range."]

@@ -56,7 +56,7 @@ class Found:
 def search(
     trial: Callable[[Readings], Outcome],
     options: Sequence[Options],
-    cost: Callable[[Outcome], float],
+    cost: Callable[[Readings, Outcome], float],
     settings: ProposalSettings,
 ) -> Found:
     """Try readings, and choose.
@@ -85,7 +85,7 @@ def search(
     least = min(each.total for each in tried.values())
     most = least + settings.close + (settings.near - 1) * min(least, settings.well)
     near = [readings for readings, each in tried.items() if each.total <= most]
-    costs = {readings: _cost(readings) + cost(tried[readings]) for readings in near}
+    costs = {readings: _cost(readings) + cost(readings, tried[readings]) for readings in near}
     chosen = min(near, key=lambda readings: (costs[readings], tried[readings].total))
     others = tuple(readings for readings in near if readings != chosen)
     plain = tuple(readings for readings in others if costs[readings] <= costs[chosen] + _UNUSUAL)

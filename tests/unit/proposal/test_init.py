@@ -276,3 +276,14 @@ def test_what_inverse_dynamics_cannot_test_is_by_name(capsys: pytest.CaptureFixt
     told = capsys.readouterr().out
     assert "Signs and units are by name alone" in told
     assert "No series is said to be finger" in told
+
+
+def test_of_two_mirrored_readings_that_within_the_joints_ranges_is_taken() -> None:
+    """Both directions of the elbow are turned with its command; its range in the model is on one side of zero."""
+    every = [m.position[:, 1] for m in motions()]
+    low, high = min(map(np.min, every)) - 0.1, max(map(np.max, every)) + 0.1
+    ranged = f'<joint name="elbow" range="{low} {high}"'
+    Path("two.xml").write_text(MJCF.replace('<joint name="elbow"', ranged))
+    assert abs(low + high) > 0.2, "else both directions are within"
+    found = proposed("two.xml", write_logs(lambda m: plain(m) | turn(m, (-1, -1))))
+    assert [read_as(found["outputs"][f"{joint}.position"])[2] for joint in JOINTS] == [-1, -1]

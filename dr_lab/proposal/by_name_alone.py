@@ -1,0 +1,74 @@
+"""The joints' positions where inverse dynamics cannot test them: what the names alone say."""
+
+import math
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from dr_lab.errors import DataError
+from dr_lab.proposal.by_name import matches
+from dr_lab.proposal.drives import drives_of
+from dr_lab.proposal.grid import wrapped
+from dr_lab.proposal.output import Position, Positions
+from dr_lab.proposal.survey import Series, Survey
+from dr_lab.proposal.trial import per_control
+
+_HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
+
+
+def positions_by_name(
+    model: mujoco.MjModel, logs: Survey, candidates: Sequence[Series], asked: Sequence[Series]
+) -> Positions:
+    """What the names alone say."""
+    names = [model.joint(i).name for i in range(model.njnt) if model.jnt_type[i] >= int(mujoco.mjtJoint.mjJNT_SLIDE)]
+    velocities = [s for s in logs.named("velocity") if s.moves]
+    outputs = []
+    lacking = []
+    for j, name in enumerate(names):
+        place, rate = matches(names, candidates)[j], matches(names, velocities)[j]
+        hinge = model.jnt_type[model.joint(name).id] == _HINGE
+        if len(place) == 1:
+            outputs.append(
+                _named(f"{name}.position", candidates[place[0]], "rad" if hinge else "m", _reach(model, name))
+            )
+        elif len(rate) == 1:
+            outputs.append(_named(f"{name}.velocity", velocities[rate[0]], "rad/s" if hinge else "m/s", math.inf))
+        else:
+            lacking.append(name)
+    if not outputs:
+        seen = [str(each.place) for each in logs.series]
+        raise DataError(
+            f"No series of the logs fits a joint of the robot. Joints: {', '.join(names)}. The logs hold "
+            f"{', '.join(seen[:20])}{' …' if len(seen) > 20 else ''}. Are these logs of this robot? If so, name "
+            "columns or topics after the joints (elbow_position), or write the measurements by hand."
+        )
+    doubts = [f"Signs and units are by name alone: {_why_untested(model, lacking)}."]
+    if lacking:
+        doubts.append(f"No series is said to be {', '.join(lacking)}: not measured, or called differently.")
+    force, _ = per_control(model)
+    return Positions(tuple(outputs), None, None, tuple(asked), drives_of(model, force), tuple(doubts))
+
+
+def _reach(model: mujoco.MjModel, joint: str) -> float:
+    """Largest angle of a joint in the model; two turns where it has no range."""
+    row = model.joint(joint).id
+    return float(np.abs(model.jnt_range[row]).max()) if model.jnt_limited[row] else 4 * math.pi
+
+
+def _named(channel: str, series: Series, usual: str, reach: float) -> Position:
+    wrap = any(wrapped(signal.value) > 0 for signal in series.signals)
+    unit = series.words.unit or _by_range(series, usual, reach)
+    return Position(channel, series, unit, 1, 0.0, wrap, "by its name")
+
+
+def _by_range(series: Series, usual: str, reach: float) -> str:
+    """Degrees where the numbers are too large for radians."""
+    largest = max(float(np.abs(signal.value).max()) for signal in series.signals)
+    return "deg" if usual == "rad" and largest > 2 * reach else usual
+
+
+def _why_untested(model: mujoco.MjModel, lacking: Sequence[str]) -> str:
+    if lacking:
+        return "not every joint is measured, which inverse dynamics needs"
+    return "a joint is neither a hinge nor a slide" if model.nv != model.njnt else "the names leave too much open"

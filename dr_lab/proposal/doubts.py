@@ -1,0 +1,77 @@
+"""What the equation of motion leaves open about a reading, in words."""
+
+from collections.abc import Sequence
+
+from dr_lab.errors import DataError
+from dr_lab.proposal.search import Found, Readings, ambiguous
+from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.survey import Series
+
+
+def doubts_of(
+    joints: Sequence[str],
+    found: Found,
+    candidates: Sequence[Series],
+    settings: ProposalSettings,
+    *,
+    by_words: bool,
+) -> list[str]:
+    """What the equation of motion leaves open, a sentence each.
+
+    Args:
+        joints: names, in the model's order.
+        found: the chosen reading, and those that explain the motion as well.
+        candidates: what may be positions.
+        settings: thresholds.
+        by_words: whether the names alone say which series is which.
+
+    Raises:
+        DataError: the motion is not that of the robot, and no name says that it is.
+    """
+    left = float(found.outcome.left.max())
+    if left > settings.fits and not by_words:
+        raise DataError(
+            f"No reading of {', '.join(str(each.place) for each in candidates)} moves as {', '.join(joints)} do: the "
+            f"best leaves {left:.0%} of a joint's forces unexplained. Are these logs of this robot? If so, "
+            "name columns or topics after the joints (elbow_position), or write the measurements by hand."
+        )
+    doubts: list[str] = []
+    if left > settings.fits:
+        doubts.append(
+            f"With these names the equation of motion leaves {left:.0%} of a joint's forces unexplained: the logs may "
+            "be of another robot, the masses far off, or a force missing that the model knows nothing of."
+        )
+    elif left > settings.well:
+        doubts.append(
+            f"The best reading leaves {left:.0%} of a joint's forces unexplained: an angle may be read wrongly "
+            "(absolute where the model's is relative, another zero), or a mass be far off."
+        )
+    turned = any(each.factor < 0 for each in found.readings) or any(
+        given[0].gain < 0 for given in found.outcome.given if given
+    )
+    sets = ambiguous(found)
+    if sets and turned:
+        listed = "; ".join(" and ".join(joints[j] for j in each) for each in sets)
+        doubts.append(f"As good with the signs of {listed} turned, each with those of its commands: check one joint's.")
+    if any(_different(found.readings, other) for other in found.plain):
+        doubts.append(f"As good in another order: {_orders(found, joints, candidates)}. Name columns after the joints.")
+    degrees = {
+        j for other in found.plain for j, (a, b) in enumerate(zip(found.readings, other, strict=True))
+        if abs(a.factor) != abs(b.factor) and a.series == b.series
+    }  # fmt: skip
+    if degrees:
+        listed = ", ".join(joints[j] for j in sorted(degrees))
+        doubts.append(f"The unit of {listed} is not seen in the motion: another would fit about as well.")
+    moved = [joints[j] for j, each in enumerate(found.readings) if each.offset]
+    if moved:
+        doubts.append(f"{', '.join(moved)} count from another direction than in the model: offsets were added.")
+    return doubts
+
+
+def _different(a: Readings, b: Readings) -> bool:
+    return any(x.series != y.series for x, y in zip(a, b, strict=True))
+
+
+def _orders(found: Found, joints: Sequence[str], candidates: Sequence[Series]) -> str:
+    other = next(each for each in found.plain if _different(found.readings, each))
+    return ", ".join(f"{joint} = {candidates[r.series].place}" for joint, r in zip(joints, other, strict=True))
