@@ -105,14 +105,11 @@ class SimOpt(DistributionLearner):
         self._turns += 1
         if self._turns <= self.warm_up:
             return {}
-        trial, tried = self._trial(experience), np.empty(0)
-        steps = list[dict[str, float]]()
-        for _ in range(self.updates):
-            tried = self.randomizer.sample([self.rng] * self.samples)
-            steps.append(self._step(tried, self._costs(trial, trial.simulated(experience, tried))))
+        trial = self._trial(experience)
+        tried, steps = zip(*(self._step(experience, trial) for _ in range(self.updates)), strict=True)
         return {
             "discrepancy": steps[0]["discrepancy"],
-            "discrepancy_of_mean": self._look(experience, trial, tried[:_DRAWN]),
+            "discrepancy_of_mean": self._look(experience, trial, tried[-1][:_DRAWN]),
             "divergence": max(each["divergence"] for each in steps),
             "temperature": steps[-1]["temperature"],
             "infeasible": float(np.mean([each["infeasible"] for each in steps])),
@@ -142,19 +139,21 @@ class SimOpt(DistributionLearner):
         qpos, qvel = zip(*each, strict=True)
         return Trial.of_policy(self._target, experience.deployed, (np.stack(qpos), np.stack(qvel)))
 
-    def _step(self, z: Array, costs: Array) -> dict[str, float]:
-        """One update of φ by the costs of contexts, NaN where one is infeasible."""
+    def _step(self, experience: Experience, trial: Trial) -> tuple[Array, dict[str, float]]:
+        """One update of φ; gives the contexts that were tried, too."""
+        z = self.randomizer.sample([self.rng] * self.samples)
+        costs = self._costs(trial, trial.simulated(experience, z))
         known = np.isfinite(costs)
         infeasible = float(np.mean(~known))
         if not known.any():
-            return {"discrepancy": np.nan, "divergence": 0.0, "temperature": np.nan, "infeasible": infeasible}
+            return z, {"discrepancy": np.nan, "divergence": 0.0, "temperature": np.nan, "infeasible": infeasible}
         costs = np.where(known, costs, costs[known].max())
         eta = temperature(costs, self.max_kl, self.least_temperature)
         before, old = self._gaussian.distribution(), Gaussian(*self._gaussian.moments())
         self._gaussian.set_moments(*bounded_fit(old, z, sample_weights(costs, eta), self.max_kl))
         moved = kl_divergence(self._gaussian.distribution(), before).item()
         mean = float(costs[known].mean())
-        return {"discrepancy": mean, "divergence": moved, "temperature": eta, "infeasible": infeasible}
+        return z, {"discrepancy": mean, "divergence": moved, "temperature": eta, "infeasible": infeasible}
 
     def _costs(self, trial: Trial, played: TensorDict) -> Array:
         """Mean discrepancy of each context over the starts, shape (m,), of what was played, size [m, k, t]."""
