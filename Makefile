@@ -1,6 +1,8 @@
-# Everything runs from .venv, which the first target that needs it makes from requirements.lock.
+# Everything runs from .venv. Comparing logs takes the libraries of requirements-compare.lock; the first target that needs
+# more, such as make test, adds those of requirements.lock.
 VENV := .venv
 BIN := $(VENV)/bin
+COMPARE := $(VENV)/.compare
 STAMP := $(VENV)/.installed
 UV := $(shell command -v uv 2>/dev/null)
 PYTHON ?= python3
@@ -11,25 +13,37 @@ PYTHON ?= python3
 help:  ## what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-install: $(STAMP)  ## .venv with the locked libraries and dr_lab
+install: $(STAMP)  ## .venv with all the locked libraries and dr_lab
 
-$(STAMP): requirements.lock pyproject.toml
 ifdef UV
-	@test -x $(BIN)/python || $(UV) venv --quiet --python '>=3.11' $(VENV)
-	$(UV) pip install --quiet --python $(BIN)/python --require-hashes -r requirements.lock
-	$(UV) pip install --quiet --python $(BIN)/python --no-deps --editable .
+ENVIRONMENT := $(BIN)/python
+INSTALL := $(UV) pip install --quiet --python $(BIN)/python
+
+$(ENVIRONMENT):
+	$(UV) venv --quiet --python '>=3.11' $(VENV)
 else
+ENVIRONMENT := $(BIN)/pip
+INSTALL := $(BIN)/pip install --quiet --no-compile
+
+$(ENVIRONMENT):
 	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "dr_lab needs Python 3.11 or newer: make PYTHON=…")'
-	@test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --require-hashes -r requirements.lock
-	$(BIN)/pip install --quiet --no-deps --editable .
+	$(PYTHON) -m venv $(VENV)
 endif
+
+$(COMPARE): requirements-compare.lock pyproject.toml | $(ENVIRONMENT)
+	$(INSTALL) --require-hashes -r requirements-compare.lock
+	$(INSTALL) --no-deps --editable .
 	@touch $@
 
-demo: $(STAMP)  ## find what the Furuta pendulum's model lacks, add it, and print the ladder
+$(STAMP): requirements.lock $(COMPARE)
+	$(INSTALL) --require-hashes -r requirements.lock
+	@touch $@
+
+demo: $(COMPARE)  ## find what the Furuta pendulum's model lacks, add it, and print the ladder
 	$(BIN)/dr-lab close model=furuta measurements=furuta
 	@echo
 	@echo "To type dr-lab yourself: . $(BIN)/activate"
+	@test -e $(STAMP) || echo "To train policies, too: make install, which adds PyTorch and what goes with it (5 GB)"
 
 test: $(STAMP)  ## the tests, without those that take minutes or need daemons
 	$(BIN)/pytest --numprocesses auto --dist loadfile
@@ -53,9 +67,12 @@ format: $(STAMP)  ## mend the style
 bench: $(STAMP)  ## the benchmarks, one after the other
 	set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python "$$script"; done
 
-lock: pyproject.toml  ## requirements.lock for pyproject.toml, pins kept; UPGRADE=--upgrade resolves anew (needs uv)
-	uv pip compile pyproject.toml --quiet --extra box2d --extra dev --extra ray --extra strangers --universal --python-version 3.11 $(UPGRADE) \
-		--generate-hashes --no-emit-index-url --no-header --output-file requirements.lock
+RESOLVE := uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header
+EXTRAS := box2d dev ray strangers train
+
+lock: pyproject.toml  ## both locks for pyproject.toml, pins kept; UPGRADE=--upgrade resolves anew (needs uv)
+	$(RESOLVE) $(UPGRADE) $(EXTRAS:%=--extra %) --output-file requirements.lock
+	$(RESOLVE) --constraint requirements.lock --output-file requirements-compare.lock
 
 clean:  ## caches and built packages; runs and .venv stay
 	rm -rf build dist .pytest_cache .ruff_cache .import_linter_cache

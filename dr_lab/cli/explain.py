@@ -21,6 +21,7 @@ from dr_lab.cli.groups import nested_options, options
 from dr_lab.cli.overrides import RefusedKey, refused_key
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
+from dr_lab.extras import MissingLibraryError, lacking
 from dr_lab.files import why_no_folder
 
 USER_FAULT = 2
@@ -41,6 +42,8 @@ def explain(error: Exception, verb: str, folders: Sequence[Path]) -> tuple[str, 
     for cause in _chain(error):
         if isinstance(cause, DrLabError):
             return str(cause), USER_FAULT
+        if (library := lacking(cause)) is not None:
+            return str(MissingLibraryError(verb, library)), USER_FAULT
     if isinstance(error, InstantiationException):
         return _instantiation(error), OUR_FAULT
     mendable = _mendable(error, verb, folders)

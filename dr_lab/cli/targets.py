@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.extras import MissingLibraryError, lacking
 
 TRUST_VARIABLE = "DR_LAB_TRUST"
 # dr_lab's, and what Hydra builds for a sweep.
@@ -60,6 +61,8 @@ def _import(target: str, where: str) -> object:
     try:
         loaded = importlib.import_module(module)
     except Exception as error:
+        if (library := lacking(error)) is not None:
+            raise MissingLibraryError(f"{where}={target}", library) from error
         cause = f"{type(error).__name__}: {error}"
         raise ConfigError(f"{where}: _target_ {target!r} cannot be imported. {cause}") from error
     if not hasattr(loaded, name):

@@ -21,6 +21,7 @@ from dr_lab.collectors.shares import joined, shares
 from dr_lab.collectors.torchrl import KEPT
 from dr_lab.envs.batched_env import BatchedEnv
 from dr_lab.errors import ConfigError
+from dr_lab.extras import MissingLibraryError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.ray_cluster import HERE, own_sigterm, prepare, unanswered
 from dr_lab.trajectory import Array
@@ -116,10 +117,8 @@ class RayCollector(Collector):
 
     def _begin(self) -> TorchRLRayCollector:
         if find_spec("ray") is None:
-            raise ConfigError(
-                "collector=ray needs Ray, which is not installed: pip install -e '.[ray]', on every machine. On one "
-                "machine collector=lean is faster and needs nothing."
-            )
+            further = ", on every machine. On one machine collector=lean is faster and needs nothing."
+            raise MissingLibraryError("collector=ray", "ray", further)
         prepare("collector.address", self.address, self.patience)
         try:
             with own_sigterm():

@@ -7,7 +7,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from dr_lab.errors import ConfigError, ModelError
+from dr_lab.errors import ModelError
+from dr_lab.extras import MissingLibraryError
 from dr_lab.plants.inertia import tensor_of
 from dr_lab.trajectory import Array
 
@@ -16,15 +17,12 @@ def pinocchio() -> ModuleType:
     """The library.
 
     Raises:
-        ConfigError: it is not installed.
+        MissingLibraryError: it is not installed.
     """
     try:
         return importlib.import_module("pinocchio")
     except ImportError as error:
-        raise ConfigError(
-            "This machine moves by Pinocchio, which is not installed. Install dr_lab with the extra `strangers`: "
-            "pip install 'dr_lab[strangers]' (or Pinocchio alone: pip install pin)."
-        ) from error
+        raise MissingLibraryError("This machine", "pinocchio") from error
 
 
 def tree(model: mujoco.MjModel) -> Any:  # noqa: ANN401 (pinocchio.Model)
@@ -38,7 +36,7 @@ def tree(model: mujoco.MjModel) -> Any:  # noqa: ANN401 (pinocchio.Model)
     Raises:
         ModelError: a body has more than one joint, a joint a reference position, or the model forces that are no
             body's: tendons, equalities, springs, dry frictions, limits.
-        ConfigError: Pinocchio is not installed.
+        MissingLibraryError: Pinocchio is not installed.
     """
     pin = pinocchio()
     if model.qpos0.any() or (model.body_jntnum > 1).any():

@@ -19,6 +19,7 @@ from omegaconf import DictConfig, open_dict
 
 from dr_lab.bounds import NotNegative, Positive, require_bounds
 from dr_lab.errors import ConfigError
+from dr_lab.extras import MissingLibraryError
 from dr_lab.ray_cluster import own_sigterm, prepare, unanswered
 
 
@@ -143,7 +144,7 @@ def _result(ray: ModuleType, job: object, overrides: Sequence[str]) -> JobReturn
 def _cluster(init: Mapping[str, Any], patience: float) -> Iterator[ModuleType]:
     """Ray, connected."""
     if find_spec("ray") is None:
-        raise ConfigError("hydra/launcher=ray needs Ray: pip install -e '.[ray]', on every machine.")
+        raise MissingLibraryError("hydra/launcher=ray", "ray", ", on every machine.")
     prepare("hydra.launcher.init.address", init["address"], patience)
     ray = import_module("ray")  # takes a second, and Hydra imports every plugin at every start
     try:

@@ -22,6 +22,7 @@ from dr_lab.collectors.ray import RayCollector
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError
+from dr_lab.extras import MissingLibraryError
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.policy_stack import GaussianPolicyStack
 from dr_lab.physics.context import ContextSpace
@@ -97,7 +98,10 @@ def test_policies_that_cannot_be_shared_equally_are_told(policies: int, workers:
 
 def test_a_machine_without_ray_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dr_lab.collectors.ray.find_spec", lambda name: None)
-    with collector(Deterministic()) as one, pytest.raises(ConfigError, match=r"pip install -e '\.\[ray\]'"):
+    with (
+        collector(Deterministic()) as one,
+        pytest.raises(MissingLibraryError, match=r"needs ray, .*, on every machine"),
+    ):
         next(one)
 
 

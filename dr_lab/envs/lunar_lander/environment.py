@@ -12,7 +12,8 @@ import numpy as np
 from dr_lab.bounds import Count, Positive, require_bounds
 from dr_lab.envs.batched_env import BatchedEnv
 from dr_lab.envs.environment import Environment
-from dr_lab.errors import ConfigError, UnknownNameError
+from dr_lab.errors import UnknownNameError
+from dr_lab.extras import MissingLibraryError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.parameter import Parameter
 from dr_lab.randomizers.context_source import ContextSource
@@ -95,13 +96,10 @@ class LunarLander(Environment):
         """Landers in as many processes as `threads` says.
 
         Raises:
-            ConfigError: Box2D is not installed.
+            MissingLibraryError: Box2D is not installed.
         """
         if find_spec("Box2D") is None:
-            raise ConfigError(
-                f"env={self.name} needs Box2D, which is not installed: pip install 'dr_lab[box2d]', or in a checkout "
-                "pip install -e '.[box2d]'."
-            )
+            raise MissingLibraryError(f"env={self.name}", "Box2D")
         from dr_lab.envs.lunar_lander.episodes import LanderEpisodes  # noqa: PLC0415 (likewise)
 
         return BatchedEnv(

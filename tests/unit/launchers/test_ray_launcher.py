@@ -22,6 +22,7 @@ from omegaconf import DictConfig
 from dr_lab.cli.compose import HYDRA_VERSION
 from dr_lab.cli.folders import shipped
 from dr_lab.errors import ConfigError
+from dr_lab.extras import MissingLibraryError
 
 HOURS = 9999.0  # s; longer than any test
 PATIENCE = 30.0  # s until what was killed is gone
@@ -76,7 +77,7 @@ def test_a_machine_without_ray_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path
     monkeypatch.chdir(tmp_path)
     Plugins.instance()  # which loads the module, anew if it is loaded
     monkeypatch.setattr(sys.modules["hydra_plugins.dr_lab_ray_launcher"], "find_spec", lambda name: None)
-    with pytest.raises(ConfigError, match=r"pip install -e '\.\[ray\]'"):
+    with pytest.raises(MissingLibraryError, match=r"needs ray, .*, on every machine"):
         launch(print, [0])
 
 
