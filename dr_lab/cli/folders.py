@@ -80,20 +80,15 @@ def find(folders: Sequence[Path], relative: str) -> str:
 
 
 def example(relative: str) -> str:
-    """Absolute path inside the checkout's examples; the resolver ``${examples:furuta/*.mcap}``.
+    """Absolute path of an example that ships beside the configuration; the resolver ``${examples:furuta/*.mcap}``.
 
     Args:
         relative: path or glob inside ``examples/``.
 
     Raises:
-        ConfigError: dr_lab was installed without its examples, or there is no such example.
+        UnknownNameError: there is no such example.
     """
-    folder = PACKAGE.parent / "examples"
-    if not folder.is_dir() or shipped().parent != folder.parent:
-        raise ConfigError(
-            f"The example {relative!r} is not part of an installed dr_lab. Run inside a clone of its repository, "
-            "or name your own logs: measurements.logs=[log.mcap]."
-        )
+    folder = shipped().parent / "examples"
     path = folder / relative
     if not glob.glob(str(path)):
         available = sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.suffix == path.suffix)

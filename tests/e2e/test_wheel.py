@@ -1,27 +1,35 @@
-"""The built wheel, installed into an environment of its own, away from the checkout."""
+"""The built wheel, installed into an environment of its own with the small set of libraries, away from the checkout."""
 
+import json
+import os
 import subprocess
 import sys
-import sysconfig
 from pathlib import Path
 
 import pytest
 import yaml
+from locks import COMPARING, link
 
 from dr_lab import __version__
 from dr_lab.cli.folders import PACKAGE
 from dr_lab.cli.verbs import verbs
 
 
+def finished(*command: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """A command that sees nothing of a checkout, though this process may."""
+    env = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return subprocess.run(list(map(str, command)), cwd=cwd, env=env, capture_output=True, text=True, check=False)
+
+
 def run(*command: str | Path, cwd: Path) -> str:
-    done = subprocess.run(list(map(str, command)), cwd=cwd, capture_output=True, text=True, check=False)
+    done = finished(*command, cwd=cwd)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """`dr-lab` from the wheel; the libraries are this environment's, dr_lab itself is not."""
+    """`dr-lab` from the wheel; the libraries that comparing takes are this environment's, dr_lab itself is not."""
     folder = tmp_path_factory.mktemp("wheel")
     # The wheel is built from the sdist, so that what the sdist lacks shows too.
     run(sys.executable, "-m", "hatchling", "build", "-t", "sdist", "-d", folder, cwd=PACKAGE.parent)
@@ -34,8 +42,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     python = folder / "env/bin/python"
     run(python, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", wheel, cwd=folder)
     purelib = run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))", cwd=folder).strip()
-    # A plain path entry: this environment's own .pth files, the editable install among them, stay unread.
-    Path(purelib, "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    Path(purelib, "libraries.pth").write_text(f"{link(COMPARING, folder / 'libraries')}\n")
     return folder / "env/bin/dr-lab"
 
 
@@ -57,11 +64,20 @@ def test_wheel_composes_from_its_own_configuration(program: Path, tmp_path: Path
 
 
 @pytest.mark.slow
-def test_wheel_says_where_examples_are(program: Path, tmp_path: Path) -> None:
-    command = [program, "compare", "--cfg", "job", "--resolve"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+def test_wheel_names_the_effect_of_its_own_logs(program: Path, tmp_path: Path) -> None:
+    run(program, "close", "model=furuta", "measurements=furuta", "hydra.run.dir=closed", cwd=tmp_path)
+    report = json.loads((tmp_path / "closed/report.json").read_text(encoding="utf-8"))
+    assert report["verdict"] == "named"
+    assert report["ladder"][-1]["effects"] == ["coulomb_friction@arm"]
+
+
+@pytest.mark.slow
+def test_wheel_says_what_training_needs(program: Path, tmp_path: Path) -> None:
+    done = finished(program, "train", "env=furuta", cwd=tmp_path)
     assert done.returncode == 2
-    assert "not part of an installed dr_lab. Run inside a clone" in done.stderr
+    assert done.stderr == (
+        "dr-lab train: train needs torch, which is not installed. Install it: pip install 'dr_lab[train]'\n"
+    )
 
 
 @pytest.mark.slow
