@@ -4,11 +4,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 COMPARE := $(VENV)/.compare
 STAMP := $(VENV)/.installed
+DOCS := .venv-docs
 UV := $(shell command -v uv 2>/dev/null)
 PYTHON ?= python3
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow test-daemons check format bench lock clean
+.PHONY: help install demo test test-slow test-daemons check format bench docs lock clean
 
 help:  ## what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -66,6 +67,20 @@ format: $(STAMP)  ## mend the style
 
 bench: $(STAMP)  ## the benchmarks, one after the other
 	set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python "$$script"; done
+
+docs: $(DOCS)/.installed  ## the documentation, with plots and a link check, in build/docs/index.html
+	$(DOCS)/bin/sphinx-build --quiet --fresh-env --fail-on-warning --keep-going --nitpicky docs build/docs
+	@echo "build/docs/index.html"
+
+$(DOCS)/.installed: pyproject.toml
+ifdef UV
+	@test -x $(DOCS)/bin/python || $(UV) venv --quiet --python '>=3.11' $(DOCS)
+	$(UV) pip install --quiet --python $(DOCS)/bin/python --editable '.[docs]'
+else
+	@test -x $(DOCS)/bin/pip || $(PYTHON) -m venv $(DOCS)
+	$(DOCS)/bin/pip install --quiet --editable '.[docs]'
+endif
+	@touch $@
 
 RESOLVE := uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header
 EXTRAS := box2d dev ray strangers train

@@ -6,14 +6,17 @@ from dr_lab.version import __version__
 
 if TYPE_CHECKING:
     from dr_lab.notebook import NotebookComparison as Comparison
+    from dr_lab.notebook import evaluate, record, train
 
-__all__ = ["Comparison", "__version__"]
+__all__ = ["Comparison", "__version__", "evaluate", "record", "train"]
+
+_OF_NOTEBOOKS = {"Comparison": "NotebookComparison", "evaluate": "evaluate", "record": "record", "train": "train"}
 
 
 def __getattr__(name: str) -> object:
     """Import what notebooks use when it is first asked for, so that ``import dr_lab`` stays light."""
-    if name == "Comparison":
-        from dr_lab.notebook import NotebookComparison  # noqa: PLC0415  Hydra and MuJoCo take half a second
+    if name in _OF_NOTEBOOKS:
+        from dr_lab import notebook  # noqa: PLC0415  Hydra and MuJoCo take half a second
 
-        return NotebookComparison
+        return getattr(notebook, _OF_NOTEBOOKS[name])
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

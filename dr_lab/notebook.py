@@ -1,16 +1,24 @@
-"""The comparing verbs in a notebook: a comparison loaded by the names of its parts, each verb a method."""
+"""The verbs in a notebook: a comparison whose verbs are methods, and functions that make logs, train and evaluate."""
 
+import functools
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from omegaconf import OmegaConf
 
 from dr_lab.cli.arguments import arguments_of
 from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
+from dr_lab.cli.groups import defaults_of
+from dr_lab.cli.job import Job, build
 from dr_lab.comparison.comparison import Comparison
 from dr_lab.recorders.look import Look
+from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.gap import GapReport
+from dr_lab.reports.train import TrainReport
 
 _OWN = ("comparison", "recorder")  # arguments of the verbs that do not come from their configuration
 
@@ -21,6 +29,12 @@ class NotebookComparison(Comparison):
 
     Each verb does what `dr-lab` does on the command line: it writes a run folder, prints what it finds and returns the
     report. `dataclasses.replace` puts another model, other logs or other settings in place of those that were loaded.
+
+    Example:
+        >>> comparison = Comparison.load("furuta", "furuta", "windows.length=0.5")
+        >>> report = comparison.close()
+        >>> report.verdict, report.ladder[-1].effects
+        ('named', ('coulomb_friction@arm',))
 
     Attributes:
         recorder: how recordings look.
@@ -47,7 +61,7 @@ class NotebookComparison(Comparison):
             hydra.errors.ConfigCompositionException: an override names nothing.
             DataError: the logs cannot be read.
         """
-        folders = (*([] if config_dir is None else [config_dir.absolute()]), shipped())
+        folders = _folders(config_dir)
         cfg = compose_from(folders, "compare", [f"model={model}", f"measurements={measurements}", *overrides])
         built = arguments_of("compare", cfg, folders)[1]
         loaded: Comparison = built["comparison"]
@@ -84,9 +98,86 @@ class NotebookComparison(Comparison):
     def _run(self, verb: str, run_dir: Path | None, *overrides: str) -> GapReport:
         cfg = compose_from(self.config_folders, verb, overrides)
         workflow, arguments = arguments_of(verb, cfg, self.config_folders, given=_OWN)
-        folder = run_dir or Path(cfg.outputs) / verb / self.model.name / time.strftime("%Y-%m-%d_%H-%M-%S")
+        folder = run_dir or Path(cfg.outputs) / verb / self.model.name / _now()
         folder.mkdir(parents=True, exist_ok=run_dir is not None)
         return workflow(comparison=self, recorder=self.recorder, run_dir=folder, **arguments)
+
+
+def record(*overrides: str, config_dir: Path | None = None, run_dir: Path | None = None) -> tuple[Path, ...]:
+    """Write logs, as `dr-lab record` does: `dr_lab.workflows.record.record`.
+
+    Example:
+        >>> record("source=plant", "plant=pendulum", "plant/hidden=pendulum/coulomb_friction", "output=logs")
+
+    Args:
+        overrides: as on the command line.
+        config_dir: folder with the user's own groups, searched first.
+        run_dir: where they go without ``output=``; None for ``outputs/record/<time>/``.
+
+    Raises:
+        DrLabError: whatever the command would say.
+
+    Returns:
+        The MCAP files.
+    """
+    return _job("record", "model.name", overrides, config_dir, run_dir)()
+
+
+def train(*overrides: str, config_dir: Path | None = None, run_dir: Path | None = None) -> TrainReport:
+    """Train a policy, as `dr-lab train` does: `dr_lab.workflows.train.train`.
+
+    Example:
+        >>> report = train("env=furuta_balance", "frames=20000")
+        >>> report.final_return, report.run
+
+    Args:
+        overrides: as on the command line; ``resume=FOLDER`` goes on with an interrupted run.
+        config_dir: folder with the user's own groups, searched first.
+        run_dir: the run folder; None for ``outputs/train/<environment>/<time>/``.
+
+    Raises:
+        DrLabError: whatever the command would say.
+    """
+    return _job("train", "env.name", overrides, config_dir, run_dir)()
+
+
+def evaluate(*overrides: str, config_dir: Path | None = None, run_dir: Path | None = None) -> EvaluateReport:
+    """Evaluate a trained policy, as `dr-lab evaluate` does: `dr_lab.workflows.evaluate.evaluate`.
+
+    Example:
+        >>> report = evaluate(f"run={trained.run}", "evaluator=grid")
+        >>> report.figures
+
+    Args:
+        overrides: as on the command line; ``run=FOLDER`` is the training run, by default the newest.
+        config_dir: folder with the user's own groups, searched first.
+        run_dir: the run folder; None for ``outputs/evaluate/<time>/``.
+
+    Raises:
+        DrLabError: whatever the command would say.
+    """
+    return _job("evaluate", "evaluator.name", overrides, config_dir, run_dir)()
+
+
+def _job(
+    verb: str, place: str, overrides: Sequence[str], config_dir: Path | None, run_dir: Path | None
+) -> Callable[[], Any]:
+    """A verb's function with the arguments that a command line gives; `place` is the key that a run's path names."""
+    folders = _folders(config_dir)
+    cfg = compose_from(folders, verb, overrides)
+    folder = run_dir or Path(cfg.outputs) / verb / str(OmegaConf.select(cfg, place) or "") / _now()
+    entries = defaults_of(shipped() / f"{verb}.yaml")
+    (base,) = (str(entry["base"]) for entry in entries if isinstance(entry, dict) and "base" in entry)
+    workflow, arguments = build(Job(verb, tuple(overrides), base, folder, folders), cfg)
+    return functools.partial(workflow, **arguments)
+
+
+def _folders(config_dir: Path | None) -> tuple[Path, ...]:
+    return (*([] if config_dir is None else [config_dir.absolute()]), shipped())
+
+
+def _now() -> str:
+    return time.strftime("%Y-%m-%d_%H-%M-%S")
 
 
 def _chosen(effects: Sequence[str]) -> str:

@@ -83,9 +83,9 @@ def _keys(cfg: DictConfig, root: Path, folders: Sequence[Path]) -> Iterator[str]
     what only hands on another key's value is none of them, unless a comment says more of it.
     """
     handed_on = interpolated(cfg)
-    comments = dict(_commented(root))
+    comments = dict(commented(root))
     for path in options("base", folders).values():
-        comments |= dict(_commented(path))
+        comments |= dict(commented(path))
     for group, chosen in choices(cfg).items():
         files = options(group, folders)
         if chosen in files:
@@ -104,13 +104,13 @@ def _comments_of(path: Path, group: str, *, alone: bool) -> dict[str, str]:
     """The keys of a group's chosen option that are worth showing, with their comments."""
     header = path.read_text(encoding="utf-8").partition("\n")[0]
     if header.split() == ["#", "@package", "_global_"]:
-        return {key: comment for key, comment in _commented(path) if comment or alone}
+        return {key: comment for key, comment in commented(path) if comment or alone}
     if alone and "@package" not in header:
-        return {f"{group.replace('/', '.')}.{key}": comment for key, comment in _commented(path)}
+        return {f"{group.replace('/', '.')}.{key}": comment for key, comment in commented(path)}
     return {}
 
 
-def _commented(path: Path) -> Iterator[tuple[str, str]]:
+def commented(path: Path) -> Iterator[tuple[str, str]]:
     """The settings that a yaml file holds, as dotted keys, each with the comment at the end of its line."""
     text = path.read_text(encoding="utf-8")
     lines = [*text.splitlines(), ""]
