@@ -4,6 +4,7 @@ import itertools
 from typing import Any
 
 import yaml
+from omegaconf import DictConfig
 
 from dr_lab.cli.compose import INTERNAL_GROUPS, choices, compose_with_hydra
 from dr_lab.cli.folders import shipped
@@ -49,12 +50,11 @@ def _verb(verb: str) -> str:
         for group, chosen in choices(cfg).items()
     ]
     lines += ["## Groups", "", *table(("group", "option taken"), rows)] if rows else []
-    return "\n".join([*lines, *_keys(verb)])
+    return "\n".join([*lines, *_keys(verb, cfg)])
 
 
-def _keys(verb: str) -> list[str]:
+def _keys(verb: str, cfg: DictConfig) -> list[str]:
     """The keys of a verb's own file and of what every verb shares."""
-    cfg = compose_with_hydra(verb, [], (shipped(),))
     rows = []
     for path in (shipped() / f"{verb}.yaml", *options("base", (shipped(),)).values()):
         values = yaml.safe_load(path.read_text(encoding="utf-8"))

@@ -8,13 +8,23 @@ from pathlib import Path
 
 import pytest
 
-from dr_lab import Comparison
+from dr_lab import Comparison, evaluate, record, train
 from dr_lab.__main__ import main
 from dr_lab.errors import ConfigError
+from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.plain import from_plain, to_plain
+from dr_lab.reports.train import TrainReport
 
 SMALL = ("measurements.fit=['log_1[0:2]']", "measurements.held_out=[]", "windows.seconds=0.9", "threads=1")
+SHORT = (
+    "env=furuta_balance",
+    "frames=512",
+    "episodes=4",
+    "algorithm.batch_frames=256",
+    "choice.episodes=1",
+    "threads=1",
+)
 LIGHT = "import sys, dr_lab; print(*({'torch', 'mujoco', 'numpy', 'hydra'} & {*sys.modules}))"
 
 
@@ -42,6 +52,32 @@ def test_a_verb_takes_the_settings_that_the_comparison_has(tmp_path: Path) -> No
 def test_what_does_not_fit_is_said() -> None:
     with pytest.raises(ConfigError, match=r"windows\.length is 'long'"):
         Comparison.load("furuta", "furuta", "windows.length=long")
+
+
+def test_logs_are_those_of_the_command(tmp_path: Path) -> None:
+    asked = ("plant=pendulum", "plant.duration=0.5", "seed=3")
+    (made, *_) = record(*asked, run_dir=tmp_path / "called")
+    assert main(["record", *asked, f"output={tmp_path}/typed"]) == 0
+    assert made.read_bytes() == (tmp_path / "typed" / made.name).read_bytes()
+
+
+def test_a_policy_is_that_of_the_command_and_is_evaluated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    trained = train(*SHORT)
+    (folder,) = Path("outputs/train/furuta_balance").iterdir()
+    assert trained.run == str(folder)
+    assert from_plain(TrainReport, json.loads((folder / "report.json").read_text())) == trained
+    assert main(["train", *SHORT, "hydra.run.dir=typed"]) == 0
+    assert json.loads(Path("typed/report.json").read_text())["final_return"] == to_plain(trained)["final_return"]
+    played = evaluate(f"run={trained.run}", "evaluator.episodes=2", "threads=1")
+    assert from_plain(EvaluateReport, json.loads((Path(played.run) / "report.json").read_text())) == played
+    assert played.trained == trained.run
+
+
+def test_a_run_that_has_other_settings_is_not_gone_on_with(tmp_path: Path) -> None:
+    train(*SHORT, run_dir=tmp_path / "first")
+    with pytest.raises(ConfigError, match="is a run with other settings"):
+        train(*SHORT, "seed=1", f"resume={tmp_path}/first", run_dir=tmp_path / "second")
 
 
 def test_importing_the_package_imports_nothing_heavy() -> None:
