@@ -17,6 +17,7 @@ from dr_lab.proposal.grid import Grid, Path
 from dr_lab.trajectory import Array
 
 _SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
+_APART = 1e-9  # share of a column that the free ones do not hold, for it to count
 _PROBED = 50  # times at which an actuator's force per control is looked at
 
 
@@ -136,7 +137,8 @@ class Trial:
         need = weak.project(force)
         size = np.maximum(self._size(needed), ((need - need.mean(0)) ** 2).sum(0))
         brakes = [_brakes(weak.project, motion, dof) for dof in range(self.model.nv)]
-        idle = np.array([_fit(need[:, j], b)[1] for j, b in enumerate(brakes)]) / size
+        constant = np.ones((len(weak), 1))
+        idle = np.array([_fit(need[:, j], constant, b)[2] for j, b in enumerate(brakes)]) / size
         given = tuple(
             self._given(need[:, j], brakes[j], weak.project(motion.qpos[:, [j]])[:, 0], float(size[j]))
             if driven
@@ -152,27 +154,30 @@ class Trial:
         return np.maximum(sum(((part - part.mean(0)) ** 2).sum(0) for part in parts), np.finfo(float).tiny)
 
     def _given(self, need: Array, brakes: Array, place: Array, size: float) -> tuple[Given, ...]:
+        """What each series gives, at the lag at which it leaves least."""
         found = []
         for k, late in enumerate(self.drives):
             columns = [self.grid.weak.project(values[:, None])[:, 0] for values in late]
-            lag = int(np.argmin([_rest(need, brakes, column) for column in columns]))
-            found.append(self._as_force(k, lag, columns[lag], need, brakes, size))
+            forces = [self._as_force(k, lag, column, need, brakes, size) for lag, column in enumerate(columns)]
+            found.append(min(forces, key=lambda each: each.left))
             if self.servos[k]:
-                found.append(self._as_servo(k, lag, columns[lag], need, brakes, place, size))
+                servos = [self._as_servo(k, lag, c, need, brakes, place, size) for lag, c in enumerate(columns)]
+                found.append(min(servos, key=lambda each: each.left))
         return tuple(sorted(found, key=lambda each: each.left))
 
     def _as_force(self, k: int, lag: int, column: Array, need: Array, brakes: Array, size: float) -> Given:
         unit = float(np.abs(column).max()) or 1.0
-        x, left = _fit(need, np.column_stack([column / unit, -column / unit, brakes]))
-        return Given(k, self.lags[lag], float(x[0] - x[1]) / unit, 0.0, 0.0, left / size)
+        c, _, left = _fit(need, np.column_stack([column / unit, np.ones(len(need))]), brakes)
+        return Given(k, self.lags[lag], float(c[0]) / unit, 0.0, 0.0, left / size)
 
     def _as_servo(
         self, k: int, lag: int, column: Array, need: Array, brakes: Array, place: Array, size: float
     ) -> Given:
         """Need = kp (f · series − q) − kv q' beside what brakes; f is a unit, or a sign."""
         unit = float(np.abs(column).max()) or 1.0
-        x, left = _fit(need, np.column_stack([column / unit, -column / unit, -place, brakes]))
-        return Given(k, self.lags[lag], float(x[0] - x[1]) / unit, float(x[2]), float(x[3]), left / size)
+        free = np.column_stack([column / unit, np.ones(len(need))])
+        c, x, left = _fit(need, free, np.column_stack([-place, brakes]))
+        return Given(k, self.lags[lag], float(c[0]) / unit, float(x[0]), float(x[1]), left / size)
 
 
 def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
@@ -197,22 +202,27 @@ def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
 
 
 def _brakes(project: object, motion: Motion, dof: int) -> Array:
-    """What may brake a joint, typical size 1: viscous and dry friction, a rotor; and a constant of either sign."""
+    """What may brake a joint: viscous and dry friction, and a rotor."""
     speed, bend = motion.qvel[:, dof], motion.qacc[:, dof]
     slow = _SLOW * float(np.sqrt((speed**2).mean())) or 1.0
-    columns = np.stack([-speed, -np.tanh(speed / slow), -bend, np.ones(len(speed)), -np.ones(len(speed))], axis=1)
+    columns = np.stack([-speed, -np.tanh(speed / slow), -bend], axis=1)
     return project(columns)  # pyright: ignore[reportCallIssue]
 
 
-def _fit(need: Array, columns: Array) -> tuple[Array, float]:
-    """Least squares without negative coefficients, and the squares that remain."""
-    size = np.sqrt((columns**2).sum(0))
-    size[size == 0.0] = 1.0
-    x, rest = nnls(columns / size, need)
-    return x / size, float(rest**2)
+def _fit(need: Array, free: Array, brakes: Array) -> tuple[Array, Array, float]:
+    """Least squares with some coefficients of any sign and others that are not negative.
 
+    The free columns are projected out first.
 
-def _rest(need: Array, others: Array, column: Array) -> float:
-    """Squares that remain with coefficients of any sign."""
-    found = np.column_stack([others, column])
-    return float(((need - found @ np.linalg.lstsq(found, need, rcond=None)[0]) ** 2).sum())
+    Returns:
+        The free coefficients, the others, and the squares that remain.
+    """
+    basis, triangle = np.linalg.qr(free)
+    rest = brakes - basis @ (basis.T @ brakes)
+    whole, size = (np.sqrt((columns**2).sum(0)) for columns in (brakes, rest))
+    own = size > _APART * whole
+    x = np.zeros(brakes.shape[1])
+    x[own] = nnls(rest[:, own] / size[own], need - basis @ (basis.T @ need))[0] / size[own]
+    left = need - brakes @ x
+    c = np.linalg.lstsq(triangle, basis.T @ left, rcond=None)[0]
+    return c, x, float(((left - free @ c) ** 2).sum())

@@ -48,4 +48,5 @@ def test_two_commands_name_the_friction_of_the_elbow(
     assert report["ladder"][-1]["effects"] == ["coulomb_friction@elbow"]
     torque = report["ladder"][-1]["parameters"]["coulomb_friction@elbow.torque"]
     assert torque["value"] == pytest.approx(FRICTION, rel=0.05)
-    assert report["ladder"][-1]["held_out"]["chi2"] < 1.1
+    before, after = (report["ladder"][k]["held_out"]["chi2"] for k in (0, -1))
+    assert after < 0.05 * before  # the machine's friction is MuJoCo's soft one
