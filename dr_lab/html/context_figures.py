@@ -6,9 +6,10 @@ import numpy as np
 import plotly.graph_objects as go
 
 from dr_lab.html.figure import AFTER, NOISE, Plot, chart, line, numbers, series, soft
+from dr_lab.html.target_figures import spread_plot
 from dr_lab.html.thinning import spread
 from dr_lab.recorders.distributions import CONTENTS, ellipse
-from dr_lab.recorders.training import Marginal, Pair
+from dr_lab.recorders.training import Marginal, Pair, Spread
 from dr_lab.reports.quantity import percent, titled
 from dr_lab.trajectory import Array
 
@@ -19,11 +20,18 @@ _HEIGHT = 280  # px
 DENSITY = [[0.0, "var(--low)"], [0.5, "var(--middle)"], [1.0, "var(--high)"]]
 
 
-def marginal_plots(marginals: Sequence[Marginal]) -> list[Plot]:
-    """Each parameter's density at the beginning and in the end and, where it changed, its course between."""
+def marginal_plots(marginals: Sequence[Marginal], spreads: Sequence[Spread] = ()) -> list[Plot]:
+    """Each parameter's density at the beginning and in the end and, where it changed, its course between.
+
+    Args:
+        marginals: the densities.
+        spreads: of those of them whose course mean and standard deviation tell better.
+    """
+    gaussian = {each.name: spread_plot(each) for each in spreads}
     bins = sum(each.probability.shape[1] for each in marginals)
     times = max(_LEAST, min(_TIMES, _CELLS // max(bins, 1)))
-    return [plot for each in marginals for plot in (_ends(each), *_course(each, times))]
+    courses = [[gaussian[each.name]] if each.name in gaussian else _course(each, times) for each in marginals]
+    return [plot for each, course in zip(marginals, courses, strict=True) for plot in (_ends(each), *course)]
 
 
 def pair_plots(pairs: Sequence[Pair]) -> list[Plot]:

@@ -89,14 +89,19 @@ def ways_plots(ways: Sequence[Ways]) -> list[Plot]:
     return plots
 
 
-def sample_plots(samples: Sequence[Sample]) -> list[Plot]:
-    """How values scatter: a violin each, with quartiles, mean and every value; infeasible ones are left out."""
+def sample_plots(samples: Sequence[Sample], colours: Sequence[str] = ()) -> list[Plot]:
+    """How values scatter: a violin each, with quartiles, mean and every value; infeasible ones are left out.
+
+    Args:
+        samples: the values.
+        colours: one each; by default one after the other of those that groups have.
+    """
     known = [(each, each.value[np.isfinite(each.value)]) for each in samples]
     if not any(len(values) for _, values in known):
         return []
     figure = chart()
     for index, (each, values) in enumerate(known):
-        colour = series(index)
+        colour = colours[index] if colours else series(index)
         style = {"line": {"color": colour, "width": 1.5}, "fillcolor": soft(colour), "width": 0.6, "spanmode": "hard"}
         inside = {"meanline": {"visible": True}, "box": {"visible": True, "fillcolor": "rgba(0,0,0,0)", "width": 0.15}}
         dots = {"points": "all", "pointpos": 0, "jitter": 0.5, "marker": {"size": 4, "opacity": 0.5, "color": INK}}

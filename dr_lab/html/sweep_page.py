@@ -9,7 +9,7 @@ from dr_lab.html.context_figures import group_marginal_plots
 from dr_lab.html.curve_figures import band_plots
 from dr_lab.html.document import Chapter, Text, write_document
 from dr_lab.html.figure import Plot, chart, rows_height, series
-from dr_lab.html.return_figures import grid_lines, grid_map
+from dr_lab.html.return_figures import grid_lines, grid_map, sample_plots
 from dr_lab.recorders.sweep_review import SweepRecord
 from dr_lab.reports.page import Page
 from dr_lab.reports.plain import Number
@@ -34,12 +34,15 @@ def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: Sw
     """
     lines = [grid_lines(each, record.groups) for each in record.lines.values()]
     maps = [grid_map(grid) for grid in record.maps.values()]
+    colours = {group: series(index) for index, group in enumerate(record.groups)}
+    scattered = [(sample, colours[group]) for group, samples in record.violins.items() for sample in samples]
     chapters = [
         Chapter("Comparison", comparison_plots(report.groups, record.groups)),
         *(Chapter(section.title or "Table", [Text(section.body)]) for section in page.sections if section.body),
         Chapter("Over training", band_plots(record.bands, record.groups)),
         Chapter("Learned distributions", group_marginal_plots(record.marginals, record.groups)),
         Chapter("Returns over contexts", [*lines, *maps]),
+        Chapter("Returns", sample_plots([sample for sample, _ in scattered], [colour for _, colour in scattered])),
         *(Chapter(title, [Text(text)]) for title, text in record.pages.items() if title == "Runs"),
     ]
     write_document(path, page.title, page.lead, chapters)

@@ -6,6 +6,7 @@ from dr_lab.html.context_figures import marginal_plots, pair_plots
 from dr_lab.html.curve_figures import choice_plots, curve_plots
 from dr_lab.html.document import Chapter, Text, write_document
 from dr_lab.html.return_figures import gain_plots, grid_plots, matrix_plots, sample_plots, ways_plots
+from dr_lab.html.target_figures import comparison_plots, decline_plots
 from dr_lab.recorders.training_review import TrainingRecord
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.page import Page
@@ -27,13 +28,15 @@ def write_training_page(path: Path, page: Page, report: TrainReport | EvaluateRe
     learned = [each for each in record.marginals if len(each.iteration) > 1]
     fixed = [each for each in record.marginals if len(each.iteration) == 1]
     choice = report.choice if isinstance(report, TrainReport) else None
+    pairs = pair_plots(record.pairs if learned else ())
     plots = {
         "Returns over contexts": grid_plots(record.grids),
         "Returns": sample_plots(record.samples),
         "Adaptation": [*gain_plots(record.gains), *ways_plots(record.ways)],
         "Gradients of contexts": matrix_plots(record.matrices),
         "Return": curve_plots(record.curves[:1]),
-        "Learned distribution": [*marginal_plots(learned), *pair_plots(record.pairs if learned else ())],
+        "Learned distribution": [*marginal_plots(learned, record.spreads), *pairs],
+        "Target and model": [*decline_plots(record.declines), *comparison_plots(record.comparisons)],
         "Choice of the policy": choice_plots(choice),
         "Contexts of training": marginal_plots(fixed),
         "Other figures": curve_plots(record.curves)[1:],

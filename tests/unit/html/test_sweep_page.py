@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -5,7 +6,7 @@ from html_pages import figures, require_whole, text, traces, values
 
 from dr_lab.html.sweep_page import write_sweep_page
 from dr_lab.recorders.sweep_review import SweepRecord
-from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
+from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal, Sample
 from dr_lab.reports.page import Page, Section
 from dr_lab.reports.summarize import GroupEntry, SummarizeReport
 
@@ -22,7 +23,10 @@ def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
     ]
     marginal = Marginal("size", "m", np.array([0.0, 0.5]), np.ones(1), np.zeros(1, int), np.ones((1, 1)))
     grid = Grid("lsdr", [ContextAxis("size", "m", np.array([0.1, 0.2]))], np.array([1.0, 2.0]), np.ones(2))
-    record = SweepRecord("s", ["lsdr", "udr"], bands, {"size": {"lsdr": marginal}}, {"lsdr": grid}, {"Runs": "| r |"})
+    record = SweepRecord(
+        "s", ["lsdr", "udr"], bands, {"size": {"lsdr": marginal}}, {"lsdr": grid}, pages={"Runs": "| r |"}
+    )
+    record = replace(record, violins={"udr": [Sample("udr · unseen", np.array([1.0, 2.0]))]})
     report = SummarizeReport("dr_lab/summarize/1", "summarize", "s", groups, (), (), "run")
     page = Page("4 runs of s", "Means.", [Section("figures", "", "| figure |\n|--|\n| final_return |")])
     write_sweep_page(tmp_path / "report.html", page, report, record)
@@ -35,6 +39,8 @@ def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
     assert "seconds" not in str(others)  # the same in all groups
     said = text(written)
     assert said.index("Comparison") < said.index("Over training") < said.index("Learned distributions")
+    (violin,) = [t for t in traces(written, "udr · unseen") if t["type"] == "violin"]
+    assert (values(violin["y"]).tolist(), violin["line"]["color"]) == ([1.0, 2.0], "var(--series-1)")
     curve = next(t for t in traces(written, "udr") if t.get("mode") == "lines+markers")
     assert values(curve["y"]).tolist() == [1.0, 1.0]
 

@@ -7,7 +7,21 @@ from html_pages import figures, require_whole, text, traces, values
 from written_runs import grid_report, train_report
 
 from dr_lab.html.training_page import write_training_page
-from dr_lab.recorders.training import ContextAxis, Curve, Gain, Grid, Marginal, Matrix, Pair, Sample, Ways
+from dr_lab.recorders.training import (
+    Comparison,
+    Comparisons,
+    ContextAxis,
+    Curve,
+    Decline,
+    Gain,
+    Grid,
+    Marginal,
+    Matrix,
+    Pair,
+    Sample,
+    Spread,
+    Ways,
+)
 from dr_lab.recorders.training_review import TrainingRecord
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.evaluate_page import evaluate_page
@@ -133,3 +147,27 @@ def test_many_parameters_stay_small(tmp_path: Path) -> None:
     page = trained(tmp_path, TrainingRecord("run", curves, marginals, pairs))
     assert len(page) < 6_000_000
     assert len([t for figure in figures(page) for t in figure["data"] if t["type"] == "heatmap"]) == 40
+
+
+def test_a_gaussian_that_draws_near_to_a_target_is_told_by_its_spread(tmp_path: Path) -> None:
+    share = np.full((5, 1), 1.0)
+    marginal = Marginal("mass", "kg", np.array([0.0, 2.0]), share[0], ITERATION, share)
+    spread = Spread("mass", "kg", ITERATION, np.linspace(1.0, 2.0, 5), np.full(5, 0.25))
+    time = np.array([0.0, 0.1])
+    first, last = (Comparison("arm.position", "rad", time, time, off * time, off * time[None]) for off in (3.0, 1.5))
+    decline = Decline("discrepancy", ITERATION, {"at the mean": np.logspace(0, -4, 5)})
+    record = TrainingRecord(
+        "run", marginals=[marginal], spreads=[spread], comparisons=[Comparisons(np.array([1, 4]), [first, last])],
+        declines=[decline],
+    )  # fmt: skip
+    page = trained(tmp_path, record)
+    require_whole(page)
+    assert "heatmap" not in page  # mean and deviation tell it better
+    (mean,), (around,) = traces(page, "mean"), traces(page, "± std")
+    assert values(mean["y"]).tolist() == [1.0, 1.25, 1.5, 1.75, 2.0]
+    assert values(around["y"])[[0, -1]].tolist() == [1.25, 0.75]
+    at_mean = [values(t["y"]) for t in traces(page, "model at the mean")]
+    np.testing.assert_allclose(at_mean, [[0.0, 0.3], [0.0, 0.15]], rtol=1e-6)
+    (falls,) = traces(page, "at the mean")
+    np.testing.assert_allclose(values(falls["y"]), np.logspace(0, -4, 5), rtol=1e-6)
+    assert any(each["layout"]["yaxis"].get("type") == "log" for each in figures(page))
