@@ -68,19 +68,32 @@ class NotebookComparison(Comparison):
         return cls(loaded.model, loaded.measurements, loaded.settings, built["recorder"], folders)
 
     def compare(self, run_dir: Path | None = None) -> GapReport:
-        """`dr_lab.workflows.compare.compare`; without `run_dir` results go to ``outputs/compare/<model>/<time>/``."""
+        """Measured beside simulated, and where the model fails: `dr_lab.workflows.compare.compare`.
+
+        Args:
+            run_dir: the run folder; None for ``outputs/compare/<model>/<time>/``.
+        """
         return self._run("compare", run_dir)
 
     def fit(self, run_dir: Path | None = None) -> GapReport:
-        """`dr_lab.workflows.fit.fit`; `run_dir` as in `compare`."""
+        """Calibrate the plain model: `dr_lab.workflows.fit.fit`.
+
+        Args:
+            run_dir: as in `compare`.
+        """
         return self._run("fit", run_dir)
 
     def diagnose(self, effects: Sequence[str] = ("all",), run_dir: Path | None = None) -> GapReport:
-        """`dr_lab.workflows.diagnose.diagnose` of the named effects; `run_dir` as in `compare`."""
+        """Rank effects on held-out logs and say which one is missing: `dr_lab.workflows.diagnose.diagnose`.
+
+        Args:
+            effects: names of those that are tried; ``"all"`` for the catalogue.
+            run_dir: as in `compare`.
+        """
         return self._run("diagnose", run_dir, _chosen(effects))
 
     def add(self, effect: str, run_dir: Path | None = None, **site: str) -> GapReport:
-        """`dr_lab.workflows.add.add` of one effect, e.g. ``add("coulomb_friction", joint="arm")``.
+        """Add one effect and refit, e.g. ``add("coulomb_friction", joint="arm")``: `dr_lab.workflows.add.add`.
 
         Args:
             effect: its name.
@@ -92,7 +105,13 @@ class NotebookComparison(Comparison):
     def close(
         self, effects: Sequence[str] = ("all",), most: int | None = None, run_dir: Path | None = None
     ) -> GapReport:
-        """`dr_lab.workflows.close.close` with the named effects, at most `most` of them; `run_dir` as in `compare`."""
+        """Diagnose and add until nothing more is supported: `dr_lab.workflows.close.close`.
+
+        Args:
+            effects: names of those that are tried; ``"all"`` for the catalogue.
+            most: effects added at most; None for as many as the command's default.
+            run_dir: as in `compare`.
+        """
         return self._run("close", run_dir, _chosen(effects), *([] if most is None else [f"most={most}"]))
 
     def _run(self, verb: str, run_dir: Path | None, *overrides: str) -> GapReport:

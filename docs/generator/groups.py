@@ -41,7 +41,7 @@ def _verbs() -> str:
 def _verb(verb: str) -> str:
     first, *examples = description(shipped() / f"{verb}.yaml")
     lines = [f"# dr-lab {verb}", "", f"{plain(_sentence(first))}.", ""]
-    typed = [line for line in examples if line]
+    typed = [f"$ {line}" for line in examples if line]
     lines += code("\n".join(typed), "console") if typed else []
     cfg = compose_with_hydra(verb, [], (shipped(),))
     known = set(groups())
@@ -50,7 +50,8 @@ def _verb(verb: str) -> str:
         for group, chosen in choices(cfg).items()
     ]
     lines += ["## Groups", "", *table(("group", "option taken"), rows)] if rows else []
-    return "\n".join([*lines, *_keys(verb, cfg)])
+    lines += [*_keys(verb, cfg), "## File", "", f"`conf/{verb}.yaml`:", ""]
+    return "\n".join([*lines, *code((shipped() / f"{verb}.yaml").read_text(encoding="utf-8"), "yaml")])
 
 
 def _keys(verb: str, cfg: DictConfig) -> list[str]:
