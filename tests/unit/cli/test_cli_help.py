@@ -187,12 +187,12 @@ def test_completion_in_bash(install: str) -> None:
     script = f"""
         PATH={PROGRAM.parent}:$PATH
         eval "$({install})"
-        COMP_LINE="dr-lab compare model=furu" COMP_POINT=99 COMP_CWORD=2
+        COMP_LINE="dr-lab compare model=qub" COMP_POINT=99 COMP_CWORD=2
         hydra_bash_completion
         echo "${{COMPREPLY[@]}}"
         complete -p dr-lab
     """
     done = subprocess.run(["bash", "-c", script], check=True, capture_output=True, text=True)
     replies, rule = done.stdout.splitlines()
-    assert replies == "model=furuta"
+    assert replies == "model=qube"
     assert "-F hydra_bash_completion" in rule
