@@ -81,7 +81,7 @@ def _require_same(known: Model, true: Model) -> Model:
 
 
 def _layout(model: Model) -> str:
-    compiled = model.nominal()
+    compiled = replace(model, effects=()).nominal()  # some effects bring actuators that nobody commands
     joints = ", ".join(compiled.joint(i).name for i in range(compiled.njnt))
     actuators = ", ".join(compiled.actuator(i).name for i in range(compiled.nactuator))
     return f"joints {joints}, actuators {actuators} and steps of {compiled.opt.timestep:g} s"

@@ -119,6 +119,18 @@ def test_a_model_that_a_run_ended_with_moves_as_that_with_its_effects(tmp_path: 
     torch.testing.assert_close(played["next", "qpos"], expected["next", "qpos"])
 
 
+def test_an_effect_that_brings_an_actuator_makes_no_other_machine() -> None:
+    known = furuta().model
+    names = [f"cogging@pole.{part}" for part in ("sine", "cosine")]
+    cogged = with_named_effects(known, {"cogging": catalogue_effect("cogging")}, names)
+    assert cogged.nominal().nactuator > known.nominal().nactuator
+    played, expected = (
+        partial(ModelTarget, effects={}, context=None, seed=0, model=model)(furuta()).play(wave, STARTS, 2)
+        for model in (cogged, known)
+    )
+    torch.testing.assert_close(played["next", "qpos"], expected["next", "qpos"])  # absent at its nominal values
+
+
 def test_a_model_of_another_machine_is_refused() -> None:
     other = partial(ModelTarget, effects={}, context=None, seed=0, model=setting("cartpole").model)
     with pytest.raises(ConfigError, match=r"has joints cart, pole, .* that of env has joints arm, pole"):
