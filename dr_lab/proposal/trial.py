@@ -6,6 +6,7 @@ beside what may brake: viscous and dry friction and a rotor's inertia, none of t
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -140,7 +141,7 @@ class Trial:
         constant = np.ones((len(weak), 1))
         idle = np.array([_fit(need[:, j], constant, b)[2] for j, b in enumerate(brakes)]) / size
         given = tuple(
-            self._given(need[:, j], brakes[j], weak.project(motion.qpos[:, [j]])[:, 0], float(size[j]))
+            self._given(_Joint(need[:, j], brakes[j], weak.project(motion.qpos[:, [j]])[:, 0], float(size[j])))
             if driven
             else ()
             for j, driven in enumerate(self.driven)
@@ -153,31 +154,40 @@ class Trial:
         parts = [weak.project(part) for part in (needed.inertia, needed.gravity)]
         return np.maximum(sum(((part - part.mean(0)) ** 2).sum(0) for part in parts), np.finfo(float).tiny)
 
-    def _given(self, need: Array, brakes: Array, place: Array, size: float) -> tuple[Given, ...]:
+    def _given(self, joint: "_Joint") -> tuple[Given, ...]:
         """What each series gives, at the lag at which it leaves least."""
         found = []
         for k, late in enumerate(self.drives):
             columns = [self.grid.weak.project(values[:, None])[:, 0] for values in late]
-            forces = [self._as_force(k, lag, column, need, brakes, size) for lag, column in enumerate(columns)]
+            forces = [_as_force(k, self.lags[lag], column, joint) for lag, column in enumerate(columns)]
             found.append(min(forces, key=lambda each: each.left))
             if self.servos[k]:
-                servos = [self._as_servo(k, lag, c, need, brakes, place, size) for lag, c in enumerate(columns)]
+                servos = [_as_servo(k, self.lags[lag], column, joint) for lag, column in enumerate(columns)]
                 found.append(min(servos, key=lambda each: each.left))
         return tuple(sorted(found, key=lambda each: each.left))
 
-    def _as_force(self, k: int, lag: int, column: Array, need: Array, brakes: Array, size: float) -> Given:
-        unit = float(np.abs(column).max()) or 1.0
-        c, _, left = _fit(need, np.column_stack([column / unit, np.ones(len(need))]), brakes)
-        return Given(k, self.lags[lag], float(c[0]) / unit, 0.0, 0.0, left / size)
 
-    def _as_servo(
-        self, k: int, lag: int, column: Array, need: Array, brakes: Array, place: Array, size: float
-    ) -> Given:
-        """Need = kp (f · series − q) − kv q' beside what brakes; f is a unit, or a sign."""
-        unit = float(np.abs(column).max()) or 1.0
-        free = np.column_stack([column / unit, np.ones(len(need))])
-        c, x, left = _fit(need, free, np.column_stack([-place, brakes]))
-        return Given(k, self.lags[lag], float(c[0]) / unit, float(x[0]), float(x[1]), left / size)
+class _Joint(NamedTuple):
+    """A joint under a reading: what it needed, what may brake it and where it was, by test function; squares to 1."""
+
+    need: Array
+    brakes: Array
+    place: Array
+    size: float
+
+
+def _as_force(k: int, lag: float, column: Array, joint: _Joint) -> Given:
+    unit = float(np.abs(column).max()) or 1.0
+    c, _, left = _fit(joint.need, np.column_stack([column / unit, np.ones(len(column))]), joint.brakes)
+    return Given(k, lag, float(c[0]) / unit, 0.0, 0.0, left / joint.size)
+
+
+def _as_servo(k: int, lag: float, column: Array, joint: _Joint) -> Given:
+    """Need = kp (f · series − q) − kv q' beside what brakes; f is a unit, or a sign."""
+    unit = float(np.abs(column).max()) or 1.0
+    free = np.column_stack([column / unit, np.ones(len(column))])
+    c, x, left = _fit(joint.need, free, np.column_stack([-joint.place, joint.brakes]))
+    return Given(k, lag, float(c[0]) / unit, float(x[0]), float(x[1]), left / joint.size)
 
 
 def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
@@ -225,4 +235,4 @@ def _fit(need: Array, free: Array, brakes: Array) -> tuple[Array, Array, float]:
     x[own] = nnls(rest[:, own] / size[own], need - basis @ (basis.T @ need))[0] / size[own]
     left = need - brakes @ x
     c = np.linalg.lstsq(triangle, basis.T @ left, rcond=None)[0]
-    return c, x, float(((left - free @ c) ** 2).sum())
+    return np.asarray(c, np.float64), x, float(((left - free @ c) ** 2).sum())
