@@ -20,6 +20,11 @@ from generator.signature import put
 from generator.text import code, literal, plain, table
 
 _SECTION = re.compile(r"^(Parameters[^:]*|Limits|Raises|Source|Attributes):", re.MULTILINE)
+_SIGNATURE = (
+    "First measured less simulated position, the model lacking the effect: same start, same commands. Then, where there "
+    "are no contacts, what that model would need besides, by inverse dynamics along the measured motion (of a sensor, "
+    "the residual again)."
+)
 _OPEN = ("effects.formula.expression='-k*sin(3*q)'", "effects.formula.free={k:{unit:Nm,nominal:0,low:-1,high:1}}")
 
 
@@ -78,6 +83,7 @@ def _page(name: str, effect: Effect, *, figures: bool) -> str:
         lines += ["**Special cases:** " + _links(tuple(effect.holds)) + ". The poorest that is not beaten stands.", ""]
     if figures:
         lines += ["## Signature", "", f"```{{image}} {name}.svg", f":alt: signature of {name}", "```", ""]
+        lines += [_SIGNATURE, ""]
     lines += ["## Parameters", "", _capital(plain(parts["Parameters"].strip())), "", *_bounds(effect)]
     for title in ("Limits", "Raises", "Source"):
         if title in parts:

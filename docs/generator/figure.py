@@ -21,6 +21,15 @@ AGAINST = {
     "sensing": "velocity",
     "open": "position",
 }
+# Effects whose force, or of sensors residual, is a function of something else.
+INSTEAD = {
+    "air_drag": "velocity",
+    "cogging": "position",
+    "encoder_eccentricity": "position",
+    "gain_error": "position",
+    "sensor_scale": "position",
+    "wind": "velocity",
+}
 BLUE, ORANGE, GREY = "#3b82c4", "#e07b2a", "#808080"  # seen on white and on black
 EDGE = 5  # samples at either end, whose differences are one-sided
 PEAK = 99.0  # percentile of |force| that the axis holds: an impact would squeeze all else
@@ -51,8 +60,11 @@ def draw(shown: Signature, path: Path) -> None:
 
 
 def _force(axes: "mpl.axes.Axes", shown: Signature) -> None:
-    argument, force = AGAINST[shown.placed.effect.family], shown.force
-    assert force is not None
+    effect = shown.placed.effect
+    argument = INSTEAD.get(effect.name, AGAINST[effect.family])
+    # A sensor moves nothing: what it reports wrongly tells more than the force that would move the machine so.
+    sensing = effect.family == "sensing"
+    values = shown.residual if sensing or shown.force is None else shown.force
     kept = slice(EDGE, -EDGE)
     unit = {
         "position": "rad",
@@ -60,6 +72,7 @@ def _force(axes: "mpl.axes.Axes", shown: Signature) -> None:
         "acceleration": "rad/s²",
         "command": shown.bench.command_unit,
     }[argument]
-    axes.plot(shown.series[argument][kept], force[kept], color=ORANGE, lw=0.0, marker=".", ms=2.0, rasterized=True)
-    most = 1.15 * float(np.percentile(np.abs(force[kept]), PEAK))
-    axes.set(xlabel=f"{argument} [{unit}]", ylabel="missing torque [N·m]", ylim=(-most, most))
+    axes.plot(shown.series[argument][kept], values[kept], color=ORANGE, lw=0.0, marker=".", ms=2.0, rasterized=True)
+    most = 1.15 * float(np.percentile(np.abs(values[kept]), PEAK))
+    label = f"residual [{shown.bench.unit}]" if sensing else "missing torque [N·m]"
+    axes.set(xlabel=f"{argument} [{unit}]", ylabel=label, ylim=(-most, most))
