@@ -14,6 +14,7 @@ from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.groups import defaults_of
 from dr_lab.cli.job import Job, build
+from dr_lab.cli.provenance import write_config
 from dr_lab.comparison.comparison import Comparison
 from dr_lab.recorders.look import Look
 from dr_lab.reports.evaluate import EvaluateReport
@@ -39,10 +40,14 @@ class NotebookComparison(Comparison):
     Attributes:
         recorder: how recordings look.
         config_folders: where configuration files are found, first searched first.
+        overrides: with which it was loaded.
+        loaded: what these gave. Where it is still that, a run folder has the ``config.yaml`` that other verbs go on from.
     """
 
     recorder: Look
     config_folders: tuple[Path, ...]
+    overrides: tuple[str, ...]
+    loaded: Comparison
 
     @classmethod
     def load(
@@ -62,10 +67,11 @@ class NotebookComparison(Comparison):
             DataError: the logs cannot be read.
         """
         folders = _folders(config_dir)
-        cfg = compose_from(folders, "compare", [f"model={model}", f"measurements={measurements}", *overrides])
+        typed = (f"model={model}", f"measurements={measurements}", *overrides)
+        cfg = compose_from(folders, "compare", typed)
         built = arguments_of("compare", cfg, folders)[1]
         loaded: Comparison = built["comparison"]
-        return cls(loaded.model, loaded.measurements, loaded.settings, built["recorder"], folders)
+        return cls(loaded.model, loaded.measurements, loaded.settings, built["recorder"], folders, typed, loaded)
 
     def compare(self, run_dir: Path | None = None) -> GapReport:
         """Measured beside simulated, and where the model fails: `dr_lab.workflows.compare.compare`.
@@ -115,10 +121,13 @@ class NotebookComparison(Comparison):
         return self._run("close", run_dir, _chosen(effects), *([] if most is None else [f"most={most}"]))
 
     def _run(self, verb: str, run_dir: Path | None, *overrides: str) -> GapReport:
-        cfg = compose_from(self.config_folders, verb, overrides)
+        typed = (*self.overrides, *overrides)
+        cfg = compose_from(self.config_folders, verb, typed)
         workflow, arguments = arguments_of(verb, cfg, self.config_folders, given=_OWN)
         folder = run_dir or Path(cfg.outputs) / verb / self.model.name / _now()
         folder.mkdir(parents=True, exist_ok=run_dir is not None)
+        if all(getattr(self, part) is getattr(self.loaded, part) for part in ("model", "measurements", "settings")):
+            write_config(folder, verb, typed, "run", cfg)
         return workflow(comparison=self, recorder=self.recorder, run_dir=folder, **arguments)
 
 

@@ -38,6 +38,9 @@ def test_a_verb_is_a_method_that_does_what_the_command_does(tmp_path: Path, monk
     assert to_plain(report) == written
     assert from_plain(GapReport, written) == report
     assert report.run == str(folder)
+    again = ["compare", f"--config-dir={folder}", "--config-name=config", "hydra.run.dir=again"]
+    assert main(again) == 0
+    assert json.loads(Path("again/report.json").read_text())["ladder"] == written["ladder"]
     assert written | {"run": of_command["run"]} == of_command
 
 
@@ -46,6 +49,7 @@ def test_a_verb_takes_the_settings_that_the_comparison_has(tmp_path: Path) -> No
     settings = replace(loaded.settings, windows=replace(loaded.settings.windows, seconds=1.5))
     longer = replace(loaded, settings=settings).add("coulomb_friction", tmp_path, joint="arm")
     assert longer.windows.fit == 5
+    assert not (tmp_path / "config.yaml").exists()  # which would be that of other settings
     assert longer.ladder[-1].effects == ("coulomb_friction@arm",)
 
 
@@ -68,7 +72,7 @@ def test_a_policy_is_that_of_the_command_and_is_evaluated(tmp_path: Path, monkey
     assert trained.run == str(folder)
     assert from_plain(TrainReport, json.loads((folder / "report.json").read_text())) == trained
     assert main(["train", *SHORT, "hydra.run.dir=typed"]) == 0
-    assert json.loads(Path("typed/report.json").read_text())["final_return"] == to_plain(trained)["final_return"]
+    assert json.loads(Path("typed/report.json").read_text())["final_return"] == trained.final_return
     played = evaluate(f"run={trained.run}", "evaluator.episodes=2", "threads=1")
     assert from_plain(EvaluateReport, json.loads((Path(played.run) / "report.json").read_text())) == played
     assert played.trained == trained.run
