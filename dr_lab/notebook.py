@@ -41,7 +41,7 @@ class NotebookComparison(Comparison):
         recorder: how recordings look.
         config_folders: where configuration files are found, first searched first.
         overrides: with which it was loaded.
-        loaded: what these gave; where nothing was replaced since, run folders have a ``config.yaml``, as `from_run` asks.
+        loaded: what these gave; while nothing is replaced, run folders have the ``config.yaml`` that `from_run` reads.
     """
 
     recorder: Look
