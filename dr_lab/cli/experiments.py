@@ -9,7 +9,7 @@ GROUP = "experiment"
 
 
 def experiments(groups: Collection[str], folders: Sequence[Path]) -> dict[str, Path]:
-    """The experiments that choose options of a verb's groups only, sorted.
+    """The experiments that choose options of a verb's groups only, or of groups that these options bring, sorted.
 
     Args:
         groups: those of the verb.
@@ -19,14 +19,31 @@ def experiments(groups: Collection[str], folders: Sequence[Path]) -> dict[str, P
         File by experiment.
     """
     files = options(GROUP, folders)
-    return {name: path for name, path in files.items() if set(_chosen(name, files)) <= {*groups}}
+    chosen = {name: dict(_chosen(name, files)) for name in files}
+    return {name: files[name] for name, each in chosen.items() if set(each) <= {*groups, *_brought(each, folders)}}
 
 
-def _chosen(name: str, files: Mapping[str, Path]) -> Iterator[str]:
-    """The groups of which an experiment chooses options, itself or by what it builds on; not those within an option."""
+def _chosen(name: str, files: Mapping[str, Path]) -> Iterator[tuple[str, object]]:
+    """The groups of which an experiment chooses options, itself or by what it builds on; not those within an option.
+
+    Each with the option.
+    """
     for entry in defaults_of(files[name]):
         if isinstance(entry, str) and entry in files:
             yield from _chosen(entry, files)
-        for key in entry if isinstance(entry, dict) else ():
+        for key, option in entry.items() if isinstance(entry, dict) else ():
             if key.startswith("override ") and "@" not in key:
-                yield key.removeprefix("override ").removeprefix("/")
+                yield key.removeprefix("override ").removeprefix("/"), option
+
+
+def _brought(chosen: Mapping[str, object], folders: Sequence[Path]) -> Iterator[str]:
+    """The groups that the defaults lists of chosen options name, as that of ``source=model`` names ``model``.
+
+    ``reward`` in an option of ``env`` is the group ``env/reward``.
+    """
+    for group, option in chosen.items():
+        path = options(group, folders).get(str(option))
+        for entry in defaults_of(path) if path else ():
+            for key in entry if isinstance(entry, dict) else ():
+                name = key.removeprefix("override ")
+                yield name.removeprefix("/") if name.startswith("/") else f"{group}/{name}"

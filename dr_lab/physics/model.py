@@ -58,14 +58,19 @@ class Model:
     @property
     def places(self) -> tuple[Target | SharedTarget, ...]:
         """Where values are written: those of parameters, then what is derived."""
-        return (*self.targets.values(), *(each.target for each in self.derived))
+        return (*(self.targets[name] for name in self._placed), *(each.target for each in self.derived))
 
     def placed(self, z: Array) -> Array:
         """The values that go to the `places` in contexts z (c, n), shape (c, places)."""
         values = self.values(z)
-        direct = [values[name] for name in self.targets]
+        direct = [values[name] for name in self._placed]
         derived = [np.broadcast_to(each.formula(values), len(z)) for each in self.derived]
         return np.stack([*direct, *derived], axis=1) if self.places else np.empty((len(z), 0))
+
+    @property
+    def _placed(self) -> list[str]:
+        """Declared parameters that sit somewhere."""
+        return [each.name for each in self.declared if each.name in self.targets]
 
     def with_effect(self, effect: ModelEffect) -> "Model":
         """This model with one more effect compiled in.

@@ -52,7 +52,7 @@ def present(one: PlacedEffect) -> dict[str, float]:
 
 def exported(model: Model, z: Array) -> Model:
     """The model that an export reads back, with all digits."""
-    return ExportedModel(model.name, model.spec_at(z), (), {}, model.effects, model.space.mapping(z))
+    return ExportedModel(model.name, model.spec_at(z), (), {}, model.effects, fixed=model.space.mapping(z))
 
 
 def played(model: Model, z: Array) -> Array:
