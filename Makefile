@@ -44,7 +44,7 @@ demo: $(COMPARE)  ## find what the Furuta pendulum's model lacks, add it, and pr
 	$(BIN)/dr-lab close model=furuta measurements=furuta
 	@echo
 	@echo "To type dr-lab yourself: . $(BIN)/activate"
-	@test -e $(STAMP) || echo "To train policies, too: make install, which adds PyTorch and what goes with it (5 GB)"
+	@test -e $(STAMP) || echo "To train policies, too: make install, which adds PyTorch and what goes with it (6 GB)"
 
 test: $(STAMP)  ## the tests, without those that take minutes or need daemons
 	$(BIN)/pytest --numprocesses auto --dist loadfile
