@@ -17,21 +17,18 @@ help:  ## what can be made
 install: $(STAMP)  ## .venv with all the locked libraries and dr_lab
 
 ifdef UV
-ENVIRONMENT := $(BIN)/python
 INSTALL := $(UV) pip install --quiet --python $(BIN)/python
-
-$(ENVIRONMENT):
-	$(UV) venv --quiet --python '>=3.11' $(VENV)
 else
-ENVIRONMENT := $(BIN)/pip
 INSTALL := $(BIN)/pip install --quiet --no-compile
-
-$(ENVIRONMENT):
-	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "dr_lab needs Python 3.11 or newer: make PYTHON=…")'
-	$(PYTHON) -m venv $(VENV)
 endif
 
-$(COMPARE): requirements-compare.lock pyproject.toml | $(ENVIRONMENT)
+$(COMPARE): requirements-compare.lock pyproject.toml
+ifdef UV
+	@test -x $(BIN)/python || $(UV) venv --quiet --python '>=3.11' $(VENV)
+else
+	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "dr_lab needs Python 3.11 or newer: make PYTHON=…")'
+	@test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV)
+endif
 	$(INSTALL) --require-hashes -r requirements-compare.lock
 	$(INSTALL) --no-deps --editable .
 	@touch $@
