@@ -44,6 +44,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     ".json": lambda path: json.loads(path.read_text(encoding="utf-8")),
     ".csv": lambda path: list(csv.DictReader(path.read_text(encoding="utf-8").splitlines())),
     ".md": lambda path: path.read_text(encoding="utf-8"),
+    ".html": lambda path: path.read_text(encoding="utf-8").index("</html>"),
     ".xml": lambda path: path.read_text(encoding="utf-8").index("</mujoco>"),
     ".npz": lambda path: np.load(path)["qpos"],
     ".rrd": lambda path: len(list(rr.chunk.RrdReader(path).stream())),

@@ -40,7 +40,7 @@ def recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, look: Look) -> Pa
         [band("lsdr", "return", 0.0), band("none", "return", 3.0, alone=True), band("lsdr", "entropy", 1.0)],
         {"torso.size": {"lsdr": marginal(0.1), "none": marginal(0.3)}},
         grids,
-        {"Summary": "# Summary", "Runs": "# Runs"},
+        pages={"Summary": "# Summary", "Runs": "# Runs"},
     )
     path = tmp_path / "review.rrd"
     write_sweep_review(path, record, look)

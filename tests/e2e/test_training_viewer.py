@@ -76,7 +76,7 @@ def test_every_page_shows_what_it_says(viewer: ViewerClient, recording: Path, lo
     expected = {
         "Overview": {"Report": [], "return": [learned], "p(z) of size": [learned]},
         "Curves": {"entropy": [learned]},
-        "Learned distribution": {"p(z) of friction": [learned]},
+        "Learned distribution": {"p(z) of size": [learned]},
         "Pairs of parameters": {"p(z) of friction, size": [learned]},
         "Returns over contexts": {"returns, line": [learned], "returns, area": [learned]},
         "Adaptation": {
