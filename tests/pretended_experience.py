@@ -8,8 +8,9 @@ import torch
 from point_mass import PointCollector, best
 from tensordict import TensorDict
 
-from dr_lab.collectors.collector import Collector, Policy
+from dr_lab.collectors.collector import Collector
 from dr_lab.collectors.experience import Experience
+from dr_lab.collectors.play import Drive
 from dr_lab.envs.slots import Starts
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
@@ -28,8 +29,8 @@ class PretendedExperience(Experience):
         self._listeners, self.policy, self.played, self.rollout_frames = [], best, 0, 0
         self.deployed, self.source = best, source
 
-    def play(self, policy: Policy, z: Array, starts: Starts | None = None) -> TensorDict:
-        del policy, starts
+    def play(self, drive: Drive, z: Array, starts: Starts | None = None) -> TensorDict:
+        del drive, starts
         self.played += len(z)
         self.rollout_frames += len(z)
         returns = self._returns(z)
