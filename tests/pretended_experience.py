@@ -8,9 +8,8 @@ import torch
 from point_mass import PointCollector, best
 from tensordict import TensorDict
 
-from dr_lab.collectors.collector import Collector
+from dr_lab.collectors.collector import Collector, Drive
 from dr_lab.collectors.experience import Experience
-from dr_lab.collectors.play import Drive
 from dr_lab.envs.slots import Starts
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.trajectory import Array
