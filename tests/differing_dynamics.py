@@ -88,8 +88,8 @@ class DifferingExperience(PretendedExperience):
         self.rng = np.random.default_rng([seed, 99])
         self.contexts_played: list[Array] = []
 
-    def play(self, policy: Any, z: Array, starts: Starts | None = None) -> TensorDict:  # noqa: ANN401
-        del policy, starts
+    def play(self, drive: Any, z: Array, starts: Starts | None = None) -> TensorDict:  # noqa: ANN401
+        del drive, starts
         self.contexts_played.append(z)
         action = self.rng.standard_normal((len(z), LENGTH))
         x, rows = self.rng.uniform(-1.0, 1.0, len(z)), list[TensorDict]()
