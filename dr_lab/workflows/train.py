@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -44,11 +45,8 @@ def train(
 ) -> TrainReport:
     """Train a policy on a distribution of contexts, which may be learnt beside it.
 
-    Files: ``metrics.csv`` (a row an iteration), ``checkpoint.pt`` (the last state, with the policies of the last
-    checkpoints), ``policy.pt`` (that of them which is deployed), ``report.json``, ``report.md``, ``report.html``,
-    ``review.rrd`` and ``episodes.mcap`` (a few episodes of the trained policy); where a Gaussian over contexts was
-    learnt, also ``context.yaml``, its mean and covariance. An interrupted run is continued by the same command
-    with ``resume=<run folder>``, as if it had never stopped.
+    README, "What a run leaves", says which files. An interrupted run is continued by the same command with
+    ``resume=<run folder>``, as if it had never stopped.
 
     Args:
         plan: what is trained, and on what.
@@ -75,22 +73,25 @@ def train(
     _run(training, snapshots, policies, plan, run_dir)
     deployed, chosen = _deploy(training, policies, choice, plan, run_dir)
     episodes = play_episodes(plan.env, deployed, training.randomizer, recorder.episodes, plan.seed, plan.threads)
-    history = training.trainer.history
     report = train_report(training, plan, snapshots, chosen, episodes, run_dir)
-    record = TrainingRecord(
-        plan.env.name,
-        curves(history),
+    write_text(run_dir / "metrics.csv", metrics_csv(training.trainer.history))
+    _keep_context(training, run_dir)
+    record = replace(_record(training, snapshots, report), episodes=episodes)
+    finish(run_dir, report, train_page(report), plan.env, record, recorder)
+    return report
+
+
+def _record(training: Training, snapshots: Snapshots, report: TrainReport) -> TrainingRecord:
+    """What the recording shows of training itself."""
+    return TrainingRecord(
+        report.env,
+        curves(training.trainer.history),
         snapshots.marginals(),
         snapshots.pairs(),
         spreads=snapshots.spreads(),
         comparisons=snapshots.comparisons(),
         declines=declines(report.ladder),
-        episodes=episodes,
     )
-    write_text(run_dir / "metrics.csv", metrics_csv(history))
-    _keep_context(training, run_dir)
-    finish(run_dir, report, train_page(report), plan.env, record, recorder)
-    return report
 
 
 def _go_on(training: Training, plan: Plan, resume: str) -> None:
