@@ -3,7 +3,7 @@
     python benchmarks/teachers.py
     python benchmarks/teachers.py --teachers 8 --share 8 --rounds 5
 
-stacked    all teachers in one batch: `dr_lab.algorithms.didor.teachers`, `share` slots each, a whole episode in each
+stacked    all teachers in one batch: `dr_lab.algorithms.teachers.teachers`, `share` slots each, a whole episode in each
 alone      a run for each teacher, in as many slots as it has in the stack
 wide       a run for each teacher, in as many slots as the whole stack has, and so many fewer control steps in each
 

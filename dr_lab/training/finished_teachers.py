@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from dr_lab.algorithms.algorithm import Interface
-from dr_lab.algorithms.didor.teachers import Teachers
 from dr_lab.algorithms.ppo.ppo import PPO
+from dr_lab.algorithms.teachers.teachers import Teachers
 from dr_lab.collectors.experience import Experience
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.physics.context import ContextSpace

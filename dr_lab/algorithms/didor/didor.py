@@ -6,21 +6,20 @@ from typing import Annotated, Any, cast
 from tensordict import TensorDict
 from torch import Tensor
 
-from dr_lab.algorithms.algorithm import Algorithm, Interface
+from dr_lab.algorithms.algorithm import Interface
 from dr_lab.algorithms.didor.distillation import Distillation
-from dr_lab.algorithms.didor.teachers import Teachers
 from dr_lab.algorithms.didor.turns import Turns
+from dr_lab.algorithms.teachers.taught import Taught
+from dr_lab.algorithms.teachers.teachers import Teachers
 from dr_lab.bounds import Count, at_least, require_bounds
 from dr_lab.collectors.collector import Policy
-from dr_lab.collectors.experience import Experience
 from dr_lab.errors import ConfigError
 from dr_lab.networks.gaussian import Gaussian
 from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.seeding import derived_seed
-from dr_lab.trajectory import Array
 
 
-class DiDoR(Algorithm):
+class DiDoR(Taught):
     """Trains N teachers, each in one domain, and then distils them into one student, which is deployed.
 
     1. For `teacher_frames` control steps every teacher is trained by PPO in its own domain, all side by side.
@@ -63,7 +62,7 @@ class DiDoR(Algorithm):
                 f"algorithm.teacher_frames is {teacher_frames} of {frames} control steps (frames), which leaves "
                 "nothing for the student. Lower it, or raise frames."
             )
-        self.teachers = teachers(interface, seed)
+        super().__init__(interface, seed, teachers)
         bounds = (interface.low, interface.high)
         self.student = student(interface.observation, *bounds, derived_seed(seed, "student"))
         self.distillation = distillation(self.student, seed)
@@ -85,15 +84,6 @@ class DiDoR(Algorithm):
         """The student's most likely action."""
         return self.student.mean
 
-    @property
-    def domains(self) -> Array | None:
-        """The contexts that the teachers are trained in, shape (N, n); None before they are drawn."""
-        return self.teachers.domains
-
-    def iterate(self, experience: Experience) -> Mapping[str, float]:
-        """Play a whole episode in each slot, and learn from it."""
-        return self.update(experience.collect_whole(self.teachers.slot_contexts(experience)))
-
     def update(self, batch: TensorDict) -> Mapping[str, float]:
         """Let the teachers learn, or the student, whichever acted."""
         figures = self._distil(batch) if self._turns.student_acts else self.teachers.update(batch)
@@ -111,23 +101,15 @@ class DiDoR(Algorithm):
         taught = self.teachers.acting.distribution(observation)
         return self.distillation.learn(observation[feasible], Gaussian(taught.mean[feasible], taught.log_std[feasible]))
 
-    def begin_schedules(self) -> None:
-        """Those of the teachers."""
-        self.teachers.begin_schedules()
-
-    def forget_episodes(self) -> None:
-        """Those of the teachers."""
-        self.teachers.forget_episodes()
-
     def explore_anew(self, seed: int) -> None:
-        """Explore by other random numbers."""
+        """As `Taught`, and distil from states in another order."""
         super().explore_anew(seed)
-        self.teachers.explore_anew(seed)
+        self.distillation.explore_anew(seed)
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
         return {
-            "teachers": self.teachers.state_dict(),
+            **super().state_dict(),
             "student": self.student.state_dict(),
             "distillation": self.distillation.state_dict(),
             "frames": self.frames,
@@ -135,6 +117,7 @@ class DiDoR(Algorithm):
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from what `state_dict` gave."""
-        for part in ("teachers", "student", "distillation"):
-            getattr(self, part).load_state_dict(state[part])
+        super().load_state_dict(state)
+        self.student.load_state_dict(state["student"])
+        self.distillation.load_state_dict(state["distillation"])
         self._count(state["frames"])

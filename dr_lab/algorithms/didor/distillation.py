@@ -72,6 +72,14 @@ class Distillation:
         std = self._student.log_std.exp().mean().item()
         return {"distillation": before, "distillation_after": self._divergence(rows, teacher), "std": std}
 
+    def explore_anew(self, seed: int) -> None:
+        """Take the states of every pass in another order.
+
+        Args:
+            seed: of the order.
+        """
+        self._generator.manual_seed(derived_seed(seed, "explore_anew", "distillation"))
+
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs, the student apart."""
         return {"adam": self._adam.state_dict(), "generator": self._generator.get_state()}

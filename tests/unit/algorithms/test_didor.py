@@ -14,12 +14,12 @@ from pretended_experience import PretendedExperience
 from dr_lab.algorithms.algorithm import Algorithm
 from dr_lab.algorithms.didor.didor import DiDoR
 from dr_lab.algorithms.didor.distillation import Distillation
-from dr_lab.algorithms.didor.teachers import Teachers
 from dr_lab.algorithms.ensemble.ensemble import Ensemble
 from dr_lab.algorithms.p2pdrl.p2pdrl import P2PDRL
 from dr_lab.algorithms.p2pdrl.peer_surrogate import PeerSurrogate
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.ppo_stack import PPOStack
+from dr_lab.algorithms.teachers.teachers import Teachers
 from dr_lab.errors import ConfigError
 from dr_lab.networks.gaussian import Gaussian, divergence
 from dr_lab.trajectory import Array

@@ -70,3 +70,20 @@ def test_of_two_teachers_in_the_same_states_it_becomes_the_gaussian_of_both_mome
 def test_a_rate_of_nothing_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"algorithm.distillation.rate"):
         Distillation(student(), seed=0, epochs=1, minibatch=50, rate=0.0, adam_epsilon=1e-8)
+
+
+def test_exploring_anew_takes_the_states_in_another_order() -> None:
+    observation = states(64, 4)
+    taught = teacher_of(student(1), observation)
+
+    def learnt(*seeds: int) -> torch.Tensor:
+        one = student()
+        learning = Distillation(one, seed=0, epochs=1, minibatch=16, rate=1e-2, adam_epsilon=1e-8)
+        for seed in seeds:
+            learning.explore_anew(seed)
+        learning.learn(observation, taught)
+        return torch.cat([each.detach().flatten() for each in one.body.parameters()])
+
+    assert torch.equal(learnt(5), learnt(5))
+    assert not torch.equal(learnt(5), learnt())
+    assert not torch.equal(learnt(5), learnt(6))

@@ -1,0 +1,1 @@
+"""Policies that each master one domain, and what learns from them."""
