@@ -12,6 +12,7 @@ History = Sequence[Mapping[str, float]]
 
 _NOT_PLOTTED = ("iteration", "frames", "rollout_frames", "seconds", "episodes")
 _RETURN = "episode_return"
+_INFEASIBLE = "infeasible_episodes"
 _ADAPTED = "return_after_"  # … so many updates
 
 
@@ -55,15 +56,16 @@ def metrics_csv(history: History) -> str:
 def curves(history: History) -> list[Curve]:
     """Every figure over the iterations that know it, but for those that only count or that none knows.
 
-    The return comes first. A figure of a learner's rounds, which take many iterations, is a line from round to round.
-    Where a policy is adapted, its return is that after the last update, and the mean of all episodes, which mixes those
-    before and after an update, is left out.
+    Infeasible episodes are plotted where there are any. The return comes first. A figure of a learner's rounds, which
+    take many iterations, is a line from round to round. Where a policy is adapted, its return is that after the last
+    update, and the mean of all episodes, which mixes those before and after an update, is left out.
     """
     known = {name for row in history for name, value in row.items() if not np.isnan(value)}
     adapted = _adapted(history)
     others = [name for name in dict.fromkeys(name for row in history for name in row) if name != _RETURN]
     names = dict.fromkeys([*(adapted[-1:] or [_RETURN]), *others])
-    names = [name for name in names if name in known and name not in _NOT_PLOTTED]
+    hidden = {*_NOT_PLOTTED, *(() if infeasible_episodes(history) else (_INFEASIBLE,))}
+    names = [name for name in names if name in known - hidden]
     return [_curve(name, history) for name in names]
 
 
@@ -85,4 +87,4 @@ def _curve(name: str, history: History) -> Curve:
 
 def _infeasible(row: Mapping[str, float]) -> float:
     """Number of infeasible episodes; a checkpoint of an earlier version counts them among the others."""
-    return row.get("infeasible_episodes", 0.0)
+    return row.get(_INFEASIBLE, 0.0)

@@ -33,3 +33,10 @@ def test_returns_are_shown_first_even_if_no_episode_ends_at_first() -> None:
 def test_what_an_adapted_policy_returns_is_shown_first() -> None:
     row = {"iteration": 1.0, "episode_return": 0.0, "return_after_0": -4.0, "return_after_1": -2.0, "kl": 0.1}
     assert [curve.name for curve in curves([row])] == ["return_after_1", "return_after_0", "kl"]
+
+
+def test_infeasible_episodes_are_plotted_where_there_are_any() -> None:
+    rows = [{"iteration": 1.0, "infeasible_episodes": 0.0, "kl": 0.1}, {"iteration": 2.0, "infeasible_episodes": 0.0}]
+    assert [curve.name for curve in curves(rows)] == ["kl"]
+    rows[1]["infeasible_episodes"] = 2.0
+    assert [curve.name for curve in curves(rows)] == ["infeasible_episodes", "kl"]
