@@ -10,6 +10,9 @@ from dr_lab.errors import ConfigError
 
 GLOBAL = "_global_"
 
+# libyaml's, where it is: the help of a verb reads hundreds of files
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
 
 def options(group: str, folders: Sequence[Path]) -> dict[str, Path]:
     """The options of a group, sorted; a user's file hides ours of the same name.
@@ -53,7 +56,7 @@ def defaults_of(path: Path) -> list[str | dict[str, object]]:
         path: a yaml file.
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = yaml.load(path.read_text(encoding="utf-8"), Loader=_LOADER)
     except yaml.YAMLError:
         return []
     entries = content.get("defaults") if isinstance(content, dict) else None
