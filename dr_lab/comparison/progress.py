@@ -7,7 +7,16 @@ from typing import Protocol
 
 from rich.console import Console
 from rich.markdown import Markdown
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    Task,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.text import Text
 
 _PARTS = 4  # of a ranking that get a line each
@@ -37,7 +46,7 @@ def screen() -> Iterator[Screen]:
     if not console.is_terminal:
         yield _Lines(console)
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), _Count(), TimeElapsedColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), _Count(), TimeElapsedColumn(), _Left())
     with Progress(*columns, console=console, transient=True) as bars:
         yield _Bars(bars)
 
@@ -51,7 +60,8 @@ class _Lines:
 
     def ranking(self, count: int) -> Callable[[str], None]:
         self.phase(_trying(count))
-        tried, told, last = 0, 0, time.monotonic()
+        tried, told, began = 0, 0, time.monotonic()
+        last = began
 
         def done(label: str) -> None:
             nonlocal tried, told, last
@@ -59,7 +69,8 @@ class _Lines:
             due = tried * _PARTS // count > told * _PARTS // count or time.monotonic() - last >= _LONGEST
             if due and count > 1:
                 told, last = tried, time.monotonic()
-                self._line(f"  {tried} of {count} tried, the last {label}")
+                left = (last - began) * (count - tried) / tried
+                self._line(f"  {tried} of {count} tried, the last {label}{_left(left)}")
 
         return done
 
@@ -101,6 +112,20 @@ class _Count(MofNCompleteColumn):
 
     def render(self, task: Task) -> Text:
         return super().render(task) if task.total is not None else Text("")
+
+
+class _Left(TimeRemainingColumn):
+    """The time that a phase still takes if it goes on as fast; nothing for one whose end is not counted."""
+
+    def render(self, task: Task) -> Text:
+        return Text(_left(task.time_remaining or 0.0).removeprefix("; "))
+
+
+def _left(seconds: float) -> str:
+    """So many seconds in words; nothing where it is less than one."""
+    if seconds < 1:
+        return ""
+    return f"; about {seconds:.0f} s left" if seconds < 90 else f"; about {seconds / 60:.0f} min left"
 
 
 def _trying(count: int) -> str:
