@@ -100,5 +100,15 @@ def _bands(name: str, bands: Sequence[Band], groups: Sequence[str], first: bool)
         figure.add_trace(go.Scatter(x=x, y=numbers(y), name=each.group, showlegend=first, **look, **common))
     figure.update_xaxes(title="control steps", rangemode="tozero", exponentformat="SI")
     figure.update_yaxes(title=name.replace("_", " "))
-    caption = "Interquartile mean over the runs of a group, with its interval." if first else ""
-    return Plot(figure, _LARGE if first else _SMALL, caption, half=not first)
+    caption = ["Interquartile mean over the runs of a group, with its interval."] if first else []
+    return Plot(figure, _LARGE if first else _SMALL, " ".join([*caption, *_alone(bands)]), half=not first)
+
+
+def _alone(bands: Sequence[Band]) -> list[str]:
+    """A sentence on each group of which there is but one point."""
+    known = [(each, np.isfinite(each.value)) for each in bands]
+    return [
+        f"{each.group}: one point alone, {number(float(each.value[where][0]))} after {each.frames[where][0]} steps."
+        for each, where in known
+        if where.sum() == 1
+    ]

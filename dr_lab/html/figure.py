@@ -22,6 +22,7 @@ _SERIES = 7  # colours of groups that the style sheet has
 _MARKUP = ("hovertemplate", "bdata")  # what is no text of a user
 ROW = 26  # px of a labelled row
 _TOP, _BOTTOM = 48, 56  # px beside the axes, for legend and title
+_TITLE = 64  # letters
 
 _AXIS = {
     "color": MUTED,
@@ -79,6 +80,13 @@ def chart(rows: int = 1, columns: int = 1, titles: Sequence[str] = (), **grid: A
     figure.update_layout(template=_TEMPLATE)
     figure.update_annotations(font={"size": 13, "color": MUTED})
     return figure
+
+
+def headed(figure: go.Figure, title: str) -> go.Figure:
+    """The same figure with a title, cut off where it is longer than a figure that takes half the page."""
+    text = title if len(title) <= _TITLE else f"{title[: _TITLE - 1]}…"
+    place = {"x": 0.0, "xref": "container", "y": 1.0, "yref": "container", "yanchor": "top", "pad": {"t": 4, "l": 16}}
+    return figure.update_layout(title={"text": text, "font": {"size": 14}, **place})
 
 
 def rows_height(count: int) -> int:

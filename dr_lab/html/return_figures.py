@@ -14,7 +14,7 @@ from dr_lab.trajectory import Array
 
 _MAP, _LINE = 420, 320  # px
 _HATCHES = 3  # lines across a cell without a value
-_ABOUT_ZERO = [[0.0, BEFORE], [0.5, "var(--low)"], [1.0, AFTER]]
+ABOUT_ZERO = [[0.0, BEFORE], [0.5, "var(--low)"], [1.0, AFTER]]
 _INFEASIBLE = "infeasible"
 
 
@@ -51,7 +51,7 @@ def grid_map(grid: Grid) -> Plot:
     """Mean return over two parameters."""
     figure = _map(grid.axes, grid.mean, DENSITY, "return", {"customdata": numbers(grid.spread.T)})
     figure.update_traces(hovertemplate="%{x:.4g}, %{y:.4g}: %{z:.4g} ± %{customdata:.3g}<extra></extra>", selector=0)
-    return Plot(figure, _MAP, f"Mean returns, {grid.title}.{_hatched(grid.mean)}", half=True)
+    return Plot(figure, _MAP, f"Mean returns, {grid.title}.{hatched(grid.mean)}", half=True)
 
 
 def gain_plots(gains: Sequence[Gain]) -> list[Plot]:
@@ -63,9 +63,9 @@ def matrix_plots(matrices: Sequence[Matrix]) -> list[Plot]:
     """Cosines between the gradients of contexts; where the sign is in doubt is marked by a dot."""
     plots = []
     for each in matrices:
-        figure = _map([each.axis, each.axis], each.value, _ABOUT_ZERO, "cosine", {"zmin": -1.0, "zmax": 1.0})
-        figure.add_trace(_dots([each.axis, each.axis], each.doubtful & np.isfinite(each.value)))
-        plots.append(Plot(figure, _MAP, f"{each.title}. Dots: the sign is in doubt.{_hatched(each.value)}", half=True))
+        figure = _map([each.axis, each.axis], each.value, ABOUT_ZERO, "cosine", {"zmin": -1.0, "zmax": 1.0})
+        figure.add_trace(dots([each.axis, each.axis], each.doubtful & np.isfinite(each.value)))
+        plots.append(Plot(figure, _MAP, f"{each.title}. Dots: the sign is in doubt.{hatched(each.value)}", half=True))
     return plots
 
 
@@ -114,9 +114,9 @@ def sample_plots(samples: Sequence[Sample], colours: Sequence[str] = ()) -> list
 def _gain_map(gain: Gain) -> Plot:
     known = np.abs(gain.value[np.isfinite(gain.value)])
     reach = float(known.max()) if len(known) and known.max() > 0.0 else 1.0
-    figure = _map(gain.axes, gain.value, _ABOUT_ZERO, "gain", {"zmin": -reach, "zmax": reach})
-    figure.add_trace(_dots(gain.axes, gain.doubtful & np.isfinite(gain.value)))
-    return Plot(figure, _MAP, f"Gain {gain.title}. Dots: the sign is in doubt.{_hatched(gain.value)}", half=True)
+    figure = _map(gain.axes, gain.value, ABOUT_ZERO, "gain", {"zmin": -reach, "zmax": reach})
+    figure.add_trace(dots(gain.axes, gain.doubtful & np.isfinite(gain.value)))
+    return Plot(figure, _MAP, f"Gain {gain.title}. Dots: the sign is in doubt.{hatched(gain.value)}", half=True)
 
 
 def _gain_line(gain: Gain) -> Plot:
@@ -140,13 +140,13 @@ def _map(
     figure = chart()
     shape = {"x": across.values, "y": up.values, "z": numbers(value.T), "colorscale": colours, "colorbar": bar}
     figure.add_trace(go.Heatmap(**shape, **more))
-    figure.add_trace(_hatching(across.values, up.values, ~np.isfinite(value)))
+    figure.add_trace(hatching(across.values, up.values, ~np.isfinite(value)))
     figure.update_xaxes(title=_title(across), showgrid=False, zeroline=False)
     figure.update_yaxes(title=_title(up), showgrid=False, zeroline=False)
     return figure
 
 
-def _hatching(x: Array, y: Array, unknown: NDArray[np.bool_]) -> go.Scatter:
+def hatching(x: Array, y: Array, unknown: NDArray[np.bool_]) -> go.Scatter:
     """Slanting lines across the cells without a value, as one trace with gaps."""
     share = np.arange(1, 2 * _HATCHES) / _HATCHES  # of the way along the lower and the right edge
     lines: list[tuple[float | None, float | None]] = []
@@ -168,13 +168,15 @@ def _cell(values: Array, index: int) -> tuple[float, float]:
     return float(values[index] - below), float(values[index] + above)
 
 
-def _dots(axes: Sequence[ContextAxis], where: NDArray[np.bool_]) -> go.Scatter:
+def dots(axes: Sequence[ContextAxis], where: NDArray[np.bool_]) -> go.Scatter:
+    """A dot in each cell of a map, shape (n, m) as the axes, in which something is in doubt."""
     across, up = (axis.values[index] for axis, index in zip(axes, np.argwhere(where).T, strict=True))
     style = {"mode": "markers", "marker": {"color": INK, "size": 5}, "showlegend": False, "hoverinfo": "skip"}
     return go.Scatter(x=across, y=up, **style)
 
 
-def _hatched(value: Array) -> str:
+def hatched(value: Array) -> str:
+    """What a caption says of cells without a value."""
     return "" if np.isfinite(value).all() else " Hatched: infeasible, no value."
 
 

@@ -9,9 +9,11 @@ from dr_lab.html.context_figures import group_marginal_plots
 from dr_lab.html.curve_figures import band_plots
 from dr_lab.html.document import Chapter, Text, write_document
 from dr_lab.html.figure import Plot, chart, rows_height, series
+from dr_lab.html.interference_figures import interference_plots
 from dr_lab.html.return_figures import grid_lines, grid_map, sample_plots
+from dr_lab.html.sampling_figures import sampling_plots
 from dr_lab.recorders.sweep_review import SweepRecord
-from dr_lab.reports.page import Page
+from dr_lab.reports.page import Page, Section
 from dr_lab.reports.plain import Number
 from dr_lab.reports.quantity import number
 from dr_lab.reports.summarize import GroupEntry, SummarizeReport
@@ -38,7 +40,7 @@ def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: Sw
     scattered = [(sample, colours[group]) for group, samples in record.violins.items() for sample in samples]
     chapters = [
         Chapter("Comparison", comparison_plots(report.groups, record.groups)),
-        *(Chapter(section.title or "Table", [Text(section.body)]) for section in page.sections if section.body),
+        *_told(page.sections, record),
         Chapter("Over training", band_plots(record.bands, record.groups)),
         Chapter("Learned distributions", group_marginal_plots(record.marginals, record.groups)),
         Chapter("Returns over contexts", [*lines, *maps]),
@@ -46,6 +48,12 @@ def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: Sw
         *(Chapter(title, [Text(text)]) for title, text in record.pages.items() if title == "Runs"),
     ]
     write_document(path, page.title, page.lead, chapters)
+
+
+def _told(sections: Sequence[Section], record: SweepRecord) -> list[Chapter]:
+    """What is said, below what is drawn of the same."""
+    drawn = {"sampling": sampling_plots(record.sampled), "interference": interference_plots(record.interference)}
+    return [Chapter(s.title or "Table", [*drawn.get(s.key, []), Text(s.body)]) for s in sections if s.body]
 
 
 def comparison_plots(groups: Sequence[GroupEntry], labels: Sequence[str]) -> list[Plot]:

@@ -8,11 +8,14 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from dr_lab.recorders import distributions, grids, violins
+from dr_lab.recorders import distributions, grids, heat_map, violins
 from dr_lab.recorders.branch import FRAMES, Branch, entity_path
 from dr_lab.recorders.counted_axis import counted_axis
+from dr_lab.recorders.interference import Interference
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.matrices import log_matrix
 from dr_lab.recorders.recording import recording_file
+from dr_lab.recorders.sampling import Sampled, highest_share, log_sampled
 from dr_lab.recorders.training import Band, Grid, Marginal, Sample
 
 # Rerun keeps one layout an application: every recording of a sweep shares this one.
@@ -32,6 +35,8 @@ class SweepRecord:
         grids: returns over contexts, by group; those over the same parameter alone share one chart.
         violins: how returns are distributed, by group; all in one chart.
         pages: Markdown by title; the first stands on the first page.
+        sampled: by parameter, how often contexts of each kind were drawn, one entry a group.
+        interference: how the gradients of contexts agree, one entry a group and policy.
     """
 
     name: str
@@ -41,6 +46,8 @@ class SweepRecord:
     grids: Mapping[str, Grid] = field(default_factory=dict)
     violins: Mapping[str, Sequence[Sample]] = field(default_factory=dict)
     pages: Mapping[str, str] = field(default_factory=dict)
+    sampled: Mapping[str, Sequence[Sampled]] = field(default_factory=dict)
+    interference: Sequence[Interference] = ()
 
     @property
     def lines(self) -> dict[str, dict[str, Grid]]:
@@ -61,7 +68,8 @@ def write_sweep_review(path: Path, record: SweepRecord, look: Look) -> None:
     """Write the recording with its layout, atomically.
 
     Entities: ``/curve/<figure>/<group>``, with the interval's ends, on the timeline ``frames``,
-    ``/distribution/<parameter>``, ``/returns/<parameter>`` and ``/grid/<group>``, ``/violins``, ``/pages/<title>``.
+    ``/distribution/<parameter>``, ``/returns/<parameter>`` and ``/grid/<group>``, ``/violins``,
+    ``/sampled/<parameter>/<group>``, ``/matrix/<group and policy>``, ``/pages/<title>``.
 
     Args:
         path: the file, by custom ``review.rrd``.
@@ -90,20 +98,29 @@ def _log(root: Branch, record: SweepRecord, look: Look) -> None:
     if drawn:
         each, colour = zip(*drawn, strict=True)
         violins.log_violins(root / violins.ROOT, each, colour, look)
+    for name, each in record.sampled.items():
+        highest = max(map(highest_share, each))
+        for sampled in each:
+            log_sampled(root / "sampled" / name / sampled.group, sampled, look, highest)
+    for interference in record.interference:
+        log_matrix(root / "matrix" / interference.matrix.title, interference.matrix, look)
     for title, text in record.pages.items():
         (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
 
 
 def _log_band(place: Branch, band: Band, index: int, look: Look) -> None:
-    """The mean as a line, and thinner ones at the interval's ends, where they are known."""
+    """The mean as a line, and thinner ones at the interval's ends, where they are known; of one point alone dots."""
     lines, widths = [band.value], [look.line_width]
     if np.isfinite(band.low).any():
         lines, widths = [*lines, band.low, band.high], [*widths, look.line_width / 2, look.line_width / 2]
     colours = [look.series(index), *([look.series(index, look.ghost_alpha)] * (len(lines) - 1))]
     names = [band.group, *["interval"] * (len(lines) - 1)]
-    place.static(rr.SeriesLines(colors=colours, names=names, widths=widths))
     values = np.stack(lines, axis=1)
     known = np.isfinite(values).all(axis=1)
+    if known.sum() == 1:  # of which a line would show nothing
+        place.static(rr.SeriesPoints(colors=colours, names=names, marker_sizes=[3 * width for width in widths]))
+    else:
+        place.static(rr.SeriesLines(colors=colours, names=names, widths=widths))
     columns = rr.Scalars.columns(scalars=values[known].ravel()).partition([len(lines)] * int(known.sum()))
     place.over_frames(band.frames[known], columns)
 
@@ -111,12 +128,14 @@ def _log_band(place: Branch, band: Band, index: int, look: Look) -> None:
 def _blueprint(record: SweepRecord) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=entity_path("pages", title), name=title) for title in record.pages]
     # A view stands in one place only: the overview has its own.
-    plots = [*_curves(record)[:1], *(_learned(record) or _maps(record))[:1]]
+    plots = [*_curves(record)[:1], *(_learned(record) or _maps(record) or _matrices(record))[:1]]
     overview = rrb.Horizontal(*text[:1], *([rrb.Vertical(*plots)] if plots else []), name="Overview")
     sheets = {
         "Curves": _curves(record),
         "Learned distributions": _learned(record),
         "Returns over contexts": _maps(record),
+        "Sampling frequency": _sampled(record),
+        "Gradients of contexts": _matrices(record),
     }
     pages = [overview, *(rrb.Grid(*views, name=name) for name, views in sheets.items() if views), *text[1:]]
     frames = rrb.TimePanel(state="collapsed", timeline=FRAMES, play_state="paused")
@@ -146,6 +165,21 @@ def _maps(record: SweepRecord) -> list[rrb.View]:
         *violins.views(every),
         *lines,
         *(grids.CANVAS.view(["grid", group], f"returns, {group}") for group in record.maps),
+    ]
+
+
+def _sampled(record: SweepRecord) -> list[rrb.View]:
+    return [
+        heat_map.CANVAS.view(["sampled", name, each.group], f"share of draws of {name}, {each.group} ({each.told})")
+        for name, of_parameter in record.sampled.items()
+        for each in of_parameter
+    ]
+
+
+def _matrices(record: SweepRecord) -> list[rrb.View]:
+    return [
+        heat_map.CANVAS.view(["matrix", each.matrix.title], f"cosine, {each.matrix.title} ({each.told})")
+        for each in record.interference
     ]
 
 

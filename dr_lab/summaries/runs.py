@@ -21,7 +21,7 @@ from dr_lab.sweeps.overrides import by_key
 from dr_lab.trajectory import Array
 
 _TYPES = {train.SCHEMA: TrainReport, evaluate.SCHEMA: EvaluateReport}
-_REPORT, _CONFIG, _METRICS = "report.json", "config.yaml", "metrics.csv"
+_REPORT, _CONFIG, _METRICS, _CONTEXTS = "report.json", "config.yaml", "metrics.csv", "contexts.csv"
 _ANY = "*"
 _RESUMED = "resume"  # override that says where a run was gone on with, which makes no other run of it
 _UNREADABLE = "{} cannot be read as a run: {}. Take it out of {}."
@@ -108,7 +108,20 @@ def history(run: Run) -> dict[str, Array]:
     Raises:
         DataError: it cannot be read, or a value is no number.
     """
-    path = run.folder / _METRICS
+    return _columns(run, _METRICS)
+
+
+def drawn_contexts(run: Run) -> dict[str, Array]:
+    """Columns of a training run's ``contexts.csv``; nothing where it was not trained, or by an earlier version.
+
+    Raises:
+        DataError: it cannot be read, or a value is no number.
+    """
+    return _columns(run, _CONTEXTS)
+
+
+def _columns(run: Run, name: str) -> dict[str, Array]:
+    path = run.folder / name
     if not isinstance(run.content, TrainReport) or not path.is_file():
         return {}
     try:
@@ -116,7 +129,7 @@ def history(run: Run) -> dict[str, Array]:
             rows = list(csv.DictReader(file))
         return {name: np.array([float(row[name] or "nan") for row in rows]) for name in (rows[0] if rows else ())}
     except (ValueError, TypeError, csv.Error) as error:  # TypeError: a row has more values than there are columns
-        raise DataError(f"{path}: {error}. Expected the {_METRICS} of a training run.") from None
+        raise DataError(f"{path}: {error}. Expected the {name} of a training run.") from None
 
 
 def _places(report: Mapping[str, object], parts: Sequence[str]) -> dict[str, object]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dr_lab.summaries.groups import Statistics
+from dr_lab.summaries.sampling import SamplingSettings
 
 
 @dataclass(frozen=True)
@@ -15,6 +16,7 @@ class SummarySettings:
         ignored: keys of their configurations that say nothing about the experiment.
         figures: paths into a report that are compared, by its schema.
         statistics: how runs of a group are summed up.
+        sampling: how contexts that were drawn are counted.
         reference: label of the group that the others are compared with; None = the first.
     """
 
@@ -22,4 +24,5 @@ class SummarySettings:
     ignored: Sequence[str]
     figures: Mapping[str, Sequence[str]]
     statistics: Statistics
+    sampling: SamplingSettings
     reference: str | None

@@ -1,7 +1,7 @@
 """Verb `summarize`: one table and one recording of many runs."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
@@ -9,6 +9,7 @@ from rich.markdown import Markdown
 
 from dr_lab.files import write_text
 from dr_lab.html.sweep_page import write_sweep_page
+from dr_lab.recorders.interference import Interference
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.reports.json_file import write_json
@@ -18,8 +19,12 @@ from dr_lab.summaries.doubts import divided_runs, missing_figures, repeated_runs
 from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.exhaustive import exhaustive
 from dr_lab.summaries.groups import Cell, Cells, Estimate, Group, find_group, grouped, shared_figures, summed_up
+from dr_lab.summaries.interference_tables import interference_entries, interference_section
+from dr_lab.summaries.interferences import interferences
 from dr_lab.summaries.overlays import bands, grids, marginals, violins
 from dr_lab.summaries.runs import Run, find_runs
+from dr_lab.summaries.sampling import Sampling, samplings
+from dr_lab.summaries.sampling_tables import sampling_entries, sampling_section
 from dr_lab.summaries.settings import SummarySettings
 from dr_lab.summaries.tables import groups_csv, runs_csv, runs_page, summary_page
 
@@ -47,6 +52,8 @@ def summarize(sweep: str, settings: SummarySettings, recorder: Look, run_dir: Pa
     found = _compared(folder, settings)
     shared = shared_figures(found.groups, figures)
     page = summary_page(found.name, found.groups, found.cells, shared, found.told, settings.statistics, found.reference)
+    drawn = sampling_section(found.sampling, settings.sampling), interference_section(found.interference)
+    page = replace(page, sections=[*page.sections[:1], *drawn, *page.sections[1:]])
     report = _report(folder, found, run_dir)
     write_text(run_dir / "runs.csv", runs_csv(found.runs, figures))
     write_text(run_dir / "groups.csv", groups_csv(found.groups, found.cells))
@@ -71,6 +78,8 @@ class _Compared:
     cells: Sequence[Cells]
     reference: Group
     notes: Sequence[str]
+    sampling: Mapping[str, Sequence[Sampling]]
+    interference: Sequence[Interference]
 
     @property
     def told(self) -> list[str]:
@@ -88,7 +97,8 @@ def _compared(folder: Path, settings: SummarySettings) -> _Compared:
     notes = [*repeated, *divided, *missing_figures(runs, figures)]
     reference = find_group(groups, settings.reference)
     cells = [summed_up(group, figures, settings.statistics, reference) for group in groups]
-    return _Compared(folder.resolve().name or str(folder), runs, unfinished, groups, cells, reference, notes)
+    learning = samplings(groups, settings.sampling), interferences(groups, settings.statistics.confidence)
+    return _Compared(folder.resolve().name or str(folder), runs, unfinished, groups, cells, reference, notes, *learning)
 
 
 def _record(found: _Compared, settings: SummarySettings, page: str) -> SweepRecord:
@@ -96,7 +106,8 @@ def _record(found: _Compared, settings: SummarySettings, page: str) -> SweepReco
     apart = exhaustive(groups)
     labels, drawn = [*(group.label for group in groups), *apart], grids(groups) | apart
     learned = bands(groups, settings.statistics), marginals(groups)
-    return SweepRecord(found.name, labels, *learned, drawn, violins(groups), pages)
+    sampled = {name: [each.sampled for each in of_parameter] for name, of_parameter in found.sampling.items()}
+    return SweepRecord(found.name, labels, *learned, drawn, violins(groups), pages, sampled, found.interference)
 
 
 def _report(folder: Path, found: _Compared, run_dir: Path) -> SummarizeReport:
@@ -104,8 +115,9 @@ def _report(folder: Path, found: _Compared, run_dir: Path) -> SummarizeReport:
         GroupEntry(group.settings, tuple(run.name for run in group.runs), {k: _figure(cell) for k, cell in row.items()})
         for group, row in zip(found.groups, found.cells, strict=True)
     )
-    unfinished, notes = tuple(found.unfinished), tuple(found.notes)
-    return finite(SummarizeReport(SCHEMA, "summarize", str(folder), entries, unfinished, notes, str(run_dir)))
+    told = tuple(found.unfinished), tuple(found.notes)
+    learning = sampling_entries(found.sampling), interference_entries(found.interference)
+    return finite(SummarizeReport(SCHEMA, "summarize", str(folder), entries, *told, str(run_dir), *learning))
 
 
 def _figure(cell: Cell) -> dict[str, Number]:

@@ -23,6 +23,8 @@ from dr_lab.reports.train_page import train_page
 from dr_lab.sweeps.progress import tell
 from dr_lab.training.beginning import Beginning
 from dr_lab.training.checkpoint import save
+from dr_lab.training.drawn_contexts import FILE as DRAWN
+from dr_lab.training.drawn_contexts import DrawnContexts
 from dr_lab.training.episode_log import Finished
 from dr_lab.training.episodes import play_episodes
 from dr_lab.training.finish import finish
@@ -64,7 +66,9 @@ def train(
     training = plan.assemble(run_dir / CHECKPOINT)
     kept = choice.snapshots if training.algorithm.judged_by_return else 1  # the last, where no return says which
     snapshots, policies = Snapshots(training.randomizer), PolicySnapshots(training.algorithm, kept)
-    training.more.update(snapshots=snapshots, policies=policies)
+    drawn = DrawnContexts()
+    training.experience.listen(drawn.take)
+    training.more.update(snapshots=snapshots, policies=policies, drawn=drawn)
     if resume is None:
         beginning.apply(training, plan.seed)
         snapshots.take(0)
@@ -75,6 +79,7 @@ def train(
     episodes = play_episodes(plan.env, deployed, training.randomizer, recorder.episodes, plan.seed, plan.threads)
     report = train_report(training, plan, snapshots, chosen, episodes, run_dir)
     write_text(run_dir / "metrics.csv", metrics_csv(training.trainer.history))
+    write_text(run_dir / DRAWN, drawn.csv(training.randomizer.space.names))
     _keep_context(training, run_dir)
     record = replace(_record(training, snapshots, report), episodes=episodes)
     finish(run_dir, report, train_page(report), plan.env, record, recorder)

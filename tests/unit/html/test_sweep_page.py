@@ -45,6 +45,14 @@ def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
     assert values(curve["y"]).tolist() == [1.0, 1.0]
 
 
+def test_curves_of_one_point_are_told(tmp_path: Path) -> None:
+    nan = np.full(2, np.nan)
+    bands = [Band("adr", "loss", np.array([100, 200]), np.array([np.nan, 7.5]), nan, nan)]
+    report = SummarizeReport("dr_lab/summarize/1", "summarize", "s", (), (), (), "run")
+    write_sweep_page(tmp_path / "report.html", Page("Runs", "", []), report, SweepRecord("s", ["adr"], bands))
+    assert "adr: one point alone, 7.5 after 200 steps." in text((tmp_path / "report.html").read_text("utf-8"))
+
+
 def test_many_groups_and_figures_stay_small(tmp_path: Path) -> None:
     frames, groups = np.arange(0, 2_000_000, 1000), [f"group {k}" for k in range(24)]
     value = frames / 1e6

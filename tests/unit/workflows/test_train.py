@@ -58,6 +58,9 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
     rows = [rows_of(tmp_path / name / "metrics.csv") for name in ("whole", "second")]
     assert rows[0] == rows[1]
     assert [row["frames"] for row in rows[0]] == ["160", "320", "480", "640"]
+    drawn, again = (rows_of(tmp_path / name / "contexts.csv") for name in ("whole", "second"))
+    assert drawn == again
+    assert len(drawn) >= 8 * 4  # 8 slots play 4 whole episodes each
     path = tmp_path / "whole" / "report.json"
     assert report == typed(TrainReport, json.loads(path.read_text(encoding="utf-8")), path)
     assert report.final_return is not None

@@ -1,0 +1,67 @@
+"""Sampling frequency over training as a report tells it."""
+
+from collections.abc import Mapping, Sequence
+
+from dr_lab.reports.page import Section
+from dr_lab.reports.quantity import ABSENT, number, titled
+from dr_lab.reports.summarize import SamplingEntry
+from dr_lab.reports.tables import table
+from dr_lab.summaries.sampling import Sampling, SamplingSettings
+
+KEY = "sampling"
+_TOLD = (
+    "How often contexts were drawn for training, counted over all runs of a setting in blocks of {} control steps. A "
+    "proposal of a learner counts once.\n\n"
+    "χ²/dof compares the counts in {} bins of the range that training began with to those of a uniform distribution, "
+    "block by block. It is about 1 where draws are uniform and independent, as in uniform domain randomisation; p is "
+    "the probability of a larger one there. Proposals of a walk depend on one another, which raises χ² by itself: p "
+    "between runs allows for that, by counting only what the runs prefer alike. A small one is not yet something "
+    "learnt: walks without any preference visit the ends of a range less often."
+)
+_FEW = "– in place of χ²: no block is expected to hold 5 draws a bin. Take longer blocks, e.g. sampling.block={}."
+
+
+def sampling_section(found: Mapping[str, Sequence[Sampling]], settings: SamplingSettings) -> Section:
+    """The table, a row a parameter and group; empty where nothing was drawn."""
+    every = [each for of_parameter in found.values() for each in of_parameter]
+    if not every:
+        return Section(KEY, "", "")
+    header = ["parameter", "setting", "runs", "draws", "range", "χ²/dof", "p", "p between runs"]
+    parts = [_TOLD.format(settings.block, settings.bins), table(header, [_row(each) for each in every])]
+    if any(each.uniformity is None for each in every):
+        parts.append(_FEW.format(2 * settings.block))
+    return Section(KEY, "Sampling frequency", "\n\n".join(parts))
+
+
+def sampling_entries(found: Mapping[str, Sequence[Sampling]]) -> tuple[SamplingEntry, ...]:
+    """The counts as `report.json` holds them."""
+    return tuple(_entry(each) for of_parameter in found.values() for each in of_parameter)
+
+
+def _row(found: Sampling) -> list[str]:
+    sampled, judged = found.sampled, found.uniformity
+    told = [ABSENT] * 3
+    if judged is not None:
+        told = [number(judged.chi2 / judged.dof, 3), number(judged.p, 2), number(judged.p_between, 2)]
+    span = f"{number(found.low)} … {number(found.high)}"
+    drawn = str(int(sampled.count.sum()))
+    return [titled(sampled.name, sampled.unit), sampled.group, str(sampled.runs), drawn, span, *told]
+
+
+def _entry(found: Sampling) -> SamplingEntry:
+    sampled, judged = found.sampled, found.uniformity
+    return SamplingEntry(
+        group=sampled.group,
+        parameter=sampled.name,
+        unit=sampled.unit,
+        runs=sampled.runs,
+        frames=tuple(sampled.frames.tolist()),
+        edges=tuple(sampled.edges.tolist()),
+        count=tuple(tuple(row) for row in sampled.count.tolist()),
+        low=found.low,
+        high=found.high,
+        chi2=None if judged is None else judged.chi2,
+        dof=0 if judged is None else judged.dof,
+        p=None if judged is None else judged.p,
+        p_between=None if judged is None else judged.p_between,
+    )
