@@ -22,7 +22,7 @@ _SERIES = 7  # colours of groups that the style sheet has
 _MARKUP = ("hovertemplate", "bdata")  # what is no text of a user
 ROW = 26  # px of a labelled row
 _TOP, _BOTTOM = 48, 56  # px beside the axes, for legend and title
-_TITLE = 64  # letters
+_NAME = 40  # letters of a title
 
 _AXIS = {
     "color": MUTED,
@@ -82,11 +82,11 @@ def chart(rows: int = 1, columns: int = 1, titles: Sequence[str] = (), **grid: A
     return figure
 
 
-def headed(figure: go.Figure, title: str) -> go.Figure:
-    """The same figure with a title, cut off where it is longer than a figure that takes half the page."""
-    text = title if len(title) <= _TITLE else f"{title[: _TITLE - 1]}…"
+def headed(figure: go.Figure, name: str, more: str) -> go.Figure:
+    """The same figure with a title: a name, cut off where it is too long for half the page, and more of it."""
+    short = name if len(name) <= _NAME else f"{name[: _NAME - 1]}…"
     place = {"x": 0.0, "xref": "container", "y": 1.0, "yref": "container", "yanchor": "top", "pad": {"t": 4, "l": 16}}
-    return figure.update_layout(title={"text": text, "font": {"size": 14}, **place})
+    return figure.update_layout(title={"text": f"{short} · {more}", "font": {"size": 14}, **place})
 
 
 def rows_height(count: int) -> int:

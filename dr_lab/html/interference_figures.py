@@ -37,7 +37,7 @@ def _row(policies: Sequence[Interference], columns: int) -> Plot:
     figure.update_yaxes(title=titled(axis.name, axis.unit), row=1, col=first)
     bar = {"title": {"text": "cosine", "side": "right"}, "thickness": 12}
     figure.update_layout(coloraxis={"colorscale": ABOUT_ZERO, "cmin": -1.0, "cmax": 1.0, "colorbar": bar})
-    headed(figure, f"{policies[0].group} · {policies[0].told}")
+    headed(figure, policies[0].group, policies[0].told)
     return Plot(figure, _HEIGHT, _caption(policies), half=columns == 1)
 
 

@@ -26,7 +26,7 @@ def _map(sampled: Sampled, highest: float, half: bool) -> Plot:
     look = {"colorscale": DENSITY, "zmin": 0.0, "zmax": highest, "colorbar": bar, "customdata": sampled.count.T}
     said = "%{x:,.0f} steps, %{y:.4g}: %{z:.1%}, %{customdata} draws<extra></extra>"
     shape = {"x": sampled.frames, "y": sampled.edges, "z": numbers(sampled.share.T)}
-    figure = headed(chart(), f"{sampled.group} · {sampled.told}")
+    figure = headed(chart(), sampled.group, sampled.told)
     figure.add_trace(go.Heatmap(**shape, name=sampled.group, hovertemplate=said, **look))
     figure.update_xaxes(title="control steps", showgrid=False, exponentformat="SI", nticks=6)
     figure.update_yaxes(title=titled(sampled.name, sampled.unit), showgrid=False)

@@ -19,7 +19,10 @@ from dr_lab.reports.quantity import number
 from dr_lab.reports.summarize import GroupEntry, SummarizeReport
 
 _UNTOLD = ("seconds",)  # figures that compare machines rather than methods come last
-_PLOTS, _COLUMNS = 10, 3  # of figures, the others are in the table; and side by side
+_UNTITLED = {"figures": "Table", "notes": "Notes"}  # sections that report.md gives no heading
+_PLOTS, _COLUMNS = 10, 3  # of figures, the others are in the table; and side by side at most
+_LINE, _APART = 140, 3  # letters that the page is wide, and between two titles
+_COMMON = "figures."  # path of all figures of an evaluation
 
 
 def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: SweepRecord) -> None:
@@ -53,7 +56,7 @@ def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: Sw
 def _told(sections: Sequence[Section], record: SweepRecord) -> list[Chapter]:
     """What is said, below what is drawn of the same."""
     drawn = {"sampling": sampling_plots(record.sampled), "interference": interference_plots(record.interference)}
-    return [Chapter(s.title or "Table", [*drawn.get(s.key, []), Text(s.body)]) for s in sections if s.body]
+    return [Chapter(s.title or _UNTITLED[s.key], [*drawn.get(s.key, []), Text(s.body)]) for s in sections if s.body]
 
 
 def comparison_plots(groups: Sequence[GroupEntry], labels: Sequence[str]) -> list[Plot]:
@@ -69,9 +72,17 @@ def comparison_plots(groups: Sequence[GroupEntry], labels: Sequence[str]) -> lis
     if not ordered:
         return []
     first, others = ordered[:1], ordered[1:_PLOTS]
-    rows = [first, *(others[at : at + _COLUMNS] for at in range(0, len(others), _COLUMNS))]
+    columns = _columns(others, labels)
+    rows = [first, *(others[at : at + columns] for at in range(0, len(others), columns))]
     told = ["Interquartile means with their intervals; a group of one run has none.", *[""] * (len(rows) - 1)]
     return [_row(names, groups, labels, caption) for names, caption in zip(rows, told, strict=True)]
+
+
+def _columns(names: Sequence[str], labels: Sequence[str]) -> int:
+    """How many figures stand side by side so that their titles, below the axes, do not run into one another."""
+    widest = max((len(name.removeprefix(_COMMON)) for name in names), default=0) + _APART
+    room = _LINE - max(map(len, labels), default=0)
+    return max(1, min(_COLUMNS, room // widest))
 
 
 def _row(names: Sequence[str], groups: Sequence[GroupEntry], labels: Sequence[str], caption: str) -> Plot:
@@ -81,7 +92,7 @@ def _row(names: Sequence[str], groups: Sequence[GroupEntry], labels: Sequence[st
         for index, (group, label) in enumerate(zip(groups, labels, strict=False)):
             if group.figures.get(name, {}).get("iqm") is not None:
                 figure.add_trace(_estimate(group.figures[name], label, series(index)), row=1, col=column)
-        figure.update_xaxes(title=name.removeprefix("figures."), nticks=5, tickangle=0, row=1, col=column)
+        figure.update_xaxes(title=name.removeprefix(_COMMON), nticks=5, tickangle=0, row=1, col=column)
     figure.update_yaxes(categoryorder="array", categoryarray=[*labels[: len(groups)]][::-1])
     return Plot(figure, rows_height(len(groups)), caption)
 

@@ -3,12 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 from dr_lab.reports.page import Section
+from dr_lab.reports.plain import Number
 from dr_lab.reports.quantity import ABSENT, number, titled
 from dr_lab.reports.summarize import SamplingEntry
 from dr_lab.reports.tables import table
 from dr_lab.summaries.sampling import Sampling, SamplingSettings
 
 KEY = "sampling"
+_SMALLEST = 0.0001  # probability that is told
 _TOLD = (
     "How often contexts were drawn for training, counted over all runs of a setting in blocks of {} control steps. A "
     "proposal of a learner counts once.\n\n"
@@ -42,10 +44,15 @@ def _row(found: Sampling) -> list[str]:
     sampled, judged = found.sampled, found.uniformity
     told = [ABSENT] * 3
     if judged is not None:
-        told = [number(judged.chi2 / judged.dof, 3), number(judged.p, 2), number(judged.p_between, 2)]
+        told = [number(judged.chi2 / judged.dof, 3), _probability(judged.p), _probability(judged.p_between)]
     span = f"{number(found.low)} … {number(found.high)}"
     drawn = str(int(sampled.count.sum()))
     return [titled(sampled.name, sampled.unit), sampled.group, str(sampled.runs), drawn, span, *told]
+
+
+def _probability(p: Number) -> str:
+    """To two digits; of very small ones these say nothing."""
+    return f"< {_SMALLEST}" if p is not None and p < _SMALLEST else number(p, 2)
 
 
 def _entry(found: Sampling) -> SamplingEntry:

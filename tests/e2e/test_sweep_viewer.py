@@ -9,13 +9,18 @@ from recorder_samples import read_recording
 from rerun.experimental import ViewerClient
 from viewer_pages import require_pages
 
+from dr_lab.recorders.interference import Interference
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.sampling import Sampled
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal
 
 GROUPS = ("lsdr", "none")
 FRAMES = np.arange(1, 6) * 1000
 EDGES = np.linspace(0.0, 0.2, 5)
+BLOCKS = np.array([0, 500, 1000])
+COUNT = np.array([[5, 5, 5, 5], [0, 0, 0, 20]])
+COSINES = np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 def band(group: str, name: str, level: float, *, alone: bool = False) -> Band:
@@ -41,6 +46,10 @@ def recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, look: Look) -> Pa
         {"torso.size": {"lsdr": marginal(0.1), "none": marginal(0.3)}},
         grids,
         pages={"Summary": "# Summary", "Runs": "# Runs"},
+        sampled={
+            "torso.size": [Sampled(g, "torso.size", "m", 3, np.array([0, 500, 1000]), EDGES, COUNT) for g in GROUPS]
+        },
+        interference=[Interference("lsdr", 3, 1000, axis, COSINES, np.zeros((3, 3)), COSINES == 0.0)],
     )
     path = tmp_path / "review.rrd"
     write_sweep_review(path, record, look)
@@ -65,6 +74,12 @@ def test_every_page_shows_every_group(viewer: ViewerClient, recording: Path, loo
         "Curves": {"return": [first, second], "entropy": [first]},
         "Learned distributions": {"p(z) of torso.size": [first, second]},
         "Returns over contexts": {"returns over torso.size": [first, second]},
+        "Sampling frequency": {
+            f"share of draws of torso.size, {g} (3 runs)": [look.colour("measured")] for g in GROUPS
+        },
+        "Gradients of contexts": {
+            "cosine, lsdr after 1000 control steps (3 runs)": [look.colour("before"), look.colour("after")]
+        },
         "Runs": {"Runs": []},
     }
     require_pages(viewer, expected)

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 from html_pages import figures, require_whole, text, traces, values
 
-from dr_lab.html.sweep_page import write_sweep_page
+from dr_lab.html.sweep_page import comparison_plots, write_sweep_page
 from dr_lab.recorders.sweep_review import SweepRecord
 from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal, Sample
 from dr_lab.reports.page import Page, Section
@@ -43,6 +43,17 @@ def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
     assert (values(violin["y"]).tolist(), violin["line"]["color"]) == ([1.0, 2.0], "var(--series-1)")
     curve = next(t for t in traces(written, "udr") if t.get("mode") == "lines+markers")
     assert values(curve["y"]).tolist() == [1.0, 1.0]
+
+
+def test_titles_side_by_side_have_room() -> None:
+    def rows(name: str, label: str) -> list[int]:
+        figures = [{f"{name}_{k}": {"iqm": float(group + k)} for k in range(4)} for group in range(2)]
+        groups = [GroupEntry({}, ("0",), each) for each in figures]
+        plots = comparison_plots(groups, [label, "udr"])
+        return [sum(key.startswith("xaxis") for key in plot.figure.layout.to_plotly_json()) for plot in plots]
+
+    assert rows("return", "adr") == [1, 3]
+    assert rows("context.main_engine_power.mean", "lunar_lander_adr_with_a_long_name_of_its_experiment") == [1, 2, 1]
 
 
 def test_curves_of_one_point_are_told(tmp_path: Path) -> None:
