@@ -34,7 +34,7 @@ def _row(policies: Sequence[Interference], columns: int) -> Plot:
         figure.update_xaxes(title=title, nticks=5, tickangle=0, showgrid=False, zeroline=False, row=1, col=column)
     axis = policies[0].axis
     figure.update_yaxes(showgrid=False, zeroline=False)
-    figure.update_yaxes(title=titled(axis.name, axis.unit), row=1, col=first)
+    figure.update_yaxes(title=titled(axis.name, axis.unit), showticklabels=True, row=1, col=first)
     bar = {"title": {"text": "cosine", "side": "right"}, "thickness": 12}
     figure.update_layout(coloraxis={"colorscale": ABOUT_ZERO, "cmin": -1.0, "cmax": 1.0, "colorbar": bar})
     headed(figure, policies[0].group, policies[0].told)
