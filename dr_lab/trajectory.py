@@ -20,6 +20,9 @@ class Signal:
         unit: SI unit of `value`.
         time: sample times in s on the log's aligned clock, strictly increasing, shape (n,).
         value: samples, shape (n,) for a scalar, (n, k) for a vector, (n, 4) wxyz for an orientation.
+        between: what a command does from one sample to the next: it holds (``hold``), goes straight (``line``), or
+            changes without being logged (``unknown``: straight, and what that misses is estimated). ``""`` holds,
+            unless the motion says otherwise.
 
     Raises:
         DataError: shapes disagree, a sample is not finite or time does not increase.
@@ -29,6 +32,7 @@ class Signal:
     unit: str
     time: Array
     value: Array
+    between: str = ""
 
     def __post_init__(self) -> None:
         if self.time.ndim != 1 or len(self.time) != len(self.value):
@@ -85,7 +89,7 @@ class Log:
     Attributes:
         name: short name (the file's stem).
         outputs: measured channels by name; samples keep their own times.
-        commands: command channels by actuator name; each value holds until the next sample (zero-order hold).
+        commands: command channels by actuator name; what they do between samples says `Signal.between`.
         notes: what the data contract found and did.
         clocks: how each channel's clock was aligned, by channel name.
     """

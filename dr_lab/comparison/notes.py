@@ -1,5 +1,6 @@
 """Notes of a report: what its reader must know of data, fits and candidates."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -138,9 +139,16 @@ def _split_note(measured: MeasurementSet) -> list[NoteEntry]:
 
 
 def _data_notes(measured: MeasurementSet) -> list[NoteEntry]:
+    """What the data contract found, log by log; what it says of every log in the same words, once."""
+    logs = (*measured.fit, *measured.held_out)
+    every = [(log, note) for log in logs for note in log.notes if note.kind != KIND]
+    times = Counter(note for _, note in every)
+    common = [note for note in times if times[note] == len(logs) > 1]
     return [
-        NoteEntry(note.message, note.kind, log.name, note.signal, count=note.count)
-        for log in (*measured.fit, *measured.held_out)
-        for note in log.notes
-        if note.kind != KIND
+        *(NoteEntry(note.message, note.kind, signal=note.signal, count=note.count * len(logs)) for note in common),
+        *(
+            NoteEntry(note.message, note.kind, log.name, note.signal, count=note.count)
+            for log, note in every
+            if note not in common
+        ),
     ]

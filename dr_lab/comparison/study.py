@@ -1,6 +1,6 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.fault_notes import say_faults
 from dr_lab.comparison.state_fits import StateFits
+from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.checks.numerical_floor import NumericalFloor, numerical_floor
 from dr_lab.diagnosis.checks.refinement import Refinement, refine, unneeded
@@ -107,13 +108,13 @@ def prepare(comparison: Comparison) -> Study:
         )
     suspected = suspect_faults(comparison.model, measured, comparison.settings.faults)
     say_faults(suspected, measured)
-    return _study(comparison, suspected)
+    return _study(with_lines(comparison, suspected), suspected)
 
 
 def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
     model, measured, settings = comparison.model, comparison.measurements, comparison.settings
     count, windows = thread_count(settings.threads), settings.windows
-    resolution = _longest_wait(measured, faults)
+    resolution = longest_wait(measured, faults)
     scored = measured.held_out or measured.fit
     floor = numerical_floor(model, scored, measured, windows, count)
     refined = _refined(comparison, floor, resolution)
@@ -155,13 +156,6 @@ def _refined(comparison: Comparison, floor: NumericalFloor, wait: float) -> Refi
     if shows and _explains(model, _bench(model, comparison, max(floor.step, wait)), check):
         return unneeded(model, floor)
     return refine(model, measured.held_out or measured.fit, measured, settings.windows, check, floor, count)
-
-
-def _longest_wait(measured: MeasurementSet, suspected: Sequence[Fault]) -> float:
-    """Longest usual time in s between two samples of commands that seem logged more slowly than they changed; or 0."""
-    logs = {log.name: log for log in (*measured.fit, *measured.held_out)}
-    rare = [logs[fault.log].commands[fault.signal] for fault in suspected if fault.kind == "decimated"]
-    return max((float(np.median(np.diff(signal.time))) for signal in rare), default=0.0)
 
 
 def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:

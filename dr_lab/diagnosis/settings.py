@@ -29,6 +29,8 @@ class WindowSettings:
         forgotten: time constants in which an actuator's activation forgets where it began; memory is as much longer.
         longest_run_in: longest memory for that; slower activations, and those that never forget, are fitted.
         smoother: half-width of the local polynomial that gives a start its first estimate.
+        most_unlogged: times between samples of commands that changed without being logged, of each window at most, in
+            which what they did is estimated.
         prior_scale: standard deviations of the noise that the first estimate may be wrong by.
         unmeasured_position: prior standard deviation of a joint position that is not measured, rad or m.
         unmeasured_velocity: the same of its velocity, rad/s or m/s.
@@ -48,6 +50,7 @@ class WindowSettings:
     forgotten: Positive
     longest_run_in: NotNegative
     smoother: Positive
+    most_unlogged: Count
     prior_scale: Positive
     unmeasured_position: Positive
     unmeasured_velocity: Positive

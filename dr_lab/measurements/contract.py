@@ -32,6 +32,8 @@ class DataContract:
         fast: rounding errors of a quantised signal are random where it moves by this many steps a sample.
         quantised: there the residual is rounding alone up to this factor …
         staircase: … and in a slower staircase up to this one.
+        derived: a velocity that is a filter of the logged position to within this share of the position's noise behind
+            that filter tells nothing beside it and is left out; 0 keeps all.
         frozen: s, equal samples over a longer time are suspected to be frozen …
         frozen_rest: … if no others outlast a share of it; the factor by which it is longer than those.
         frozen_stop: usual changes of a sample in the braking distance that a motion leaves out …
@@ -67,6 +69,7 @@ class DataContract:
     fast: float
     quantised: float
     staircase: float
+    derived: float
     frozen: float
     frozen_rest: float
     frozen_stop: float

@@ -119,7 +119,7 @@ def _command(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract
     time, value = _sound(part, keep, log, notes, held=True)
     if np.isfinite(longest_wait([time], contract, on_change=True)):
         notes += find_gaps(part.channel.name, time, contract)
-    return Signal(part.channel.name, part.channel.unit.name, time, value)
+    return Signal(part.channel.name, part.channel.unit.name, time, value, part.channel.between)
 
 
 def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note], *, held: bool) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ from typing import Any
 from dr_lab.errors import ConfigError
 from dr_lab.measurements.cleaning import longest_wait
 from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.derived_velocity import without_derived
 from dr_lab.measurements.faults.find import mark_faults
 from dr_lab.measurements.log import clean
 from dr_lab.measurements.noise import estimate_noise
@@ -46,7 +47,8 @@ def read(
         group: column of tables that hold several logs each, called ``stem/value``; see `recordings.recordings`.
 
     Returns:
-        The logs; per channel one noise std pooled over all logs and the longest wait that is not a gap.
+        The logs; per channel one noise std pooled over all logs and the longest wait that is not a gap. Velocities that
+        were made of the logged positions are left out, which a note on each log says.
 
     Raises:
         DataError: a file or channel that cannot be used.
@@ -58,13 +60,24 @@ def read(
     fitted, scored = split(known, fit, held_out)
     loaded = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
     fit_logs, held_out_logs = mark_faults(loaded[: len(fitted)], loaded[len(fitted) :], contract)
-    return MeasurementSet(name, fit_logs, held_out_logs, *_pooled(measured, sent, fit_logs + held_out_logs, contract))
+    noise, waits = _pooled(measured, sent, fit_logs + held_out_logs, contract)
+    marked, made = without_derived(fit_logs + held_out_logs, noise, contract)
+    kept = {channel: one for channel, one in noise.items() if channel not in made}
+    gaps = {channel: wait for channel, wait in waits.items() if channel not in made}
+    return MeasurementSet(name, marked[: len(fitted)], marked[len(fitted) :], kept, gaps)
 
 
 def _channels(name: str, outputs: Entries, clock: str | None) -> tuple[ChannelMap, ...]:
     if not outputs:
         raise ConfigError(f"Measurements {name!r} name no outputs; give at least one measured channel.")
-    return channel_maps(outputs, clock or "")
+    maps = channel_maps(outputs, clock or "")
+    for channel in maps:
+        if channel.between:
+            raise ConfigError(
+                f"Channel {channel.name!r}: between is for commands; a measured channel is known at its samples alone. "
+                "Leave it out."
+            )
+    return maps
 
 
 def _load(

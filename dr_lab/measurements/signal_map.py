@@ -18,6 +18,7 @@ _DIMENSIONS = {
 }
 SCALARS = tuple(_DIMENSIONS)  # endings of the names of channels that are a single number
 _EXAMPLES = {".position": "rad, deg, m or mm", ".velocity": "rad/s, deg/s or m/s"}
+BETWEEN = ("hold", "line", "unknown")  # what a command does from one sample to the next
 _CLOCKS = ("header", "publish", "log", "column")
 
 _NUMBERS = ("scale", "offset", "latency", "noise_std")
@@ -43,6 +44,7 @@ class ChannelMap:
         wrap: whether the numbers are an angle that jumps by a full turn.
         clock: whose stamps to use, ``header``, ``publish``, ``log`` or ``column``; ``""`` takes that of the file.
         latency: known time in s by which the stamps lie after the true times; it is subtracted.
+        between: of commands, ``hold``, ``line`` or ``unknown``, see `Signal.between`; ``""`` leaves it to the motion.
     """
 
     name: str
@@ -57,6 +59,7 @@ class ChannelMap:
     wrap: bool = False
     clock: str = ""
     latency: float = 0.0
+    between: str = ""
 
     def to_si(self, raw: Array) -> Array:
         """Convert raw numbers of any shape to the channel's SI unit."""
@@ -108,6 +111,7 @@ def channel_map(name: str, settings: Mapping[str, Any], clock: str) -> ChannelMa
         sign=_sign(name, settings.get("sign", 1)),
         wrap=bool(settings.get("wrap", False)),
         clock=chosen,
+        between=_between(name, settings.get("between")),
         **numbers,
     )
 
@@ -158,6 +162,12 @@ def _sign(name: str, value: object) -> float:
     if value not in (1, -1):
         raise ConfigError(f"Channel {name!r}: sign must be 1 or -1; got {value!r}. Put other factors into scale.")
     return float(value)  # pyright: ignore[reportArgumentType]
+
+
+def _between(name: str, given: object) -> str:
+    if given not in (None, "", *BETWEEN):
+        raise UnknownNameError("way between samples", str(given), BETWEEN, f"the entry of channel {name!r}")
+    return str(given or "")
 
 
 def _number(name: str, key: str, value: object) -> float:

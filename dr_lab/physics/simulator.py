@@ -182,7 +182,7 @@ class Simulator:
             z: contexts, shape (c, n).
             qpos: start positions, shape (c, w, nq), with c · w = nsim.
             qvel: start velocities, shape (c, w, nv).
-            controls: control of each step, shape (w, s, nu).
+            controls: control of each step, shape (w, s, nu), or (c, w, s, nu).
             past: controls of the steps before the start, oldest first, for delayed actuators, shape (w, p, nu).
             history: what was measured before the start, for laws that remember; None for nothing at time 0.
             act: activations at the start, shape (c, w, na); None for those of the model's initial state.
@@ -191,8 +191,9 @@ class Simulator:
             The rollout; simulation i = context · w + window.
         """
         contexts = self._begin(z, qpos, qvel, act)
-        before, (nstep, ncontrol) = past.shape[1], controls.shape[1:]
-        known = self._commanded(z, np.concatenate([past, controls], axis=1))
+        before, (nstep, ncontrol) = past.shape[1], controls.shape[-2:]
+        earlier = np.broadcast_to(past, (*controls.shape[:-3], *past.shape))
+        known = self._commanded(z, np.concatenate([earlier, controls], axis=-2))
         every = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, before + nstep, ncontrol)
         applied = np.ascontiguousarray(every[:, before:])
         self._remember(known[:, :, :before], contexts)
@@ -257,8 +258,8 @@ class Simulator:
             return None
 
     def _commanded(self, z: Array, controls: Array) -> Array:
-        """Controls as the effects' command transforms leave them, (w, s, nu) → (c, w, s, nu), or (1, w, s, nu)."""
-        every = controls[None]
+        """Controls as the effects' command transforms leave them, (w, s, nu) or (c, w, s, nu) → (c or 1, w, s, nu)."""
+        every = controls.reshape(-1, *controls.shape[-3:])
         for actuator in range(self.compiled.nactuator if self.model.effects else 0):
             if self.compiled.actuator_ctrlnum[actuator] == 1:
                 column = self.compiled.actuator_ctrladr[actuator]

@@ -78,7 +78,7 @@ class Replay:
 
     @property
     def nstate(self) -> int:
-        """Unknowns of one initial state: 2 nv, and the k activations that nothing before the start tells."""
+        """Unknowns of one window: 2 nv of its start, activations that nothing else tells, unlogged commands."""
         return len(self.windows.prior.std)
 
     @property
@@ -147,7 +147,7 @@ class Replay:
         contexts, count = delta.shape[:2]
         (qpos, qvel), act = self._starts(z, delta), self._activations(z, delta)
         simulator = self._simulator(contexts * count)
-        rollout = simulator.replay(z, qpos, qvel, self._controls, self._past, self._history, act)
+        rollout = simulator.replay(z, qpos, qvel, self._commanded(delta), self._past, self._history, act)
         shape = (contexts, count)
         tape = Tape(
             rollout.qpos.reshape(*shape, *rollout.qpos.shape[1:]),
@@ -187,8 +187,16 @@ class Replay:
         if known is None or self._run_in is None:
             return None
         act = self._run_in.ends(z)
-        act[..., known.unknown] += delta[..., 2 * self._compiled.nv :]
+        first = 2 * self._compiled.nv
+        act[..., known.unknown] += delta[..., first : first + len(known.unknown)]
         return act
+
+    def _commanded(self, delta: Array) -> Array:
+        """Controls of the windows, shape (w, s, nu), or of every simulation where commands are not known throughout."""
+        missing = self.windows.unlogged
+        if missing is None:
+            return self._controls
+        return missing.added(self._controls, delta[..., self.nstate - missing.column.shape[1] :])
 
     def _require_margin(self) -> None:
         """WindowSamples that one effect reads early or late must still lie within the simulation.

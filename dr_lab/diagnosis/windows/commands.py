@@ -1,4 +1,4 @@
-"""Held commands as controls of simulation steps."""
+"""Commands as controls of simulation steps: held, or straight from sample to sample."""
 
 from collections.abc import Mapping, Sequence
 
@@ -30,14 +30,19 @@ def silent_actuators(model: mujoco.MjModel, logs: Sequence[Log]) -> tuple[str, .
     return tuple(name for name in moved if name not in sent)
 
 
+def goes_straight(signal: Signal) -> bool:
+    """Whether a command goes straight from sample to sample instead of holding."""
+    return signal.between in ("line", "unknown")
+
+
 def averages(commands: Mapping[str, Signal], columns: Mapping[str, int], nu: int, edges: Array) -> Array:
-    """Time average over each step of commands that hold until their next sample.
+    """Time average over each step of commands that hold until their next sample, or go straight to it.
 
     u_k = (1/dt) ∫_{t_k}^{t_k+1} u(t) dt, so an edge inside a step acts with its true impulse. Before its first sample
     a command holds that sample.
 
     Args:
-        commands: the held commands.
+        commands: the commands; `Signal.between` says what they do from one sample to the next.
         columns: column of each command.
         nu: number of columns; columns without a command are 0.
         edges: times of the steps' edges, shape (w, s + 1).
@@ -53,7 +58,10 @@ def averages(commands: Mapping[str, Signal], columns: Mapping[str, int], nu: int
 
 
 def _integral(signal: Signal, time: Array) -> Array:
-    """∫ of the held signal from its first sample to `time`, exact (the integral is piecewise linear)."""
-    at_samples = np.concatenate([[0.0], np.cumsum(signal.value[:-1] * np.diff(signal.time))])
+    """∫ of the signal from its first sample to `time`, exact; before its first sample and after its last it holds."""
+    waits, rises = np.diff(signal.time), np.diff(signal.value) * goes_straight(signal)
+    at_samples = np.concatenate([[0.0], np.cumsum((signal.value[:-1] + 0.5 * rises) * waits)])
     k = np.clip(np.searchsorted(signal.time, time, side="right") - 1, 0, len(signal) - 1)
-    return at_samples[k] + signal.value[k] * (time - signal.time[k])
+    since = time - signal.time[k]
+    slope = np.append(rises / waits, 0.0)[k]
+    return at_samples[k] + (signal.value[k] + 0.5 * slope * np.maximum(since, 0.0)) * since

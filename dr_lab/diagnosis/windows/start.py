@@ -25,7 +25,7 @@ class StartPrior:
         qvel: mean velocities, shape (w, nv).
         qacc: mean accelerations, which tell the state a little earlier or later, shape (w, nv).
         std: prior standard deviations in the tangent space, positions, velocities, then the k activations that nothing
-            before the start tells, shape (2 nv + k,).
+            before the start tells, then what commands did between their samples, shape (2 nv + k + u,).
     """
 
     qpos: Array

@@ -19,8 +19,9 @@ def until_known(windows: Windows) -> Windows:
     steps = int(np.ceil((last + windows.margin) / windows.step)) + 1
     if steps >= windows.controls.shape[1]:
         return windows
+    known = windows.unlogged and windows.unlogged.until(steps)
     samples = tuple(_fitted_alone(s, last) for s in windows.samples)
-    return replace(windows, samples=samples, controls=windows.controls[:, :steps])
+    return replace(windows, samples=samples, controls=windows.controls[:, :steps], unlogged=known)
 
 
 def _fitted_alone(samples: WindowSamples, last: float) -> WindowSamples:

@@ -12,6 +12,7 @@ from dr_lab.diagnosis.windows.activations import Activations, activations, run_i
 from dr_lab.diagnosis.windows.channels import Channel, resolve
 from dr_lab.diagnosis.windows.commands import actuator_columns, averages
 from dr_lab.diagnosis.windows.start import Before, StartPrior, estimate_starts, motion_before, starts_known
+from dr_lab.diagnosis.windows.unlogged import Unlogged, unlogged
 from dr_lab.errors import DataError
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise
 
@@ -57,6 +58,7 @@ class Windows:
         past: controls of the steps before the start, shape (w, p, nu).
         before: motion and controls in the steps before the start that laws and actuators remember.
         activations: what is known of the actuators' activations; None where the model has none.
+        unlogged: what commands may have done between their samples; None where that is known.
         commands: column in `ctrl` of each command.
         prior: first estimate of the start and how far it may be wrong.
         step: s, time step of the simulation.
@@ -72,6 +74,7 @@ class Windows:
     past: Array
     before: Before
     activations: Activations | None
+    unlogged: Unlogged | None
     commands: Mapping[str, int]
     prior: StartPrior
     step: float
@@ -93,6 +96,7 @@ class Windows:
             past=self.past[rows],
             before=self.before.pick(rows),
             activations=self.activations and self.activations.pick(rows),
+            unlogged=self.unlogged and self.unlogged.pick(rows),
             prior=self.prior.pick(rows),
         )
 
@@ -136,8 +140,9 @@ def windows_at(
     before = motion_before(logs, begins, model, steps[:, first - nback : first], settings.smoother)
     prior = estimate_starts(logs, begins, model, measured.noise, settings)
     hidden = activations(logs, begins, model, before, prior, settings)
-    if hidden is not None:
-        prior = replace(prior, std=np.concatenate([prior.std, hidden.std]))
+    missing = unlogged(logs, begins, columns, edges[first:], settings.most_unlogged)
+    of_commands = np.ones(0 if missing is None else missing.column.shape[1])
+    std = np.concatenate([prior.std, np.zeros(0) if hidden is None else hidden.std, of_commands])
     return Windows(
         log=np.repeat(np.arange(len(logs)), [len(b) for b in begins]),
         logs=tuple(log.name for log in logs),
@@ -147,8 +152,9 @@ def windows_at(
         past=steps[:, first - npast : first],
         before=before,
         activations=hidden,
+        unlogged=missing,
         commands=columns,
-        prior=prior,
+        prior=replace(prior, std=std),
         step=model.opt.timestep,
         margin=settings.margin,
         length=settings.length,
