@@ -79,7 +79,8 @@ def equivalence_class(observed: Observed, truth: str, others: tuple[str, ...]) -
 def _ranked(observed: Observed, base: FittedModel, only: str | None = None) -> dict[str, tuple[FittedModel, int]]:
     """Fitted model and number of parameters of every candidate, or of one alone, by label."""
     study = observed.study
-    placed = candidates(base.model, observed.effects, study.scales, study.compiled).placed
+    channels = study.bench.fit.channels
+    placed = candidates(base.model, observed.effects, study.scales, study.compiled, channels).placed
     kept = [effect for effect in placed if only in (None, effect.label)]
     ranking = rank(study.bench, base, kept, lambda _: None)
     return {c.effect.label: (c.fitted_model, len(c.effect.parameters)) for c in ranking.candidates}

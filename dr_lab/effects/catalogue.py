@@ -1,6 +1,6 @@
 """Every effect of the catalogue at every site of a model, and why some cannot sit where others of their kind can."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -23,7 +23,13 @@ class Candidates:
     refused: Mapping[str, str]
 
 
-def candidates(model: Model, effects: Mapping[str, Effect], scales: Scales, compiled: mujoco.MjModel) -> Candidates:
+def candidates(
+    model: Model,
+    effects: Mapping[str, Effect],
+    scales: Scales,
+    compiled: mujoco.MjModel,
+    channels: Collection[str] | None = None,
+) -> Candidates:
     """Put every effect of the catalogue at every site of the model that does not hold it yet.
 
     Args:
@@ -31,6 +37,7 @@ def candidates(model: Model, effects: Mapping[str, Effect], scales: Scales, comp
         effects: the catalogue, by name.
         scales: size of the effects' bounds.
         compiled: the compiled nominal model without effects, which tells the sites.
+        channels: what is measured, so that effects are left out that it cannot show as their own; None leaves none out.
     """
     placed: list[PlacedEffect] = []
     refused: dict[str, str] = {}
@@ -38,7 +45,7 @@ def candidates(model: Model, effects: Mapping[str, Effect], scales: Scales, comp
     for effect in effects.values():
         for site in effect.sites(compiled):
             label = f"{effect.name}@{site}"
-            if label in taken:
+            if label in taken or not (channels is None or effect.shown_by(site, channels)):
                 continue
             try:
                 one = place(effect, compiled, site, scales)

@@ -1,7 +1,7 @@
 """The contract of an effect: where it can sit, its parameters, and how it edits a fresh spec."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
@@ -100,6 +100,11 @@ class Effect(ABC):
     @abstractmethod
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Parameters at a site, with short names, nominal = absent and bounds scaled to the machine."""
+
+    def shown_by(self, site: str, channels: Collection[str]) -> bool:
+        """Whether logs of these channels can show the effect at a site as one of its own; else it is not looked for."""
+        del site, channels
+        return True
 
     def lacking(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """What an exported MJCF file lacks of the effect at these values, empty if nothing."""

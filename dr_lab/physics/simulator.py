@@ -259,7 +259,7 @@ class Simulator:
 
     def _commanded(self, z: Array, controls: Array) -> Array:
         """Controls as the effects' command transforms leave them, (w, s, nu) or (c, w, s, nu) → (c or 1, w, s, nu)."""
-        every = controls.reshape(-1, *controls.shape[-3:])
+        every = controls if controls.ndim == 4 else controls[None]
         for actuator in range(self.compiled.nactuator if self.model.effects else 0):
             if self.compiled.actuator_ctrlnum[actuator] == 1:
                 column = self.compiled.actuator_ctrladr[actuator]

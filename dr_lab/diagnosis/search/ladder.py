@@ -171,8 +171,9 @@ def climb(
         watch: is told the number of candidates of each ranking and gives what is called with each label that is done.
     """
     ladder, cases, deletions = Ladder((), base, ()), SpecialCases(effects, scales, compiled), Deletions(bench)
+    channels = bench.fit.channels
     while True:
-        found = candidates(ladder.models[-1].model, effects, scales, compiled)
+        found = candidates(ladder.models[-1].model, effects, scales, compiled, channels)
         placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
         ranking = rank(bench, ladder.models[-1], placed, watch(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})

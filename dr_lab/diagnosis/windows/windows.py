@@ -85,6 +85,11 @@ class Windows:
         """Number of windows."""
         return len(self.begin)
 
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the measured channels."""
+        return tuple(samples.channel.name for samples in self.samples)
+
     def pick(self, rows: NDArray[np.intp]) -> "Windows":
         """Some of the windows; `logs` stays, so that indices of logs keep their meaning."""
         return replace(

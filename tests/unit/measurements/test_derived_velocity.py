@@ -84,7 +84,9 @@ def test_a_difference_of_another_encoder_is_kept() -> None:
     time, angle, _ = swing(seed=0)
     other = swing(seed=1)[1]
     kept = np.exp(-2 * np.pi * 30.0 * PERIOD)
-    assert found(time, angle, np.asarray(lfilter([1 - kept], [1, -kept], np.append(0.0, np.diff(other)) / PERIOD))) is None
+    assert (
+        found(time, angle, np.asarray(lfilter([1 - kept], [1, -kept], np.append(0.0, np.diff(other)) / PERIOD))) is None
+    )
 
 
 def test_a_pause_in_the_log_hides_nothing() -> None:
