@@ -24,8 +24,10 @@ CHANNEL_KEYS = """\
 #   latency: 0.002    s by which the stamps lie after the true times
 #   clock: header     whose stamps: header, publish or log of a message, column of a table
 #   noise_std: 0.001  of the numbers, in the unit; estimated where it is left out
+#   between: line     of a command: hold its value until the next sample, go in a straight line to it, or unknown, if it
+#                     changes without being logged: what it did is then estimated; left out, it holds as far as it can
 # A field or column may be a sum: {shoulder: 1, elbow: -1}. A command that is the same all the time is a sum without
-# weight: {column: {ANY: 0}, offset: 0.5, unit: rad}, or with topic and field. Commands hold until the next sample.
+# weight: {column: {ANY: 0}, offset: 0.5, unit: rad}, or with topic and field.
 """
 
 _PARAMETERS = (

@@ -13,9 +13,10 @@ from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.windows.commands import averages
 from dr_lab.diagnosis.windows.unlogged import Unlogged, unlogged
 from dr_lab.trajectory import Array, Log, Signal
-from tests.diagnosis_machines import log_of, pendulum, simulated, solver_settings, windows_of, windows_settings
+from tests.diagnosis_machines import clock, log_of, pendulum, simulated, solver_settings, windows_of, windows_settings
 
 STD = 2e-4  # rad
+EDGES = clock(5, 0.05)  # s after a window's start
 
 
 def test_straight_commands_enter_as_the_integral_of_their_line() -> None:
@@ -32,8 +33,7 @@ def staircase(between: str) -> Log:
 
 
 def test_an_unknown_is_the_scatter_of_a_step_at_any_instant() -> None:
-    edges = 0.05 * np.arange(5)  # from 0.05 to 0.25 s on the log's clock
-    found = unlogged([staircase("unknown")], [np.array([0.05])], {"drive": 1}, edges, 9)
+    found = unlogged([staircase("unknown")], [np.array([0.05])], {"drive": 1}, EDGES, 9)
     assert found is not None
     assert found.column.tolist() == [[1, 1, 1]]
     sizes = np.array([[4.0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 3.0]]) / np.sqrt(12)
@@ -43,14 +43,14 @@ def test_an_unknown_is_the_scatter_of_a_step_at_any_instant() -> None:
 
 
 def test_the_largest_unknowns_are_taken() -> None:
-    found = unlogged([staircase("unknown")], [np.array([0.05])], {"drive": 0}, 0.05 * np.arange(5), 1)
+    found = unlogged([staircase("unknown")], [np.array([0.05])], {"drive": 0}, EDGES, 1)
     assert found is not None
     assert found.size[0].sum() == pytest.approx(4 / np.sqrt(12))
 
 
 @pytest.mark.parametrize("between", ["", "hold", "line"])
 def test_commands_that_are_known_have_none(between: str) -> None:
-    assert unlogged([staircase(between)], [np.array([0.05])], {"drive": 0}, 0.05 * np.arange(5), 9) is None
+    assert unlogged([staircase(between)], [np.array([0.05])], {"drive": 0}, EDGES, 9) is None
 
 
 def test_unknowns_act_on_their_own_columns() -> None:
@@ -61,7 +61,7 @@ def test_unknowns_act_on_their_own_columns() -> None:
 
 def sent(seed: int) -> Signal:
     """Sines and steps at 250 Hz for 4 s."""
-    time, rng = 0.004 * np.arange(1000), np.random.default_rng(seed)
+    time, rng = clock(1000, 0.004), np.random.default_rng(seed)
     waves = 0.5 * np.sin(9 * time + rng.uniform(0, 6)) + 0.3 * np.sin(17 * time + rng.uniform(0, 6))
     return Signal("drive", "N·m", time, waves + np.repeat(rng.uniform(-0.4, 0.4, 11), 97)[:1000])
 

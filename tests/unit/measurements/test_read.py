@@ -108,6 +108,18 @@ def test_a_set_has_logs_noise_and_gaps(folder: Path, contract: DataContract) -> 
     assert segment.commands["motor"].time[0] <= 1.0 < segment.commands["motor"].time[1]
 
 
+def test_what_a_command_does_between_samples_is_kept_and_asked_of_commands_alone(
+    folder: Path, contract: DataContract
+) -> None:
+    logs, line = [str(folder / "*.mcap")], {"between": "line"}
+    sent = {name: dict(entry) | line for name, entry in COMMANDS.items()}
+    assert read("bench", logs, OUTPUTS, contract, sent).fit[0].commands["motor"].between == "line"
+    assert read("bench", logs, OUTPUTS, contract, COMMANDS).fit[0].commands["motor"].between == ""
+    shown = {name: dict(entry) | line for name, entry in OUTPUTS.items()}
+    with pytest.raises(ConfigError, match=r"between is for commands"):
+        read("bench", logs, shown, contract, COMMANDS)
+
+
 def test_given_noise_is_in_the_channels_unit(folder: Path, contract: DataContract) -> None:
     entry = dict(OUTPUTS["arm.position"]) | {"unit": "rad", "noise_std": 0.004}
     degrees = dict(OUTPUTS["pole.position"]) | {"unit": "deg", "scale": 180 / np.pi, "noise_std": 0.5}
@@ -191,6 +203,7 @@ def test_a_simulators_clock_may_begin_at_0(tmp_path: Path, contract: DataContrac
         ({"column": []}, ConfigError, r"got neither"),
         ({"noise_std": 0.0}, ConfigError, r"noise_std must be > 0"),
         ({"noise_std": float("nan")}, ConfigError, r"noise_std is nan; expected a number"),
+        ({"between": "holt"}, UnknownNameError, r"no way between samples 'holt' .*Did you mean 'hold'\?"),
         ({"clock": "headr"}, UnknownNameError, r"no clock 'headr' .*Did you mean 'header'\?"),
         ({"scael": 2}, UnknownNameError, r"no key 'scael' .*Did you mean 'scale'\?"),
         ({"topic": "/q"}, ConfigError, r"give topic and field \(MCAP\) or column \(CSV, Parquet\); got column, topic"),

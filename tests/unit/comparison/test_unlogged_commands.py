@@ -1,0 +1,91 @@
+"""Commands that were logged more slowly than sent are read as lines where that explains the motion better."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from dr_lab.comparison.comparison import Comparison
+from dr_lab.comparison.notes import study_notes
+from dr_lab.comparison.study import prepare
+from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
+from dr_lab.diagnosis.faults.data_faults import Fault
+from dr_lab.trajectory import Array, Log, Signal
+from tests.diagnosis_machines import clock, log_of, measured, pendulum, short_comparison, simulated
+
+WAIT = 0.04  # s
+FAULTS = tuple(Fault("decimated", f"log_{k}", "drive", 0.0, 4.0, "", "") for k in (1, 2))
+
+
+def log(seed: int, sent: Callable[[Array], Array], between: str) -> Log:
+    """A pendulum under a command at 250 Hz, of which every tenth is logged."""
+    time, rng = clock(1000, 0.004), np.random.default_rng(seed)
+    waves = 0.6 * np.sin(9 * time + rng.uniform(0, 6)) + 0.5 * np.sin(25 * time + rng.uniform(0, 6))
+    command = Signal("drive", "N·m", time, sent(waves))
+    motion = simulated(pendulum().compile(np.array([0.6, 0.08])), command, 4.0, qpos=[0.5])
+    reading = motion["qpos"][:, 0] + 5e-4 * rng.standard_normal(len(motion["time"]))
+    logged = replace(command, time=time[::10], value=command.value[::10], between=between)
+    return log_of(f"log_{seed}", {"hinge.position": (motion["time"][::5], reading[::5])}, logged)
+
+
+def as_sent(waves: Array) -> Array:
+    return waves
+
+
+def held(waves: Array) -> Array:
+    """As if only every tenth had been sent."""
+    return np.repeat(waves[::10], 10)
+
+
+@cache
+def comparison(sent: Callable[[Array], Array] = as_sent, between: str = "") -> Comparison:
+    one, other = (log(seed, sent, between) for seed in (1, 2))
+    return short_comparison(pendulum(), measured([one], [other], noise=5e-4))
+
+
+def between(found: Comparison) -> list[str]:
+    logs = (*found.measurements.fit, *found.measurements.held_out)
+    return [each.commands["drive"].between for each in logs]
+
+
+def test_lines_that_explain_more_are_taken_and_told() -> None:
+    found = with_lines(comparison(), FAULTS)
+    assert between(found) == ["unknown", "unknown"]
+    for each in (*found.measurements.fit, *found.measurements.held_out):
+        (note,) = each.notes
+        assert (note.kind, note.signal) == ("unlogged", "drive")
+        assert "40 ms apart" in note.message
+        assert "on the held-out logs" in note.message
+        assert "measurements.commands.drive.between=hold" in note.message
+
+
+def test_commands_that_held_stay_held_whatever_is_suspected() -> None:
+    assert with_lines(comparison(held), FAULTS) is comparison(held)
+
+
+def test_without_a_suspicion_nothing_is_tried() -> None:
+    assert with_lines(comparison(), ()) is comparison()
+
+
+@pytest.mark.parametrize("said", ["hold", "line", "unknown"])
+def test_what_the_measurements_say_stands(said: str) -> None:
+    assert with_lines(comparison(between=said), FAULTS) is comparison(between=said)
+
+
+@pytest.mark.parametrize(("said", "faults", "wait"), [("", FAULTS, WAIT), ("unknown", (), WAIT), ("line", (), 0.0)])
+def test_no_shift_below_the_wait_between_logged_commands_can_be_told(
+    said: str, faults: tuple[Fault, ...], wait: float
+) -> None:
+    assert longest_wait(comparison(between=said).measurements, faults) == pytest.approx(wait)
+
+
+def test_what_a_study_finds_by_itself_stands_once_in_its_notes() -> None:
+    study = prepare(comparison())
+    assert {fault.kind for fault in study.faults} == {"decimated"}
+    assert study.bench.fit.unlogged is not None
+    assert study.bench.timing_resolution == pytest.approx(WAIT)
+    (note,) = [note for note in study_notes(study) if note.kind == "unlogged"]
+    assert note.log is None
+    assert note.signal == "drive"
