@@ -13,7 +13,7 @@ from dr_lab.comparison.study import prepare
 from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.trajectory import Array, Log, Signal
-from tests.diagnosis_machines import clock, log_of, measured, pendulum, short_comparison, simulated
+from tests.diagnosis_machines import STEP, clock, log_of, measured, pendulum, short_comparison, simulated
 
 WAIT = 0.04  # s
 FAULTS = tuple(Fault("decimated", f"log_{k}", "drive", 0.0, 4.0, "", "") for k in (1, 2))
@@ -89,3 +89,10 @@ def test_what_a_study_finds_by_itself_stands_once_in_its_notes() -> None:
     (note,) = [note for note in study_notes(study) if note.kind == "unlogged"]
     assert note.log is None
     assert note.signal == "drive"
+
+
+def test_of_commands_that_hold_the_step_alone_bounds_what_is_told() -> None:
+    study = prepare(comparison(held))
+    assert not study.faults
+    assert study.bench.fit.unlogged is None
+    assert study.bench.timing_resolution == pytest.approx(STEP)
