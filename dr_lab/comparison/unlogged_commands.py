@@ -86,7 +86,7 @@ def _told(name: str, measured: MeasurementSet, held: float, straight: float) -> 
         f"{name}: what was sent between its samples, {1e3 * wait:.3g} ms apart, is not logged. It is read as going "
         f"straight from one to the next, which the calibrated model explains better than held commands (χ² "
         f"{straight:.3g} instead of {held:.3g} on the {scored}), and what that misses is estimated in every window. A "
-        f"shift in time below {1e3 * wait:.3g} ms is not told from none. measurements.commands.{name}.between=hold "
+        f"shift in time below {1e3 * wait:.3g} ms is not told from none. +measurements.commands.{name}.between=hold "
         "reads it as held."
     )
 
