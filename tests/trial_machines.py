@@ -27,7 +27,7 @@ SETTINGS = evidence_settings()
 BLOCKS, WINDOWS, COUNT = 10, 30, 300.0  # three windows a block, one log
 NOISE = np.random.default_rng(0).chisquare(COUNT, WINDOWS)
 SIMPLE, RICH = (placed(block(), name, "rail") for name in ("coulomb_friction", "stribeck_friction"))
-LOGS = SimpleNamespace(log=np.arange(30))
+LOGS = SimpleNamespace(channels=(), log=np.arange(30))
 BENCH = cast(Bench, SimpleNamespace(evidence=SETTINGS, scored="held-out logs", fit=LOGS))
 WIDE = np.repeat(20.0, BLOCKS)
 NOTHING = cast(Any, None)

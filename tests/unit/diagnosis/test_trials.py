@@ -190,7 +190,7 @@ def test_logs_that_gain_unequally_are_held_against_an_effect_whose_parameters_ar
     steps = (AddedEffect(machine.explain((SKEW,)), ()),)
     gain = paired_gain(machine.explain((SIMPLE,)).held_out, steps[0].fitted_model.held_out, SETTINGS)
     assert gain.total_low < 0 < gain.blocks_low
-    bench = cast(Bench, SimpleNamespace(**vars(BENCH) | {"fit": SimpleNamespace(log=np.arange(logs), channels=())}))
+    bench = cast(Bench, SimpleNamespace(**vars(BENCH) | {"fit": SimpleNamespace(log=np.arange(logs))}))
     found = pruning.simplify(Deletions(bench), machine.explain(()), steps, SpecialCases({}, NOTHING, NOTHING))
     assert (found is None) == stays
 
