@@ -89,7 +89,7 @@ def score_of(replay: Replay, fit: StateFit) -> Score:
     """Score of a fit on the scored samples of its own windows."""
     used = replay.scored & ~fit.infeasible[:, None]
     squared = np.where(used, fit.residuals**2, 0.0)
-    taken = _taken_by_states(replay, fit, used)
+    taken = taken_by_states(replay, fit, used)
     count = used.sum(1) - taken.sum(1)
     rmse, nrmse, percent = _channel_errors(replay, squared, ~fit.infeasible)
     return Score(
@@ -123,7 +123,7 @@ def _channels(replay: Replay, fit: StateFit, used: Mask, taken: Array) -> dict[s
     return found
 
 
-def _taken_by_states(replay: Replay, fit: StateFit, used: NDArray[np.bool_]) -> Array:
+def taken_by_states(replay: Replay, fit: StateFit, used: NDArray[np.bool_]) -> Array:
     """Degrees of freedom that a window's fitted unknowns take of each of its scored residuals, shape (w, m).
 
     diag(2 A − A Aᵀ) with A = Jₛ H⁻¹ J_fᵀ and H = J_fᵀJ_f + P, J_f the slopes of fitted residuals and Jₛ those of the

@@ -1,4 +1,6 @@
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ from diagnosis_machines import (
 )
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.evidence.score import score_of
+from dr_lab.diagnosis.evidence.score import score_of, taken_by_states
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
@@ -105,3 +107,16 @@ def test_orientations_spread_as_angles() -> None:
     # the noise is that of a quaternion's components, half an angle; three components of 5 σ each
     assert score.rmse["sensor.pose"] == pytest.approx(5 * 2 * NOISE)
     assert score.nrmse["sensor.pose"] == pytest.approx(np.sqrt(3) * 5 * 2 * NOISE / np.std(angle), rel=1e-3)
+
+
+@pytest.mark.parametrize("spread", [0.05, 1.0, 1e3])
+def test_unknowns_take_what_their_prior_lets_them_take(spread: float) -> None:
+    """Of white noise the ridge estimate leaves tr((1 − A)(1 − A)ᵀ), A = J (JᵀJ + 1/spread²)⁻¹ Jᵀ."""
+    slopes = np.random.default_rng(0).standard_normal((1, 30, 4))
+    used, std = np.ones((1, 30), bool), np.full(4, spread)
+    replay = cast(Any, SimpleNamespace(fitted=used, windows=SimpleNamespace(prior=SimpleNamespace(std=std))))
+    taken = taken_by_states(replay, cast(Any, SimpleNamespace(slopes=slopes)), used)
+    left = np.eye(30) - slopes[0] @ np.linalg.solve(slopes[0].T @ slopes[0] + np.diag(std**-2.0), slopes[0].T)
+    np.testing.assert_allclose(taken[0], 1 - np.diag(left @ left.T), atol=1e-12)
+    if spread == 1e3:
+        assert taken.sum() == pytest.approx(4.0, rel=1e-5)  # free unknowns take one residual each
