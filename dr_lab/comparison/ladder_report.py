@@ -11,7 +11,7 @@ from dr_lab.comparison.localised import failure
 from dr_lab.comparison.missing_force import missing_forces
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.paired_gain import Gain
-from dr_lab.diagnosis.next_experiment import ExperimentSettings
+from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.recorders.overlay import AFTER, BEFORE
@@ -29,7 +29,7 @@ def report_ladder(
         study: model and logs.
         ladder: what was climbed; the first rung's ranking becomes the report's `ranking`.
         run: where the results go.
-        experiments: which experiments are tried where rivals are left; None for none.
+        experiments: how the next experiment is looked for; None for not at all.
 
     Returns:
         The report as written.
@@ -43,8 +43,8 @@ def report_ladder(
     run.screen.phase("Looking where the model fails and what it misses")
     failing = failure(study, base.model, base.fit.z)  # first, because what misses forces is among its windows
     judgement = replace(judgement, missing_force=missing_forces(study, ladder.models))
-    if experiments is not None and any(step.rivals for step in ladder.steps):
-        run.screen.phase("Looking for the experiment that would decide")
+    if experiments is not None:
+        run.screen.phase("Looking for the next experiment")
         judgement = replace(judgement, next_experiment=deciding_experiment(study, ladder, experiments, run.folder))
     before = (base.model, base.fit.z) if last is not base else (study.model, study.model.space.nominal)
     shown = {BEFORE: before, AFTER: (last.model, last.fit.z)}

@@ -18,7 +18,7 @@ def experiment_plots(folder: Path, proposal: ExperimentEntry | None) -> list[Plo
         folder: that holds the command file.
         proposal: what is proposed.
     """
-    if proposal is None or not (folder / proposal.command_file).is_file():
+    if proposal is None or not proposal.command_file or not (folder / proposal.command_file).is_file():
         return []
     with (folder / proposal.command_file).open(encoding="utf-8") as file:
         _, *names = file.readline().strip().split(",")

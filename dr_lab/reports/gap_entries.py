@@ -274,12 +274,29 @@ class MissingForceEntry:
 
 
 @dataclass(frozen=True)
-class ExperimentEntry:
-    """The experiment that would decide between rivals."""
+class SharpenedEntry:
+    """A poorly known parameter that the next experiment would tell better: its standard deviation now and then."""
 
-    separates: Labels
-    sigma: Number
-    command_file: str
+    parameter: str
+    unit: str
+    std: Number
+    std_after: Number
+
+
+@dataclass(frozen=True)
+class ExperimentEntry:
+    """The experiment that would decide between rivals, or sharpen parameters; or the reason why there is none."""
+
+    separates: Labels = ()
+    sigma: Number = None
+    command_file: str = ""
     needed: float = 0.0
-    excitation: str = ""
     duration: Number = None
+    rate: Number = None
+    start: Mapping[str, float] = field(default_factory=dict)
+    hold: Mapping[str, float] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    rests: bool = True
+    taken: Number = None
+    sharpens: tuple[SharpenedEntry, ...] = ()
+    reason: str = ""

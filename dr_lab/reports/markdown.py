@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from dr_lab.reports.gap import Failure, GapReport
 from dr_lab.reports.gap_entries import (
-    ExperimentEntry,
     MissingForceEntry,
     NoteEntry,
     Parameters,
@@ -12,6 +11,7 @@ from dr_lab.reports.gap_entries import (
     TermEntry,
 )
 from dr_lab.reports.ladder import failing, scored
+from dr_lab.reports.next_experiment import next_experiment_text
 from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import number, percent
 from dr_lab.reports.rankings import rankings
@@ -54,7 +54,7 @@ def gap_page(report: GapReport) -> Page:
         Section("missing_forces", "Missing forces", _missing_forces(judgement.missing_force)),
         Section("horizons", f"Error of the {failing(report)} and horizon", horizon_table(report)),
         Section("correlations", f"Residual of the {failing(report)} and command", _correlations(failure)),
-        Section("next_experiment", "Next experiment", _next_experiment(judgement.next_experiment)),
+        Section("next_experiment", "Next experiment", next_experiment_text(judgement.next_experiment)),
         Section("noise", "Noise floor", noise_table(report.noise)),
         Section("notes", "Notes", notes_list(report.notes)),
         Section("clocks", "Clocks", clock_table(report.clocks)),
@@ -142,19 +142,6 @@ def _correlations(failure: Failure) -> str:
 
 def _milliseconds(seconds: float | None) -> str:
     return number(None if seconds is None else 1e3 * seconds, 3)
-
-
-def _next_experiment(proposal: ExperimentEntry | None) -> str:
-    if proposal is None:
-        return ""
-    pair = " from ".join(f"`{effect}`" for effect in proposal.separates[:2])
-    apart = f"{number(proposal.sigma, 2)} σ"
-    if proposal.sigma is not None and proposal.sigma < proposal.needed:
-        return (
-            f"No command that was tried separates {pair}: `{proposal.command_file}` comes farthest, with {apart}. "
-            "To these sensors they may be the same; a further channel would tell them apart."
-        )
-    return f"Play `{proposal.command_file}`: it separates {pair} by {apart}."
 
 
 def notes_list(notes: Sequence[NoteEntry]) -> str:

@@ -9,7 +9,7 @@ from dr_lab.comparison.finish import Run
 from dr_lab.comparison.ladder_report import report_ladder
 from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import prepare
-from dr_lab.diagnosis.next_experiment import ExperimentSettings
+from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.effects.catalogue import require_names
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import ConfigError

@@ -1,6 +1,4 @@
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -9,88 +7,177 @@ from effect_machines import block, placed
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.diagnosis.evidence.bench import FittedModel
-from dr_lab.diagnosis.experiment import readings
+from dr_lab.diagnosis.experiment import play, readings
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.next_experiment import ExperimentMachine, ExperimentSettings, propose
+from dr_lab.diagnosis.next_experiment.clearance import Clearance
+from dr_lab.diagnosis.next_experiment.family import Bounds
+from dr_lab.diagnosis.next_experiment.limits import Limits
+from dr_lab.diagnosis.next_experiment.machine import Contender, ExperimentMachine
+from dr_lab.diagnosis.next_experiment.propose import Proposal, Refusal, separate, sharpen
+from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.diagnosis.windows.windows import cut
+from dr_lab.errors import ConfigError
 from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
 
 LIMIT = 6.0  # N
 WINDOWS = windows_settings(seconds=3.6)
-MACHINE = ExperimentMachine(
-    start=np.zeros(1),
-    limits={"drive": (-LIMIT, LIMIT)},
-    noise={"rail.position": Noise(NOISE, "m", "given")},
-    windows=WINDOWS,
-    solver=solver_settings(),
-    threads=1,
-)
 
 
-def fitted(effect: str, *values: float, site: str = "rail") -> FittedModel:
+def contender(effect: str, *values: float, site: str = "rail", std: float = 0.0) -> Contender:
     """A block on a rail with one effect at the given values."""
     model = block().with_effect(placed(block(), effect, site))
-    return FittedModel(model, cast(Any, SimpleNamespace(z=np.array(values))), cast(Any, None), cast(Any, None))
+    return Contender(model, np.array(values), np.eye(len(values)) * std**2)
 
 
-def settings() -> ExperimentSettings:
-    return instantiate(compose("diagnose", []).next_experiment, _convert_="all")
+def machine(model: Contender, way: float = 0.5, speed: float = 2.0, low: float = -LIMIT) -> ExperimentMachine:
+    """The rail, of which an experiment may use `way` m to either side."""
+    kept = Limits(
+        low=np.array([-way]),
+        high=np.array([way]),
+        speed=np.array([speed]),
+        force=np.array([[-LIMIT], [LIMIT]]),
+        certain=np.array([True]),
+        distance=np.zeros(0),
+    )
+    return ExperimentMachine(
+        start=np.zeros(1),
+        names=("drive",),
+        bounds=Bounds(np.array([max(low, 0.0)]), np.array([low]), np.array([LIMIT]), np.array([np.inf])),
+        kept=kept,
+        clearance=Clearance(model.model, model.z, 0.04),
+        noise={"rail.position": Noise(NOISE, "m", "given")},
+        windows=WINDOWS,
+        solver=solver_settings(),
+        command_rate=100.0,
+        sample_rate=250.0,
+        threads=1,
+    )
 
 
-COULOMB, VISCOUS = fitted("coulomb_friction", 1.0), fitted("viscous_friction", 0.8)
+def settings(**changes: object) -> ExperimentSettings:
+    small = {"population": 6, "generations": 1, "simulations": 200, "durations": [3.0], **changes}
+    return replace(instantiate(compose("diagnose", []).next_experiment, _convert_="all"), **small)
+
+
+COULOMB, VISCOUS = contender("coulomb_friction", 1.0), contender("viscous_friction", 0.8)
+
+
+def proposed(found: object) -> Proposal:
+    assert isinstance(found, Proposal)
+    return found
 
 
 def test_the_proposed_experiment_decides() -> None:
-    found = propose(COULOMB, VISCOUS, MACHINE, settings())
-    assert found is not None
-    assert found.separates == ("coulomb_friction@rail", "viscous_friction@rail")
-    assert np.abs(found.commands["drive"].value).max() <= LIMIT  # a hair above would trip a drive
-    time = np.arange(0.0, 6.0, 1 / 250)
-    shown = readings(COULOMB.model, COULOMB.fit.z, MACHINE.start, found.commands, ["rail.position"], time)
+    rail = machine(COULOMB)
+    found = proposed(separate(COULOMB, VISCOUS, rail, settings()))
+    assert found.sigma is not None
+    time = np.arange(0.0, found.duration, 1 / 250)
+    shown = readings(COULOMB.model, COULOMB.z, rail.start, found.commands, ["rail.position"], time)
     value = shown["rail.position"][:, 0] + NOISE * np.random.default_rng(0).normal(size=len(time))
     log = Log("played", {"rail.position": Signal("rail.position", "m", time, value)}, found.commands)
-    measured = MeasurementSet("played", (log,), (), MACHINE.noise, {"rail.position": 0.1})
+    measured = MeasurementSet("played", (log,), (), rail.noise, {"rail.position": 0.1})
     costs = []
     for each in (COULOMB, VISCOUS):
         windows = cut([log], measured, each.model.nominal(), WINDOWS)
-        fit = Fitter(Replay(each.model, windows, 1), MACHINE.solver).run(each.fit.z)
-        costs.append(fit.cost)
+        costs.append(Fitter(Replay(each.model, windows, 1), rail.solver).run(each.z).cost)
     missed = costs[1] - costs[0]
     assert missed > 25  # five standard deviations
     assert missed > 0.5 * found.sigma**2
 
 
-def test_the_best_experiment_is_refitted_first() -> None:
-    every, first = (propose(COULOMB, VISCOUS, MACHINE, replace(settings(), refitted=count)) for count in (6, 1))
-    assert every is not None
-    assert first is not None
-    assert first.sigma == pytest.approx(every.sigma)
-    assert first.excitation == every.excitation
-    given = settings().excitations
-    backwards = replace(settings(), refitted=1, excitations={name: given[name] for name in reversed(list(given))})
-    turned = propose(COULOMB, VISCOUS, MACHINE, backwards)
-    assert turned is not None
-    assert turned.excitation == first.excitation
+def test_it_starts_and_ends_with_what_holds_the_machine_and_keeps_its_limits() -> None:
+    rail = machine(COULOMB)
+    found = proposed(separate(COULOMB, VISCOUS, rail, settings()))
+    command = found.commands["drive"]
+    assert (command.value[0], command.value[-1]) == (0.0, 0.0)
+    assert np.abs(command.value).max() <= LIMIT
+    assert np.abs(np.diff(command.value)).max() < LIMIT / 2  # no jump
+    assert command.time[-1] == pytest.approx(3.0)
+    for each in (COULOMB, VISCOUS):
+        tape = play(each.model, each.z[None], rail.start, [found.commands], found.duration).tape
+        assert np.abs(tape.qpos).max() <= 0.5
+        assert np.abs(tape.qvel).max() <= 2.0
+    assert found.taken <= 1
+
+
+def test_it_keeps_its_limits_in_contexts_that_the_fit_does_not_exclude() -> None:
+    unsure = [replace(each, covariance=np.eye(1) * 0.2**2) for each in (COULOMB, VISCOUS)]
+    found = proposed(separate(unsure[0], unsure[1], machine(COULOMB), settings()))
+    generator = np.random.default_rng(5)
+    for each in unsure:
+        z = each.drawn(8, 1.0, generator)
+        tape = play(each.model, z, np.zeros(1), [found.commands], found.duration).tape
+        assert np.abs(tape.qpos).max() <= 0.5 / 0.85  # the reserve is for this
+
+
+def test_the_same_seed_proposes_the_same() -> None:
+    one, other = (proposed(separate(COULOMB, VISCOUS, machine(COULOMB), settings())) for _ in range(2))
+    assert np.array_equal(one.commands["drive"].value, other.commands["drive"].value)
 
 
 def test_what_is_the_same_to_every_experiment_is_not_separated() -> None:
     """A constant force along a horizontal rail and a rail that is not level."""
-    offset, tilt = fitted("constant_offset", 0.5), fitted("base_tilt", 0.0, site="world")
-    (tilted,) = tilt.model.effects
-    values = np.zeros(len(tilted.parameters))
+    offset, tilt = contender("constant_offset", 0.5), placed(block(), "base_tilt", "world")
+    values = np.zeros(len(tilt.parameters))
     values[0] = 0.5 / (2 * 9.81)
-    found = propose(offset, fitted("base_tilt", *values, site="world"), MACHINE, settings())
-    assert found is not None
+    found = proposed(
+        separate(offset, contender("base_tilt", *values, site="world"), machine(offset, way=9.0), settings())
+    )
+    assert found.sigma is not None
     assert found.sigma < 5
 
 
+def test_where_the_machine_runs_away_by_itself_the_limit_is_told() -> None:
+    """A force of 4 N that no command makes up for moves 2 kg by 4 m in 2 s, and the command must not fall below 0."""
+    pushed = contender("constant_offset", 4.0)
+    found = separate(
+        pushed, contender("viscous_friction", 0.0), machine(pushed, low=0.0), settings(durations=[3.0, 2.0])
+    )
+    assert isinstance(found, Refusal)
+    assert found.reason == "the range of rail"
+
+
+def test_a_shorter_experiment_is_tried_where_none_is_possible() -> None:
+    """A drift by 0.05 N of 2 kg: 0.11 m in 3 s, 0.03 m in 1.5 s."""
+    drifting = contender("constant_offset", 0.05)
+    rail = machine(drifting, way=0.08, low=0.0)
+    found = proposed(separate(drifting, contender("viscous_friction", 0.1), rail, settings(durations=[3.0, 1.5])))
+    assert found.duration == 1.5
+
+
+def test_an_experiment_sharpens_what_is_poorly_known() -> None:
+    """The linear forecast of a friction's standard deviation is what a fit to the experiment's log then has."""
+    unsure = contender("coulomb_friction", 1.0, std=0.5)
+    found = proposed(sharpen(unsure, machine(unsure, way=2.0), settings()))
+    (row,) = found.sharpened
+    assert (row.parameter, row.unit, row.before) == ("coulomb_friction@rail.torque", "N", pytest.approx(0.5))
+    time = np.arange(0.0, found.duration, 1 / 250)
+    shown = readings(unsure.model, unsure.z, np.zeros(1), found.commands, ["rail.position"], time)
+    log = Log(
+        "played", {"rail.position": Signal("rail.position", "m", time, shown["rail.position"][:, 0])}, found.commands
+    )
+    measured = MeasurementSet("played", (log,), (), machine(unsure).noise, {"rail.position": 0.1})
+    windows = cut([log], measured, unsure.model.nominal(), windows_settings())
+    fit = Fitter(Replay(unsure.model, windows, 1), solver_settings()).run(unsure.z)
+    std = fit.equations.information()[0, 0] ** -0.5 * unsure.model.space.span[0]
+    assert row.after == pytest.approx(std, rel=0.3)
+    assert row.after < 0.05
+
+
+def test_what_is_well_known_is_not_sharpened() -> None:
+    assert sharpen(contender("coulomb_friction", 1.0, std=1e-4), machine(COULOMB), settings()) is None
+
+
 def test_the_command_uses_a_range_that_is_not_symmetric() -> None:
-    machine = ExperimentMachine(**{**vars(MACHINE), "limits": {"drive": (1.0, 3.0)}})
-    found = propose(COULOMB, VISCOUS, machine, settings())
-    assert found is not None
+    found = proposed(separate(COULOMB, VISCOUS, machine(COULOMB, way=50.0, speed=50.0, low=1.0), settings()))
     value = found.commands["drive"].value
     assert value.min() >= 1.0
-    assert value.max() <= 3.0
-    assert value.mean() == pytest.approx(2.0, abs=0.5)
+    assert value.max() <= LIMIT
+    assert np.ptp(value) > 0.1
+
+
+@pytest.mark.parametrize(("key", "value"), [("durations", []), ("durations", [0.0]), ("poor", 0.0), ("population", 0)])
+def test_settings_without_meaning_are_refused(key: str, value: object) -> None:
+    with pytest.raises(ConfigError, match=key):
+        settings(**{key: value})

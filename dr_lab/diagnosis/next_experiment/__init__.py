@@ -1,0 +1,1 @@
+"""The next experiment: commands that may be played and that would tell most."""

@@ -1,0 +1,179 @@
+"""The search for the best experiment of a family that keeps all limits: draws, sizing, generations, refits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.diagnosis.next_experiment.aims import Aim
+from dr_lab.diagnosis.next_experiment.machine import Contender, ExperimentMachine
+from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
+from dr_lab.diagnosis.next_experiment.trial import tried
+from dr_lab.diagnosis.next_experiment.worth import Shots
+from dr_lab.seeding import stream
+from dr_lab.trajectory import Array
+
+_FULL = 0.92  # share of the limits that a resized experiment is to take
+_LEAST_FACTOR = 0.15
+_SIZINGS = 3
+_LEAST_JUDGED = 2
+_SCALES = (1.0, 0.85, 0.7, 0.5)  # of the best experiments, against contexts in which they leave a limit
+_MUTATED, _MUTATION = 0.3, 0.15  # share of the genes, standard deviation
+_COARSE, _FINE = 0.02, 0.004  # s between two looks at the distances of parts
+
+
+@dataclass(frozen=True)
+class Found:
+    """An experiment that keeps all limits.
+
+    Attributes:
+        values: commands, shape (m, k).
+        time: when they are sent, s, shape (k,).
+        value: by the aim.
+        taken: largest share of any kept limit that the simulated motions take.
+        shown: what each contender shows.
+    """
+
+    values: Array
+    time: Array
+    value: float
+    taken: float
+    shown: Sequence[Shots]
+
+
+@dataclass(frozen=True)
+class NothingFound:
+    """No experiment of the family keeps all limits.
+
+    Attributes:
+        reason: which limit the gentlest leaves, in words.
+    """
+
+    reason: str
+
+
+@dataclass
+class _Archive:
+    """Experiments that were simulated, shapes (n, …)."""
+
+    genes: Array
+    values: Array
+    worth: Array
+    factor: Array
+
+    def add(self, genes: Array, values: Array, worth: Array, factor: Array) -> None:
+        self.genes = np.concatenate([self.genes, genes])
+        self.values = np.concatenate([self.values, values])
+        self.worth = np.concatenate([self.worth, worth])
+        self.factor = np.concatenate([self.factor, factor])
+
+
+class Search:
+    """The search for one aim on one machine.
+
+    Args:
+        aim: what makes an experiment good.
+        machine: on which it is played.
+        settings: of the search.
+        duration: of the experiments, s.
+    """
+
+    def __init__(self, aim: Aim, machine: ExperimentMachine, settings: ExperimentSettings, duration: float) -> None:
+        self._aim = aim
+        self._machine = machine
+        self._settings = settings
+        self._time = machine.command_times(duration)
+        self._duration = float(self._time[-1])
+        self._generator = stream(settings.seed, "next_experiment", f"{duration:g}")
+        self._gentlest, self._reason = np.inf, ""
+
+    def run(self) -> Found | NothingFound:
+        """The best experiment."""
+        archive = self._searched()
+        found: list[Found] = []
+        for row in np.argsort(-archive.worth):
+            if len(found) == self._settings.refitted or not np.isfinite(archive.worth[row]):
+                break
+            safe = self._safe(archive.values[row])
+            if safe is not None:
+                found.append(safe)
+        return max(found, key=lambda each: each.value) if found else NothingFound(self._reason)
+
+    def _searched(self) -> _Archive:
+        settings, machine = self._settings, self._machine
+        genes = self._sized(settings.family.draw(settings.population, len(machine.names), self._generator))
+        archive = _Archive(genes[:0], self._values(genes[:0]), np.zeros(0), np.zeros(0))
+        for generation in range(settings.generations):
+            values = self._values(genes)
+            shown, excess = self._tried(values, self._aim.quick)
+            archive.add(genes, values, self._worth(shown, excess), _factor(excess))
+            if generation + 1 < settings.generations:
+                genes = self._children(archive)
+        return archive
+
+    def _values(self, genes: Array) -> Array:
+        return self._settings.family.commands(genes, self._time, self._machine.bounds)
+
+    def _sized(self, genes: Array) -> Array:
+        """The experiments, those smaller that leave a limit by the first model."""
+        for _ in range(_SIZINGS):
+            _, excess = self._tried(self._values(genes), self._aim.quick[:1])
+            genes = self._settings.family.resized(genes, _factor(excess))
+        return genes
+
+    def _worth(self, shown: Sequence[Shots], excess: Array) -> Array:
+        """Worth of those that promise most of the experiments that keep the limits, −∞ of the others."""
+        found, most = np.full(len(excess), -np.inf), self._settings.simulations // self._aim.simulations
+        able = np.flatnonzero(excess <= 1)
+        if len(able) > (most := max(_LEAST_JUDGED, most)):
+            order = able[np.argsort(-self._aim.hint(shown)[able])]
+            able = np.concatenate([order[: (most + 1) // 2], self._generator.permutation(order[(most + 1) // 2 :])])[
+                :most
+            ]
+        best = [int(k) for k in able]
+        if best:
+            found[best] = self._aim.worth([each.pick(best) for each in shown])
+        return found
+
+    def _children(self, archive: _Archive) -> Array:
+        """A generation of the best so far, or of the gentlest where none keeps the limits."""
+        count, generator = self._settings.population, self._generator
+        order = np.lexsort((-archive.factor, -archive.worth))
+        elite = order[: max(2, self._settings.elite)]
+        one, other = elite[generator.integers(len(elite), size=(2, count))]
+        shape = archive.genes[one].shape
+        genes = np.where(generator.uniform(size=shape) < 0.5, archive.genes[one], archive.genes[other])
+        moved = (generator.uniform(size=shape) < _MUTATED) * generator.normal(scale=_MUTATION, size=shape)
+        return self._settings.family.resized(self._settings.family.mutated(genes, moved), archive.factor[one])
+
+    def _safe(self, values: Array) -> Found | None:
+        """An experiment, as large as it may be in all drawn contexts, with its value; None where it is in none."""
+        hold = self._machine.bounds.hold[:, None]
+        scaled = np.stack([hold + scale * (values - hold) for scale in _SCALES])
+        shown, excess = self._tried(scaled, self._aim.contenders, drawn=self._settings.safety.draws, looks=_FINE)
+        rows = np.flatnonzero(excess <= 1)
+        if not len(rows):
+            return None
+        row = int(rows[0])
+        kept = [each.pick([row]) for each in shown]
+        return Found(scaled[row], self._time, self._aim.value(kept), float(excess[row]), kept)
+
+    def _tried(
+        self, values: Array, contenders: Sequence[Contender], *, drawn: int = 0, looks: float = _COARSE
+    ) -> tuple[list[Shots], Array]:
+        """What each contender shows of experiments, and the largest share that these take of any limit."""
+        experiments, shown, excess = self._machine.signals(values, self._time), [], np.zeros(len(values))
+        for contender in contenders:
+            z = contender.drawn(drawn, self._settings.safety.spread, self._generator)
+            trial = tried(contender, z, experiments, self._machine, looks)
+            shown.append(Shots(experiments, trial.outputs, self._duration))
+            excess = np.maximum(excess, trial.excess)
+            gentlest = int(trial.excess.argmin())
+            if 1 < trial.excess[gentlest] < self._gentlest:
+                self._gentlest, self._reason = float(trial.excess[gentlest]), trial.worst[gentlest]
+        return shown, excess
+
+
+def _factor(excess: Array) -> Array:
+    """By how much experiments that leave a limit should be smaller."""
+    return np.where(excess > 1, np.maximum(_FULL / np.maximum(excess, 1.0), _LEAST_FACTOR), 1.0)
