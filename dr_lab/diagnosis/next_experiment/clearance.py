@@ -28,27 +28,28 @@ class Clearance:
         threads: C threads; None takes every core.
 
     Attributes:
-        pairs: names of the two geoms of each distance, those without a name by their body's.
+        pairs: names of the two geoms of each distance.
     """
 
     def __init__(self, model: Model, z: Array, reach: float, threads: int | None = 1) -> None:
-        plain, spec = model.compile(z), model.spec_at(z)
+        spec = model.spec_at(z)
+        for geom in spec.geoms:
+            geom.name = geom.name or f"geom {geom.id}"
+        plain = spec.compile()
         bodies = _able(plain)
         for sensor in list(spec.sensors):
             spec.delete(sensor)
-        for geom in spec.geoms:
-            geom.name = f"geom {geom.id}"
         for first, second in bodies:
             spec.add_sensor(
                 type=mujoco.mjtSensor.mjSENS_GEOMDIST,
                 objtype=mujoco.mjtObj.mjOBJ_GEOM,
-                objname=f"geom {first}",
+                objname=plain.geom(first).name,
                 reftype=mujoco.mjtObj.mjOBJ_GEOM,
-                refname=f"geom {second}",
+                refname=plain.geom(second).name,
                 cutoff=reach,
             )
         self.reach = reach
-        self.pairs = tuple((_name(plain, first), _name(plain, second)) for first, second in bodies)
+        self.pairs = tuple((plain.geom(first).name, plain.geom(second).name) for first, second in bodies)
         self._batch = Batch(spec.compile(), _TOGETHER, 1 if threads is None else threads) if bodies else None
 
     def distances(self, qpos: Array) -> Array:
@@ -78,7 +79,3 @@ def _apart(model: mujoco.MjModel, first: int, second: int) -> bool:
     parents = [int(model.body_weldid[model.body_parentid[body]]) for body in (one, other)]
     linked = (parents[0] == other and other != 0) or (parents[1] == one and one != 0)
     return one != other and not linked
-
-
-def _name(model: mujoco.MjModel, geom: int) -> str:
-    return model.geom(geom).name or model.body(int(model.geom_bodyid[geom])).name

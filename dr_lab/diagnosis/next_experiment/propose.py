@@ -9,6 +9,7 @@ from dr_lab.diagnosis.next_experiment.aims import Aim, poorly_known, separating,
 from dr_lab.diagnosis.next_experiment.machine import Contender, ExperimentMachine
 from dr_lab.diagnosis.next_experiment.search import Found, NothingFound, Search
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
+from dr_lab.errors import DataError
 from dr_lab.trajectory import Signal
 
 
@@ -95,9 +96,12 @@ def sharpen(
 
 def _longest(aim: Aim, machine: ExperimentMachine, settings: ExperimentSettings) -> Found | NothingFound:
     """The best experiment of the first duration in which there is one."""
-    found: Found | NothingFound = NothingFound("")
+    found: Found | NothingFound = NothingFound("too little time for a window of the logs' length")
     for duration in settings.durations:
-        found = Search(aim, machine, settings, duration).run()
+        try:
+            found = Search(aim, machine, settings, duration).run()
+        except DataError:  # too short for what its windows remember
+            continue
         if isinstance(found, Found):
             break
     return found

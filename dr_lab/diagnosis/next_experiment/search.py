@@ -85,7 +85,7 @@ class Search:
         self._time = machine.command_times(duration)
         self._duration = float(self._time[-1])
         self._generator = stream(settings.seed, "next_experiment", f"{duration:g}")
-        self._gentlest, self._reason = np.inf, ""
+        self._gentlest, self._reason = np.inf, "a stable simulation"
 
     def run(self) -> Found | NothingFound:
         """The best experiment."""
