@@ -1,4 +1,4 @@
-"""An encoder disc that is off its centre."""
+"""An encoder whose error repeats with its turns: a disc that is off its centre."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,8 @@ import numpy as np
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import slides
-from dr_lab.effects.scalar_sensor_effect import measures_position
+from dr_lab.effects.periodic import PERIODS, Periodic, half_a_period
+from dr_lab.effects.scalar_sensor_effect import measures_position, unit_of
 from dr_lab.effects.sensor_effect import SensorEffect
 from dr_lab.physics.parameter import Parameter
 from dr_lab.physics.signal import Reading
@@ -17,50 +18,57 @@ from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
-class EncoderEccentricity(SensorEffect):
+class EncoderEccentricity(SensorEffect, Periodic):
     """A graduated disc or a magnet whose centre lies beside the axis of rotation.
 
-    reading = q + a sin q + b cos q; with an eccentricity e, at a radius r of the graduation, √(a² + b²) = e/r and
-    atan2(b, a) is its direction (first order in e/r).
+    reading = q + a sin(n q) + b cos(n q); with an eccentricity e, at a radius r of the graduation, √(a² + b²) = e/r and
+    atan2(b, a) is its direction (first order in e/r). n = 1 is a disc that turns with the joint, another n one behind a
+    gear or at the motor; along a slide n = 2π over the lead of a screw or the travel of a belt's pulley.
 
-    Parameters (nominal = absent): sine a, cosine b [rad].
-    Limits: positions of hinge joints whose encoder turns once with the joint. The velocity of the same encoder is
-    (1 + a cos q − b sin q) q', but a reading of the velocity does not know the position: its channel is left as it
-    is. Within a small range of motion a is a scale and b a bias.
+    Parameters (nominal = absent): sine a, cosine b [rad, slide: m]; periods n [1/turn, slide: rad/m], which acts only
+    where a or b is not zero and is none where the user gives it.
+    Limits: positions of hinge and slide joints. The velocity of the same encoder is (1 + n a cos(n q) − n b sin(n q))
+    q', but a reading of the velocity does not know the position: its channel is left as it is. Within a small range of
+    motion a is a scale and b a bias.
     Source: HEIDENHAIN, Angle Encoders without Integral Bearing (eccentricity of the graduation: e/r).
 
     Attributes:
-        largest: largest |a| and |b| [rad].
+        largest: largest |a| and |b| of a hinge [rad].
+        largest_travel: largest |a| and |b| of a slide [m].
     """
 
     largest: float
+    largest_travel: float
 
     name: ClassVar[str] = "encoder_eccentricity"
     family: ClassVar[str] = "sensing"
-    law: ClassVar[str] = "reading = q + a sin q + b cos q"
-    fingerprint: ClassVar[str] = "residual of one period a turn, at every speed and load"
-    confused_with: ClassVar[tuple[str, ...]] = ("sensor_scale", "sensor_bias")
+    law: ClassVar[str] = "reading = q + a sin(n q) + b cos(n q)"
+    fingerprint: ClassVar[str] = "residual that repeats once a turn, or n times, at every speed and load"
+    confused_with: ClassVar[tuple[str, ...]] = ("sensor_scale", "sensor_bias", "cogging")
     lacks: ClassVar[str] = "the eccentricity, which belongs to the measurement and not to the model"
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the hinge joints."""
-        scalar = (site for site in super().sites(model) if not site.startswith("sensor."))
-        return tuple(joint for joint in scalar if not slides(model, joint))
+        """Names of the hinge and slide joints."""
+        return tuple(site for site in super().sites(model) if not site.startswith("sensor."))
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
-        """Both components."""
-        del model, site, scales
-        return tuple(Parameter(name, "rad", 0.0, -self.largest, self.largest) for name in ("sine", "cosine"))
+        """Both components and the number of periods."""
+        slide, unit = slides(model, site), unit_of(model, site)
+        most = self.largest_travel if slide else self.largest
+        fewest = half_a_period(site, scales) if slide else 1.0  # a disc that turns with the joint may be anywhere
+        phases = (Parameter(name, unit, 0.0, -most, most) for name in ("sine", "cosine"))
+        return (*phases, *self.number(model, site, fewest, np.inf))
 
     def reading(self, site: str, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
-        """The position with an error of one period a turn."""
+        """The position with an error that repeats."""
         del begin
         if not measures_position(channel, site):
             return read
         sine, cosine = values["sine"][..., None], values["cosine"][..., None]
+        periods = values[PERIODS][..., None] if PERIODS in values else self.periods
 
         def eccentric(time: Array) -> Array:
-            angle = read(time)
-            return angle + sine * np.sin(angle) + cosine * np.cos(angle)
+            position = read(time)
+            return position + sine * np.sin(periods * position) + cosine * np.cos(periods * position)
 
         return eccentric

@@ -16,6 +16,7 @@ from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.search.as_special_case import special_case
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
+from dr_lab.diagnosis.search.periods import with_periods
 from dr_lab.diagnosis.search.screen import FirstLook
 from dr_lab.diagnosis.search.shortlist import shortlist
 from dr_lab.diagnosis.search.side_by_side import side_by_side
@@ -70,8 +71,9 @@ class _Contest:
     def __init__(
         self, bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: Callable[[str], None]
     ) -> None:
-        self.bench, self.base, self.placed, self.done = bench.beside(base), base, placed, done
+        self.bench, self.base, self.done = bench.beside(base), base, done
         self.fits = CandidateFits(self.bench, base)
+        self.placed = with_periods(self.fits.thin, base.model, self.fits.start, placed)
 
     def ranking(self) -> Ranking:
         """All candidates, and the base that they are compared with."""

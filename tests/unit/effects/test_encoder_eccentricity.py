@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from effect_machines import block, catalogue_effect, hanging, placed
+from effect_machines import block, catalogue_effect, hanging, placed, scales_of
 
+from dr_lab.effects.effect import place
 from dr_lab.trajectory import Array
 
 START = np.zeros((1, 1))
@@ -19,7 +22,7 @@ def test_reading_is_the_angle_seen_from_a_centre_beside_the_axis() -> None:
     centre = RATIO * np.exp(1j * (angle + DIRECTION))  # fixed on the disc
     exact = angle + np.angle(1.0 / (1.0 - centre))  # the head's place on the disc, from the disc's own centre
     model = hanging().with_effect(placed(hanging(), "encoder_eccentricity", "hinge"))
-    z = RATIO * np.array([[np.cos(DIRECTION), np.sin(DIRECTION)]])
+    z = np.array([[RATIO * np.cos(DIRECTION), RATIO * np.sin(DIRECTION), 1.0]])
     read = model.reading(z, "hinge.position", turning, START)
     np.testing.assert_allclose(read(time)[0, 0, :, 0], exact, atol=RATIO**2)
     assert np.abs(exact - angle).max() == pytest.approx(RATIO, rel=0.01)
@@ -27,13 +30,21 @@ def test_reading_is_the_angle_seen_from_a_centre_beside_the_axis() -> None:
 
 def test_each_context_has_its_own() -> None:
     model = hanging().with_effect(placed(hanging(), "encoder_eccentricity", "hinge"))
-    z, time = np.array([[0.0, 0.0], [0.1, 0.0], [0.0, -0.05]]), np.full((1, 1, 1), 0.05)
+    z, time = np.array([[0.0, 0.0, 1.0], [0.1, 0.0, 1.0], [0.0, -0.05, 3.0]]), np.full((1, 1, 1), 0.05)
     seen = model.reading(z, "hinge.position", turning, START)(time)[:, 0, 0, 0]
-    np.testing.assert_allclose(seen, [1.0, 1.0 + 0.1 * np.sin(1.0), 1.0 - 0.05 * np.cos(1.0)])
+    np.testing.assert_allclose(seen, [1.0, 1.0 + 0.1 * np.sin(1.0), 1.0 - 0.05 * np.cos(3.0)])
     assert model.reading(z, "hinge.velocity", turning, START) is turning
 
 
-def test_sits_at_hinges_alone() -> None:
-    effect = catalogue_effect("encoder_eccentricity")
-    assert effect.sites(hanging().nominal()) == ("hinge",)
-    assert effect.sites(block().nominal()) == ()
+def test_a_slides_error_repeats_with_the_lead_of_its_screw() -> None:
+    effect = replace(catalogue_effect("encoder_eccentricity"), periods=2 * np.pi / 0.005)
+    model = block().with_effect(place(effect, block().nominal(), "rail", scales_of(block())))
+    assert [p.unit for p in model.effects[-1].parameters] == ["m", "m"]
+    read = model.reading(np.array([[1e-4, 0.0]]), "rail.position", lambda time: (0.5 * time)[..., None], START)
+    seen = read(np.array([[[0.0, 0.0025, 0.005, 0.01]]]))[0, 0, :, 0]
+    np.testing.assert_allclose(seen, [0.0, 0.00125 + 1e-4, 0.0025, 0.005], atol=1e-9)
+
+
+def test_a_disc_at_the_joint_is_looked_for_however_little_it_turns() -> None:
+    short = placed(hanging(), "encoder_eccentricity", "hinge", scales_of(hanging(), position=0.01))
+    assert [p.low for p in short.parameters][-1] == 1.0
