@@ -95,7 +95,7 @@ def _explained(gain: Gain) -> ExplainedEntry:
 
 
 def _ladder_notes(study: Study, ladder: Ladder) -> list[NoteEntry]:
-    changed = [*notes.dropped(ladder.dropped), *notes.put_back(ladder.put_back)]
+    changed = [*notes.dropped(ladder.dropped), *notes.put_back(ladder.put_back), *notes.searched_periods(ladder)]
     return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *changed]
 
 

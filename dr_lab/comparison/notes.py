@@ -10,9 +10,13 @@ from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import block_count
 from dr_lab.diagnosis.faults.unit_suspicion import suspect_degrees
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.search.periods import searched
 from dr_lab.diagnosis.search.pruning import PutBack
 from dr_lab.diagnosis.windows.channels import unmeasured_joints
 from dr_lab.diagnosis.windows.commands import silent_actuators
+from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import MeasurementSet
 
@@ -71,6 +75,24 @@ def refused(reasons: Mapping[str, str]) -> list[NoteEntry]:
         NoteEntry(f"Not tried: {', '.join(k for k in reasons if reasons[k] == why)}. {why}", "not_tried")
         for why in dict.fromkeys(reasons.values())
     ]
+
+
+def searched_periods(ladder: Ladder) -> list[NoteEntry]:
+    """Notes on numbers of periods that were searched, of the effects that were fitted anywhere on a ladder."""
+    found = {c.effect.label: c for rung in reversed(ladder.rungs) for c in rung.ranking if c.fitted}
+    return [NoteEntry(_periods(c), "searched_periods") for c in found.values() if searched(c.effect)]
+
+
+def _periods(candidate: Candidate) -> str:
+    effect, values = candidate.effect, candidate.fitted_model.values()
+    name = f"{effect.label}.{PERIODS}"
+    number = next(p for p in effect.parameters if p.name == name)
+    proposed = " and ".join(f"{start[name]:.4g}" for start in effect.starts if name in start)
+    return (
+        f"{effect.label}: of {number.low:.3g} to {number.high:.3g} periods ({number.unit}) the spectrum of the residuals "
+        f"over the position proposed {proposed or 'none'}; the fit ended at {values[name]:.4g}. To give the number instead: "
+        f"effects.{effect.effect.name}.{PERIODS}=…"
+    )
 
 
 def dropped(labels: Sequence[str]) -> list[NoteEntry]:

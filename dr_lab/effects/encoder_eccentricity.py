@@ -65,7 +65,7 @@ class EncoderEccentricity(SensorEffect, Periodic):
         if not measures_position(channel, site):
             return read
         sine, cosine = values["sine"][..., None], values["cosine"][..., None]
-        periods = values[PERIODS][..., None] if PERIODS in values else self.periods
+        periods = values.get(PERIODS, np.full((1, 1, 1), self.periods))[..., None]
 
         def eccentric(time: Array) -> Array:
             position = read(time)

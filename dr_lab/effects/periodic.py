@@ -49,7 +49,7 @@ class Periodic(Effect):
         return isinstance(self, SensorTransform)
 
     def number(self, model: mujoco.MjModel, site: str, fewest: float, most: float) -> tuple[Parameter, ...]:
-        """n as a parameter; none where the user gave it.
+        """The parameter n; none where the user gave it.
 
         Args:
             model: the model.
@@ -79,7 +79,7 @@ class Periodic(Effect):
 
 
 def half_a_period(site: str, scales: Scales) -> float:
-    """n of which half a period is the joint's way in the logs, 0 where that is not known.
+    """The n of which half a period is the joint's way in the logs, 0 where that is not known.
 
     Within less, a sine is a force as a spring's, or a reading as a scale's and a bias'.
     """
@@ -88,7 +88,7 @@ def half_a_period(site: str, scales: Scales) -> float:
 
 
 def a_radian_a_step(model: mujoco.MjModel, site: str, scales: Scales) -> float:
-    """n whose phase moves by 1 rad in a step of time at the joint's speed in the logs."""
+    """The n whose phase moves by 1 rad in a step of time at the joint's speed in the logs."""
     speed = scales.speed.get(site, 0.0)
     return 1.0 / (speed * model.opt.timestep) if speed > 0 else np.inf
 

@@ -54,7 +54,7 @@ def log(seed: int, force: Force) -> Log:
     ("name", "force", "truth"),
     [
         ("asymmetric_friction", asymmetric, {"mean": 0.075, "asymmetry": 1 / 3}),
-        ("cogging", cogging, {"sine": 0.1, "cosine": -0.04}),
+        ("cogging", cogging, {"sine": 0.1, "cosine": -0.04, "periods": 12.0}),
     ],
 )
 def test_the_hidden_force_is_found(name: str, force: Force, truth: Mapping[str, float]) -> None:

@@ -20,7 +20,7 @@ from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 _PROPOSED = 2  # peaks from which fits begin, at most
-_NEAR = 0.8  # of the largest peak's gain, from which on a peak may be the true one: the response to a push is an estimate
+_NEAR = 0.8  # of the largest peak's gain; such a peak may be the true one, for the response to a push is an estimate
 _AMPLITUDES = ("sine", "cosine")
 _NO_PRIOR = 1e-9  # of amplitudes, beside columns in noise standard deviations a N·m; keeps what nothing shows at 0
 
@@ -197,7 +197,7 @@ def _of_pairs(information: Array, gradient: Array, free: int) -> tuple[Array, Ar
     pair = np.arange(count)[:, None] + [0, count]
     blocks, slopes = left[pair[:, :, None], pair[:, None, :]], slope[pair]
     steps = -np.linalg.solve(blocks, slopes[..., None])[..., 0]
-    return -(slopes * steps).sum(1), steps
+    return np.asarray(-(slopes * steps).sum(1)), np.asarray(steps, dtype=np.float64)
 
 
 def _largest_peaks(gains: Array) -> list[int]:
