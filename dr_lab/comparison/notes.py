@@ -89,9 +89,9 @@ def _periods(candidate: Candidate) -> str:
     number = next(p for p in effect.parameters if p.name == name)
     proposed = " and ".join(f"{start[name]:.4g}" for start in effect.starts if name in start)
     return (
-        f"{effect.label}: of {number.low:.3g} to {number.high:.3g} periods ({number.unit}) the spectrum of the residuals "
-        f"over the position proposed {proposed or 'none'}; the fit ended at {values[name]:.4g}. To give the number instead: "
-        f"effects.{effect.effect.name}.{PERIODS}=…"
+        f"{effect.label}: of {number.low:.3g} to {number.high:.3g} periods ({number.unit}) the spectrum of the "
+        f"residuals over the position proposed {proposed or 'none'}; the fit ended at {values[name]:.4g}. To give the number "
+        f"instead: effects.{effect.effect.name}.{PERIODS}=…"
     )
 
 

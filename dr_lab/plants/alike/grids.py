@@ -25,7 +25,9 @@ class Grids:
         scales: lowest and highest share of its force that a drive delivers, as in the catalogue.
         gains: the same of a position controller's proportional gain.
         drift: fastest of an encoder, shares of the joint's range in a second, as in the catalogue.
-        periods: of cogging in a turn, as in the catalogue.
+        periods: of cogging in a turn.
+        discs: periods of an encoder in a turn.
+        pitches: of either along a slide, rad/m.
     """
 
     delays: Sequence[float]
@@ -44,4 +46,6 @@ class Grids:
     scales: tuple[float, float]
     gains: tuple[float, float]
     drift: float
-    periods: int
+    periods: Sequence[float]
+    discs: Sequence[float]
+    pitches: Sequence[float]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+import mujoco
 import numpy as np
 
 from dr_lab.plants.alike.course import Course
@@ -58,10 +59,11 @@ def _forces(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Riva
     # What these give is not linear in anything: they have no rivals' shapes, but a number of parameters.
     yield Rival(f"backlash@{joint}", 2)
     yield Rival(f"joint_elasticity@{joint}", 3)
-    one, turn = np.ones_like(q), grids.periods * q
+    one = np.ones_like(q)
     yield Rival(f"spring@{joint}", 2, forced(-q, one))
     yield Rival(f"constant_offset@{joint}", 1, forced(one))
-    yield Rival(f"cogging@{joint}", 2, forced(np.sin(turn), np.cos(turn)))
+    turns = [n * q for n in (grids.pitches if _slides(course, joint) else grids.periods)]
+    yield Rival(f"cogging@{joint}", 3, tuple(forced(np.sin(turn), np.cos(turn))[0] for turn in turns))
     yield Rival(f"armature@{joint}", 1, forced(-a, positive=True))
     inwards = np.ptp(q) * np.asarray(grids.stops)
     above = [forced(-np.maximum(q - (q.max() - far), 0.0), positive=True)[0] for far in inwards]
@@ -83,12 +85,17 @@ def _readings(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Ri
     yield Rival(f"sensor_scale@{joint}", 1, read(q))
     most = grids.drift * float(np.ptp(q))
     yield Rival(f"sensor_drift@{joint}", 1, (Choice([showing(course.middle, row, count)], [-most], [most]),))
-    yield Rival(f"encoder_eccentricity@{joint}", 2, read(np.sin(q), np.cos(q)))
+    turns = [n * q for n in (grids.pitches if _slides(course, joint) else grids.discs)]
+    yield Rival(f"encoder_eccentricity@{joint}", 3, tuple(read(np.sin(turn), np.cos(turn))[0] for turn in turns))
     y = measured.at(course.middle)
     late = [showing(y - measured.at(course.middle + delay), row, count) for delay in grids.offsets]
     yield Rival(f"sensor_time_offset@{joint}", 1, along(late))
     slow = showing(-measured.rate(course.middle), row, count)
     yield Rival(f"sensor_low_pass@{joint}", 1, (Choice([slow], [0.0], [grids.filter]),))
+
+
+def _slides(course: Course, joint: str) -> bool:
+    return int(course.machine.model.joint(joint).type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
 
 
 def bent(velocity: Array, step: Array, most: float) -> Array:

@@ -13,16 +13,16 @@ class Cogging(JointForce):
 
     Attributes:
         site: joint.
-        sine: N·m.
-        cosine: N·m.
-        periods: in a turn of the joint.
+        sine: N·m or N.
+        cosine: N·m or N.
+        periods: in a turn of the joint; of a slide 2π over the pitch, rad/m.
     """
 
     name: ClassVar[str] = "cogging"
     site: str
     sine: float
     cosine: float
-    periods: int
+    periods: float
 
     def force(self, time: float, position: float, velocity: float) -> float:
         """Ripple at the joint."""

@@ -1,4 +1,4 @@
-"""An encoder disc that is off its centre."""
+"""An encoder disc that is off its centre, or a screw of uneven lead."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,20 +11,23 @@ from dr_lab.trajectory import Array
 
 @dataclass(frozen=True)
 class EncoderEccentricity(HiddenEffect):
-    """reading = q + sine sin q + cosine cos q.
+    """reading = q + sine sin(periods q) + cosine cos(periods q).
 
     Attributes:
         site: the joint whose disc is off.
-        sine: rad.
-        cosine: rad.
+        sine: rad or m.
+        cosine: rad or m.
+        periods: in a turn of the joint; of a slide 2π over the lead, rad/m.
     """
 
     name: ClassVar[str] = "encoder_eccentricity"
     site: str
     sine: float
     cosine: float
+    periods: float = 1.0
 
     def reading(self, joint: str, time: Array, position: Array) -> Array:
         """The disc's angle."""
         del time
-        return position + (joint == self.site) * (self.sine * np.sin(position) + self.cosine * np.cos(position))
+        turn = self.periods * position
+        return position + (joint == self.site) * (self.sine * np.sin(turn) + self.cosine * np.cos(turn))
