@@ -95,7 +95,12 @@ def _explained(gain: Gain) -> ExplainedEntry:
 
 
 def _ladder_notes(study: Study, ladder: Ladder) -> list[NoteEntry]:
-    changed = [*notes.dropped(ladder.dropped), *notes.put_back(ladder.put_back), *notes.searched_periods(ladder)]
+    changed = [
+        *notes.dropped(ladder.dropped),
+        *notes.put_back(ladder.put_back),
+        *notes.searched_periods(ladder),
+        *notes.moved_bounds(ladder),
+    ]
     return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *changed]
 
 

@@ -14,8 +14,10 @@ from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.periods import searched
 from dr_lab.diagnosis.search.pruning import PutBack
+from dr_lab.diagnosis.search.wider import ran_into
 from dr_lab.diagnosis.windows.channels import unmeasured_joints
 from dr_lab.diagnosis.windows.commands import silent_actuators
+from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import MeasurementSet
@@ -90,9 +92,36 @@ def _periods(candidate: Candidate) -> str:
     proposed = " and ".join(f"{start[name]:.4g}" for start in effect.starts if name in start)
     return (
         f"{effect.label}: of {number.low:.3g} to {number.high:.3g} periods ({number.unit}) the spectrum of the "
-        f"residuals over the position proposed {proposed or 'none'}; the fit ended at {values[name]:.4g}. To give the number "
-        f"instead: effects.{effect.effect.name}.{PERIODS}=…"
+        f"residuals over the position proposed {proposed or 'none'}; the fit ended at {values[name]:.4g}. "
+        f"To give the number instead: effects.{effect.effect.name}.{PERIODS}=…"
     )
+
+
+def moved_bounds(ladder: Ladder) -> list[NoteEntry]:
+    """Notes on bounds that fits ran into: those that were moved, and at which bounds the added effects end."""
+    found = {c.effect.label: c for rung in reversed(ladder.rungs) for c in rung.ranking if c.fitted}
+    moved = [NoteEntry(told, "moved_bound") for c in found.values() for told in _moved(c)]
+    last = ladder.models[-1].values()
+    ends = [NoteEntry(told, "at_bound") for step in ladder.steps for told in _ends_at_bounds(step.effect, last)]
+    return [*moved, *ends]
+
+
+def _moved(candidate: Candidate) -> list[str]:
+    now, values = {p.name: p for p in candidate.effect.parameters}, candidate.fitted_model.values()
+    return [
+        f"{name} ran into its bounds ({low:.4g} to {high:.4g} {now[name].unit}), which are no physics. They were "
+        f"moved to {now[name].low:.4g} and {now[name].high:.4g}; the fit ended at {values[name]:.4g}."
+        for name, (low, high) in candidate.effect.looked.items()
+    ]
+
+
+def _ends_at_bounds(effect: PlacedEffect, values: Mapping[str, float]) -> list[str]:
+    return [
+        f"{p.name} ends at its bound, {values[p.name]:.4g} {p.unit}: physics, the length of the windows (windows.kept, "
+        "windows.margin) or evidence.widenings allows no more. What it stands for may be larger, or something else."
+        for p in effect.parameters
+        if any(ran_into(p, values[p.name]))
+    ]
 
 
 def dropped(labels: Sequence[str]) -> list[NoteEntry]:

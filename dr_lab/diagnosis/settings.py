@@ -24,7 +24,9 @@ class WindowSettings:
             spread over each log; one window of each log at least.
         margin: simulated time before and after the scored part, which delayed outputs may reach into.
         run_in: time before the scored part whose samples alone estimate the start (0: the scored samples do).
-        past: time before the start for which commands are kept, at least the longest delay of an actuator.
+        past: time before the start for which a log must hold commands, at least the longest delay that is looked for.
+        kept: the same for which they are kept where the log has them, at least `past`; before its first command it
+            holds that one. Longer delays and lags than those that are looked for ask for it.
         memory: time before the start of which laws that remember see motion and commands; before the log all rests.
         forgotten: time constants in which an actuator's activation forgets where it began; memory is as much longer.
         longest_run_in: longest memory for that; slower activations, and those that never forget, are fitted.
@@ -46,6 +48,7 @@ class WindowSettings:
     margin: NotNegative
     run_in: NotNegative
     past: NotNegative
+    kept: NotNegative
     memory: NotNegative
     forgotten: Positive
     longest_run_in: NotNegative
@@ -182,6 +185,7 @@ class EvidenceSettings:
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
         replacement_share: of the parameters that take an absorbed effect's place those are told that move this share
             of the largest move, in widths of their bounds, or more.
+        widenings: times that a bound which the fit of an effect ran into is doubled, at most.
         law: how the law of a named effect is checked.
 
     Raises:
@@ -213,6 +217,7 @@ class EvidenceSettings:
     floor: Positive
     absorbed: NotNegative
     replacement_share: NotNegative
+    widenings: Natural
     law: LawSettings
 
     def __post_init__(self) -> None:

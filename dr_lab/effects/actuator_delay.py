@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import mujoco
@@ -55,6 +55,15 @@ class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
         """The delay."""
         del model, site, scales
         return (Parameter("delay", "s", 0.0, 0.0, self.longest),)
+
+    def limit(self, name: str, kept: float, margin: float) -> float:
+        """Most of the commands that are kept, so that each reading finds one."""
+        del name, margin
+        return 0.9 * kept
+
+    def within(self, parameters: tuple[Parameter, ...]) -> "ActuatorDelay":
+        """The delay whose history is as long as its bound."""
+        return replace(self, longest=parameters[0].high)
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Compile the history in, and the delay where it is at least one step."""

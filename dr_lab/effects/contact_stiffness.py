@@ -39,6 +39,7 @@ class ContactStiffness(ContactEffect, SpecEdit):
     family: ClassVar[str] = "environment"
     law: ClassVar[str] = "r'' + 2 r'/(a T) + r/(a T b zeta)^2 = 0 in contact"
     fingerprint: ClassVar[str] = "residual begins at an impact: the body rebounds or sinks in by another amount"
+    limited: ClassVar[tuple[str, ...]] = ("time_constant",)
     confused_with: ClassVar[tuple[str, ...]] = ("contact_friction",)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

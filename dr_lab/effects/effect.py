@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import ClassVar
 
 import mujoco
@@ -76,6 +77,7 @@ class Effect(ABC):
         confused_with: names of effects that given data may not separate from it.
         holds: its special cases: effects that it acts as, at the same site, for some values of its parameters, and how.
         shapes: short names of the parameters that act only while another one is away from absent.
+        limited: short names of other parameters whose bounds are physics, not where one looks first; see `limit`.
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
         argument: what the law is a function of, if a free law of the same argument can check it: ``command`` of the
             actuator, ``position`` of the joint, ``inertia`` of the body and of those beyond it; otherwise empty.
@@ -89,6 +91,7 @@ class Effect(ABC):
     confused_with: ClassVar[tuple[str, ...]] = ()
     holds: ClassVar[Mapping[str, SpecialCase]] = {}
     shapes: ClassVar[tuple[str, ...]] = ()
+    limited: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[str] = ""
     argument: ClassVar[str] = ""
     patience: ClassVar[int] = 1
@@ -112,6 +115,22 @@ class Effect(ABC):
         settings = ", ".join(f"{name} {value:.6g}" for name, value in values.items())
         return f"{self.lacks} ({self.name}@{site}: {settings})" if self.lacks else ""
 
+    def limit(self, name: str, kept: float, margin: float) -> float:
+        """How far from nominal a bound of a parameter may be moved where a fit runs into it; 0: not at all.
+
+        Args:
+            name: the parameter's short name.
+            kept: s of commands before a window.
+            margin: s of motion on either side of a window.
+        """
+        del kept, margin
+        return 0.0 if name in (*self.shapes, *self.limited) else inf
+
+    def within(self, parameters: tuple[Parameter, ...]) -> "Effect":
+        """The effect for parameters with other bounds, by short names, where it makes room for what they allow."""
+        del parameters
+        return self
+
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Values away from absent from which a fit also starts (where the slope at absent is zero or misleading)."""
         del parameters
@@ -127,12 +146,14 @@ class PlacedEffect:
         site: the element it sits at.
         parameters: its parameters under their full names, ``"<effect>@<site>.<short name>"``.
         starts: full name → value, starts of a fit away from absent.
+        looked: full name → bounds at first, of the parameters whose bounds were moved since.
     """
 
     effect: Effect
     site: str
     parameters: tuple[Parameter, ...]
     starts: tuple[Mapping[str, float], ...] = field(default=())
+    looked: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def label(self) -> str:
@@ -144,6 +165,12 @@ class PlacedEffect:
         """Full name → nominal value of the parameters that make it act; it is absent where all of them are there."""
         shapes = {f"{self.label}.{name}" for name in self.effect.shapes}
         return {p.name: p.nominal for p in self.parameters if p.name not in shapes}
+
+    def bounded(self, parameters: tuple[Parameter, ...]) -> "PlacedEffect":
+        """The effect whose parameters, under the same full names, have other bounds or nominal values."""
+        prefix = f"{self.label}."
+        short = tuple(replace(p, name=p.name.removeprefix(prefix)) for p in parameters)
+        return replace(self, effect=self.effect.within(short), parameters=parameters)
 
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """The effect's own values by short name, out of a context's by full name."""

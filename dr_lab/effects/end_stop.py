@@ -41,6 +41,7 @@ class EndStop(JointEffect, SpecEdit):
     family: ClassVar[str] = "transmission"
     law: ClassVar[str] = "lower <= q <= upper"
     fingerprint: ClassVar[str] = "the joint turns back hard at one place, where the model goes on"
+    limited: ClassVar[tuple[str, ...]] = ("upper", "lower")
     confused_with: ClassVar[tuple[str, ...]] = ("spring",)
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:

@@ -86,6 +86,11 @@ class Formula(JointEffect, ForceLaw):
         column = int(compiled.actuator_ctrladr[at[0]]) if len(at) and compiled.actuator_ctrlnum[at[0]] else None
         return _Written(int(joint.qposadr[0]), int(joint.dofadr[0]), column, self._read(), values)
 
+    def limit(self, name: str, kept: float, margin: float) -> float:
+        """None: the bounds are the user's."""
+        del name, kept, margin
+        return 0.0
+
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """The user's starts; parameters that one leaves out are at nominal."""
         del parameters

@@ -38,7 +38,7 @@ def from_run(run: str, model: Model, effects: Mapping[str, Effect]) -> Model:
         complete,
         declared=tuple(fitted[p.name] for p in complete.declared),
         effects=tuple(
-            replace(effect, parameters=tuple(fitted[p.name] for p in effect.parameters))
+            effect.bounded(tuple(fitted[p.name] for p in effect.parameters))
             for effect in complete.effects
             if isinstance(effect, PlacedEffect)
         ),

@@ -38,6 +38,7 @@ class SensorLowPass(SensorEffect):
     family: ClassVar[str] = "sensing"
     law: ClassVar[str] = "tau reading' + reading = q"
     fingerprint: ClassVar[str] = "residual proportional to velocity in one channel alone, less at the quick turns"
+    limited: ClassVar[tuple[str, ...]] = ("tau",)  # by windows.margin
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_time_offset", "actuator_delay", "actuator_lag")
     lacks: ClassVar[str] = "the filter, which belongs to the measurement and not to the model"
 

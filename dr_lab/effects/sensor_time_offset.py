@@ -42,6 +42,11 @@ class SensorTimeOffset(SensorEffect):
         del model, site, scales
         return (Parameter("offset", "s", 0.0, -self.longest, self.longest),)
 
+    def limit(self, name: str, kept: float, margin: float) -> float:
+        """As far as windows are simulated beyond their samples."""
+        del name, kept
+        return margin
+
     def reading(self, site: str, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
         """Every channel of the site as it was earlier."""
         del begin

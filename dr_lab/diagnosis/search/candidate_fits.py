@@ -15,6 +15,7 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.as_special_case import further
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
+from dr_lab.diagnosis.search.wider import widened
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.model import Model
 
@@ -86,6 +87,20 @@ class CandidateFits:
         fitter, (there, more) = self._fitter(self.thin, effect), self._further(self.thin, effect, poorer)
         found = fitter.run(there.z, there.delta, there.slopes) if more else there
         return self._rough_candidate(fitter, effect, found, first)
+
+    def farther(self, candidate: Candidate) -> Candidate | None:
+        """A candidate whose bounds were moved that its fit ran into, gone on with; None where none may be moved."""
+        effect, fit = candidate.effect, candidate.fitted_model.fit
+        wide = widened(effect, fit.z[len(fit.z) - len(effect.parameters) :], self.thin.fit)
+        if wide is None:
+            return None
+        fitter = self._fitter(self.thin, wide)
+        found = fitter.run(fit.z, fit.delta)
+        if self.whole:
+            return self._candidate(wide, found, candidate.identifiability, candidate.predicted)
+        fitted_model = fitted_alone(fitter.replay, found)
+        gain = paired_gain(self._ground.held_out, fitted_model.held_out, self.bench.evidence)
+        return replace(candidate, effect=wide, fitted_model=fitted_model, gain=gain)
 
     def unfitted(self, effect: PlacedEffect, first: FirstLook) -> Candidate:
         """An effect that promises too little to be fitted."""

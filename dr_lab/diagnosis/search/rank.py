@@ -93,7 +93,8 @@ class _Contest:
             near = [k for k in hopeful if looks[k].gain >= settings.least_promise * reachable]
             wave = shortlist([k for k in near if k not in found], self.placed, settings.most_fits - len(found))
             self._fit_wave(wave, looks, found)
-            reachable = max((c.fitted_model.fit.below(self.fits.start) for c in found.values()), default=0.0)
+            reachable = self._reached(found)
+        self._widen(found)
         for k in set(order) - found.keys():
             found[k] = self._told(self.fits.unfitted(self.placed[k], looks[k]))
         return found
@@ -106,6 +107,20 @@ class _Contest:
         alone = [k for k in wave if k not in cases]
         self._do(alone, lambda k: self._told(fits.fitted(placed[k], looks[k])), found)
         self._do([*cases], lambda k: self._told(fits.fitted_beside(placed[k], looks[k], found[cases[k]])), found)
+
+    def _widen(self, found: dict[int, Candidate]) -> None:
+        """Go on with the fits that ran into a bound which is no physics, where they gain enough to matter."""
+        settings, waiting = self.bench.evidence, list(found)
+        for _ in range(settings.widenings):
+            gained = {k: found[k].fitted_model.fit.below(self.fits.start) for k in waiting}
+            waiting = [k for k, gain in gained.items() if gain >= settings.least_promise * self._reached(found)]
+            farther = self._side_by_side([found[k] for k in waiting], self.fits.farther)
+            moved = {k: candidate for k, candidate in zip(waiting, farther, strict=True) if candidate is not None}
+            found |= moved
+            waiting = list(moved)
+
+    def _reached(self, found: dict[int, Candidate]) -> float:
+        return max((c.fitted_model.fit.below(self.fits.start) for c in found.values()), default=0.0)
 
     def _told(self, candidate: Candidate) -> Candidate:
         self.done(candidate.effect.label)

@@ -169,7 +169,7 @@ def windows_at(
 def _step_counts(model: mujoco.MjModel, settings: WindowSettings) -> tuple[int, int, int]:
     """Simulation steps of a window, of the commands before it, and of the motion before it."""
     total = settings.run_in + settings.length + 2 * settings.margin
-    spans = (total, settings.past, max(settings.memory, run_in_of(model, settings)))
+    spans = (total, max(settings.past, settings.kept), max(settings.memory, run_in_of(model, settings)))
     nstep, npast, nback = (int(np.ceil(span / model.opt.timestep)) for span in spans)
     return nstep + 1, npast, nback
 

@@ -1,0 +1,59 @@
+"""Bounds that a fit ran into, moved where they are but the place at which one looks first."""
+
+import math
+from dataclasses import replace
+
+from dr_lab.diagnosis.windows.windows import Windows
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+_AT_A_BOUND = 1e-3  # widths of the bounds
+
+
+def widened(placed: PlacedEffect, values: Array, windows: Windows) -> PlacedEffect | None:
+    """The effect with those bounds twice as far from absent that its fit ran into; None where none may be moved.
+
+    A bound at absent or at 0 stays, and one that is physics or as far as the windows can show (`Effect.limit`). A lower
+    bound between 0 and absent is halved.
+
+    Args:
+        placed: the effect.
+        values: of its parameters as fitted.
+        windows: those of the fit.
+    """
+    kept = windows.past.shape[1] * windows.step
+    found, looked = [], dict(placed.looked)
+    for parameter, value in zip(placed.parameters, values.tolist(), strict=True):
+        limit = placed.effect.limit(parameter.name.removeprefix(f"{placed.label}."), kept, windows.margin)
+        wide = _wider(parameter, value, limit)
+        found.append(wide)
+        if wide != parameter:
+            looked.setdefault(parameter.name, (parameter.low, parameter.high))
+    if tuple(found) == placed.parameters:
+        return None
+    return replace(placed.bounded(tuple(found)), looked=looked)
+
+
+def ran_into(parameter: Parameter, value: float) -> tuple[bool, bool]:
+    """Whether a value lies at the lower and at the upper bound, absent excepted."""
+    near = _AT_A_BOUND * parameter.span
+    low = value - parameter.low < near and parameter.low < parameter.nominal
+    return low, parameter.high - value < near and parameter.high > parameter.nominal
+
+
+def _wider(parameter: Parameter, value: float, limit: float) -> Parameter:
+    below, above = ran_into(parameter, value)
+    low = _farther(parameter.low, parameter.nominal, limit) if below else parameter.low
+    high = _farther(parameter.high, parameter.nominal, limit) if above else parameter.high
+    return replace(parameter, low=low, high=high)
+
+
+def _farther(bound: float, nominal: float, limit: float) -> float:
+    """A bound twice as far from nominal, at most as far as the limit; where it already is farther, as it is."""
+    if limit <= 0 or bound == 0:
+        return bound
+    if 0 < bound < nominal:
+        return bound / 2
+    far = abs(bound - nominal)
+    return nominal + math.copysign(max(min(2 * far, limit), far), bound - nominal)
