@@ -111,7 +111,7 @@ def _moved(candidate: Candidate) -> list[str]:
     return [
         f"{name} ran into its bounds ({low:.4g} to {high:.4g} {now[name].unit}), which are no physics. They were "
         f"moved to {now[name].low:.4g} and {now[name].high:.4g}; the fit ended at {values[name]:.4g}."
-        for name, (low, high) in candidate.effect.looked.items()
+        for name, low, high in candidate.effect.looked
     ]
 
 

@@ -146,14 +146,14 @@ class PlacedEffect:
         site: the element it sits at.
         parameters: its parameters under their full names, ``"<effect>@<site>.<short name>"``.
         starts: full name → value, starts of a fit away from absent.
-        looked: full name → bounds at first, of the parameters whose bounds were moved since.
+        looked: full name and bounds at first, of the parameters whose bounds were moved since.
     """
 
     effect: Effect
     site: str
     parameters: tuple[Parameter, ...]
     starts: tuple[Mapping[str, float], ...] = field(default=())
-    looked: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    looked: tuple[tuple[str, float, float], ...] = ()
 
     @property
     def label(self) -> str:
