@@ -19,6 +19,32 @@ from dr_lab.trajectory import Array
 GearLaw = Callable[[float, float, float], float]
 
 
+@dataclass(frozen=True)
+class Coupling:
+    """A cable over two pulleys: its stretch is first radius · q − second radius · q − slack, its pull is in proportion.
+
+    Attributes:
+        joints: places of two joints.
+        radii: way of the cable for a unit of each joint's position.
+        slack: of the cable, in the same unit.
+        stiffness: pull for each unit of stretch.
+    """
+
+    joints: tuple[int, int]
+    radii: tuple[float, float]
+    slack: float
+    stiffness: float
+
+    def added(self, position: Vector, applied: Vector) -> list[float]:
+        """Applied forces and those of the cable."""
+        (one, two), (first, second) = self.joints, self.radii
+        pull = self.stiffness * (first * position[one] - second * position[two] - self.slack)
+        total = list(applied)
+        total[one] -= first * pull
+        total[two] += second * pull
+        return total
+
+
 @dataclass(frozen=True, eq=False)
 class MujocoMachine:
     """M(q) and f(q, q', u) of a MuJoCo model, contact forces included; nothing of its stepping through time is used.
@@ -32,6 +58,7 @@ class MujocoMachine:
         bodies: names of the bodies that the joints move.
         actuators: names of the actuators.
         gears: joint and law of what gears add.
+        couplings: cables between joints.
     """
 
     model: mujoco.MjModel
@@ -39,6 +66,7 @@ class MujocoMachine:
     bodies: tuple[str, ...]
     actuators: tuple[str, ...]
     gears: tuple[tuple[int, GearLaw], ...] = ()
+    couplings: tuple[Coupling, ...] = ()
 
     @classmethod
     def of(cls, model: mujoco.MjModel) -> Self:
@@ -60,6 +88,7 @@ class MujocoMachine:
     def terms(self, position: Vector, velocity: Vector, command: Vector, applied: Vector) -> tuple[Matrix, Vector]:
         """Mass matrix and force."""
         data, dense = self._data
+        applied = self._coupled(position, applied)
         data.qpos[:], data.qvel[:] = position, velocity
         data.ctrl[:], data.qfrc_applied[:] = command, applied
         mujoco.mj_forward(self.model, data)
@@ -116,6 +145,32 @@ class MujocoMachine:
         """With a gear that adds a force of its own at a joint."""
         return replace(self, gears=(*self.gears, (index("joint", joint, self.joints), law)))
 
+    def with_coupling(self, coupling: Coupling) -> Self:
+        """With a cable between two joints."""
+        return replace(self, couplings=(*self.couplings, coupling))
+
+    def with_link_longer(self, body: str, by: float) -> Self:
+        """With a body, and all that hangs on it, farther by so many m from the axis of its parent's joint."""
+        model = copy.copy(self.model)
+        row = self._row(body)
+        joint = int(model.body_jntadr[model.body_parentid[row]])
+        axis = model.jnt_axis[joint]
+        way = model.body_pos[row] - model.jnt_pos[joint]
+        way = way - axis * (axis @ way)
+        model.body_pos[row] += by * way / np.linalg.norm(way)
+        return self._altered(model)
+
+    def link(self, body: str) -> float:
+        """Distance of a body from the axis of its parent's joint, m; 0 without one."""
+        row = self._row(body)
+        parent = int(self.model.body_parentid[row])
+        if not self.model.body_jntnum[parent]:
+            return 0.0
+        joint = int(self.model.body_jntadr[parent])
+        turns = int(self.model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_HINGE)
+        way = self.model.body_pos[row] - self.model.jnt_pos[joint]
+        return float(np.linalg.norm(np.cross(self.model.jnt_axis[joint], way))) if turns else 0.0
+
     def with_stiffness_scaled(self, actuator: str, share: float) -> Self:
         """With a position controller of whose documented gain only a share acts; its damping gain stays."""
         model, row = copy.copy(self.model), index("actuator", actuator, self.actuators)
@@ -153,7 +208,12 @@ class MujocoMachine:
         return self._altered(model)
 
     def _altered(self, model: mujoco.MjModel) -> Self:
-        return replace(type(self).of(model), gears=self.gears)
+        return replace(type(self).of(model), gears=self.gears, couplings=self.couplings)
+
+    def _coupled(self, position: Vector, applied: Vector) -> Vector:
+        for coupling in self.couplings:
+            applied = coupling.added(position, applied)
+        return applied
 
     def _arm(self, body: str) -> tuple[Array, Array]:
         """Where a body's joint is, and the way from there to its centre across the joint's axis, m, shape (3,)."""

@@ -37,7 +37,7 @@ class PinocchioMachine(MujocoMachine):
         mass = engine.crba(model, data, q)
         outside = -engine.nonLinearEffects(model, data, q, v)
         drive = self._drive(q, v, np.asarray(command, dtype=np.float64))
-        force = np.asarray(applied) + drive + outside - self.model.dof_damping * v
+        force = np.asarray(self._coupled(position, applied)) + drive + outside - self.model.dof_damping * v
         for joint, law in self.gears:
             force[joint] += law(float(drive[joint]), float(outside[joint]), velocity[joint])
         if self.model.opt.density > 0:

@@ -66,6 +66,10 @@ def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
     moved = felt(*(slope(machine.with_centre_moved(body, _SMALL * axis), _SMALL) for axis in np.eye(3)))
     if moved:
         yield Rival(f"centre_of_mass_offset@{body}", len(moved), linear(*map(lacked, moved)))
+    if machine.link(body):
+        longer = felt(slope(machine.with_link_longer(body, _SMALL), _SMALL))
+        if longer:
+            yield Rival(f"link_length@{body}", 1, linear(*map(lacked, longer)))
     wider = felt(slope(machine.with_inertia_scaled(body, 1 + _SMALL), _SMALL))
     if wider:
         yield Rival(f"inertia_error@{body}", 1, linear(*map(lacked, wider)))

@@ -28,6 +28,7 @@ class Grids:
         periods: of cogging in a turn.
         discs: periods of an encoder in a turn.
         pitches: of either along a slide, rad/m.
+        ratios: of couplings between joints.
     """
 
     delays: Sequence[float]
@@ -49,3 +50,4 @@ class Grids:
     periods: Sequence[float]
     discs: Sequence[float]
     pitches: Sequence[float]
+    ratios: Sequence[float]

@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.plants.alike.course import Course
 from dr_lab.plants.alike.grids import Grids
+from dr_lab.plants.alike.response import Signature
 from dr_lab.plants.alike.rival import Choice, Rival, along, linear, pushing, showing
 from dr_lab.trajectory import Array
 
@@ -23,6 +24,8 @@ def joint_rivals(course: Course, grids: Grids, load: Array) -> Iterator[Rival]:
         yield from _frictions(course, grids, load[:, row], row, joint)
         yield from _forces(course, grids, row, joint)
         yield from _readings(course, grids, row, joint)
+        if row and _slides(course, joint) == _slides(course, course.machine.joints[row - 1]):
+            yield _coupled(course, grids, row, joint)
 
 
 def _frictions(course: Course, grids: Grids, load: Array, row: int, joint: str) -> Iterator[Rival]:
@@ -69,6 +72,19 @@ def _forces(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Riva
     above = [forced(-np.maximum(q - (q.max() - far), 0.0), positive=True)[0] for far in inwards]
     below = [forced(np.maximum(q.min() + far - q, 0.0), positive=True)[0] for far in inwards]
     yield Rival(f"end_stop@{joint}", 2, (*above, *below))
+
+
+def _coupled(course: Course, grids: Grids, row: int, joint: str) -> Rival:
+    """A spring between a joint and the one before it, its ratio from a grid; its rest position is linear."""
+    q, count, choices = course.position, course.position.shape[1], []
+    for ratio in grids.ratios:
+        stretch, one = q[:, row - 1] - ratio * q[:, row], np.ones(len(q))
+        columns = []
+        for pull in (-stretch, one):
+            first, second = pushing(pull, row - 1, count), pushing(-ratio * pull, row, count)
+            columns.append(Signature(first.force + second.force, first.reading))
+        choices += linear(*columns, positive=(True, False))
+    return Rival(f"joint_coupling@{joint}", 3, tuple(choices))
 
 
 def _readings(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:
