@@ -17,11 +17,13 @@ from dr_lab.trajectory import Array
 class SensorBias(ScalarSensorEffect):
     """An encoder that was not zeroed where the model has its zero, or a sensor with an offset.
 
-    reading = q + b, for a joint's position or for one sensor; a joint's velocity does not show it.
+    reading = q + b, for a joint's position or for one sensor; a joint's velocity does not show it. A joint whose zero
+    lies elsewhere than in the model (MuJoCo's joint/ref) is the same, where no controller reads that encoder.
 
     Parameters (nominal = absent): bias b [rad, slide: m, sensor: unit of the reading].
     Limits: one number (no vector, no orientation), constant over all logs. A joint on whose position nothing depends
-    (no gravity, spring or other joint) does not show it: the start states take it up.
+    (no gravity, spring or other joint) does not show it: the start states take it up. A position
+    controller whose own encoder is off moves the joint as well: that is a bias and an offset of its commands besides.
     Source: Hollerbach, Khalil and Gautier, Springer Handbook of Robotics (2016), chapter 6 (joint offsets).
 
     Attributes:

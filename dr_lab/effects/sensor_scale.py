@@ -24,7 +24,9 @@ class SensorScale(ScalarSensorEffect):
     Parameters (nominal = absent): excess s [1].
     Limits: one number (no vector, no orientation). It scales about the zero of the reading; a zero that is wrong as
     well is a `sensor_bias` besides. If everything is linear in the motion, a drive with 1 + s times the force looks the
-    same. The start of a window is found from its reading by iterations that leave an error of s⁴; this bounds s.
+    same. A gear of another ratio r than the model's gives the joint r times the torque (`torque_scale`), and where the
+    encoder sits at the motor also a reading r times as large (excess r − 1): these two are it. The start of a window is
+    found from its reading by iterations that leave an error of s⁴; this bounds s.
     Source: Hollerbach, Khalil and Gautier, Springer Handbook of Robotics (2016), chapter 6 (gains of the sensors).
 
     Attributes:

@@ -21,7 +21,9 @@ class TorqueScale(ActuatorEffect, SpecEdit):
     """A weaker magnet, a gear's loss or a wrong unit: the actuator's whole force times a factor.
 
     F = s F_model, force limit included. Affine actuators: gain and bias times s. DC motors, F = K (u − K v)/R: R/s,
-    which scales the driving torque and the braking by the back-EMF alike; the electrical time constant stays.
+    which scales the driving torque and the braking by the back-EMF alike; the electrical time constant stays. A gear
+    whose ratio is r times the model's is a factor r for an actuator that is a torque, and a `sensor_scale` of r − 1
+    besides where the encoder sits at the motor.
 
     Parameters (nominal = absent): factor s > 0, 1 = absent.
     Limits: actuators whose force is affine, and DC motors with a voltage input alone (no controller, cogging, LuGre or

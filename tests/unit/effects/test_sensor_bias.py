@@ -58,3 +58,18 @@ def test_bounds_follow_the_range_of_motion() -> None:
     assert [(p.low, p.high, p.unit) for p in (wide, still)] == [(-0.5, 0.5, "m"), (-0.25e-3, 0.25e-3, "m")]
     assert (sensor.high, sensor.unit) == (0.25, "reading")
     assert effect.parameters(hanging().nominal(), "hinge", scales_of(hanging()))[0].unit == "rad"
+
+
+def test_a_joint_whose_zero_lies_elsewhere_moves_alike_and_reads_a_bias() -> None:
+    """A hinge that is at 0.1 rad where the model has its zero, under gravity and torque."""
+    turned = hanging()
+    turned.spec.joint("hinge").ref += 0.1
+    plain = motion(hanging().nominal(), 1.0, qpos=0.4, ctrl=0.3)
+    moved = motion(turned.nominal(), 1.0, qpos=0.5, ctrl=0.3)
+    biased = hanging().with_effect(placed(hanging(), "sensor_bias", "hinge"))
+
+    def read(time: Array) -> Array:
+        return np.interp(time, plain[:, 0], plain[:, 1])[..., None]
+
+    seen = biased.reading(np.array([[0.1]]), "hinge.position", read, START)(plain[None, None, :, 0])[0, 0, :, 0]
+    np.testing.assert_allclose(seen, moved[:, 1], atol=1e-9)

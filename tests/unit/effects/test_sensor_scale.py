@@ -1,5 +1,5 @@
 import numpy as np
-from effect_machines import block, placed
+from effect_machines import block, hanging, motion, placed, with_effect
 
 from dr_lab.trajectory import Array
 
@@ -22,3 +22,20 @@ def test_position_and_velocity_are_scaled_about_zero() -> None:
 def test_bounds_are_symmetric() -> None:
     (parameter,) = placed(block(), "sensor_scale", "rail").parameters
     assert (parameter.low, parameter.nominal, parameter.high) == (-0.2, 0.0, 0.2)
+
+
+def test_another_gear_ratio_is_a_torque_and_a_reading_of_another_size() -> None:
+    """A motor behind a gear of 1.1 times the documented ratio, whose encoder sits at the motor."""
+    ratio = 1.1
+    geared = hanging()
+    geared.spec.actuator("drive").gear[0] *= ratio
+    time, joint, _ = motion(geared.nominal(), 1.0, qpos=0.4, ctrl=0.3).T
+    scaled = motion(with_effect(hanging(), "torque_scale", "drive", factor=ratio), 1.0, qpos=0.4, ctrl=0.3)
+    np.testing.assert_allclose(scaled[:, 1], joint, atol=1e-12)
+    reads = hanging().with_effect(placed(hanging(), "sensor_scale", "hinge"))
+
+    def read(at: Array) -> Array:
+        return np.interp(at, time, joint)[..., None]
+
+    seen = reads.reading(np.array([[ratio - 1]]), "hinge.position", read, START)(time[None, None])[0, 0, :, 0]
+    np.testing.assert_allclose(seen, ratio * joint, atol=1e-12)

@@ -12,6 +12,8 @@ from dr_lab.plants.hidden.armature import Armature
 from dr_lab.plants.hidden.contact_friction import ContactFriction
 from dr_lab.plants.hidden.contact_stiffness import ContactStiffness
 from dr_lab.plants.hidden.creeping_friction import CreepingFriction
+from dr_lab.plants.hidden.joint_coupling import JointCoupling
+from dr_lab.plants.hidden.link_length import LinkLength
 from dr_lab.plants.hidden.torque_scale import TorqueScale
 from dr_lab.plants.mujoco_machine import MujocoMachine, MujocoNominal
 from dr_lab.trajectory import Array
@@ -105,3 +107,27 @@ def test_creeping_friction_is_coulombs_but_for_a_creep() -> None:
 def test_a_machine_without_contacts_has_no_contact_effect() -> None:
     with pytest.raises(ConfigError, match="plant=bouncer"):
         ContactFriction("tail", 0.5).alter(bouncer())
+
+
+def test_a_cable_pulls_at_both_pulleys_with_its_tension() -> None:
+    """T = 500 N/m · (0.05 m · 0.3 − (−0.02 m) · 1.1 − 0.01 m) = 13.5 N, on 5 cm at one joint and 2 cm at the other."""
+    hidden = JointCoupling("elbow", "shoulder_pan", stiffness=500.0, radius=0.05, own_radius=-0.02, slack=0.01)
+    (_, before), (_, after) = terms(arm()), terms(MujocoMachine.of(arm().model))
+    np.testing.assert_array_equal(before, after)
+    altered = hidden.alter(arm())
+    assert isinstance(altered, MujocoMachine)
+    added = terms(altered.with_gravity(altered.gravity))[1] - before
+    where = [arm().joints.index(joint) for joint in ("shoulder_pan", "elbow")]
+    np.testing.assert_allclose(added[where], [-13.5 * 0.05, -13.5 * 0.02], rtol=1e-9)
+    assert np.count_nonzero(np.abs(added) > 1e-9) == 2
+
+
+def test_a_longer_link_carries_the_rest_farther_out() -> None:
+    plain = nominal("strangers/elbow").machine({})
+    longer = LinkLength("forearm", 0.05).alter(plain)
+    assert isinstance(longer, MujocoMachine)
+    assert (plain.link("forearm"), longer.link("forearm"), plain.link("upper_arm")) == pytest.approx((0.3, 0.35, 0.0))
+    at, still = [0.3, 0.9], [0.0, 0.0]
+    change = np.array(longer.terms(at, still, still, still)[0]) - np.array(plain.terms(at, still, still, still)[0])
+    across = 0.05 * 0.6 * 0.16 * np.cos(0.9)  # kg·m²: m L c cos φ with a longer L
+    np.testing.assert_allclose(change, [[0.6 * (0.35**2 - 0.3**2) + 2 * across, across], [across, 0.0]], atol=1e-9)

@@ -15,7 +15,7 @@ from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.no_effect import NoEffect
 from dr_lab.plants.machine import Vector
 from dr_lab.plants.motion import Accuracy, simulate
-from dr_lab.plants.mujoco_machine import MujocoMachine
+from dr_lab.plants.mujoco_machine import Coupling, MujocoMachine
 from dr_lab.plants.pinocchio_engine import tree
 from dr_lab.plants.pinocchio_machine import PinocchioMachine, PinocchioNominal
 from dr_lab.trajectory import Array
@@ -30,6 +30,8 @@ ALTERED: dict[str, Callable[[MujocoMachine], MujocoMachine]] = {
     "inertia": lambda m: m.with_inertia_scaled(m.bodies[-1], 1.7),
     "gravity": lambda m: m.with_gravity((0.3, -0.4, -9.7)),
     "drive": lambda m: m.with_drive_scaled(m.actuators[-1], 0.8),
+    "link": lambda m: m.with_link_longer(m.bodies[-1], 0.03) if m.link(m.bodies[-1]) else m,
+    "cable": lambda m: m.with_coupling(Coupling((0, len(m.joints) - 1), (0.03, -0.02), 0.004, 900.0)),
     "medium": lambda m: m.with_medium(2.0, (1.0, -2.0, 0.0)),
 }
 

@@ -1,0 +1,69 @@
+import mujoco
+import numpy as np
+import pytest
+from effect_machines import CONF, block, catalogue_effect, hanging, scales_of, with_effect
+
+from dr_lab.effects.effect import place
+from dr_lab.physics.model import Model, load
+
+STIFFNESS, RATIO, REST = 2.0, 0.5, 0.1  # N·m/rad; 1; rad
+
+
+def elbow() -> Model:
+    return load("elbow", CONF / "model" / "strangers" / "elbow.xml", {})
+
+
+def coupled() -> mujoco.MjModel:
+    return with_effect(elbow(), "joint_coupling", "elbow", stiffness=STIFFNESS, ratio=RATIO, rest=REST)
+
+
+def test_both_joints_feel_the_spring() -> None:
+    model = coupled()
+    data = mujoco.MjData(model)
+    for q in ([0.3, 0.7], [-1.0, 0.2], [0.0, 0.0]):
+        data.qpos[:] = q
+        mujoco.mj_forward(model, data)
+        stretch = q[0] - RATIO * q[1] - REST
+        np.testing.assert_allclose(data.qfrc_passive, [-STIFFNESS * stretch, RATIO * STIFFNESS * stretch], rtol=1e-9)
+
+
+def test_energy_is_kept() -> None:
+    model = coupled()
+    model.dof_damping[:] = 0.0
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = [0.8, -0.5], [2.0, 1.0]
+    energy = []
+    for _ in range(500):
+        mujoco.mj_step(model, data)
+        mujoco.mj_energyPos(model, data)
+        mujoco.mj_energyVel(model, data)
+        energy.append(float(data.energy.sum()))
+    assert np.ptp(energy) < 1e-4 * abs(energy[0])
+
+
+def test_a_stiff_belt_holds_a_forearm_level() -> None:
+    """With r = −1 and a zero rest the elbow does the opposite of the shoulder."""
+    model = with_effect(elbow(), "joint_coupling", "elbow", stiffness=2000.0, ratio=-1.0, rest=0.0)
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0.7, -0.7]
+    for _ in range(400):
+        mujoco.mj_step(model, data)
+    assert abs(data.qpos[0]) > 0.05
+    assert data.qpos.sum() == pytest.approx(0.0, abs=5e-3)
+
+
+def test_neighbours_of_one_kind_are_coupled() -> None:
+    effect = catalogue_effect("joint_coupling")
+    assert effect.sites(elbow().nominal()) == ("elbow",)
+    assert effect.sites(hanging().nominal()) == effect.sites(block().nominal()) == ()
+    assert effect.sites(load("cartpole", CONF / "model" / "cartpole.xml", {}).nominal()) == ()
+
+
+def test_bounds_grow_with_the_machine() -> None:
+    one = place(catalogue_effect("joint_coupling"), elbow().nominal(), "elbow", scales_of(elbow(), torque=3.0))
+    stiffness, ratio, rest = one.parameters
+    assert (stiffness.low, stiffness.high) == pytest.approx((0.0, 6.0))  # 2 · 3 N·m over 1 rad
+    assert (ratio.low, ratio.high, rest.high) == pytest.approx((-3.0, 3.0, 2.0))  # 0.5 + 3 · 0.5 rad
+    assert [start["joint_coupling@elbow.ratio"] for start in one.starts] == [1.0, -1.0]
