@@ -71,7 +71,13 @@ BLOCK = Bench(
     lambda t: 8.0 * np.sin(12.0 * t),
     "N",
 )
-BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK)
+TWO_LINKS = replace(
+    MOTOR_ARM,
+    name="two_links",
+    joint="elbow",
+    scales=_scales(("shoulder", "elbow"), "motor", 0.7, 3.0, 0.6),
+)
+BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS)
 SHOWN_AT = {"contact_stiffness": "up"}  # another joint than the bench's
 
 
@@ -86,7 +92,8 @@ class Signature:
         time: s, shape (n,).
         residual: measured less simulated position, shape (n,).
         series: what the missing force may be drawn against, each of shape (n,).
-        force: generalised force that the model without the effect lacks, shape (n,); None where contacts hide it.
+        force: generalised force that the model without the effect lacks, shape (n,); None where contacts or another
+            joint hide it.
     """
 
     bench: Bench
@@ -147,7 +154,7 @@ def signature(effect: Effect) -> Signature:
         "command": bench.command(time),
     }
     compiled = plain.nominal()
-    force = _missing(compiled, series) if not compiled.ngeom else None
+    force = _missing(compiled, series) if not compiled.ngeom and compiled.nv == 1 else None
     short = placed.local(values)
     named = {name: float(value) for name, value in short.items()}
     return Signature(bench, placed, named, time, measured - simulated, series, force)
