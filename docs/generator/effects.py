@@ -21,9 +21,9 @@ from generator.text import code, literal, plain, table
 
 _SECTION = re.compile(r"^(Parameters[^:]*|Limits|Raises|Source|Attributes):", re.MULTILINE)
 _SIGNATURE = (
-    "First measured less simulated position, the model lacking the effect: same start, same commands. Then, "
-    "where there are no contacts and one joint, what that model would need besides, by inverse dynamics along the measured motion (of a "
-    "sensor, the residual again)."
+    "First measured less simulated position, the model lacking the effect: same start, same commands. Then, where "
+    "there are no contacts and one joint, what that model would need besides, by inverse dynamics along the measured "
+    "motion (of a sensor, the residual again)."
 )
 _OPEN = ("effects.formula.expression='-k*sin(3*q)'", "effects.formula.free={k:{unit:Nm,nominal:0,low:-1,high:1}}")
 
