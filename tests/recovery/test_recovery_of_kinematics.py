@@ -62,9 +62,10 @@ def log(name: str, seed: int, length: float, force: Force) -> Log:
         torque = np.array([command.value[k] for command in commands])
 
         def slope(_: float, y: Array, torque: Array = torque) -> Array:
-            own = np.asarray(arm.own_force(y[:2], y[2:]))
+            own = np.asarray(arm.own_force(y[:2].tolist(), y[2:].tolist()))
             total = torque + own + force(y[:2]) - np.asarray(DAMPING) * y[2:]
-            return np.concatenate([y[2:], np.linalg.solve(np.asarray(arm.mass(y[:2])), total)])
+            gained = np.linalg.solve(np.asarray(arm.mass(y[:2].tolist())), total)
+            return np.concatenate([y[2:], np.asarray(gained, np.float64)])
 
         inside = (time >= begin - 1e-9) & (time < end - 1e-9)
         solved = solve_ivp(slope, (begin, end), state, t_eval=[*np.clip(time[inside], begin, end), end], rtol=1e-8)

@@ -20,6 +20,7 @@ from effect_machines import catalogue_effect, scales_of
 
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.search.periods import with_periods
+from dr_lab.effects.cogging import Cogging
 from dr_lab.effects.effect import Effect, PlacedEffect, place
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log
@@ -91,7 +92,9 @@ def test_a_disc_behind_a_gear_is_told_from_one_at_the_joint() -> None:
 def test_what_the_user_gives_is_kept() -> None:
     model = pendulum()
     logs = [swinging("a", model.nominal(), 0, force=ripple(9, 0.1))]
-    one = begun(model, logs, replace(catalogue_effect("cogging"), periods=7.0), "hinge")
+    found = catalogue_effect("cogging")
+    assert isinstance(found, Cogging)
+    one = begun(model, logs, replace(found, periods=7.0), "hinge")
     assert not one.starts
     assert [p.name for p in one.parameters] == ["cogging@hinge.sine", "cogging@hinge.cosine"]
     spring = begun(model, logs, catalogue_effect("spring"), "hinge")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from effect_machines import acceleration, block, catalogue_effect, hanging, motion, placed, scales_of, with_effect
 
+from dr_lab.effects.cogging import Cogging
 from dr_lab.effects.effect import place
 from dr_lab.effects.periodic import tried
 from dr_lab.errors import ModelError
@@ -57,7 +58,9 @@ def test_a_linear_motors_force_repeats_with_its_pitch() -> None:
 
 
 def test_a_number_that_the_user_gives_is_not_searched() -> None:
-    effect = replace(catalogue_effect("cogging"), periods=9)
+    found = catalogue_effect("cogging")
+    assert isinstance(found, Cogging)
+    effect = replace(found, periods=9)
     one = place(effect, turning().nominal(), "hinge", scales_of(turning()))
     assert [p.name for p in one.parameters] == ["cogging@hinge.sine", "cogging@hinge.cosine"]
     assert not one.starts

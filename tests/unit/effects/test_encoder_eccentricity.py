@@ -5,6 +5,7 @@ import pytest
 from effect_machines import block, catalogue_effect, hanging, placed, scales_of
 
 from dr_lab.effects.effect import place
+from dr_lab.effects.encoder_eccentricity import EncoderEccentricity
 from dr_lab.trajectory import Array
 
 START = np.zeros((1, 1))
@@ -37,7 +38,9 @@ def test_each_context_has_its_own() -> None:
 
 
 def test_a_slides_error_repeats_with_the_lead_of_its_screw() -> None:
-    effect = replace(catalogue_effect("encoder_eccentricity"), periods=2 * np.pi / 0.005)
+    found = catalogue_effect("encoder_eccentricity")
+    assert isinstance(found, EncoderEccentricity)
+    effect = replace(found, periods=2 * np.pi / 0.005)
     model = block().with_effect(place(effect, block().nominal(), "rail", scales_of(block())))
     assert [p.unit for p in model.effects[-1].parameters] == ["m", "m"]
     read = model.reading(np.array([[1e-4, 0.0]]), "rail.position", lambda time: (0.5 * time)[..., None], START)
