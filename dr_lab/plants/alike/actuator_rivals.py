@@ -8,7 +8,7 @@ import numpy as np
 from dr_lab.plants.alike.course import Course, mean_held
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.response import Signature
-from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear
+from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear, mixed
 from dr_lab.trajectory import Array
 
 
@@ -47,6 +47,8 @@ def actuator_rivals(
         dead = [np.sign(mean) * np.maximum(np.abs(mean) - share * largest, 0.0) for share in (0.0, *grids.dead)]
         yield Rival(f"dead_zone@{name}", 1, along([changed(values) for values in dead]))
         yield Rival(f"voltage_sag@{name}", 1, linear(lacked(np.outer(mean * np.abs(mean), gain)), positive=True))
+        powers = [lacked(-np.outer(powered(mean, largest, exponent), gain)) for exponent in grids.exponents]
+        yield Rival(f"command_power@{name}", 2, mixed(powers, changed(0.0 * mean)))
         low, high = grids.scales
         yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-driven[:, :, row])], [low - 1], [high - 1]),))
         yield from _limited(course, grids, driven[:, :, row], name)
@@ -102,3 +104,8 @@ def ramped(mean: Array, step: Array, rate: float) -> Array:
 def mean_clipped(mean: Array, limit: float) -> Array:
     """A command that is cut off."""
     return np.clip(mean, -limit, limit)
+
+
+def powered(mean: Array, full: float, exponent: float) -> Array:
+    """A command of which a power acts, right at the full one."""
+    return np.sign(mean) * full * (np.abs(mean) / full) ** exponent

@@ -14,9 +14,11 @@ class Grids:
         ramps: time from zero to the largest command at a limited rate, s.
         limits: of commands, shares of the largest, falling.
         dead: widths of dead zones, shares of the largest command.
+        exponents: of the powers of commands.
         offsets: of encoders in time, s, from the earliest to the latest.
         filter: largest time constant of an encoder, s.
         stribeck: Stribeck speeds, shares of the joint's largest speed.
+        rates: at which friction fades, 1/s.
         displacements: of hysteresis, shares of the joint's range.
         stops: distances of an end stop from the end of the joint's travel, shares of the travel.
         reaches: distances of a payload from the joint, shares of that of the body's centre.
@@ -36,9 +38,11 @@ class Grids:
     ramps: Sequence[float]
     limits: Sequence[float]
     dead: Sequence[float]
+    exponents: Sequence[float]
     offsets: Sequence[float]
     filter: float
     stribeck: Sequence[float]
+    rates: Sequence[float]
     displacements: Sequence[float]
     stops: Sequence[float]
     reaches: Sequence[float]

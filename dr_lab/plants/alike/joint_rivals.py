@@ -22,6 +22,7 @@ def joint_rivals(course: Course, grids: Grids, load: Array) -> Iterator[Rival]:
     """
     for row, joint in enumerate(course.machine.joints):
         yield from _frictions(course, grids, load[:, row], row, joint)
+        yield from _fading(course, grids, row, joint)
         yield from _forces(course, grids, row, joint)
         yield from _readings(course, grids, row, joint)
         if row and _slides(course, joint) == _slides(course, course.machine.joints[row - 1]):
@@ -51,6 +52,17 @@ def _frictions(course: Course, grids: Grids, load: Array, row: int, joint: str) 
     yield Rival(f"hysteresis@{joint}", 2, tuple(of(-bent(v, course.step, y) / y) for y in yields))
     yield Rival(f"viscous_friction@{joint}", 1, (of(-v),))
     yield Rival(f"quadratic_drag@{joint}", 1, (of(-np.abs(v) * v),))
+
+
+def _fading(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:
+    """Dry and viscous friction that fade with the time since the log began."""
+    v, count, choices = course.velocity[:, row], course.position.shape[1], []
+    sign = np.where(course.held[:, row], 0.0, course.direction[:, row])
+    for rate in grids.rates:
+        left = np.exp(-rate * course.middle)
+        shapes = (pushing(-left * sign, row, count), pushing(-left * v, row, count))
+        choices += linear(*shapes, positive=True)
+    yield Rival(f"friction_drift@{joint}", 3, tuple(choices))
 
 
 def _forces(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:

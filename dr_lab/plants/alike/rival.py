@@ -64,6 +64,15 @@ def along(points: Sequence[Signature]) -> tuple[Choice, ...]:
     )
 
 
+def mixed(points: Sequence[Signature], fixed: Signature | None = None) -> tuple[Choice, ...]:
+    """The shapes of a rival with a factor and a parameter that bends what it gives: sums of neighbouring points.
+
+    Of a + b parts a of one point and b of the next are nearly a + b times what a point between them gives.
+    """
+    pairs = itertools.pairwise(points)
+    return tuple(Choice([before, after], [0.0, 0.0], [np.inf, np.inf], fixed) for before, after in pairs)
+
+
 def pushing(shape: Array, joint: int, joints: int) -> Signature:
     """What a force at one joint, shape (K,), takes from what a model lacks."""
     force = np.zeros((len(shape), joints))

@@ -11,6 +11,7 @@ from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.drive import ForceDrive
 from dr_lab.plants.hidden.actuator_lag import ActuatorLag
+from dr_lab.plants.hidden.command_power import CommandPower
 from dr_lab.plants.hidden.constant_offset import ConstantOffset
 from dr_lab.plants.hidden.creeping_friction import CreepingFriction
 from dr_lab.plants.hidden.effect import HiddenEffect
@@ -26,7 +27,6 @@ from dr_lab.plants.hidden.sensor_drift import SensorDrift
 from dr_lab.plants.hidden.sensor_low_pass import SensorLowPass
 from dr_lab.plants.hidden.sensor_scale import SensorScale
 from dr_lab.plants.hidden.several import Several
-from dr_lab.plants.hidden.squared_command import SquaredCommand
 from dr_lab.plants.hidden.torque_speed_limit import TorqueSpeedLimit
 from dr_lab.plants.hidden.voltage_sag import VoltageSag
 from dr_lab.plants.motion import simulate
@@ -115,7 +115,8 @@ def test_readings_commands_and_forces_follow_their_formulas() -> None:
     assert both.label == "sensor_scale@arm + sensor_drift@arm"
     sent = Command(np.array([0.0, 1.0]), np.array([2.0, -4.0]))
     np.testing.assert_allclose(VoltageSag(0.05).command("motor", sent).value, [1.8, -3.2])
-    np.testing.assert_allclose(SquaredCommand(4.0).command("motor", sent).value, [1.0, -4.0])
+    np.testing.assert_allclose(CommandPower(4.0).command("motor", sent).value, [1.0, -4.0])
+    np.testing.assert_allclose(CommandPower(4.0, 0.5).command("motor", sent).value, [math.sqrt(8.0), -4.0])
     stop = EndStop("arm", -1.0, 0.4, stiffness=10.0, loss=0.5)
     assert stop.force(0.0, 0.3, 5.0) == 0.0
     assert stop.force(0.0, 0.5, 0.4) == pytest.approx(-10.0 * 0.1 * 1.2)

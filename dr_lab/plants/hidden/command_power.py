@@ -1,4 +1,4 @@
-"""A thruster, whose force grows with the square of its command; the catalogue does not know it."""
+"""A thruster or a valve, whose force grows with a power of its command."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -10,20 +10,23 @@ from dr_lab.plants.hidden.effect import HiddenEffect
 
 
 @dataclass(frozen=True)
-class SquaredCommand(HiddenEffect):
-    """u = command |command| / full: right at `full`, too little below.
+class CommandPower(HiddenEffect):
+    """u = sign(command) full (|command| / full)^exponent: right at `full`.
 
     Attributes:
         full: in the command's unit.
+        exponent: 2 for a propeller.
         site: the actuator.
     """
 
-    name: ClassVar[str] = "squared_command"
+    name: ClassVar[str] = "command_power"
     full: float
+    exponent: float = 2.0
     site: str = "motor"
 
     def command(self, actuator: str, command: Command) -> Command:
         """The thrust."""
         if actuator != self.site:
             return command
-        return replace(command, value=command.value * np.abs(command.value) / self.full)
+        thrust = np.sign(command.value) * self.full * (np.abs(command.value) / self.full) ** self.exponent
+        return replace(command, value=thrust)
