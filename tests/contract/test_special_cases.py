@@ -49,6 +49,7 @@ def test_what_an_effect_holds_is_in_the_catalogue_and_poorer() -> None:
         ("friction_drift", "viscous_friction"),
         ("hysteresis", "coulomb_friction"),
         ("position_dependent_friction", "coulomb_friction"),
+        ("presliding_friction", "coulomb_friction"),
         ("stribeck_friction", "coulomb_friction"),
         ("torque_speed_limit", "saturation"),
     }

@@ -20,6 +20,8 @@ class Grids:
         stribeck: Stribeck speeds, shares of the joint's largest speed.
         rates: at which friction fades, 1/s.
         displacements: of hysteresis, shares of the joint's range.
+        ways: over which presliding friction builds up, shares of the joint's range.
+        creeps: speeds below which it creeps, shares of the joint's largest speed.
         stops: distances of an end stop from the end of the joint's travel, shares of the travel.
         reaches: distances of a payload from the joint, shares of that of the body's centre.
         stalls: stall forces, shares of the largest force of the actuator.
@@ -44,6 +46,8 @@ class Grids:
     stribeck: Sequence[float]
     rates: Sequence[float]
     displacements: Sequence[float]
+    ways: Sequence[float]
+    creeps: Sequence[float]
     stops: Sequence[float]
     reaches: Sequence[float]
     stalls: Sequence[float]

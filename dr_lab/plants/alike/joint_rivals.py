@@ -8,7 +8,7 @@ import numpy as np
 from dr_lab.plants.alike.course import Course
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.response import Signature
-from dr_lab.plants.alike.rival import Choice, Rival, along, linear, pushing, showing
+from dr_lab.plants.alike.rival import Choice, Rival, along, linear, mixed, pushing, showing
 from dr_lab.trajectory import Array
 
 
@@ -23,6 +23,7 @@ def joint_rivals(course: Course, grids: Grids, load: Array) -> Iterator[Rival]:
     for row, joint in enumerate(course.machine.joints):
         yield from _frictions(course, grids, load[:, row], row, joint)
         yield from _fading(course, grids, row, joint)
+        yield _bristles(course, grids, row, joint)
         yield from _forces(course, grids, row, joint)
         yield from _readings(course, grids, row, joint)
         if row and _slides(course, joint) == _slides(course, course.machine.joints[row - 1]):
@@ -52,6 +53,16 @@ def _frictions(course: Course, grids: Grids, load: Array, row: int, joint: str) 
     yield Rival(f"hysteresis@{joint}", 2, tuple(of(-bent(v, course.step, y) / y) for y in yields))
     yield Rival(f"viscous_friction@{joint}", 1, (of(-v),))
     yield Rival(f"quadratic_drag@{joint}", 1, (of(-np.abs(v) * v),))
+
+
+def _bristles(course: Course, grids: Grids, row: int, joint: str) -> Rival:
+    """Friction that gives way before it slides and creeps."""
+    q, v, count = course.position[:, row], course.velocity[:, row], course.position.shape[1]
+    choices = []
+    for way in np.ptp(q) * np.asarray(grids.ways):
+        slow = np.abs(v).max() * np.asarray(grids.creeps)
+        choices += mixed([pushing(-gripped(v, course.step, way, creep), row, count) for creep in slow])
+    return Rival(f"presliding_friction@{joint}", 3, tuple(choices))
 
 
 def _fading(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:
@@ -132,4 +143,17 @@ def bent(velocity: Array, step: Array, most: float) -> Array:
     for k, moved in enumerate(way.tolist()):
         after = min(max(now + moved, -most), most)
         shown[k], now = 0.5 * (now + after), after
+    return shown
+
+
+def gripped(velocity: Array, step: Array, way: float, creep: float) -> Array:
+    """Bend of bristles z' = v − |v / g| z / way, g = tanh(v / creep), in units of the way; means of intervals, (K,)."""
+    settled = np.tanh(velocity / creep)
+    if not way:
+        return settled
+    turns = np.where(settled == 0.0, creep, velocity / np.where(settled == 0.0, 1.0, settled)) * step / way
+    now, shown, left = 0.0, np.zeros(len(step)), np.exp(-turns)
+    for k, end in enumerate(settled.tolist()):
+        shown[k] = end + (now - end) * (1 - left[k]) / turns[k]
+        now = end + (now - end) * left[k]
     return shown

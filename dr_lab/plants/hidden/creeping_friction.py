@@ -29,3 +29,10 @@ class CreepingFriction(JointForce):
         """Friction at the joint."""
         del time, position
         return -self.torque * math.tanh(velocity / self.creep)
+
+
+@dataclass(frozen=True)
+class ShowingCreep(CreepingFriction):
+    """The same with a creep that the logs may show, which is no Coulomb friction."""
+
+    name: ClassVar[str] = "presliding_friction"

@@ -6,10 +6,10 @@ from hydra.utils import instantiate
 from strangers import needs_pinocchio
 
 from dr_lab.cli.compose import compose
-from dr_lab.plants.alike.actuator_rivals import lagged, ramped
+from dr_lab.plants.alike.actuator_rivals import lagged, powered, ramped
 from dr_lab.plants.alike.classes import Classes
 from dr_lab.plants.alike.course import mean_held
-from dr_lab.plants.alike.joint_rivals import bent
+from dr_lab.plants.alike.joint_rivals import bent, gripped
 from dr_lab.plants.alike.path import Path
 from dr_lab.plants.alike.regression import remaining, without
 from dr_lab.plants.alike.response import Signature
@@ -48,6 +48,30 @@ def test_what_a_free_parameter_does_is_of_the_class_of_the_base() -> None:
 def test_too_little_to_be_seen_is_of_the_class_of_the_base() -> None:
     (known,) = classes(*hidden("coulomb_friction", "site=wheel", "torque=1e-5")).values()
     assert "base" in known
+
+
+@needs_pinocchio
+@pytest.mark.parametrize(
+    "truth",
+    [
+        hidden("command_power", "site=motor", "full=0.5"),
+        hidden("warming", "site=wheel", "cold=0.02", "constant=0.5"),
+        hidden("creeping_friction", "site=wheel", "torque=0.04", "creep=0.2"),
+        hidden("bending_friction", "site=wheel", "torque=0.04", "stiffness=4.0"),
+    ],
+)
+def test_powers_drifts_and_soft_friction_are_none_of_the_poorer_effects(truth: list[str]) -> None:
+    ((label, known),) = classes(*truth).items()
+    names = {member.partition("@")[0] for member in known}
+    assert label in known
+    assert names.isdisjoint({"base", "dead_zone", "saturation", "coulomb_friction", "viscous_friction"})
+
+
+@needs_pinocchio
+def test_a_creep_that_is_too_slow_to_show_is_coulomb_friction() -> None:
+    ((label, known),) = classes(*hidden("creeping_friction", "site=wheel", "torque=0.04", "creep=1e-3")).items()
+    assert label == "presliding_friction@wheel"
+    assert "coulomb_friction@wheel" in known
 
 
 @needs_pinocchio
@@ -110,3 +134,17 @@ def test_columns_are_regressed_out_and_bounds_kept() -> None:
     assert remaining(gram, 0, 2, free) == pytest.approx(fitted, rel=1e-6)
     bound = Choice([NOTHING], [0.0], [0.0])
     assert remaining(gram, 0, 2, bound) == pytest.approx(gram[0, 0])
+
+
+def test_powers_of_a_command_are_right_at_the_full_one() -> None:
+    np.testing.assert_allclose(powered(np.array([-4.0, 0.0, 1.0, 4.0]), 4.0, 2.0), [-4.0, 0.0, 0.25, 4.0])
+
+
+def test_bristles_follow_the_way_and_creep() -> None:
+    """Dahl's exponential of the way without creep; the hyperbolic tangent of the speed without a way."""
+    step, speed = np.full(200, 0.001), np.full(200, 2.0)
+    gone = np.concatenate([[0.0], np.cumsum(speed * step)])
+    bend = 1 - np.exp(-gone / 0.1)
+    mean = 1 - 0.1 * np.diff(bend) / np.diff(gone)  # of each interval, in closed form
+    np.testing.assert_allclose(gripped(speed, step, 0.1, 1e-6), mean, rtol=1e-9)
+    np.testing.assert_allclose(gripped(0.3 * speed, step, 0.0, 0.5), np.tanh(1.2))

@@ -1,0 +1,144 @@
+"""Dry friction that gives way before it slides, and that creeps."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.effects.effect import Scales
+from dr_lab.effects.joint_effect import JointEffect, slides
+from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.effect_parts import ForceLaw
+from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.parameter import Parameter
+from dr_lab.trajectory import Array
+
+_TINY = 1e-12  # tanh(v/v_c) at which v is nothing; rad or m, a way that is none
+
+
+@dataclass(frozen=True)
+class PreslidingFriction(JointEffect, ForceLaw):
+    """Dry friction as bristles that bend before they slip, and slip a little under any load.
+
+    tau = −tau_c b with b' = (v − |v/g(v)| b)/x and g(v) = tanh(v/v_c): LuGre's bristles without damping. While it
+    slides steadily b is g(v), so that the joint creeps at speeds below v_c; at a reversal b follows over the way x. For
+    v_c → 0 it is Dahl's friction, for x → 0 friction by tanh, for both Coulomb friction. The equation is linear in b
+    and is solved exactly over a step at the velocity of its middle; the force is the mean of b over the step. How it
+    changes with the velocity that the step adds is put beside the inertia, so that bristles need no finer steps.
+    MuJoCo's own LuGre friction (``dcmotor``) is not used: see `StribeckFriction`. Nor is a softer friction constraint
+    (``solref_friction``), which creeps at a speed that depends on the inertia and the time step.
+
+    Parameters (nominal = absent): torque tau_c ≥ 0 [N·m, slide: N]; displacement x ≥ 0 [rad, slide: m] and creep
+    v_c > 0 [rad/s, slide: m/s], which act only where tau_c > 0 (fits start away from absent).
+    Limits: hinge and slide joints; no Stribeck drop. Before a window's start b follows the measured motion of
+    ``windows.memory`` seconds, from b = 0.
+    Source: Dahl, A solid friction model, Aerospace Corporation TOR-0158 (1968); Canudas de Wit, Olsson, Åström and
+    Lischinsky, IEEE TAC 40 (1995), equations 1 to 3, with σ1 = 0 and σ0 = tau_c/x.
+
+    Attributes:
+        factor: largest tau_c, in units of the joint's torque in the logs.
+        least: its smallest upper bound, for joints that hardly move [N·m or N].
+        displacements: smallest, nominal and largest x, in units of the joint's range in the logs.
+        least_range: smallest range that is believed [rad or m].
+        creeps: smallest, nominal and largest v_c, in units of the joint's speed in the logs.
+        least_speed: smallest joint speed that is believed [rad/s or m/s].
+        start_torque: tau_c of the fits that start away from absent, share of its upper bound.
+        start_shapes: (x, v_c) of these fits, shares of the joint's range and speed.
+    """
+
+    factor: float
+    least: float
+    displacements: tuple[float, float, float]
+    least_range: float
+    creeps: tuple[float, float, float]
+    least_speed: float
+    start_torque: float
+    start_shapes: Sequence[tuple[float, float]]
+
+    name: ClassVar[str] = "presliding_friction"
+    family: ClassVar[str] = "friction"
+    law: ClassVar[str] = "tau = -tau_c b, b follows tanh(v/v_c) over the way x"
+    fingerprint: ClassVar[str] = "force residual that changes its sign over a short way after a reversal; no true rest"
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "coulomb_friction",
+        "stribeck_friction",
+        "hysteresis",
+        "viscous_friction",
+    )
+    holds: ClassVar[Mapping[str, SpecialCase]] = {
+        "coulomb_friction": SpecialCase(("displacement", "creep"), {"torque": "torque"})
+    }
+    shapes: ClassVar[tuple[str, ...]] = ("displacement", "creep")
+    lacks: ClassVar[str] = "the bristles, whose bend goes on from step to step"
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The torque while sliding, the way over which it builds up and the speed below which it creeps."""
+        torque, angle, speed = ("N", "m", "m/s") if slides(model, site) else ("N·m", "rad", "rad/s")
+        high = max(self.factor * scales.torque.get(site, 0.0), self.least)
+        moved = max(scales.position.get(site, 0.0), self.least_range)
+        moving = max(scales.speed.get(site, 0.0), self.least_speed)
+        low, nominal, far = (share * moved for share in self.displacements)
+        slow, usual, fast = (share * moving for share in self.creeps)
+        return (
+            Parameter("torque", torque, 0.0, 0.0, high),
+            Parameter("displacement", angle, nominal, low, far),
+            Parameter("creep", speed, usual, slow, fast),
+        )
+
+    def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
+        """The force of each step."""
+        dof = int(models[0].joint(site).dofadr[0])
+        return _Bristles(dof, values["torque"], values["displacement"], values["creep"])
+
+    def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
+        """Little friction that gives way over several ways and creeps at several speeds."""
+        torque, way, creep = parameters
+        moved, moving = way.high / self.displacements[2], creep.high / self.creeps[2]
+        little = self.start_torque * torque.high
+        return tuple(
+            {"torque": little, "displacement": far * moved, "creep": slow * moving} for far, slow in self.start_shapes
+        )
+
+
+@dataclass
+class _Bristles(Law):
+    """Bristles of a degree of freedom; values of shape (n,) or (1,)."""
+
+    dof: int
+    torque: Array
+    way: Array
+    creep: Array
+    bend: Array = field(default_factory=lambda: np.zeros(1))
+
+    def act(self, moment: Moment, influence: Influence) -> None:
+        if len(self.bend) != len(moment.qvel):
+            self.bend = np.zeros(len(moment.qvel))
+        speed, step = moment.qvel[:, self.dof], moment.step
+        steady = np.tanh(speed / self.creep)
+        slipped = np.where(np.abs(steady) > _TINY, speed / np.where(steady == 0.0, 1.0, steady), self.creep)
+        way = np.maximum(self.way, _TINY)
+        turns = slipped * step / way  # time constants in a step
+        left = np.exp(-turns)
+        share = (1.0 - left) / turns  # of the bend at the start in the step's mean
+        mean = steady + (self.bend - steady) * share
+        # ∂mean/∂v; the mean's share falls with the way gone in the step
+        grip = (1.0 - steady**2) / self.creep * (1.0 - share)
+        grip += np.abs(steady - self.bend) * (share - left) / turns * step / way
+        added = self.torque * grip * step / 2
+        influence.armature[:, self.dof] += added
+        influence.force[:, self.dof] += added * moment.gained[:, self.dof] / step - self.torque * mean
+        self.bend = steady + (self.bend - steady) * left
+
+    def rest(self, rows: NDArray[np.intp]) -> None:
+        if len(self.bend) > rows.max(initial=0):
+            self.bend[rows] = 0.0
+
+    @property
+    def memory(self) -> Array:
+        return self.bend[:, None]
+
+    def remember(self, memory: Array) -> None:
+        self.bend = memory[:, 0].copy()
