@@ -38,7 +38,13 @@ class DeadZone(ActuatorEffect, StaticFilter):
     family: ClassVar[str] = "actuator"
     law: ClassVar[str] = "u -> sign(u) max(|u| - d, 0)"
     fingerprint: ClassVar[str] = "force residual jumps with the sign of the command, and grows no further with it"
-    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "stribeck_friction", "torque_scale", "backlash")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "command_power",
+        "coulomb_friction",
+        "stribeck_friction",
+        "torque_scale",
+        "backlash",
+    )
     argument: ClassVar[str] = "command"
     lacks: ClassVar[str] = "the dead zone, through which commands go before they reach the actuator"
 

@@ -52,7 +52,13 @@ class Hysteresis(JointEffect, ForceLaw):
     family: ClassVar[str] = "transmission"
     law: ClassVar[str] = "tau = -tau_y b/x_y, b follows the joint within +-x_y"
     fingerprint: ClassVar[str] = "force residual that rises after every reversal over a fixed way, then stays"
-    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "spring", "backlash", "joint_elasticity")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "presliding_friction",
+        "coulomb_friction",
+        "spring",
+        "backlash",
+        "joint_elasticity",
+    )
     holds: ClassVar[Mapping[str, SpecialCase]] = {
         "coulomb_friction": SpecialCase(("displacement",), {"torque": "torque"})
     }

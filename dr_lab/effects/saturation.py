@@ -38,7 +38,7 @@ class Saturation(ActuatorEffect, SpecEdit):
     family: ClassVar[str] = "actuator"
     law: ClassVar[str] = "u -> clip(u, -limit, limit)"
     fingerprint: ClassVar[str] = "residual only while the command is large"
-    confused_with: ClassVar[tuple[str, ...]] = ("torque_scale",)
+    confused_with: ClassVar[tuple[str, ...]] = ("torque_scale", "command_power")
     argument: ClassVar[str] = "command"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

@@ -34,7 +34,7 @@ class ViscousFriction(JointEffect, SpecEdit):
     family: ClassVar[str] = "friction"
     law: ClassVar[str] = "tau = -c v"
     fingerprint: ClassVar[str] = "force residual proportional to velocity; swings decay exponentially, too slowly"
-    confused_with: ClassVar[tuple[str, ...]] = ("quadratic_drag", "actuator_delay", "torque_scale")
+    confused_with: ClassVar[tuple[str, ...]] = ("quadratic_drag", "friction_drift", "actuator_delay", "torque_scale")
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The coefficient."""

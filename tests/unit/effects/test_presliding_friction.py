@@ -82,5 +82,5 @@ def test_bounds_follow_the_machine() -> None:
     torque, displacement, creep = placed(block(), "presliding_friction", "rail").parameters
     assert (torque.unit, displacement.unit, creep.unit) == ("N", "m", "m/s")
     assert (torque.low, torque.high) == (0.0, 10.0)
-    assert (displacement.low, displacement.high) == (0.0, 0.02)  # of a range of 1 m
+    assert (displacement.low, displacement.high) == (0.0, 0.005)  # of a range of 1 m
     assert creep.low > 0.0
