@@ -157,6 +157,13 @@ def test_warming_grease_brakes_less_and_less() -> None:
     np.testing.assert_allclose(states[:, 2], 5.0 * np.exp(-braked), rtol=1e-9)
 
 
+def test_a_warming_seal_takes_less_and_less() -> None:
+    effect, start = Warming("arm", cold=0.0, constant=0.5, seal=2e-4, creep=1e-4), (0.0, 0.0, 5.0, 0.0)
+    states = simulate(ARM_ALONE, effect, [no_command()], TIME, accuracy=TIGHT, start=start)
+    lost = 2e-4 * 0.5 * (1 - np.exp(-TIME / 0.5)) / ARM_ALONE.links[0].second
+    np.testing.assert_allclose(states[:, 2], 5.0 - lost, rtol=1e-9)
+
+
 def test_what_sloshes_swings_against_its_link() -> None:
     inertia, rotor, stiffness, torque = ARM_ALONE.links[0].second, 5e-5, 0.02, 1e-4
     effect = Both(Slosh("arm", rotor, stiffness, damping=0.0), ConstantOffset("arm", torque))

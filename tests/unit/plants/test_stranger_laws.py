@@ -11,6 +11,7 @@ from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.drive import ForceDrive
 from dr_lab.plants.hidden.actuator_lag import ActuatorLag
+from dr_lab.plants.hidden.bending_friction import BendingFriction
 from dr_lab.plants.hidden.command_power import CommandPower
 from dr_lab.plants.hidden.constant_offset import ConstantOffset
 from dr_lab.plants.hidden.creeping_friction import CreepingFriction
@@ -69,6 +70,16 @@ def test_lugre_bristles_bend_like_a_spring_then_slide_as_stribeck_says() -> None
     pushed = Several({"a": law, "b": ConstantOffset("arm", 4e-4)})
     states = moved(pushed, speed=5.0)
     np.testing.assert_allclose(np.diff(states[20:, 2]) / np.diff(TIME[20:]), (4e-4 - 1e-4) / INERTIA, rtol=1e-6)
+
+
+def test_bending_friction_is_lugre_without_a_drop() -> None:
+    (plain,) = BendingFriction("arm", torque=2e-4, stiffness=0.05, damping=1e-3).memories()
+    (lugre,) = LugreFriction("arm", 2e-4, 2e-4, 0.5, 0.05, 1e-3).memories()
+    for bent, speed in ((1e-3, 0.2), (-2e-3, 0.4), (4e-3, -1.0), (0.0, 3.0)):
+        rate = plain.rate(bent, speed)
+        assert rate == pytest.approx(lugre.rate(bent, speed))
+        assert plain.force(bent, rate, speed) == pytest.approx(lugre.force(bent, rate, speed))
+    assert plain.rate(2e-4 / 0.05, 0.7) == pytest.approx(0.0, abs=1e-15)  # fully bent while it slides
 
 
 def test_dahls_spring_yields_exponentially_with_the_way() -> None:
