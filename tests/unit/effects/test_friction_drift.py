@@ -21,8 +21,7 @@ def slowed(dry: float, viscous: float, rate: float, begin: float, seconds: float
     controls = np.zeros((1, round(seconds / STEP), 1))
     start, fast = np.zeros((1, 1, 1)), np.full((1, 1, 1), 2.0)
     rollout = Simulator(model, 1, threads=1).replay(z, start, fast, controls, controls[:, :1], history)
-    time: Array = begin + STEP * np.arange(controls.shape[1] + 1)
-    return time, rollout.qvel[0, :, 0]
+    return np.linspace(begin, begin + seconds, controls.shape[1] + 1), rollout.qvel[0, :, 0]
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.8])
