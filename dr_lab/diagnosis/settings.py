@@ -155,6 +155,7 @@ class EvidenceSettings:
 
     Attributes:
         most_fits: number of candidates that are fitted at most: the most promising, half of them with one parameter.
+            Those that hold the best of these as a special case come on top.
         least_promise: share of the largest gain on the fit windows, first as predicted, then as reached: candidates
             that promise less stay unfitted.
         least_hope: share of `threshold` that a linear step must promise for a candidate to be fitted.

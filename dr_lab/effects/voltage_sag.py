@@ -38,13 +38,8 @@ class VoltageSag(ActuatorEffect, StaticFilter):
     family: ClassVar[str] = "actuator"
     law: ClassVar[str] = "u -> u (1 - c |u|)"
     fingerprint: ClassVar[str] = "force residual proportional to the square of the command, against it"
-    confused_with: ClassVar[tuple[str, ...]] = (
-        "slope",
-        "command_power",
-        "saturation",
-        "torque_scale",
-        "quadratic_drag",
-    )
+    limited: ClassVar[tuple[str, ...]] = ("slope",)
+    confused_with: ClassVar[tuple[str, ...]] = ("saturation", "command_power", "torque_scale", "quadratic_drag")
     argument: ClassVar[str] = "command"
     lacks: ClassVar[str] = "the supply's sag, which weakens commands before they reach the actuator"
 

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -13,6 +14,7 @@ from dr_lab.diagnosis.search.rank import rank
 from dr_lab.diagnosis.search.screen import FirstLook, look
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
+from dr_lab.effects.presliding_friction import PreslidingFriction
 
 NAMES = ("quadratic_drag", "viscous_friction", "constant_offset", "spring", "torque_scale", "actuator_delay")
 DRY_FRICTIONS = ("coulomb_friction", "stribeck_friction", "asymmetric_friction", "position_dependent_friction")
@@ -25,6 +27,10 @@ def push(data: mujoco.MjData) -> None:
 
 def rub(data: mujoco.MjData) -> None:
     data.qfrc_applied[0] = -OFFSET * np.tanh(data.qvel[0] / 0.005)
+
+
+def creep(data: mujoco.MjData) -> None:
+    data.qfrc_applied[0] = -OFFSET * np.tanh(data.qvel[0] / 0.3)
 
 
 def drive(data: mujoco.MjData) -> None:
@@ -90,3 +96,17 @@ def test_what_holds_a_simpler_effect_does_not_take_its_place() -> None:
     promised = {c.effect.effect.name: c.predicted for c in ranking}
     assert sum(promise > promised["coulomb_friction"] for promise in promised.values()) >= 2
     assert "coulomb_friction" in {c.effect.effect.name for c in ranking if c.fitted}
+
+
+def test_what_holds_the_best_one_is_fitted_although_others_promise_more() -> None:
+    bench, base = bench_of(creep, most_fits=2, least_promise=0.0)
+    model = pendulum()
+    soft = catalogue_effect("presliding_friction")
+    assert isinstance(soft, PreslidingFriction)
+    misled = replace(soft, creeps=(2e-3, 0.5, 0.5), start_shapes=[(3e-3, 0.5)])  # looks where it creeps too fast
+    catalogue = {**{name: catalogue_effect(name) for name in DRY_FRICTIONS}, soft.name: misled}
+    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
+    ranking = rank(bench, base, placed, lambda _: None).candidates
+    promised = {c.effect.effect.name: c.predicted for c in ranking}
+    assert promised["presliding_friction"] == min(promised.values())
+    assert {c.effect.effect.name for c in ranking if c.fitted} >= {"presliding_friction", "coulomb_friction"}
