@@ -43,6 +43,7 @@ SETTINGS = EvidenceSettings(
     floor=1.1,
     absorbed=1e-3,
     replacement_share=0.2,
+    widenings=3,
     law=LawSettings(knots=4, factor=2.0, least_closed=0.7),
 )
 
