@@ -15,6 +15,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli import folders as places
+from dr_lab.cli.found_formula import found_formula
 from dr_lab.cli.groups import every
 from dr_lab.cli.overrides import composed
 from dr_lab.cli.recorded import recorded
@@ -48,6 +49,7 @@ def register_resolvers(folders: Sequence[Path]) -> None:
     OmegaConf.register_new_resolver("conf", functools.partial(places.find, tuple(folders)), replace=True)
     OmegaConf.register_new_resolver("every", lambda group: OmegaConf.create(every(group, folders)), replace=True)
     OmegaConf.register_new_resolver("examples", places.example, replace=True)
+    OmegaConf.register_new_resolver("found_formula", found_formula, replace=True)
     OmegaConf.register_new_resolver("recorded", recorded, replace=True)
     OmegaConf.register_new_resolver("sweep_name", sweep_name, replace=True)
 

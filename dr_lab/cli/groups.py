@@ -9,6 +9,7 @@ import yaml
 from dr_lab.errors import ConfigError
 
 GLOBAL = "_global_"
+_ASKS = (": ???", "oc.select:effect.run,")  # how an option asks the user for something
 
 # libyaml's, where it is: the help of a verb reads hundreds of files
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -66,7 +67,8 @@ def defaults_of(path: Path) -> list[str | dict[str, object]]:
 def every(group: str, folders: Sequence[Path]) -> list[str]:
     """What a group's option ``all`` stands for, the resolver ``${every:effect}``: a new file joins it by being there.
 
-    An option that leaves a value to the user (``???``) is not part of it.
+    An option that leaves a value to the user (``???``), or takes it from a run that the user names (``effect.run``),
+    is not part of it.
 
     Args:
         group: one whose options stand side by side.
@@ -76,7 +78,8 @@ def every(group: str, folders: Sequence[Path]) -> list[str]:
         ConfigError: an option does not stand beside its neighbours.
     """
     files = side_by_side(options(group, folders))
-    return [name for name, path in files.items() if ": ???" not in path.read_text(encoding="utf-8")]
+    texts = {name: path.read_text(encoding="utf-8") for name, path in files.items()}
+    return [name for name, text in texts.items() if not any(mark in text for mark in _ASKS)]
 
 
 def side_by_side(files: dict[str, Path]) -> dict[str, Path]:

@@ -17,7 +17,7 @@ from dr_lab.cli.arguments import COMPOSE, RESUME, RUN_DIR, arguments_of, compose
 from dr_lab.cli.provenance import CONFIG_FILE, write_config
 from dr_lab.cli.resuming import require_same_settings
 from dr_lab.errors import ConfigError
-from dr_lab.reports.view_command import view_command
+from dr_lab.reports.typed import view_command
 
 
 @dataclass(frozen=True)

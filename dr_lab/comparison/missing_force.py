@@ -11,6 +11,7 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.missing_force.force_formula import Formula, Variable, mean_square, sparse_formula
 from dr_lab.diagnosis.missing_force.residual_force import ResidualForce
 from dr_lab.diagnosis.windows.windows import Windows
+from dr_lab.physics.expression import spelt
 from dr_lab.reports.gap_entries import ForceFormulaEntry, MissingForceEntry, TermEntry
 
 _PARTS = 8  # of the data, at least
@@ -67,7 +68,10 @@ def _noise(part: ResidualForce) -> float:
 def _left(formula: Formula | None) -> ForceFormulaEntry | None:
     if formula is None:
         return None
-    terms = tuple(TermEntry(term, value, formula.units[term]) for term, value in formula.coefficients.items())
+    terms = tuple(
+        TermEntry(term, value, formula.units[term], formula.expressions[term])
+        for term, value in formula.coefficients.items()
+    )
     return ForceFormulaEntry(formula.ceiling, formula.share, terms)
 
 
@@ -76,11 +80,12 @@ def _variables(replay: Replay, forces: dict[str, ResidualForce]) -> list[Variabl
     found = []
     for joint, part in forces.items():
         slide = replay.slides(joint)
-        unit = "m" if slide else "rad"
-        found.append(Variable(f"{joint} position", unit, "place" if slide else "angle", part.position))
-        found.append(Variable(f"{joint} velocity", f"{unit}/s", "velocity", part.velocity))
+        unit, kind, symbol = "m" if slide else "rad", "place" if slide else "angle", spelt(joint)
+        found.append(Variable(f"{joint} position", unit, kind, part.position, f"{symbol}.q"))
+        found.append(Variable(f"{joint} velocity", f"{unit}/s", "velocity", part.velocity, f"{symbol}.v"))
     for name, column in replay.commands.items():
-        found.append(Variable(f"{name} command", "", "command", replay.windows.controls[..., column].mean(1)))
+        command = replay.windows.controls[..., column].mean(1)
+        found.append(Variable(f"{name} command", "", "command", command, f"{spelt(name)}.u"))
     return found
 
 

@@ -2,21 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import mujoco
 import numpy as np
 
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect
+from dr_lab.effects.joint_effect import SCALAR, JointEffect, drives
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.effect_parts import ForceLaw
-from dr_lab.physics.expression import Expression
+from dr_lab.physics.expression import Expression, dotted_names, spelt
 from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.model import joints
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 _VARIABLES = ("q", "v", "u", "t")
+_OTHERS = (".q", ".v", ".u")  # position, velocity of a joint and command of an actuator that goes before the dot
 _KEYS = ("unit", "nominal", "low", "high")
 
 
@@ -24,7 +26,10 @@ _KEYS = ("unit", "nominal", "low", "high")
 class Formula(JointEffect, ForceLaw):
     """The user's own force at a joint: an expression of position, velocity, command and time with named parameters.
 
-    tau = f(q, v, u, t; parameters), held through each step at the state in its middle.
+    tau = f(q, v, u, t; parameters), held through each step at the state in its middle. ``pole.q`` and ``pole.v`` are
+    position and velocity of a joint that is called pole, ``motor.u`` the command of an actuator that is called motor;
+    what Python cannot have in a name is written ``_``. `dr_lab.cli.found_formula` takes the formula that a run's report
+    has of the force that is still missing.
 
     Parameters: the user's. The force must vanish at their nominal values, so the nominal value of a factor is 0.
     Limits: hinge and slide joints; u is the command of the first actuator at the joint, 0 without one; t is in s on the
@@ -69,8 +74,16 @@ class Formula(JointEffect, ForceLaw):
                     raise UnknownNameError("parameter", name, self.free, "the formula (start)")
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
-        """The user's parameters."""
-        del model, site, scales
+        """The user's parameters.
+
+        Raises:
+            UnknownNameError: the formula names a joint or an actuator that the model lacks.
+        """
+        del site, scales
+        known = _sources(model)
+        for name in self._others():
+            if name not in known:
+                raise UnknownNameError("name", name, known, f"formula {self.expression!r}")
         return tuple(
             Parameter(name, str(e["unit"]), float(e["nominal"]), float(e["low"]), float(e["high"]))
             for name, e in self.free.items()
@@ -78,13 +91,14 @@ class Formula(JointEffect, ForceLaw):
 
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The force of each step."""
-        compiled = models[0]
-        joint = compiled.joint(site)
-        at = np.flatnonzero(
-            (compiled.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (compiled.actuator_trnid[:, 0] == joint.id)
-        )
-        column = int(compiled.actuator_ctrladr[at[0]]) if len(at) and compiled.actuator_ctrlnum[at[0]] else None
-        return _Written(int(joint.qposadr[0]), int(joint.dofadr[0]), column, self._read(), values)
+        compiled, read = models[0], self._read()
+        joint, known = compiled.joint(site), _sources(models[0])
+        own = np.flatnonzero(drives(compiled, site) & (compiled.actuator_ctrlnum > 0))
+        sources = {"q": _Source("qpos", int(joint.qposadr[0])), "v": _Source("qvel", int(joint.dofadr[0]))}
+        if len(own):
+            sources["u"] = _Source("control", int(compiled.actuator_ctrladr[own[0]]))
+        sources |= {name: known[name] for name in self._others()}
+        return _Written(int(joint.dofadr[0]), sources, read, values)
 
     def limit(self, name: str, kept: float, margin: float) -> float:
         """None: the bounds are the user's."""
@@ -97,24 +111,42 @@ class Formula(JointEffect, ForceLaw):
         return tuple(dict(start) for start in self.start)
 
     def _read(self) -> Expression:
-        return Expression(self.expression, (*_VARIABLES, *self.free))
+        return Expression(self.expression, (*_VARIABLES, *self.free, *self._others()))
+
+    def _others(self) -> tuple[str, ...]:
+        """Variables of named joints and actuators."""
+        return tuple(name for name in dotted_names(self.expression) if name.endswith(_OTHERS))
+
+
+class _Source(NamedTuple):
+    """Where a variable is read: the array, and the column of it."""
+
+    array: str
+    column: int
+
+
+def _sources(model: mujoco.MjModel) -> dict[str, _Source]:
+    """Positions and velocities of the hinge and slide joints and commands of the actuators, as formulas spell them."""
+    found: dict[str, _Source] = {}
+    for name in joints(model, SCALAR):
+        joint = model.joint(name)
+        found[f"{spelt(name)}.q"] = _Source("qpos", int(joint.qposadr[0]))
+        found[f"{spelt(name)}.v"] = _Source("qvel", int(joint.dofadr[0]))
+    for k in np.flatnonzero(model.actuator_ctrlnum > 0):
+        found[f"{spelt(model.actuator(k).name)}.u"] = _Source("control", int(model.actuator_ctrladr[k]))
+    return found
 
 
 @dataclass(frozen=True)
 class _Written(Law):
-    """The formula's force; values of shape (n,)."""
+    """The formula's force; values of shape (n,). A variable without a source is 0: a command without an actuator."""
 
-    address: int
     dof: int
-    column: int | None
+    sources: Mapping[str, _Source]
     expression: Expression
     values: Mapping[str, Array]
 
     def act(self, moment: Moment, influence: Influence) -> None:
-        state = {
-            "q": moment.qpos[:, self.address],
-            "v": moment.qvel[:, self.dof],
-            "u": 0.0 if self.column is None else influence.control[:, self.column],
-            "t": moment.time,
-        }
-        influence.force[:, self.dof] += self.expression({**self.values, **state})
+        arrays = {"qpos": moment.qpos, "qvel": moment.qvel, "control": influence.control}
+        state = {name: arrays[source.array][:, source.column] for name, source in self.sources.items()}
+        influence.force[:, self.dof] += self.expression({**self.values, "u": 0.0, "t": moment.time, **state})

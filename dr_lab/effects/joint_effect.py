@@ -10,7 +10,7 @@ from dr_lab.effects.effect import Effect
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.model import joints
 
-_SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 _AT_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
 
 
@@ -19,7 +19,7 @@ class JointEffect(Effect):
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the hinge and slide joints."""
-        return tuple(name for name in joints(model, _SCALAR) if name)
+        return tuple(name for name in joints(model, SCALAR) if name)
 
 
 def slides(model: mujoco.MjModel, joint: str) -> bool:

@@ -1,6 +1,8 @@
 """Expressions that a user writes: parsed, checked, and evaluated on arrays."""
 
 import ast
+import keyword
+import re
 from collections.abc import Callable, Mapping
 from types import CodeType
 
@@ -17,6 +19,21 @@ _NODES = (
     ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant,
     ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.UAdd, ast.USub,
 )  # fmt: skip
+
+
+def spelt(name: str) -> str:
+    """How an expression spells the name of a joint or actuator: what Python cannot have in a name becomes ``_``."""
+    plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return f"_{plain}" if not plain or plain[0].isdigit() or keyword.iskeyword(plain) else plain
+
+
+def dotted_names(text: str) -> tuple[str, ...]:
+    """The names with a dot in a formula, as ``arm.q``, in the order of the alphabet; none where it cannot be read."""
+    try:
+        nodes = [*ast.walk(_Dotted().visit(ast.parse(text.strip(), mode="eval")))]
+    except SyntaxError:
+        return ()
+    return tuple(sorted({node.id for node in nodes if isinstance(node, ast.Name) and "." in node.id}))
 
 
 class Expression:

@@ -14,7 +14,7 @@ from dr_lab.errors import DrLabError
 from dr_lab.files import write_bytes
 from dr_lab.recorders.branch import TIMELINE
 from dr_lab.recorders.rerun_process import LOCAL, POLL, START_LIMIT, await_port, complaint, free_port, viewer_binary
-from dr_lab.reports.view_command import view_command
+from dr_lab.reports.typed import view_command
 
 # s: until the notes that the viewer shows on starting have faded.
 _NOTES_FADE = 6.0

@@ -12,6 +12,7 @@ from dr_lab.reports.gap_entries import (
     HorizonEntry,
     JudgedRungEntry,
     LawEntry,
+    LearnedEntry,
     LogsEntry,
     MissingForceEntry,
     NoiseEntry,
@@ -48,6 +49,7 @@ class Judgement:
     ranking: tuple[CandidateEntry, ...] = ()
     rungs: tuple[JudgedRungEntry, ...] = ()
     worst_direction: Mapping[str, float] = field(default_factory=dict)
+    learned: tuple[LearnedEntry, ...] = ()
     missing_force: tuple[MissingForceEntry, ...] = ()
     next_experiment: ExperimentEntry | None = None
 
@@ -72,6 +74,11 @@ class GapReport:
     as_given: RungEntry | None = field(default=None, metadata=OMITTED)
     judgement: Judgement | None = field(default=None, metadata=IN_PLACE)
     failure: Failure | None = field(default=None, metadata=IN_PLACE)
+
+    @property
+    def catalogued(self) -> tuple[RungEntry, ...]:
+        """The models of the ladder without those that have a learned force, which has no name."""
+        return tuple(rung for rung in self.ladder if not rung.learned)
 
     @property
     def judged(self) -> Judgement:

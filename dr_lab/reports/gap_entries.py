@@ -103,13 +103,26 @@ class FitEntry:
 
 @dataclass(frozen=True)
 class RungEntry:
-    """One model of the ladder; `fit` where it was fitted, `rivals` where effects are judged."""
+    """One model of the ladder; `fit` where it was fitted, `rivals` where effects are judged, `learned` where it is."""
 
     effects: Labels
     held_out: ErrorsEntry
     parameters: Parameters
     fit: FitEntry | None = field(default=None, metadata=OMITTED)
     rivals: Labels | None = field(default=None, metadata=OMITTED)
+    learned: bool | None = field(default=None, metadata=OMITTED)
+
+
+@dataclass(frozen=True)
+class LearnedEntry:
+    """A force that nobody catalogued, as it was learned at a joint, and what held-out logs say of it."""
+
+    joint: str
+    effect: str
+    depends_on: tuple[str, ...]
+    accepted: bool
+    removes: Number
+    predicted: Mapping[str, Interval] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -242,11 +255,12 @@ class JudgedRungEntry:
 
 @dataclass(frozen=True)
 class TermEntry:
-    """A term of a formula."""
+    """A term of a formula, and as `effects.formula` takes it."""
 
     term: str
     coefficient: Number
     unit: str = ""
+    expression: str = ""
 
 
 @dataclass(frozen=True)

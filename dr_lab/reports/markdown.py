@@ -25,8 +25,8 @@ from dr_lab.reports.tables import (
     per_log_table,
     ranking_table,
 )
+from dr_lab.reports.typed import add_formula_command, view_command
 from dr_lab.reports.verdict import verdict_markdown
-from dr_lab.reports.view_command import view_command
 
 
 def report_markdown(report: GapReport) -> str:
@@ -51,7 +51,7 @@ def gap_page(report: GapReport) -> Page:
         Section("parameters", "Parameters", fitted),
         Section("parameters_by_log", "Parameters by log", per_log_table(parameters)),
         Section("where", f"Where the {failing(report)} fails", _where(failure.where)),
-        Section("missing_forces", "Missing forces", _missing_forces(judgement.missing_force)),
+        Section("missing_forces", "Missing forces", _missing_forces(report)),
         Section("horizons", f"Error of the {failing(report)} and horizon", horizon_table(report)),
         Section("correlations", f"Residual of the {failing(report)} and command", _correlations(failure)),
         Section("next_experiment", "Next experiment", next_experiment_text(judgement.next_experiment)),
@@ -102,10 +102,10 @@ def _trades(report: GapReport, parameters: Parameters) -> str:
     return "\n".join(lines)
 
 
-def _missing_forces(rows: Sequence[MissingForceEntry]) -> str:
+def _missing_forces(report: GapReport) -> str:
     """How much of the missing force the effects took away and how much they could have, and a formula of the rest."""
     lines = []
-    for row in rows:
+    for row in report.judged.missing_force:
         could = "" if row.ceiling is None else f" (a force of the measured state could: {percent(row.ceiling)})"
         sizes = " → ".join(number(size, 3) for size in (row.rms_first, row.rms_last))
         beyond = f"{row.unit} RMS beyond the noise's {number(row.noise, 3)}"
@@ -115,6 +115,9 @@ def _missing_forces(rows: Sequence[MissingForceEntry]) -> str:
         if left and left.terms:
             terms = " ".join(_term(term, first=k == 0) for k, term in enumerate(left.terms))
             lines[-1] += f" {percent(left.share)} of the rest follows F ≈ {terms} [{row.unit}]."
+            if report.run and all(term.expression for term in left.terms):
+                command = add_formula_command(report.run, row.joint, report.measurements)
+                lines[-1] += f" Add it to the model and refine it: `{command}`."
     return "\n".join(lines)
 
 

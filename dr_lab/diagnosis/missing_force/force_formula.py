@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -52,12 +52,14 @@ class Variable:
         unit: its unit.
         kind: ``angle``, ``place``, ``velocity`` or ``command``.
         value: shape (n,).
+        symbol: what `effects.formula` calls it, e.g. ``arm.v``.
     """
 
     name: str
     unit: str
     kind: str
     value: Array
+    symbol: str
 
 
 @dataclass(frozen=True)
@@ -67,12 +69,14 @@ class Formula:
     Attributes:
         coefficients: by term, in `unit` per the term's unit.
         units: unit of each coefficient.
+        expressions: each term as `effects.formula` takes it, e.g. ``sign(arm.v)``.
         share: share of the force's mean square that it explains where it was not fitted.
         ceiling: the same of a regression forest on the same variables.
     """
 
     coefficients: Mapping[str, float]
     units: Mapping[str, str]
+    expressions: Mapping[str, str]
     share: float
     ceiling: float
 
@@ -105,7 +109,7 @@ def sparse_formula(
     if known.sum() < settings.least or len(np.unique(groups[known])) < 2:
         return None
     force, groups = force[known], groups[known]
-    kept = [Variable(v.name, v.unit, v.kind, v.value[known]) for v in variables]
+    kept = [replace(v, value=v.value[known]) for v in variables]
     terms = [term for term in _library(kept, settings.harmonics) if np.ptp(term.value) > 0 or term.name == "1"]
     columns = np.stack([term.value for term in terms], axis=1)
     folds = min(settings.folds, len(np.unique(groups)))
@@ -116,7 +120,8 @@ def sparse_formula(
     coefficients = Pursuit(count).fit(columns, force).coef_ if count else np.zeros(columns.shape[1])
     chosen = {term.name: float(c) for term, c in zip(terms, coefficients, strict=True) if c != 0}
     units = {term.name: f"{unit}/({term.unit})" if term.unit else unit for term in terms if term.name in chosen}
-    return Formula(chosen, units, share, max(ceiling, share))
+    expressions = {term.name: term.expression for term in terms if term.name in chosen}
+    return Formula(chosen, units, expressions, share, max(ceiling, share))
 
 
 def mean_square(force: Array) -> float:
@@ -129,27 +134,25 @@ class _Term:
     name: str
     unit: str
     value: Array
+    expression: str
 
 
 def _library(variables: Sequence[Variable], harmonics: int) -> list[_Term]:
-    terms = [_Term("1", "", np.ones(len(variables[0].value)))]
+    terms = [_Term("1", "", np.ones(len(variables[0].value)), "1")]
     for v in variables:
-        name, x = f"[{v.name}]", v.value
+        name, x, s = f"[{v.name}]", v.value, v.symbol
         if v.kind == "angle":
             for m in range(1, harmonics + 1):
-                inside = name if m == 1 else f"{m} {name}"
-                terms += [_Term(f"sin({inside})", "", np.sin(m * x)), _Term(f"cos({inside})", "", np.cos(m * x))]
-        elif v.kind == "place":
-            terms += [_Term(name, v.unit, x), _Term(f"{name}³", f"({v.unit})³", x**3)]
-        elif v.kind == "velocity":
-            terms += [
-                _Term(name, v.unit, x),
-                _Term(f"sign({name})", "", np.sign(x)),
-                _Term(f"|{name}| {name}", f"({v.unit})²", np.abs(x) * x),
-                _Term(f"{name}³", f"({v.unit})³", x**3),
-            ]
-        else:
-            terms.append(_Term(name, v.unit, x))
+                inside, within = (name, s) if m == 1 else (f"{m} {name}", f"{m} * {s}")
+                terms.append(_Term(f"sin({inside})", "", np.sin(m * x), f"sin({within})"))
+                terms.append(_Term(f"cos({inside})", "", np.cos(m * x), f"cos({within})"))
+            continue
+        terms.append(_Term(name, v.unit, x, s))
+        if v.kind == "velocity":
+            terms.append(_Term(f"sign({name})", "", np.sign(x), f"sign({s})"))
+            terms.append(_Term(f"|{name}| {name}", f"({v.unit})²", np.abs(x) * x, f"abs({s}) * {s}"))
+        if v.kind in ("place", "velocity"):
+            terms.append(_Term(f"{name}³", f"({v.unit})³", x**3, f"{s}**3"))
     return terms
 
 

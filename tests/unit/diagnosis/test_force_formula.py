@@ -10,9 +10,9 @@ GENERATOR = np.random.default_rng(0)
 ANGLE, SPEED, COMMAND, NOISE = GENERATOR.normal(size=(4, 400)) * np.array([[1.5], [3.0], [2.0], [1.0]])
 LOGS = np.repeat(np.arange(4), 100)
 VARIABLES = [
-    Variable("arm position", "rad", "angle", ANGLE),
-    Variable("arm velocity", "rad/s", "velocity", SPEED),
-    Variable("motor command", "", "command", COMMAND),
+    Variable("arm position", "rad", "angle", ANGLE, "arm.q"),
+    Variable("arm velocity", "rad/s", "velocity", SPEED, "arm.v"),
+    Variable("motor command", "", "command", COMMAND, "motor.u"),
 ]
 
 
@@ -25,6 +25,7 @@ def test_a_hidden_formula_comes_back_with_its_coefficients_and_units() -> None:
         "sign([arm velocity])": pytest.approx(-0.1, rel=0.02),
     }
     assert set(found.units.values()) == {"N·m"}
+    assert [*found.expressions.values()] == ["sin(2 * arm.q)", "sign(arm.v)"]
     assert 0.98 < found.share <= found.ceiling <= 1.0
 
 

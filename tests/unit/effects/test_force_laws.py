@@ -141,6 +141,19 @@ def test_a_formula_knows_command_speed_and_the_logs_time() -> None:
     np.testing.assert_allclose(slowed.qvel[0, :, 0], np.exp(-4.0 / MASS * time), atol=1e-5)
 
 
+def test_a_formula_knows_named_joints_and_actuators() -> None:
+    named = formula("a * drive.u - k * rail.q - c * rail.v", "a", "k", "c")
+    own = formula("a * u - k * q - c * v", "a", "k", "c")
+    values = {"a": 0.5, "k": 18.0, "c": 1.0}
+    paths = [played(block(), each, values, 0.5, start=(0.1, 0.2), command=3.0)[1].qpos for each in (named, own)]
+    np.testing.assert_array_equal(*paths)
+
+
+def test_a_formula_of_a_joint_that_is_not_there_is_refused() -> None:
+    with pytest.raises(UnknownNameError, match=r"pole\.q.*drive\.u"):
+        formula("k * pole.q", "k")
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [

@@ -1,0 +1,25 @@
+"""What a user types on the command line to go on from a run."""
+
+import re
+import shlex
+from pathlib import Path
+
+from hydra.core.override_parser.types import Quote, QuotedString
+
+
+def typed(key: str, value: Path | str) -> str:
+    """``key=value``: quoted for Hydra, to which signs are grammar, and the shell."""
+    plain = re.fullmatch(r"[\w./ -]+", str(value), re.ASCII)
+    text = str(value) if plain else QuotedString(str(value), Quote.single).with_quotes()
+    return shlex.quote(f"{key}={text}")
+
+
+def view_command(run: Path | str) -> str:
+    """`dr-lab view` on a run's folder or recording."""
+    return f"dr-lab view {typed('run', run)}"
+
+
+def add_formula_command(run: Path | str, joint: str, measurements: str) -> str:
+    """`dr-lab add` of the formula that a run's report has for a joint, to the model that the run ended with."""
+    site, found, model = typed("effect.joint", joint), typed("effect.run", run), typed("model.run", run)
+    return f"dr-lab add effect=formula {site} {found} model=from_run {model} {typed('measurements', measurements)}"
