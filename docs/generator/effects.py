@@ -3,10 +3,12 @@
 import inspect
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 from hydra.utils import instantiate
 
@@ -16,6 +18,8 @@ from dr_lab.cli.groups import options
 from dr_lab.cli.verb_help import commented
 from dr_lab.cli.verbs import summary
 from dr_lab.effects.effect import FAMILIES, Effect
+from dr_lab.effects.learned_force import LearnedForce
+from dr_lab.physics.radial_basis import Input, RadialBasis
 from generator.signature import put
 from generator.text import code, literal, plain, table
 
@@ -30,9 +34,18 @@ _OPEN = ("effects.formula.expression='-k*sin(3*q)'", "effects.formula.free={k:{u
 
 @cache
 def catalogue() -> Mapping[str, Effect]:
-    """Every effect that ships, by name; the open one with the formula of its yaml's example."""
-    cfg = compose("diagnose", ["effect=[all,formula]", *_OPEN])
-    return {name: instantiate(node, _convert_="all") for name, node in sorted(cfg.effects.items())}
+    """Every effect that ships, by name; the open one has its yaml's example, the learned one an example's force."""
+    cfg = compose("diagnose", ["effect=[all,formula,residual_force]", *_OPEN])
+    found = {name: instantiate(node, _convert_="all") for name, node in sorted(cfg.effects.items())}
+    return {**found, "residual_force": replace(found["residual_force"], learned={"joint": _example()})}
+
+
+def _example() -> LearnedForce:
+    """A hill of potential on the way of the plots' machine: a force to either side of 0.2 rad."""
+    angles = np.array([0.05, 0.35])
+    inputs = (Input("angle", "joint", 0.15),)
+    basis = RadialBasis(inputs, np.stack([np.cos(angles), np.sin(angles)], axis=1) / 0.15, near=1.0, far=2.0)
+    return LearnedForce(basis, np.array([-0.3, 0.3]), "N·m")
 
 
 def pages(*, figures: bool) -> dict[str, str]:

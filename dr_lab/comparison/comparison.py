@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.missing_force.learning_settings import LearningSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import MeasurementSet
@@ -20,6 +21,7 @@ class ComparisonSettings:
         solver: settings of the fits.
         evidence: when a gain counts.
         localise: how the place of failure is looked for.
+        learning: how a force is learned that no effect explains.
         model_check: what is checked of the model before anything is blamed on the machine.
         faults: when a log is said to be faulty.
         threads: worker threads; None takes every core.
@@ -30,6 +32,7 @@ class ComparisonSettings:
     solver: SolverSettings
     evidence: EvidenceSettings
     localise: LocaliseSettings
+    learning: LearningSettings
     model_check: ModelCheckSettings
     faults: FaultSettings
     threads: int | None

@@ -10,6 +10,8 @@ from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.comparison.progress import Screen
 from dr_lab.comparison.study import Study
 from dr_lab.comparison.write_simulated import write_simulated
+from dr_lab.effects.learned_force import write_learned_forces
+from dr_lab.effects.residual_force import learned_forces
 from dr_lab.html.gap_page import write_gap_page
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.mjcf import mjcf
@@ -73,7 +75,8 @@ def finish(
     """Write the run folder and print where the model fails and what must be known.
 
     Files: ``report.json``, ``report.md``, ``report.html``, ``metrics.csv``, ``review.rrd``, ``simulated.mcap``; with an
-    improved model (role ``after``) also ``model.xml``, ``rollout.npz`` (where a log is shown) and ``context.yaml``.
+    improved model (role ``after``) also ``model.xml``, ``rollout.npz`` (where a log is shown) and ``context.yaml``, and
+    ``residual_force.json`` where it has learned forces.
 
     Args:
         study: model and logs.
@@ -90,6 +93,8 @@ def finish(
     shown, notes = _export(models, folder)
     if estimate is not None:
         write_context(folder / "context.yaml", estimate)
+    if forces := learned_forces(models[AFTER][0]) if AFTER in models else {}:
+        write_learned_forces(folder, forces)
     logs = shown_logs(study, look.longest)
     written = _completed(report, [*notes, *_shortened(study, logs, look.longest)], folder)
     write_report(folder, written)  # first, so that no fault of a recording costs the hours before it

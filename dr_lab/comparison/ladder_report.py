@@ -1,15 +1,17 @@
 """Report of a ladder: models with falling error, the ranking that chose each, and what is left."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from dr_lab.comparison import entries, notes
 from dr_lab.comparison.calibrated import Described, as_given, describe
 from dr_lab.comparison.deciding import deciding_experiment
 from dr_lab.comparison.finish import Run, answer, finish
+from dr_lab.comparison.lesson import Lesson
 from dr_lab.comparison.localised import failure
 from dr_lab.comparison.missing_force import missing_forces
 from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
@@ -19,13 +21,33 @@ from dr_lab.reports.gap import GapReport, Judgement
 from dr_lab.reports.gap_entries import ExplainedEntry, JudgedRungEntry, NoteEntry
 
 
+@dataclass(frozen=True)
+class Told:
+    """What is told of a ladder.
+
+    Attributes:
+        verb: its name.
+        lessons: what was learned beside the catalogue, in order.
+        always: whether what was learned stays in the model though held-out logs do not ask for it.
+    """
+
+    verb: str
+    lessons: tuple[Lesson, ...] = ()
+    always: bool = False
+
+    @property
+    def models(self) -> tuple[FittedModel, ...]:
+        """The models with learned forces that stay."""
+        return tuple(lesson.fitted_model for lesson in self.lessons if lesson.accepted or self.always)
+
+
 def report_ladder(
-    verb: str, study: Study, ladder: Ladder, run: Run, experiments: ExperimentSettings | None = None
+    told: Told, study: Study, ladder: Ladder, run: Run, experiments: ExperimentSettings | None = None
 ) -> GapReport:
     """Tell the answer of a verb that judges effects, then what belongs to it, and write the run.
 
     Args:
-        verb: its name.
+        told: the verb, and what was learned beside the ladder.
         study: model and logs.
         ladder: what was climbed; the first rung's ranking becomes the report's `ranking`.
         run: where the results go.
@@ -35,14 +57,15 @@ def report_ladder(
         The report as written.
     """
     run.screen.phase("Scoring the models of the ladder")
-    described = [describe(study, fitted_model) for fitted_model in ladder.models]
-    base, last = ladder.base, ladder.models[-1]
-    judgement = _judgement(study, ladder)
-    report = _answer(verb, study, ladder, described, judgement)
+    models = [*ladder.models, *told.models]
+    described = [describe(study, fitted_model) for fitted_model in models]
+    base, last = ladder.base, models[-1]
+    judgement = replace(_judgement(study, ladder), learned=tuple(lesson.entry() for lesson in told.lessons))
+    report = _answer(told.verb, study, ladder, described, judgement)
     answer(report, run)
     run.screen.phase("Looking where the model fails and what it misses")
     failing = failure(study, base.model, base.fit.z)  # first, because what misses forces is among its windows
-    judgement = replace(judgement, missing_force=missing_forces(study, ladder.models))
+    judgement = replace(judgement, missing_force=missing_forces(study, models))
     if experiments is not None:
         run.screen.phase("Looking for the next experiment")
         judgement = replace(judgement, next_experiment=deciding_experiment(study, ladder, experiments, run.folder))
@@ -56,8 +79,9 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
     rivals = [(), *(step.rivals for step in ladder.steps)]
     models = [
         replace(d.rung, rivals=tuple(c.effect.label for c in beside))
-        for d, beside in zip(described, rivals, strict=True)
+        for d, beside in zip(described, rivals, strict=False)
     ]
+    models += [replace(d.rung, learned=True) for d in described[len(rivals) :]]
     report = entries.begun(verb, study, models, ladder.models[-1].held_out)
     return replace(
         report,

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.comparison.export import Played, play
 from dr_lab.comparison.study import Study
@@ -14,10 +15,12 @@ from dr_lab.diagnosis.windows.channels import residual as channel_residual
 from dr_lab.diagnosis.windows.channels import resolve
 from dr_lab.diagnosis.windows.windows import cut, window_begins
 from dr_lab.effects.joint_effect import drives, slides
+from dr_lab.effects.residual_force import learned_forces
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.physics.model import Model
+from dr_lab.physics.radial_basis import Seen
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.overlay import MEASURED, Overlay
+from dr_lab.recorders.overlay import AFTER, MEASURED, Overlay
 from dr_lab.recorders.scene import body_poses
 from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array, Log
@@ -75,8 +78,22 @@ def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces
         commands=log.commands,
         noise={name: study.measurements.noise[name].std for name in log.outputs},
         gaps=study.measurements.gaps,
+        learned=_learned(study, played, forces, of_log),
         residual_name=f"missing force [{unit}]",
     )
+
+
+def _learned(study: Study, played: Mapping[str, Played], forces: Forces, of_log: NDArray[np.bool_]) -> dict[str, Array]:
+    """The learned forces of the improved model in the short windows of a log, at the state in their middle."""
+    found = learned_forces(played[AFTER].replay.model) if AFTER in played else {}
+    if not found:
+        return {}
+    model, windows = study.compiled, study.short.pick(study.few)
+    seen = Seen(np.zeros((len(windows), model.nq)), np.zeros((len(windows), model.nv)), windows.controls.mean(1))
+    for joint, force in forces[AFTER].items():
+        seen.qpos[:, model.joint(joint).qposadr[0]] = force.position
+        seen.qvel[:, model.joint(joint).dofadr[0]] = force.velocity
+    return {joint: force.of(model, seen)[of_log] for joint, force in found.items() if joint in forces[AFTER]}
 
 
 def _arguments(study: Study, log: Log, joint: str, force: ResidualForce) -> dict[str, Array]:

@@ -4,10 +4,17 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from dr_lab.effects.effect import Effect, PlacedEffect
+from dr_lab.effects.learned_force import LearnedForce, read_learned_forces
 from dr_lab.effects.named import with_named_effects
+from dr_lab.effects.residual_force import ResidualForce
 from dr_lab.errors import UnknownNameError
 from dr_lab.physics.context_file import read_context
 from dr_lab.physics.model import Model
+
+
+def _learned(forces: Mapping[str, LearnedForce]) -> dict[str, Effect]:
+    """The effect of learned forces; the factor's bounds are the run's."""
+    return {ResidualForce.name: ResidualForce(1.0, forces)} if forces else {}
 
 
 def from_run(run: str, model: Model, effects: Mapping[str, Effect]) -> Model:
@@ -26,7 +33,8 @@ def from_run(run: str, model: Model, effects: Mapping[str, Effect]) -> Model:
         UnknownNameError: its parameters are not those of the model and of effects in the catalogue.
     """
     found = read_context(run)
-    complete = with_named_effects(model, effects, found.space.names)
+    forces = read_learned_forces(run)
+    complete = with_named_effects(model, {**effects, **_learned(forces)}, found.space.names)
     for name in set(complete.space.names) ^ set(found.space.names):
         where = f"run {run} and the model {model.name!r} that it began with, both"
         raise UnknownNameError("parameter", name, set(complete.space.names) & set(found.space.names), where)

@@ -5,7 +5,7 @@ import plotly.graph_objects as go
 
 from dr_lab.html.figure import ROLES, Plot, chart, numbers
 from dr_lab.recorders.look import Look
-from dr_lab.recorders.overlay import SIMULATED, Overlay
+from dr_lab.recorders.overlay import MEASURED, SIMULATED, Overlay
 from dr_lab.recorders.scatter import bin_means
 from dr_lab.trajectory import Array
 
@@ -28,6 +28,8 @@ def _joint(overlay: Overlay, joint: str, look: Look) -> Plot:
         for role in [role for role in SIMULATED if role in residuals]:
             for trace in _traces(value, residuals[role], role, overlay.label(role), look):
                 figure.add_trace(trace.update(showlegend=trace.showlegend and index == 0), row=row, col=col)
+        if joint in overlay.learned:
+            figure.add_trace(_learned(value, overlay.learned[joint], look, named=index == 0), row=row, col=col)
         figure.update_xaxes(title=title, row=row, col=col)
     reach = _reach(np.concatenate([*residuals.values()]))
     figure.update_yaxes(range=[-reach, reach], zeroline=True)
@@ -45,6 +47,14 @@ def _traces(value: Array, residual: Array, role: str, label: str, look: Look) ->
         go.Scatter(x=numbers(value[kept]), y=numbers(residual[kept]), name=label, showlegend=True, **dots),
         go.Scatter(x=numbers(x), y=numbers(y), name=label, showlegend=False, **means),
     ]
+
+
+def _learned(value: Array, force: Array, look: Look, *, named: bool) -> go.Scatter:
+    """The mean of a learned force, which is what it makes of the model before it."""
+    x, y = bin_means(value, force, look.scatter_bins)
+    line = {"color": ROLES[MEASURED], "width": 2.5, "dash": "dash"}
+    style = {"mode": "lines", "line": line, "legendgroup": "learned", "hoverinfo": "skip"}
+    return go.Scatter(x=numbers(x), y=numbers(y), name="learned force", showlegend=named, **style)
 
 
 def _reach(value: Array) -> float:

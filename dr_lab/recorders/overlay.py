@@ -30,6 +30,7 @@ class Overlay:
         commands: actuator to signal, each value held until the next.
         noise: channel to standard deviation of the measurement noise, in the channel's unit.
         gaps: channel to the longest time in s between two samples that is not a gap; one that is left out has none.
+        learned: by joint, what a learned force of the model with the effects is where the residual is told, shape (m,).
         residual_name: what `residual_velocity` holds, with its unit, as the axis says it.
 
     Raises:
@@ -46,6 +47,7 @@ class Overlay:
     noise: Mapping[str, float]
     gaps: Mapping[str, float] = field(default_factory=dict)
     arguments: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
+    learned: Mapping[str, Array] = field(default_factory=dict)
     residual_name: str = "residual"
 
     def __post_init__(self) -> None:
@@ -58,6 +60,8 @@ class Overlay:
         for joint, (velocity, residuals) in self.residual_velocity.items():
             for role, residual in residuals.items():
                 self._expect(f"residual_velocity[{joint!r}][{role!r}]", residual, velocity.shape)
+            if joint in self.learned:
+                self._expect(f"learned[{joint!r}]", self.learned[joint], velocity.shape)
             for title, value in self.arguments.get(joint, {}).items():
                 self._expect(f"arguments[{joint!r}][{title!r}]", value, velocity.shape)
 

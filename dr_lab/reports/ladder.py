@@ -32,7 +32,8 @@ def steps(report: GapReport) -> list[LadderModel]:
     made: list[LadderModel] = []
     for rung in rungs:
         before = made[-1].effects if made else ()
-        new = [f"+ {effect}" for effect in rung.effects if effect not in before]
+        mark = ", learned" if rung.learned else ""
+        new = [f"+ {effect}{mark}" for effect in rung.effects if effect not in before]
         plain = "calibrated" if made else "model as given"
         made.append(LadderModel(" ".join(new) or plain, rung.effects, rung.held_out, rung.parameters))
     return made

@@ -11,10 +11,27 @@ from dr_lab.reports.quantity import number, percent
 def verdict_markdown(report: GapReport) -> str:
     """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
     worse = _worse(report)
-    calibrated = not report.verdict and not report.ladder[-1].effects
+    calibrated = not report.verdict and not report.catalogued[-1].effects
     answer = (worse, _found(report), _share(report), _fall(report), _confirmed(report))
     told = [worse] if worse and calibrated else answer
-    return " ".join(part for part in (*told, _remaining(report)) if part)
+    return " ".join(part for part in (*told, _remaining(report), _learned(report)) if part)
+
+
+def _learned(report: GapReport) -> str:
+    """That a force was learned, which is a way to simulate what is missing, and no name for it; or in vain."""
+    told = []
+    for row in report.judged.learned:
+        what = f"a force at `{row.joint}` as a function of {' and '.join(row.depends_on)}"
+        worst = max(((b or 0.0) / a for a, b in row.predicted.values() if a), default=None)
+        logs = f" ({percent(row.removes)} of the squared predicted error of the {scored(report)} is gone"
+        logs += "" if worst is None else f"; of the log that gains least {percent(1 - worst**2)}"
+        if row.accepted:
+            told.append(f"**Learned, not named:** `{row.effect}`, {what}, simulates a part of that{logs}).")
+        else:
+            told.append(
+                f"**Learned in vain:** {what} was tried, and does not predict what it was not learned from{logs})."
+            )
+    return " ".join(told)
 
 
 def _worse(report: GapReport) -> str:
@@ -26,7 +43,7 @@ def _worse(report: GapReport) -> str:
     fewer = last.infeasible_windows < first.infeasible_windows
     if chi2[1] <= chi2[0] or shown[0] == shown[1] or at_floor or fewer:
         return ""
-    effects = report.ladder[-1].effects
+    effects = report.catalogued[-1].effects
     name = f"The model with {_listed(effects)}" if effects else "The calibrated model"
     return (
         f"**{name} predicts the {scored(report)} worse than the model as given: χ² {' → '.join(shown)}. "
@@ -36,13 +53,13 @@ def _worse(report: GapReport) -> str:
 
 def _found(report: GapReport) -> str:
     sentences = {
-        "named": _named(report.ladder[-1].effects or _with_status(report, "named")),
+        "named": _named(report.catalogued[-1].effects or _with_status(report, "named")),
         "equivalent": _equivalent(report),
         "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
         "unexplained": _unexplained(report),
         "none": "**No missing effect:** the logs support no effect beyond the plain model.",
     }
-    added = report.ladder[-1].effects
+    added = report.catalogued[-1].effects
     done = "**Calibrated on the logs.**" if len(steps(report)) > 1 else "**Measured against the model.**"
     return sentences.get(report.verdict or "", f"**Added:** {_listed(added)}." if added else done)
 
@@ -53,7 +70,7 @@ def _named(effects: Sequence[str]) -> str:
 
 def _unexplained(report: GapReport) -> str:
     """That nothing explains the gap, and how much of it closes all the same, or by which law that is not meant."""
-    added = report.ladder[-1].effects
+    added = report.catalogued[-1].effects
     if not added:
         return "**Unexplained:** a gap remains that no effect of the catalogue explains."
     told = [law.told for law in report.judged.laws if law.refuted]
@@ -66,7 +83,7 @@ def _unexplained(report: GapReport) -> str:
 
 def _equivalent(report: GapReport) -> str:
     """Which effects stand alone, and which ones the logs cannot tell apart."""
-    added = [(rung.effects[-1], rung.rivals or ()) for rung in report.ladder if rung.effects]
+    added = [(rung.effects[-1], rung.rivals or ()) for rung in report.catalogued if rung.effects]
     alone = [effect for effect, rivals in added if not rivals]
     groups = [_listed([effect, *rivals]) for effect, rivals in added if rivals]
     told = "; ".join(groups) or _listed(_with_status(report, "equivalent")) or "the best candidates"
@@ -77,7 +94,7 @@ def _equivalent(report: GapReport) -> str:
 def _fall(report: GapReport) -> str:
     """χ² of each model on the scored logs, and of the named candidate where it was not added yet."""
     errors = [f"{number(step.held_out.chi2)} ({step.name})" for step in steps(report)]
-    if not report.ladder[-1].effects:
+    if not report.catalogued[-1].effects:
         named = [row for row in report.judged.ranking if status(row, report.verdict) == "named"]
         errors += [f"{number(row.held_out_chi2)} (+ {row.label})" for row in named]
     # Longer ladders have their own table; the sentence keeps the ends and the calibrated model, which effects improve.
@@ -117,8 +134,8 @@ def _remaining(report: GapReport) -> str:
 
 def _share(report: GapReport) -> str:
     """How much of what the calibrated model misses the added effects explain, and the prediction that gained most."""
-    explained, first, last = report.judged.explained, report.ladder[0], report.ladder[-1]
-    added = len(report.ladder) > 1 and not first.effects
+    explained, first, last = report.judged.explained, report.ladder[0], report.catalogued[-1]
+    added = len(report.catalogued) > 1 and not first.effects
     if not added or explained.share is None or explained.share <= 0:
         return ""
     low, high = explained.low, explained.high

@@ -6,7 +6,8 @@ from pathlib import Path
 from dr_lab.comparison.climbing import climbed
 from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.finish import Run
-from dr_lab.comparison.ladder_report import report_ladder
+from dr_lab.comparison.ladder_report import Told, report_ladder
+from dr_lab.comparison.lesson import lessons
 from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import prepare
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
@@ -26,6 +27,8 @@ def close(
     run_dir: Path,
 ) -> GapReport:
     """Climb the ladder of models until the noise floor or until no effect is supported.
+
+    Where a gap remains, the last rung is a force that is learned from the logs; it has a share in no verdict.
 
     Args:
         comparison: the model beside logs, and how they are compared.
@@ -48,4 +51,5 @@ def close(
         told.phase("Cutting the logs into windows")
         study = prepare(comparison)
         study, ladder = climbed(study, effects, most=most, watch=told.ranking, phase=told.phase)
-        return report_ladder("close", study, ladder, Run(run_dir, recorder, told), next_experiment)
+        learned = lessons(study, ladder.models[-1], told.phase) if most else ()
+        return report_ladder(Told("close", learned), study, ladder, Run(run_dir, recorder, told), next_experiment)

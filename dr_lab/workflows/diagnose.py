@@ -6,7 +6,7 @@ from pathlib import Path
 from dr_lab.comparison.climbing import climbed
 from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.finish import Run
-from dr_lab.comparison.ladder_report import report_ladder
+from dr_lab.comparison.ladder_report import Told, report_ladder
 from dr_lab.comparison.progress import screen
 from dr_lab.comparison.study import prepare
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
@@ -33,4 +33,4 @@ def diagnose(
         told.phase("Cutting the logs into windows")
         study = prepare(comparison)
         study, ladder = climbed(study, effects, most=0, watch=told.ranking, phase=told.phase)
-        return report_ladder("diagnose", study, ladder, Run(run_dir, recorder, told), next_experiment)
+        return report_ladder(Told("diagnose"), study, ladder, Run(run_dir, recorder, told), next_experiment)

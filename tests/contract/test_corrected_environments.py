@@ -4,12 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from effect_machines import placed
+from effect_machines import placed, scales_of
 from playing import actions, begun, played
 from settings import setting
 
+from dr_lab.effects.effect import place
+from dr_lab.effects.learned_force import LearnedForce
+from dr_lab.effects.residual_force import ResidualForce
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ModelError
+from dr_lab.physics.radial_basis import Input, Seen, around, features
 from dr_lab.physics.simulator import Simulator
 
 
@@ -33,9 +37,21 @@ def test_effects_of_a_corrected_model_are_played_and_randomised(effect: str) -> 
     assert not episodes.simulator.infeasible.any()
 
 
-@pytest.mark.parametrize("effect", ["dead_zone", "actuator_lag", "rate_limit", "voltage_sag"])
-def test_drivers_act_as_in_a_replay_of_the_same_commands(effect: str) -> None:
-    of, steps = corrected(effect, "motor"), 12
+def with_learned_force() -> Setting:
+    """A spring of the arm that depends on its speed and on the voltage as well, known where the pendulum moves."""
+    plain = setting("furuta")
+    compiled, generator = plain.model.nominal(), np.random.default_rng(0)
+    inputs = (Input("angle", "arm", 1.0), Input("velocity", "arm", 20.0), Input("command", "motor", 5.0))
+    seen = Seen(*(size * generator.normal(size=(300, n)) for size, n in ((0.5, 2), (10.0, 2), (3.0, 1))))
+    basis = around(inputs, features(inputs, compiled, seen), 30, 1.0)
+    force = LearnedForce(basis, 0.01 * generator.normal(size=len(basis.centres)), "N·m")
+    effect = place(ResidualForce(2.0, {"arm": force}), compiled, "arm", scales_of(plain.model))
+    return replace(plain, model=plain.model.with_effect(effect))
+
+
+@pytest.mark.parametrize("effect", ["dead_zone", "actuator_lag", "rate_limit", "voltage_sag", "residual_force"])
+def test_drivers_and_forces_act_as_in_a_replay_of_the_same_commands(effect: str) -> None:
+    of, steps = with_learned_force() if effect == "residual_force" else corrected(effect, "motor"), 12
     z = 0.5 * (of.space.nominal + of.space.high)[None]
     episodes = of.make(None, 1, 0, threads=1).episodes
     episodes.give_contexts(z)

@@ -146,7 +146,7 @@ def test_a_formula_knows_named_joints_and_actuators() -> None:
     own = formula("a * u - k * q - c * v", "a", "k", "c")
     values = {"a": 0.5, "k": 18.0, "c": 1.0}
     paths = [played(block(), each, values, 0.5, start=(0.1, 0.2), command=3.0)[1].qpos for each in (named, own)]
-    np.testing.assert_array_equal(*paths)
+    np.testing.assert_array_equal(paths[0], paths[1])
 
 
 def test_a_formula_of_a_joint_that_is_not_there_is_refused() -> None:
