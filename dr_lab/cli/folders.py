@@ -4,23 +4,19 @@ import glob
 from collections.abc import Sequence
 from pathlib import Path
 
+from dr_lab import shipped as beside
 from dr_lab.errors import ConfigError, UnknownNameError
 
-PACKAGE = Path(__file__).resolve().parents[1]
+PACKAGE = beside.PACKAGE
 
 
 def shipped() -> Path:
-    """The configuration that comes with dr_lab: inside the package when installed from a wheel, else the checkout's.
+    """The configuration that comes with dr_lab.
 
     Raises:
-        ConfigError: neither exists (a broken installation).
+        ConfigError: there is none (a broken installation).
     """
-    candidates = (PACKAGE / "conf", PACKAGE.parent / "conf")
-    for folder in candidates:
-        if folder.is_dir():
-            return folder
-    looked = " and ".join(map(str, candidates))
-    raise ConfigError(f"dr_lab's configuration is missing (looked at {looked}). Install dr_lab again.")
+    return beside.shipped(PACKAGE)
 
 
 def split_config_dir(arguments: Sequence[str]) -> tuple[tuple[Path, ...], list[str]]:

@@ -8,10 +8,13 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
+from dr_lab.physics.address import FieldEdit, Turn
+from dr_lab.physics.attribute import turned
 from dr_lab.physics.few import in_calls
+from dr_lab.physics.inertial import FIELDS
 from dr_lab.physics.model import Model
 from dr_lab.physics.shared_target import SharedTarget
-from dr_lab.physics.target import FieldEdit, Target
+from dr_lab.physics.target import Target
 from dr_lab.trajectory import Array
 
 Columns = NDArray[np.intp]
@@ -47,14 +50,24 @@ class FieldContexts:
             (column, edit, nominal)
             for column, (place, nominal) in enumerate(_nominal(model))
             for edit in place.fields(compiled)
+            if isinstance(edit, FieldEdit)
         ]
         names = dict.fromkeys(edit.field for _, edit, _ in edits)
+        self._turns = [
+            (column, edit)
+            for column, place in enumerate(model.places)
+            for edit in place.fields(compiled)
+            if isinstance(edit, Turn)
+        ]
+        self._nominal = {edit.field: _field(compiled, edit.field) for _, edit in self._turns}
+        self._bodies = [(compiled.body(each.body).id, each) for each in model.inertials]
         self._passes = {
             name: _passes([each for each in edits if each[1].field == name], _field(compiled, name)) for name in names
         }
         self._model = model
         self._moving = _moving(compiled, [edit for _, edit, _ in edits])
-        self.needs_constants = any(n in mujoco.MjModel._setconst_inputs or n.startswith("opt.") for n in names)
+        written = {*names, *self._nominal, *(FIELDS if self._bodies else ())}
+        self.needs_constants = any(n in mujoco.MjModel._setconst_inputs or n.startswith("opt.") for n in written)
 
     @staticmethod
     def possible(model: Model, compiled: mujoco.MjModel) -> bool:
@@ -62,7 +75,7 @@ class FieldContexts:
         if model.effects:
             return False
         each = [(place.fields(compiled), nominal) for place, nominal in _nominal(model)]
-        return all(edits and (nominal != 0 or not any(e.relative for e in edits)) for edits, nominal in each)
+        return all(edits and (nominal != 0 or not any(map(_relative, edits))) for edits, nominal in each)
 
     def write(self, batch: Batch, z: Array, ids: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Write contexts z, shape (len(ids), n), into the simulations `ids`.
@@ -88,6 +101,21 @@ class FieldContexts:
                 if each.onto is not None:
                     value = np.where(each.onto, field[rows, each.entries] * value, value)
                 field[rows, each.entries] = value
+        self._turn(batch, placed, ids)
+        values = self._model.values(z) if self._bodies else {}
+        for row, body in self._bodies:
+            found = body.at(values)
+            for name, value in zip(FIELDS, (found.mass, found.centre, found.axes, found.moments), strict=True):
+                batch.expand(name)[ids, row] = value
+
+    def _turn(self, batch: Batch, placed: Array, ids: NDArray[np.intp]) -> None:
+        """Turn bodies and axes from where they are nominally, one angle after the other."""
+        for name in self._nominal:
+            rows = list({edit.row for _, edit in self._turns if edit.field == name})
+            batch.expand(name)[np.ix_(ids, rows)] = self._nominal[name][rows]
+        for column, edit in self._turns:
+            field = batch.expand(edit.field)
+            field[ids, edit.row] = turned(edit.field, field[ids, edit.row], edit.axis, placed[:, column])
 
     def _impossible(self, batch: Batch, ids: NDArray[np.intp]) -> NDArray[np.bool_]:
         found = np.zeros(len(ids), bool)
@@ -102,6 +130,10 @@ class FieldContexts:
 def _nominal(model: Model) -> Iterator[tuple[Target | SharedTarget, float]]:
     """Where the model's values go, each with the nominal one."""
     return zip(model.places, model.placed(model.space.nominal[None])[0].tolist(), strict=True)
+
+
+def _relative(edit: FieldEdit | Turn) -> bool:
+    return isinstance(edit, FieldEdit) and edit.relative
 
 
 def _moving(compiled: mujoco.MjModel, edits: list[FieldEdit]) -> list[Columns]:

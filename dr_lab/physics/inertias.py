@@ -10,7 +10,7 @@ from dr_lab.physics.compiling import compiled
 from dr_lab.physics.shared_target import SharedTarget
 from dr_lab.physics.target import Target
 
-_BODY = ("mass", "inertia", "inertia_scale", "ipos")
+BODY = ("mass", "inertia", "inertia_scale", "ipos")
 _SHAPE = ("size", "density", "mass")
 
 
@@ -27,7 +27,7 @@ def written_out(spec: mujoco.MjSpec, targets: Iterable[Target | SharedTarget]) -
         ModelError: another target varies a shape or density, which explicit inertias would no longer follow.
     """
     places = [place for t in targets for place in (t.places if isinstance(t, SharedTarget) else (t,))]
-    wanted = [p for p in places if p.kind == "body" and p.attribute in _BODY and _inferred(spec, p.element)]
+    wanted = [p for p in places if p.kind == "body" and p.attribute in BODY and _inferred(spec, p.element)]
     if not wanted:
         return spec
     shapes = [p for p in places if p.kind == "geom" and p.attribute in _SHAPE]

@@ -8,11 +8,13 @@ from typing import TypeVar
 import mujoco
 import numpy as np
 
-from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.errors import ModelError
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.derived import Derived
 from dr_lab.physics.effect_parts import CommandFilter, ForceLaw, SensorTransform, SpecEdit, SpecPreparation
+from dr_lab.physics.entry import number, require_known, value_of
+from dr_lab.physics.inertial import KEY, BodyInertial, declare, require_alone
 from dr_lab.physics.inertias import written_out
 from dr_lab.physics.law import Law
 from dr_lab.physics.model_effect import ModelEffect
@@ -25,7 +27,7 @@ from dr_lab.trajectory import Array
 
 _Part = TypeVar("_Part")
 
-_KEYS = ("target", "nominal", "unit", "low", "high")
+Declared = str | Mapping[str, object]
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,7 @@ class Model:
         targets: where declared parameters sit, by name; the others only enter what is derived.
         effects: effects that are compiled in, in order of their addition.
         derived: what follows from declared parameters, in the order in which it is written.
+        inertials: bodies of which all ten inertial parameters are among the declared ones.
     """
 
     name: str
@@ -49,6 +52,7 @@ class Model:
     targets: Mapping[str, Target | SharedTarget]
     effects: tuple[ModelEffect, ...] = ()
     derived: tuple[Derived, ...] = ()
+    inertials: tuple[BodyInertial, ...] = ()
 
     @property
     def space(self) -> ContextSpace:
@@ -94,6 +98,8 @@ class Model:
             part.prepare(spec, effect.site)
         for place, value in zip(self.places, self.placed(z[None])[0].tolist(), strict=True):
             place.write(spec, value)
+        for body in self.inertials:
+            body.write(spec, values)
         for effect, part in self.having(SpecEdit):
             part.edit(spec, effect.site, effect.local(values))
         return spec
@@ -154,7 +160,7 @@ class Model:
 def load(
     name: str,
     mjcf: str | Path,
-    parameters: Mapping[str, Mapping[str, object]] | None,
+    parameters: Declared | None,
     derived: Mapping[str, str] | None = None,
 ) -> Model:
     """Read an MJCF file and declare its free parameters.
@@ -164,7 +170,9 @@ def load(
         mjcf: path of the MJCF file.
         parameters: parameter name → ``target`` (or a list of them, for a value that several places share), ``unit``,
             ``low``, ``high``; nominal is read from the file. A parameter that only enters what is derived has
-            ``nominal`` in place of ``target``. None: every value of the file stands.
+            ``nominal`` in place of ``target``. The name ``inertial`` frees all ten inertial parameters of bodies: of
+            ``all`` that move, or of those of a list; the word alone in place of the mapping stands for
+            ``{inertial: all}``. None: every value of the file stands.
         derived: target → formula of parameters, as ``pole.mass * pole.length**2 / 12``; it replaces the file's value.
 
     Raises:
@@ -186,16 +194,17 @@ def load(
 def from_spec(
     name: str,
     spec: mujoco.MjSpec,
-    parameters: Mapping[str, Mapping[str, object]],
+    parameters: Declared,
     derived: Mapping[str, str] | None = None,
 ) -> Model:
     """Declare the free parameters of a spec, whose unnamed elements get names; arguments and errors as `load`."""
     spec = spec.copy()
     name_elements(spec)
+    parameters, bodies = _apart(name, parameters)
     for key, entry in parameters.items():
-        _require_known(name, key, entry)
+        require_known(name, key, entry)
     placed = {key: entry for key, entry in parameters.items() if "nominal" not in entry}
-    targets = {key: parse(_entry(name, key, entry, "target")) for key, entry in placed.items()}
+    targets = {key: parse(value_of(name, key, entry, "target")) for key, entry in placed.items()}
     follow = tuple(Derived.parse(target, text, tuple(parameters)) for target, text in (derived or {}).items())
     spec = written_out(spec, [*targets.values(), *(each.target for each in follow)])
     for each in follow:
@@ -203,17 +212,36 @@ def from_spec(
     declared = tuple(
         Parameter(
             name=key,
-            unit=str(_entry(name, key, entry, "unit")),
-            nominal=targets[key].read(spec) if key in targets else _number(name, key, entry, "nominal"),
-            low=_number(name, key, entry, "low"),
-            high=_number(name, key, entry, "high"),
+            unit=str(value_of(name, key, entry, "unit")),
+            nominal=targets[key].read(spec) if key in targets else number(name, key, entry, "nominal"),
+            low=number(name, key, entry, "low"),
+            high=number(name, key, entry, "high"),
         )
         for key, entry in parameters.items()
     )
-    model = Model(name, spec, declared, targets, derived=follow)
+    inertials: tuple[BodyInertial, ...] = ()
+    if bodies is not None:
+        require_alone(name, [*targets.values(), *(each.target for each in follow)], spec, bodies)
+        spec, inertials = declare(spec, bodies)
+        declared += tuple(p for body in inertials for p in body.parameters)
+    model = Model(name, spec, declared, targets, derived=follow, inertials=inertials)
     for parameter in declared:
         require_live(model, parameter.name)
     return model
+
+
+def _apart(name: str, parameters: Declared) -> tuple[dict[str, Mapping[str, object]], object | None]:
+    """The parameters' entries, and beside them of which bodies all inertial parameters are free; None for no body."""
+    if isinstance(parameters, str):
+        parameters = {parameters: "all"}
+    entries = {key: entry for key, entry in parameters.items() if isinstance(entry, Mapping) and key != KEY}
+    wrong = [key for key in parameters if key not in entries and key != KEY]
+    if wrong:
+        raise ModelError(
+            f"Parameter {wrong[0]!r} of model {name!r} is {parameters[wrong[0]]!r}; expected target, unit, low and "
+            f"high, as {{target: body.arm.mass, unit: kg, low: 0.1, high: 1.0}}. Only {KEY!r} stands by itself."
+        )
+    return entries, parameters.get(KEY)
 
 
 def require_live(model: Model, parameter: str) -> None:
@@ -248,33 +276,6 @@ def _fingerprint(model: Model, z: Array) -> bytes:
     buffer = np.zeros(mujoco.mj_sizeModel(at_z), np.uint8)
     mujoco.mj_saveModel(at_z, None, buffer)
     return buffer.tobytes()
-
-
-def _require_known(model: str, name: str, entry: Mapping[str, object]) -> None:
-    for key in entry:
-        if key not in _KEYS:
-            raise UnknownNameError("key", str(key), _KEYS, f"parameter {name!r} of model {model!r}")
-    if {"target", "nominal"} <= set(entry):
-        raise ModelError(
-            f"Parameter {name!r} of model {model!r} has target and nominal. Delete nominal, which the file says, or "
-            "target, if the parameter only enters what is derived."
-        )
-
-
-def _entry(model: str, name: str, entry: Mapping[str, object], key: str) -> object:
-    if key not in entry:
-        raise ModelError(
-            f"Parameter {name!r} of model {model!r} has no {key!r}; given: {', '.join(map(str, entry)) or 'nothing'}. "
-            "A parameter needs target, unit, low and high."
-        )
-    return entry[key]
-
-
-def _number(model: str, name: str, entry: Mapping[str, object], key: str) -> float:
-    value = _entry(model, name, entry, key)
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        raise ModelError(f"Parameter {name!r} of model {model!r}: {key} = {value!r} is not a number.")
-    return float(value)
 
 
 def joints(model: mujoco.MjModel, kinds: Sequence[mujoco.mjtJoint]) -> tuple[str, ...]:

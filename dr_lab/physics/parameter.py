@@ -17,6 +17,8 @@ class Parameter:
         nominal: value of the uncorrected model; for an effect's parameter the value at which the effect is absent.
         low: smallest admissible value.
         high: largest admissible value, > low.
+        prior: standard deviation of a fit's weak prior around nominal, in widths of the bounds; None for the one that
+            all parameters have (solver.prior_spans).
 
     Raises:
         ModelError: the bounds are not finite and ordered, or nominal lies outside them.
@@ -27,6 +29,7 @@ class Parameter:
     nominal: float
     low: float
     high: float
+    prior: float | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite([self.low, self.nominal, self.high]).all() and self.low < self.high):

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import mujoco
 
 from dr_lab.errors import ModelError
-from dr_lab.physics.target import FieldEdit, Target
+from dr_lab.physics.attribute import Edits
+from dr_lab.physics.target import Target
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class SharedTarget:
         for place in self.places:
             place.write(spec, value)
 
-    def fields(self, model: mujoco.MjModel) -> tuple[FieldEdit, ...]:
+    def fields(self, model: mujoco.MjModel) -> Edits:
         """Compiled fields that carry the value, empty where the model must be recompiled."""
         each = [place.fields(model) for place in self.places]
         return tuple(edit for edits in each for edit in edits) if all(each) else ()

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.point import Point, better_start, window_costs
+from dr_lab.diagnosis.fit.prior import prior_precision
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes, around, differences
 from dr_lab.diagnosis.fit.states import polished
@@ -39,7 +40,7 @@ class Fitter:
         self._columns = np.arange(len(self.space.parameters))
         self._precision = replay.windows.prior.std**-2.0
         self._noise = float(replay.fitted.sum())  # the cost that noise alone leaves
-        self._prior_precision = np.full(len(self._columns), settings.prior_spans**-2.0)
+        self._prior_precision = prior_precision(self.space, settings)
 
     def run(
         self,

@@ -9,6 +9,7 @@ from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.fit.fit import movable
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.point import Point
+from dr_lab.diagnosis.fit.prior import prior_precision
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes, differences
 from dr_lab.diagnosis.search.free_law import FreeLaw
@@ -59,7 +60,7 @@ def _step(bench: Bench, fitted_model: FittedModel, free: Array) -> Array:
     fit, space, solver = fitted_model.fit, fitted_model.model.space, bench.solver
     replay = Replay(fitted_model.model, bench.fit, bench.threads)
     unit, count = space.to_unit(fit.z) - space.to_unit(space.nominal), free.shape[2]
-    prior = np.full(len(unit) + count, solver.prior_spans**-2.0)
+    prior = np.append(prior_precision(space, solver), np.full(count, solver.prior_spans**-2.0))
     linear = NormalEquations.build(
         residual=fit.residuals,
         state_jacobian=fit.slopes.state,

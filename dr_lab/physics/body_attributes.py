@@ -1,0 +1,104 @@
+"""What may vary of a body: mass, inertia, centre of mass, and how it sits on its parent."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from dr_lab.errors import ModelError
+from dr_lab.physics.address import Address, FieldEdit, Turn
+from dr_lab.physics.attribute import Attribute, Edits, Element, Entry, turned
+
+
+@dataclass(frozen=True)
+class InertialEntry(Entry):
+    """A number of a body's <inertial>, which must be there: principal moments, or the centre of mass.
+
+    MuJoCo stores less of the mass matrix of a body whose centre of mass is its origin (``simple``), which no
+    centre may then leave; a body whose centre is set is stored whole, at every value.
+    """
+
+    def read(self, at: Address, spec: mujoco.MjSpec) -> float:
+        """Nominal value in the spec."""
+        body = _with_inertial(at, spec)
+        if at.attribute == "inertia" and np.isfinite(body.fullinertia[0]):
+            raise ModelError(f"Target {at}: body {at.element!r} has a fullinertia. Give it as diaginertia and quat.")
+        return super().read(at, spec)
+
+    def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
+        """Set the value in a fresh spec."""
+        super().write(at, spec, value)
+        if at.attribute == "ipos":
+            at.part(spec).simple = False
+
+
+class BodyMass(Attribute):
+    """A body's mass, which takes its inertia along: same shape, other density."""
+
+    def read(self, at: Address, spec: mujoco.MjSpec) -> float:
+        """Nominal value in the spec."""
+        return float(_with_inertial(at, spec).mass)
+
+    def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
+        """Set the value in a fresh spec."""
+        body = at.part(spec)
+        _scale_inertia(body, value / body.mass)
+        body.mass = value
+
+    def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
+        """Compiled fields that carry the value."""
+        row = at.row(model)
+        inertia = FieldEdit("body_inertia", (row, slice(None)), relative=True)
+        return (FieldEdit("body_mass", (row,), relative=True), inertia)
+
+
+class InertiaScale(Attribute):
+    """A factor on a body's inertia alone, so that every admissible pair of mass and factor is physically consistent."""
+
+    def read(self, at: Address, spec: mujoco.MjSpec) -> float:
+        """Nominal value in the spec."""
+        del at, spec
+        return 1.0
+
+    def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
+        """Set the value in a fresh spec."""
+        _scale_inertia(at.part(spec), value)
+
+    def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
+        """Compiled fields that carry the value."""
+        return (FieldEdit("body_inertia", (at.row(model), slice(None)), relative=True),)
+
+
+class BodyTurn(Attribute):
+    """Angles in rad by which a body sits askew on its parent, about its own axes; nominal 0, for the pose as given."""
+
+    entries = 3
+
+    def read(self, at: Address, spec: mujoco.MjSpec) -> float:
+        """Nominal value in the spec."""
+        if at.part(spec).alt.type != mujoco.mjtOrientation.mjORIENTATION_QUAT:
+            raise ModelError(f"Target {at}: give the orientation of body {at.element!r} as quat, not as euler or axes.")
+        return 0.0
+
+    def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
+        """Set the value in a fresh spec."""
+        body = at.part(spec)
+        body.quat = turned("body_quat", np.asarray(body.quat, dtype=float), at.index, np.array(value))
+
+    def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
+        """Compiled fields that carry the value."""
+        return (Turn("body_quat", at.row(model), at.index),)
+
+
+def _with_inertial(at: Address, spec: mujoco.MjSpec) -> Element:
+    body = at.part(spec)
+    if not body.explicitinertial:
+        raise ModelError(f"Target {at}: body {at.element!r} needs an explicit <inertial> to vary its inertia.")
+    return body
+
+
+def _scale_inertia(body: Element, factor: float) -> None:
+    if np.isfinite(body.fullinertia[0]):
+        body.fullinertia = np.asarray(body.fullinertia) * factor
+    else:
+        body.inertia = np.asarray(body.inertia) * factor
