@@ -7,11 +7,11 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
+from dr_lab.effects.body_effect import moving_bodies
 from dr_lab.effects.effect import Effect, Scales
-from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.effects.load_frame import lever_of, load_frame, loaded
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
-from dr_lab.trajectory import Array
 
 _SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
 
@@ -54,11 +54,7 @@ class Payload(Effect, SpecEdit):
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the moving bodies with mass."""
-        return tuple(
-            model.body(i).name
-            for i in range(1, model.nbody)
-            if model.body(i).name and model.body_weldid[i] != 0 and model.body_mass[i] > 0
-        )
+        return moving_bodies(model)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The mass and, on bodies that turn, the distance."""
@@ -67,25 +63,16 @@ class Payload(Effect, SpecEdit):
         mass = Parameter("mass", "kg", 0.0, 0.0, self.factor * float(body.mass[0]))
         if not _turns(model, body.id):
             return (mass,)
-        centre = float(np.linalg.norm(_lever(model, body.id)[1]))
+        centre = float(np.linalg.norm(lever_of(model, body.id)[1]))
         length = max(centre, float(np.sqrt(body.inertia.max() / body.mass[0])))
         return (mass, Parameter("distance", "m", centre or length, 0.0, self.reach * length))
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Attach the body."""
-        if spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
-            raise ModelError(
-                'A payload needs <inertial>, which inertiafromgeom="true" ignores. Set the compiler\'s inertiafromgeom '
-                'to "auto".'
-            )
-        body = spec.body(site)
-        if body is None:
-            raise UnknownNameError("body", site, [b.name for b in spec.bodies if b.name], f"model {spec.modelname!r}")
+        body = loaded(spec, site)
         compiled = spec.copy().compile()
-        anchor, lever = _lever(compiled, compiled.body(site).id)
-        length = float(np.linalg.norm(lever))
-        direction = lever / length if length else _across(compiled, compiled.body(site).id)
-        load = body.add_body(name=f"{self.name}@{site}", pos=anchor + values.get("distance", length) * direction)
+        anchor, axes, length = load_frame(compiled, compiled.body(site).id)
+        load = body.add_body(name=f"{self.name}@{site}", pos=anchor + values.get("distance", length) * axes[:, 0])
         load.explicitinertial = True
         load.mass = values["mass"]
         load.ipos, load.iquat, load.inertia = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
@@ -104,29 +91,3 @@ def _turns(model: mujoco.MjModel, body: int) -> bool:
             return True
         body = int(model.body_parentid[body])
     return False
-
-
-def _axis(model: mujoco.MjModel, body: int) -> Array:
-    """Axis of the body's last hinge in the body's frame, zero if it has none."""
-    first = int(model.body_jntadr[body])
-    rows = range(first, first + int(model.body_jntnum[body]))
-    hinges = [row for row in rows if int(model.jnt_type[row]) == int(mujoco.mjtJoint.mjJNT_HINGE)]
-    return model.jnt_axis[hinges[-1]].copy() if hinges else np.zeros(3)
-
-
-def _lever(model: mujoco.MjModel, body: int) -> tuple[Array, Array]:
-    """Anchor of the body's last joint, and the vector across its hinge's axis from there to the centre of mass."""
-    joints = int(model.body_jntnum[body])
-    anchor = model.jnt_pos[int(model.body_jntadr[body]) + joints - 1].copy() if joints else np.zeros(3)
-    axis, centre = _axis(model, body), model.body_ipos[body] - anchor
-    lever = centre - axis * (axis @ centre)
-    rounding = np.finfo(float).eps ** 0.5 * max(float(np.linalg.norm(centre)), model.stat.extent)
-    return anchor, lever if np.linalg.norm(lever) > rounding else np.zeros(3)
-
-
-def _across(model: mujoco.MjModel, body: int) -> Array:
-    """Unit vector across the body's hinge axis."""
-    axis = _axis(model, body)
-    across = np.asarray(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), dtype=float)
-    length = float(np.linalg.norm(across))
-    return across / length if length else np.array([1.0, 0.0, 0.0])

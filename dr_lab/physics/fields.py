@@ -111,8 +111,8 @@ class FieldContexts:
     def _turn(self, batch: Batch, placed: Array, ids: NDArray[np.intp]) -> None:
         """Turn bodies and axes from where they are nominally, one angle after the other."""
         for name in self._nominal:
-            rows = list({edit.row for _, edit in self._turns if edit.field == name})
-            batch.expand(name)[np.ix_(ids, rows)] = self._nominal[name][rows]
+            for row in {edit.row for _, edit in self._turns if edit.field == name}:
+                batch.expand(name)[ids, row] = self._nominal[name][row]
         for column, edit in self._turns:
             field = batch.expand(edit.field)
             field[ids, edit.row] = turned(edit.field, field[ids, edit.row], edit.axis, placed[:, column])

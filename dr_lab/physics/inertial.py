@@ -119,9 +119,8 @@ def _asked(given: object) -> tuple[object, InertialBounds]:
     for key in entry:
         if key not in known:
             raise UnknownNameError("key", key, {"bodies", *known}, KEY)
-    numbers = OmegaConf.to_container(OmegaConf.load(shipped() / KEY / "default.yaml"))
-    usual = {key: value for key, value in dict(numbers).items() if key in known}  # pyright: ignore[reportArgumentType]
-    return bodies, InertialBounds(**{**usual, **entry})
+    usual = OmegaConf.load(shipped() / KEY / "default.yaml")
+    return bodies, InertialBounds(**{key: entry.get(key, usual[key]) for key in known})
 
 
 def _names(spec: mujoco.MjSpec, bodies: object) -> list[str]:

@@ -13,6 +13,8 @@ from dr_lab.plants.mujoco_machine import MujocoMachine
 from dr_lab.trajectory import Array
 
 _SMALL = 1e-4  # kg, m, rad, share: step of derivatives of what is linear, or nearly so
+# m: whatever is fixed to a body acts as a sum of ten point masses here, some of them negative.
+_PLACES = np.concatenate([0.1 * np.eye(3), -0.1 * np.eye(3), 0.1 - 0.1 * np.eye(3), np.zeros((1, 3))])
 _FELT = 1e-6  # share of the largest force below which a direction is not felt; far above rounding
 
 
@@ -63,6 +65,11 @@ def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
     bend, rise = 0.5 * (far - 2 * middle + near), 0.5 * (4 * middle - 3 * near - far)
     loads = [lacked(near + share * rise + share**2 * bend) for share in grids.reaches]
     yield Rival(f"payload@{body}", 2, tuple(linear(load, positive=True)[0] for load in loads))
+    points = [slope(machine.with_mass_at(body, _SMALL, place), _SMALL) for place in _PLACES]
+    if np.linalg.matrix_rank(np.stack([point.ravel() for point in points]), _FELT * np.abs(points).max()) == len(
+        points
+    ):
+        yield Rival(f"rigid_payload@{body}", len(points), linear(*map(lacked, points)))
     moved = felt(*(slope(machine.with_centre_moved(body, _SMALL * axis), _SMALL) for axis in np.eye(3)))
     if moved:
         yield Rival(f"centre_of_mass_offset@{body}", len(moved), linear(*map(lacked, moved)))

@@ -48,7 +48,7 @@ def require_possible(mass: float, moments: Array) -> None:
 def test_no_value_gives_a_body_that_cannot_exist() -> None:
     rng = np.random.default_rng(3)
     model = declared()
-    unit = np.concatenate([rng.uniform(0, 1, (200, 30)), rng.integers(0, 2, (200, 30)), np.eye(30)])
+    unit = np.concatenate([rng.uniform(0, 1, (200, 30)), rng.integers(0, 2, (200, 30)).astype(float), np.eye(30)])
     for z in model.space.from_unit(unit):
         compiled = model.compile(z)  # MuJoCo itself refuses A + B < C
         for name in BODIES:

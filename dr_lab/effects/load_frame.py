@@ -1,0 +1,66 @@
+"""Where a load sits on a link."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.body_effect import body_of
+from dr_lab.errors import ModelError
+from dr_lab.trajectory import Array
+
+
+def loaded(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsBody)
+    """A body of a spec that can carry a load with an inertia of its own.
+
+    Raises:
+        UnknownNameError: there is no such body.
+        ModelError: the compiler would overwrite the load's inertia.
+    """
+    if spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
+        raise ModelError(
+            'A payload needs <inertial>, which inertiafromgeom="true" ignores. Set the compiler\'s inertiafromgeom to '
+            '"auto".'
+        )
+    return body_of(spec, name)
+
+
+def load_frame(model: mujoco.MjModel, body: int) -> tuple[Array, Array, float]:
+    """Anchor, axes and length of a link: anchor of its last joint (3,), columns (3, 3), and m.
+
+    The first axis leads across the hinge's axis to the centre of mass, whose distance is the length; the last axis is
+    the hinge's. Without a hinge the last two are some directions across the first.
+    """
+    anchor, lever = lever_of(model, body)
+    length = float(np.linalg.norm(lever))
+    first = lever / length if length else across(model, body)
+    axis = hinge_axis(model, body)
+    last = axis if axis.any() else np.cross(first, np.eye(3)[np.argmin(np.abs(first))])
+    last = np.asarray(last / np.linalg.norm(last), dtype=float)
+    return anchor, np.stack([first, np.asarray(np.cross(last, first), dtype=float), last], axis=1), length
+
+
+def hinge_axis(model: mujoco.MjModel, body: int) -> Array:
+    """Axis of the body's last hinge in the body's frame, zero if it has none."""
+    first = int(model.body_jntadr[body])
+    rows = range(first, first + int(model.body_jntnum[body]))
+    hinges = [row for row in rows if int(model.jnt_type[row]) == int(mujoco.mjtJoint.mjJNT_HINGE)]
+    return model.jnt_axis[hinges[-1]].copy() if hinges else np.zeros(3)
+
+
+def lever_of(model: mujoco.MjModel, body: int) -> tuple[Array, Array]:
+    """Anchor of the body's last joint, and the vector across its hinge's axis from there to the centre of mass."""
+    joints = int(model.body_jntnum[body])
+    anchor = model.jnt_pos[int(model.body_jntadr[body]) + joints - 1].copy() if joints else np.zeros(3)
+    axis, centre = hinge_axis(model, body), model.body_ipos[body] - anchor
+    lever = centre - axis * (axis @ centre)
+    rounding = np.finfo(float).eps ** 0.5 * max(float(np.linalg.norm(centre)), model.stat.extent)
+    return anchor, lever if np.linalg.norm(lever) > rounding else np.zeros(3)
+
+
+def across(model: mujoco.MjModel, body: int) -> Array:
+    """Unit vector across the body's hinge axis."""
+    axis = hinge_axis(model, body)
+    across = np.asarray(np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))]), dtype=float)
+    length = float(np.linalg.norm(across))
+    return across / length if length else np.array([1.0, 0.0, 0.0])
