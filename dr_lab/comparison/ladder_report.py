@@ -7,6 +7,7 @@ from dr_lab.comparison import entries, notes
 from dr_lab.comparison.calibrated import Described, as_given, describe
 from dr_lab.comparison.deciding import deciding_experiment
 from dr_lab.comparison.finish import Run, answer, finish
+from dr_lab.comparison.inertia import inertia_entry
 from dr_lab.comparison.lesson import Lesson
 from dr_lab.comparison.localised import failure
 from dr_lab.comparison.missing_force import missing_forces
@@ -89,6 +90,7 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
         verdict=_verdict(ladder, study.bench.evidence),
         as_given=as_given(study)[1],
         judgement=judgement,
+        inertia=inertia_entry(ladder.models[-1], described[-1].estimate),
     )
 
 

@@ -119,8 +119,15 @@ def _asked(given: object) -> tuple[object, InertialBounds]:
     for key in entry:
         if key not in known:
             raise UnknownNameError("key", key, {"bodies", *known}, KEY)
-    usual = OmegaConf.load(shipped() / KEY / "default.yaml")
-    return bodies, InertialBounds(**{key: entry.get(key, usual[key]) for key in known})
+    usual = OmegaConf.to_container(OmegaConf.load(shipped() / KEY / "default.yaml"))
+    numbers = {**usual, **entry} if isinstance(usual, dict) else entry
+    return bodies, InertialBounds(**{key: _number(key, numbers[key]) for key in known})
+
+
+def _number(key: str, value: object) -> float:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        raise ModelError(f"{KEY}: {key} is {value!r}, which is not a number.")
+    return float(value)
 
 
 def _names(spec: mujoco.MjSpec, bodies: object) -> list[str]:

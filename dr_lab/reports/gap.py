@@ -10,6 +10,7 @@ from dr_lab.reports.gap_entries import (
     ExperimentEntry,
     ExplainedEntry,
     HorizonEntry,
+    InertiaEntry,
     JudgedRungEntry,
     LawEntry,
     LearnedEntry,
@@ -72,6 +73,7 @@ class GapReport:
     remaining: RemainingEntry
     run: str
     as_given: RungEntry | None = field(default=None, metadata=OMITTED)
+    inertia: InertiaEntry | None = field(default=None, metadata=OMITTED)
     judgement: Judgement | None = field(default=None, metadata=IN_PLACE)
     failure: Failure | None = field(default=None, metadata=IN_PLACE)
 

@@ -126,6 +126,31 @@ class LearnedEntry:
 
 
 @dataclass(frozen=True)
+class BodyEntry:
+    """What a fitted body weighs, and where its centre is in its own frame."""
+
+    mass: Number
+    mass_std: Number
+    centre: tuple[Number, ...]
+    centre_std: tuple[Number, ...]
+
+
+@dataclass(frozen=True)
+class InertiaEntry:
+    """Which combinations of the bodies' inertial parameters the logs know."""
+
+    parameters: int
+    rank: int
+    known: int
+    condition: Number
+    chosen: Labels
+    held: Labels
+    best: tuple[ByChannel, ...]
+    worst: tuple[ByChannel, ...]
+    bodies: Mapping[str, BodyEntry]
+
+
+@dataclass(frozen=True)
 class RemainingEntry:
     """What the last model leaves."""
 

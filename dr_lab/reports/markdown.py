@@ -10,6 +10,7 @@ from dr_lab.reports.gap_entries import (
     RegionEntry,
     TermEntry,
 )
+from dr_lab.reports.inertia import inertia_told
 from dr_lab.reports.ladder import failing, scored
 from dr_lab.reports.next_experiment import next_experiment_text
 from dr_lab.reports.page import Page, Section
@@ -50,6 +51,7 @@ def gap_page(report: GapReport) -> Page:
         Section("candidates", "Candidates", _candidates(report)),
         Section("parameters", "Parameters", fitted),
         Section("parameters_by_log", "Parameters by log", per_log_table(parameters)),
+        Section("inertia", "What the logs know of the inertia", inertia_told(report.inertia)),
         Section("where", f"Where the {failing(report)} fails", _where(failure.where)),
         Section("missing_forces", "Missing forces", _missing_forces(report)),
         Section("horizons", f"Error of the {failing(report)} and horizon", horizon_table(report)),

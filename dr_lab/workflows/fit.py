@@ -7,6 +7,7 @@ from dr_lab.comparison import entries
 from dr_lab.comparison.calibrated import as_given, calibrate, describe
 from dr_lab.comparison.comparison import Comparison
 from dr_lab.comparison.finish import Run, answer, finish
+from dr_lab.comparison.inertia import inertia_entry
 from dr_lab.comparison.localised import failure
 from dr_lab.comparison.notes import fit_notes
 from dr_lab.comparison.progress import screen
@@ -34,7 +35,8 @@ def fit(
         found = describe(study, calibrate(study))
         z, report = found.fitted_model.fit.z, entries.begun("fit", study, [found.rung], found.fitted_model.held_out)
         notes = (*fit_notes([found.fitted_model]), *report.notes)
-        report = replace(report, notes=notes, as_given=as_given(study)[1])
+        inertia = inertia_entry(found.fitted_model, found.estimate)
+        report = replace(report, notes=notes, as_given=as_given(study)[1], inertia=inertia)
         answer(report, run)
         told.phase("Looking where the model fails")
         report = replace(report, failure=failure(study, study.model, z))
