@@ -32,6 +32,8 @@ from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
 from dr_lab.trajectory import MeasurementSet
 
+_HOPELESS = 2.0  # times the squares that noise alone leaves; far above what passes for noise
+
 
 @dataclass(frozen=True)
 class Study:
@@ -159,8 +161,15 @@ def _refined(comparison: Comparison, floor: NumericalFloor, wait: float) -> Refi
 
 
 def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
-    """Whether the model, calibrated, leaves no more than noise on the scored windows."""
-    fit = Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(model.space.nominal)
+    """Whether the model, calibrated, leaves no more than noise on the scored windows.
+
+    The calibration ends where it is foretold to leave far more in the windows that it sees.
+    """
+    fitter = Fitter(Replay(model, bench.fit, bench.threads), bench.solver)
+    hopeless = _HOPELESS * float(fitter.replay.fitted.sum())
+    fit = fitter.run(model.space.nominal, goal=hopeless)
+    if fit.cost > hopeless:
+        return False
     score = score_of(*fit_states(model, fit.z, bench.held_out, bench.solver, bench.threads))
     return score.chi2 <= check.most_chi2(score.freedom)
 

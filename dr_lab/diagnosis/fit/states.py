@@ -146,7 +146,9 @@ class _Search:
                 break
             part = part.narrowed(active)
             if (active & renew).any():
-                slopes, stale = part.renew(point, slopes), np.zeros(count, bool)
+                few = part.narrowed(active & renew)
+                slopes = few.renew(point, slopes)
+                stale[few.rows] = False
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
 
