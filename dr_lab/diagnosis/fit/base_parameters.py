@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,9 +68,9 @@ def base_parameters(equations: NormalEquations, names: Sequence[str], rows: NDAr
     values, vectors = np.maximum(values[::-1], 0.0), vectors[:, ::-1]
     known = int((values >= _HALF**-2 - 1).sum())
     rank = int((values > _ROUNDING * values[0]).sum())
-    told = [names[row] for row in rows]
+    told = [str(names[row]) for row in rows.tolist()]
     square = np.sqrt(values[:known, None]) * vectors[:, :known].T
-    order = np.asarray(qr(square, mode="r", pivoting=True)[1]) if known else np.zeros(0, np.intp)
+    order = _pivots(square) if known else []
     share = (vectors**2 / (1 + values)).sum(1)
     return BaseParameters(
         count=len(rows),
@@ -83,7 +84,13 @@ def base_parameters(equations: NormalEquations, names: Sequence[str], rows: NDAr
     )
 
 
-def _combination(vector: Array, names: Sequence[str]) -> dict[str, float]:
+def _pivots(columns: Array) -> list[int]:
+    """Columns in the order in which pivoted QR takes them."""
+    found: Any = qr(columns, mode="r", pivoting=True)  # SciPy types each of its many answers
+    return [int(place) for place in found[-1]]
+
+
+def _combination(vector: Array, names: list[str]) -> dict[str, float]:
     order = np.argsort(-np.abs(vector))
     sign = np.sign(vector[order[0]])
     shown = [k for k in order if abs(vector[k]) >= _SHOWN] or [order[0]]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.fit.fit import Fit, movable
-from dr_lab.diagnosis.fit.normal_equations import NormalEquations
+from dr_lab.diagnosis.fit.normal_equations import NormalEquations, Room
 from dr_lab.diagnosis.fit.point import Point, better_start, window_costs
 from dr_lab.diagnosis.fit.prior import prior_precision
 from dr_lab.diagnosis.fit.replay import Replay
@@ -41,6 +41,9 @@ class Fitter:
         self._precision = replay.windows.prior.std**-2.0
         self._noise = float(replay.fitted.sum())  # the cost that noise alone leaves
         self._prior_precision = prior_precision(self.space, settings)
+        # Parameters with priors of their own are many that stand for few combinations: the tolerance is that of each.
+        own = 0 if rough else sum(p.prior is not None for p in self.space.parameters)
+        self._tolerance = self.settings.tolerance * max(own, 1)
 
     def run(
         self,
@@ -52,11 +55,11 @@ class Fitter:
     ) -> Fit:
         """Fit from a start until the certificate of convergence holds.
 
-        The certificate is that a full linear step, with fresh slopes by the parameters, would lower the cost by less
-        than `settings.tolerance` of it. A descent that ends without it, because only steps shorter and shorter help,
-        begins anew from its end, with states taken anew and slopes too, as long as that gains. Windows that diverge at
-        the start are left out; those that the result can simulate come back. Either happens `settings.restarts` times
-        at most.
+        The certificate is that a full linear step within the bounds, with fresh slopes by the parameters, would lower
+        the cost by less than `settings.tolerance` of it (for each inertial parameter, where bodies are free as a
+        whole). A descent that ends without it, because only steps shorter and shorter help, begins anew from its end,
+        with states taken anew and slopes too, as long as that gains. Windows that diverge at the start are left out;
+        those that the result can simulate come back. Either happens `settings.restarts` times at most.
 
         Args:
             z: start, shape (n,).
@@ -84,7 +87,7 @@ class Fitter:
                 return replace(fit, converged=False)
             again, left = self._descend(anew, None, self.settings.iterations, goal), left - 1
             taken = fit.iterations + again.iterations
-            gains = again.below(fit) > self.settings.tolerance * fit.cost
+            gains = again.below(fit) > self._tolerance * fit.cost
             if not (again.infeasible.sum() < fit.infeasible.sum() or gains):
                 return replace(fit, iterations=taken)
             fit = replace(again, first=fit.first, iterations=taken)
@@ -92,7 +95,7 @@ class Fitter:
 
     def _anew(self, fit: Fit, goal: float) -> Point | None:
         """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done."""
-        predicted = fit.equations.decrease(self._movable(fit, fit.equations))
+        predicted = fit.equations.decrease(self._movable(fit, fit.equations), self._room(fit))
         if self._misses(fit, predicted, goal) or (fit.converged and not fit.infeasible.any()):
             return None
         start = self.begin(fit.z, fit.delta)
@@ -109,8 +112,8 @@ class Fitter:
         best, weight, linear = self._linear(best, slopes)
         first, damping, taken, converged = linear, settings.damping, 0, False
         while True:
-            predicted = linear.decrease(self._movable(best, linear))
-            least = settings.tolerance * max(best.cost, self._noise)
+            predicted = linear.decrease(self._movable(best, linear), self._room(best))
+            least = self._tolerance * max(best.cost, self._noise)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (fresh or taken == 0)  # where nothing moved, given slopes are those of the start
             short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
@@ -239,8 +242,13 @@ class Fitter:
         gradient = linear.window_information()[1].sum(0) + linear.prior_gradient
         return movable(self.space.to_unit(point.z), gradient)
 
+    def _room(self, point: Point) -> Room:
+        """How far parameters may move within their bounds."""
+        unit = self.space.to_unit(point.z)
+        return np.minimum(-unit, 0.0), np.maximum(1.0 - unit, 0.0)
+
     def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> Point:
-        move, state_move = linear.step(damping, self._movable(best, linear))
+        move, state_move = linear.step(damping, self._movable(best, linear), self._room(best))
         unit = np.clip(self.space.to_unit(best.z) + move, 0, 1)
         trial = self._point(self.space.from_unit(unit), best.delta + state_move)
         if (trial.infeasible & ~best.infeasible).any():

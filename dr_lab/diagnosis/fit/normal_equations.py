@@ -4,11 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
+Room = tuple[Array, Array]  # the lowest and the highest move of each parameter, shapes (p,)
 _ROUNDING = 1e-13  # of eigenvalues, relative to the largest
+_APART = 1e-12  # of scaled moves, so that an entry without room still has two ends
 
 
 @dataclass(frozen=True)
@@ -77,31 +80,38 @@ class NormalEquations:
         names = ("state", "mixed", "state_gradient", "parameter", "parameter_gradient")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
-    def step(self, damping: float, free: Mask) -> tuple[Array, Array]:
+    def step(self, damping: float, free: Mask, room: Room | None = None) -> tuple[Array, Array]:
         """Damped step of the free parameters and of all states.
 
         Args:
             damping: Levenberg–Marquardt λ, relative to the diagonal.
             free: parameters that may move, shape (p,).
+            room: how far each may move; None for any distance.
 
         Returns:
             Parameter step, shape (p,), zero where not free, and state steps, shape (w, s).
         """
         information, gradient, gain, offset = self._reduce(damping)
-        move = np.zeros(len(free))
-        if free.any():
-            reduced = information[np.ix_(free, free)]
-            reduced = reduced + damping * np.diag(np.diag(reduced))
-            move[free] = -np.linalg.solve(reduced, gradient[free])
+        damped = information + damping * np.diag(np.diag(information))
+        unbounded = np.asarray(-np.linalg.solve(damped[np.ix_(free, free)], gradient[free]), np.float64)
+        move = within(unbounded, damped, gradient, free, room)
         return move, -(offset + gain @ move)
 
-    def decrease(self, free: Mask) -> float:
-        """By how much a full step of the free parameters and of all states lowers Σ wr² + priors, to second order."""
+    def decrease(self, free: Mask, room: Room | None = None) -> float:
+        """By how much a full step of the free parameters and of all states lowers Σ wr² + priors, to second order.
+
+        Args:
+            free: parameters that may move, shape (p,).
+            room: how far each may move; None for any distance.
+        """
         states = np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0]
         information, gradient = (rows.sum(0) for rows in self.window_information())
+        slope, whole = gradient + self.prior_gradient, information + np.diag(self.prior)
+
         root = inverse_root(information[np.ix_(free, free)], self.prior[free])
-        whitened = root.T @ (gradient + self.prior_gradient)[free]
-        return float((self.state_gradient * states).sum() + whitened @ whitened)
+        move = within(-root @ (root.T @ slope[free]), whole, slope, free, room)
+        gained = -float(slope @ move) - float(move @ (slope + whole @ move))
+        return float((self.state_gradient * states).sum()) + max(gained, 0.0)
 
     def information(self) -> Array:
         """Information about the parameters once the states are eliminated, prior included, shape (p, p)."""
@@ -140,3 +150,31 @@ def inverse_root(information: Array, prior: Array) -> Array:
     floor = _ROUNDING * values.max(axis=-1, keepdims=True, initial=0.0)
     known = np.where(values > floor, values, 0.0)
     return scale[:, None] * vectors / np.sqrt(known + 1)[..., None, :]
+
+
+def within(unbounded: Array, information: Array, gradient: Array, free: Mask, room: Room | None) -> Array:
+    """The move that minimises ½ xᵀ I x + gᵀ x, whose entries stay within their room; zero where not free, shape (p,).
+
+    Where the unbounded minimum lies outside, the bounds hold some entries back and the others make the best of it.
+
+    Source: Stark and Parker, Computational Statistics 10 (1995) 129 (bounded-variable least squares).
+
+    Args:
+        unbounded: −I⁻¹ g of the free entries.
+        information: I, shape (p, p).
+        gradient: g, shape (p,).
+        free: entries that may move, shape (p,).
+        room: their lowest and highest values; None for any.
+    """
+    move = np.zeros(len(free))
+    move[free] = unbounded
+    if room is None or (np.clip(move, *room) == move).all():
+        return move
+    low, high = (ends[free] for ends in room)
+    scale = 1.0 / np.sqrt(np.diag(information)[free])
+    values, vectors = np.linalg.eigh(information[np.ix_(free, free)] * scale * scale[:, None])
+    root = np.sqrt(np.maximum(values, _ROUNDING * values[-1]))
+    aim = -(vectors.T @ (gradient[free] * scale)) / root
+    found = lsq_linear(root[:, None] * vectors.T, aim, (low / scale - _APART, high / scale + _APART), method="bvls")
+    move[free] = np.clip(np.asarray(found.x, np.float64) * scale, low, high)
+    return move

@@ -1,7 +1,7 @@
 import numpy as np
 
 from dr_lab.diagnosis.fit.identifiability import identifiability
-from dr_lab.diagnosis.fit.normal_equations import NormalEquations, inverse_root
+from dr_lab.diagnosis.fit.normal_equations import NormalEquations, inverse_root, within
 
 W, M, S, P = 4, 30, 2, 3
 
@@ -96,3 +96,38 @@ def test_an_effect_that_a_parameter_can_replace_is_absorbed() -> None:
     assert known.alone > 100
     assert known.share < 1e-6
     assert identifiability(NormalEquations.build(**problem()), 1).share > 0.5
+
+
+def test_a_step_that_would_leave_the_bounds_is_the_best_within_them() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        root, gradient = rng.normal(size=(6, 6)), rng.normal(size=6)
+        information, free = root @ root.T + 0.01 * np.eye(6), np.ones(6, bool)
+        low, high = -rng.uniform(0, 0.3, 6), rng.uniform(0, 0.3, 6)
+        unbounded = np.asarray(-np.linalg.solve(information, gradient), np.float64)
+        move = within(unbounded, information, gradient, free, (low, high))
+        slope = gradient + information @ move
+        assert ((move >= low) & (move <= high)).all()
+        inside = (move > low + 1e-9) & (move < high - 1e-9)
+        np.testing.assert_allclose(slope[inside], 0.0, atol=1e-8)  # what may move both ways has no slope left
+        assert (slope[move <= low + 1e-9] >= -1e-8).all()
+        assert (slope[move >= high - 1e-9] <= 1e-8).all()
+
+
+def test_only_what_is_free_and_has_room_moves() -> None:
+    information, gradient = np.diag([1.0, 2.0, 3.0]), np.array([1.0, 1.0, 1.0])
+    free = np.array([True, False, True])
+    unbounded = np.array([-1.0, -1 / 3])
+    np.testing.assert_array_equal(within(unbounded, information, gradient, free, None), [-1.0, 0.0, -1 / 3])
+    room = (np.array([-0.2, -1.0, 0.0]), np.array([0.2, 1.0, 0.0]))
+    np.testing.assert_allclose(within(unbounded, information, gradient, free, room), [-0.2, 0.0, 0.0], atol=1e-11)
+
+
+def test_the_foretold_decrease_is_that_of_the_step_within_the_bounds() -> None:
+    equations, free = NormalEquations.build(**problem()), np.ones(P, bool)
+    unlimited = equations.decrease(free)
+    assert equations.decrease(free, (np.full(P, -99.0), np.full(P, 99.0))) == unlimited
+    nothing = equations.decrease(free, (np.zeros(P), np.zeros(P)))
+    some = equations.decrease(free, (np.full(P, -0.05), np.full(P, 0.05)))
+    assert nothing < some < unlimited
+    assert nothing == equations.decrease(np.zeros(P, bool))
