@@ -77,7 +77,8 @@ TWO_LINKS = replace(
     joint="elbow",
     scales=_scales(("shoulder", "elbow"), "motor", 0.7, 3.0, 0.6),
 )
-BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS)
+WRIST = replace(MOTOR_ARM, name="wrist", scales=_scales(("turn", "joint", "roll", "bend"), "motor", 0.7, 3.0, 0.6))
+BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS, WRIST)
 SHOWN_AT = {"contact_stiffness": "up"}  # another joint than the bench's
 
 

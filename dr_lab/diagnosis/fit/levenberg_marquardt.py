@@ -21,6 +21,8 @@ from dr_lab.diagnosis.fit.states import polished
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.trajectory import Array
 
+_HELD = 1e12  # precision of a prior that lets nothing move, in widths of the bounds
+
 
 class Fitter:
     """Levenberg–Marquardt over one `Replay`.
@@ -42,8 +44,8 @@ class Fitter:
         self._noise = float(replay.fitted.sum())  # the cost that noise alone leaves
         self._prior_precision = prior_precision(self.space, settings)
         # Parameters with priors of their own are many that stand for few combinations: the tolerance is that of each.
-        own = 0 if rough else sum(p.prior is not None for p in self.space.parameters)
-        self._tolerance = self.settings.tolerance * max(own, 1)
+        self._bodies = np.array([p.prior is not None for p in self.space.parameters], bool)
+        self._tolerance = self.settings.tolerance * (1 if rough else max(int(self._bodies.sum()), 1))
 
     def run(
         self,
@@ -73,7 +75,25 @@ class Fitter:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
         if iterations is not None:
             return self._descend(self._point(z, delta), known, iterations, goal)
-        return self._certified(self._point(z, delta), known, goal)
+        start = self._point(z, delta)
+        if self._bodies.any() and self.replay.model.effects:
+            start, known = self._effects_first(start, known)
+        return self._certified(start, known, goal)
+
+    def _effects_first(self, start: Point, known: Slopes | None) -> tuple[Point, Slopes | None]:
+        """A start at which effects explain what they can with the bodies as in the model file, if it fits better.
+
+        A load and the inertia of what carries it are one to the logs; only the prior tells them apart, along a valley
+        so flat that a fit ends on the side from which it comes.
+        """
+        held = Fitter(self.replay, self.settings, rough=True)
+        held._prior_precision = np.where(self._bodies, _HELD, self._prior_precision)
+        z = np.where(self._bodies, self.space.nominal, start.z)
+        found = held._descend(held._point(z, start.delta), None, self.settings.iterations)
+        first, given = self.begin(found.z, found.delta), self.begin(start.z, start.delta)
+        if (int(first.infeasible.sum()), first.cost) < (int(given.infeasible.sum()), given.cost):
+            return first, None
+        return start, known
 
     def rerun(self, start: Point, goal: float = np.inf) -> Fit:
         """Fit from a context where the states were fitted at another one, as `begin` gives it; `goal` as in `run`."""
