@@ -5,20 +5,20 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
-from diagnosis_machines import PENDULUM, evidence_settings, model_of, solver_settings, swinging, windows_of
+from diagnosis_machines import PENDULUM, evidence_settings, solver_settings, swinging, windows_of
 
 from dr_lab.comparison.inertia import inertia_entry
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.fit.base_parameters import BaseParameters, base_parameters
 from dr_lab.diagnosis.fit.covariance import estimate
-from dr_lab.physics.model import Model
+from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Array
 
 TRUTH = PENDULUM.replace('mass="0.5" pos="0 0 -0.3"', 'mass="0.6" pos="0.01 0.008 -0.28"')
 
 
 def model() -> Model:
-    return model_of(PENDULUM, {"inertial": "all"})
+    return from_spec("pendulum", mujoco.MjSpec.from_string(PENDULUM), "inertial")
 
 
 @cache

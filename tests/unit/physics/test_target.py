@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.address import FieldEdit
 from dr_lab.physics.target import Target
 
 XML = """
@@ -87,6 +88,7 @@ def test_compiled_fields_hold_what_recompiling_gives(text: str) -> None:
     target.write(one, 1.5 * nominal)
     after = one.compile()
     for edit in target.fields(before):
+        assert isinstance(edit, FieldEdit)
         old, new = getattr(before, edit.field)[edit.index], getattr(after, edit.field)[edit.index]
         np.testing.assert_allclose(new, old * 1.5 if edit.relative else 1.5 * nominal)
 
