@@ -69,7 +69,7 @@ class _Lines:
             due = tried * _PARTS // count > told * _PARTS // count or time.monotonic() - last >= _LONGEST
             if due and count > 1:
                 told, last = tried, time.monotonic()
-                left = (last - began) * (count - tried) / tried
+                left = (last - began) * (count - tried) / tried if tried * _PARTS >= count else 0.0
                 self._line(f"  {tried} of {count} tried, the last {label}{_left(left)}")
 
         return done
@@ -122,10 +122,10 @@ class _Left(TimeRemainingColumn):
 
 
 def _left(seconds: float) -> str:
-    """So many seconds in words; nothing where it is less than one."""
+    """The most that is left, in words; nothing where it is less than a second. What takes longest is tried first."""
     if seconds < 1:
         return ""
-    return f"; about {seconds:.0f} s left" if seconds < 90 else f"; about {seconds / 60:.0f} min left"
+    return f"; {seconds:.0f} s left at most" if seconds < 90 else f"; {seconds / 60:.0f} min left at most"
 
 
 def _trying(count: int) -> str:

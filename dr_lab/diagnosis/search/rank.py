@@ -178,19 +178,29 @@ class _Contest:
         promise[unsure] = self._side_by_side(unsure, lambda k: self.fits.promise_of_all(self.placed[k], looks[k]))
 
     def _standing(self, tried: dict[int, Candidate]) -> list[int]:
-        """Places of the best candidates and of all that the best one does not beat."""
+        """Places of the best candidates and of all that the best one does not beat.
+
+        The best one's special cases stand as well: a fit of hard friction ends early more often than one that softens
+        it, so a richer effect may lead on few windows only because its fit went on.
+        """
         settings = self.bench.evidence
         order = sorted((k for k, c in tried.items() if c.fitted), key=lambda k: -tried[k].gain.total)
         if not order:
             return []
         standing: list[int] = []
+        held = [k for k in order if self._holds(order[0], k)]
         for k in sorted(order, key=lambda k: len(tried[k].effect.parameters)):
             best = paired_gain(tried[k].fitted_model.held_out, tried[order[0]].fitted_model.held_out, settings)
             cases = [j for j in standing if self._special_cases([k], [j])]  # others may lead on few windows alone
             needless = any(self._needless(tried[k], tried[j]) for j in cases or standing)
-            if not needless and not supported(best, 0, settings):
+            if not needless and (k in held or not supported(best, 0, settings)):
                 standing.append(k)
         return standing
+
+    def _holds(self, richer: int, poorer: int) -> bool:
+        """Whether an effect is a special case of another one at its site, if only in the limit."""
+        one, other = self.placed[richer], self.placed[poorer]
+        return one.site == other.site and other.effect.name in one.effect.holds
 
     def _needless(self, candidate: Candidate, other: Candidate) -> bool:
         """Whether a candidate with more parameters than another one hardly explains more."""

@@ -51,8 +51,7 @@ def test_a_slow_ranking_tells_every_ten_seconds(console: Console, monkeypatch: p
             now += 4.0
             done(f"effect_{k}")
     assert [line.split()[0] for line in printed(console)[1:]] == ["3", "6", "9", "12", "15", "18"]
-    assert printed(console)[1] == "  3 of 100 tried, the last effect_2; about 6 min left"
-    assert printed(console)[-1] == "  18 of 100 tried, the last effect_17; about 5 min left"
+    assert printed(console)[1] == "  3 of 100 tried, the last effect_2"  # too few to foretell the others
 
 
 def test_less_than_a_minute_and_a_half_is_told_in_seconds(console: Console, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -64,7 +63,7 @@ def test_less_than_a_minute_and_a_half_is_told_in_seconds(console: Console, monk
             now += 20.0
             done(f"effect_{k}")
     assert [line.partition("; ")[2] for line in printed(console)[1:]] == [
-        "about 60 s left", "about 40 s left", "about 20 s left", ""
+        "60 s left at most", "40 s left at most", "20 s left at most", ""
     ]  # fmt: skip
 
 
