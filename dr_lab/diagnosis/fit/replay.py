@@ -222,8 +222,8 @@ class Replay:
         if self._past.shape[1] < need:
             seconds = need * compiled.opt.timestep
             raise DataError(
-                f"Model {self.model.name!r} delays commands by up to {seconds:g} s, but windows.past keeps "
-                f"{self._past.shape[1] * self.windows.step:g} s. Set windows.past to at least {seconds:g}."
+                f"Model {self.model.name!r} delays commands by up to {seconds:g} s, but windows.kept keeps "
+                f"{self._past.shape[1] * self.windows.step:g} s. Set windows.kept to at least {seconds:g}."
             )
 
     def _simulator(self, nsim: int) -> Simulator:

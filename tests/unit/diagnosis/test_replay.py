@@ -149,8 +149,8 @@ def test_delays_longer_than_the_known_commands_are_refused() -> None:
     late = model.with_effect(placed(model, "actuator_delay", "drive"))
     log = swinging("a", model.nominal(), 0)
     Replay(late, windows_of(model, [log]))
-    with pytest.raises(DataError, match=r"windows\.past keeps 0\.02 s"):
-        Replay(late, windows_of(model, [log], windows_settings(past=0.02)))
+    with pytest.raises(DataError, match=r"windows\.kept keeps 0\.02 s"):
+        Replay(late, windows_of(model, [log], windows_settings(past=0.02, kept=0.02)))
 
 
 def test_a_delayed_command_is_replayed_late_from_the_first_sample_on() -> None:

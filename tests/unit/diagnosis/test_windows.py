@@ -121,9 +121,11 @@ def test_commands_before_a_window_are_known_and_kept() -> None:
     settings = windows_settings()
     windows = windows_of(pendulum(), [log("a", times(), command)], settings)
     assert windows.begin.min() >= settings.past
+    assert windows.past.shape[1] * STEP == pytest.approx(settings.kept)
     for controls, start in ((windows.past, -windows.past.shape[1]), (windows.controls, 0)):
         middle = windows.begin[:, None] + STEP * (start + 0.5 + np.arange(controls.shape[1]))
-        held = command.value[np.searchsorted(command.time, middle, side="right") - 1]
+        issued = np.searchsorted(command.time, middle, side="right") - 1
+        held = command.value[np.maximum(issued, 0)]  # before the first one it is what was asked
         np.testing.assert_allclose(controls[..., 0], held, atol=1e-9)
 
 
