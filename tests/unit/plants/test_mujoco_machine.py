@@ -14,6 +14,7 @@ from dr_lab.plants.hidden.contact_stiffness import ContactStiffness
 from dr_lab.plants.hidden.creeping_friction import CreepingFriction
 from dr_lab.plants.hidden.joint_coupling import JointCoupling
 from dr_lab.plants.hidden.link_length import LinkLength
+from dr_lab.plants.hidden.rigid_payload import RigidPayload
 from dr_lab.plants.hidden.torque_scale import TorqueScale
 from dr_lab.plants.mujoco_machine import MujocoMachine, MujocoNominal
 from dr_lab.trajectory import Array
@@ -50,6 +51,21 @@ def test_a_load_is_a_body_of_its_own() -> None:
     expected = terms(MujocoMachine.of(spec.compile()))
     for found, known in zip(terms(arm().with_load("forearm", 0.4, 0.15)), expected, strict=True):
         np.testing.assert_allclose(found, known, rtol=0, atol=1e-9)
+
+
+def test_four_points_are_a_rigid_body() -> None:
+    """Points at ± a and ± b about a centre: a body whose moments are those of two dumb-bells."""
+    a, b, centre = 0.05, 0.08, np.array([-0.1, 0.04, 0.03])
+    ends = [centre + step for step in ([a, 0, 0], [-a, 0, 0], [0, b, 0], [0, -b, 0])]
+    spec = mujoco.MjSpec.from_file(str(MODELS / "arm.xml"))
+    load = spec.body("forearm").add_body(pos=centre, mass=0.8, explicitinertial=True)
+    load.ipos, load.iquat = [0, 0, 0], [1, 0, 0, 0]
+    load.inertia = [0.4 * b**2, 0.4 * a**2, 0.4 * (a**2 + b**2)]
+    expected = terms(MujocoMachine.of(spec.compile()))
+    found = RigidPayload("forearm", [0.2] * 4, [end.tolist() for end in ends]).alter(arm())
+    assert isinstance(found, MujocoMachine)
+    for ours, known in zip(terms(found), expected, strict=True):
+        np.testing.assert_allclose(ours, known, rtol=0, atol=1e-9)
 
 
 def test_masses_carry_their_inertia_along() -> None:
