@@ -6,7 +6,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.plants.dry_friction import DryFriction
 from dr_lab.plants.hidden.effect import HiddenEffect, Law, Motor, Oscillator
 from dr_lab.plants.machine import Machine, Matrix, Vector, index
-from dr_lab.plants.memory import Bristle, Memory, SlowCommand, SlowReading
+from dr_lab.plants.memory import Bristle, Memory, SlowCommand, SlowReading, SlowVelocity
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,15 @@ class Body:
                 columns[joint] = row
         return tuple(columns)
 
+    @property
+    def velocity_columns(self) -> tuple[int, ...]:
+        """Of each joint, the column of the state that its tachometer shows, which turns with the joint itself."""
+        columns = [self.degrees + joint for joint in range(len(self.machine.joints))]
+        for row, (joint, memory) in enumerate(self.memories, start=2 * self.degrees):
+            if isinstance(memory, SlowVelocity):
+                columns[joint] = row
+        return tuple(columns)
+
     def acting(self, command: Vector, kept: Vector) -> Vector:
         """Commands that act: those that a driver is slow to follow are replaced by what it remembers."""
         if not kept:
@@ -80,7 +89,7 @@ class Body:
         """How fast each memory changes, in its unit per s."""
         rates = []
         for (place, memory), value in zip(self.memories, kept, strict=True):
-            if isinstance(memory, Bristle):
+            if isinstance(memory, Bristle | SlowVelocity):
                 rates.append(memory.rate(value, velocity[place]))
             elif isinstance(memory, SlowCommand):
                 rates.append(memory.rate(value, command[place]))

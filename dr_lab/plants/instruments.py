@@ -6,6 +6,7 @@ import numpy as np
 
 from dr_lab.plants.filtered_difference import FilteredDifference
 from dr_lab.plants.noise import Noise
+from dr_lab.plants.tachometers import Tachometers
 from dr_lab.trajectory import Array
 
 
@@ -45,7 +46,7 @@ class Instruments:
         transport_spacing: least time in s between two arrivals; a sample that is held up holds up those behind it.
         actuation_latency: time in s from a command's stamp to its voltage at the motor's driver.
         noise: of the angle before it is counted; None leaves it as it is.
-        velocity: how velocities come of the angles; None reports none.
+        velocity: how velocities come of the angles, or what measures them; None reports none.
         logged_every: of so many commands one is logged.
     """
 
@@ -61,7 +62,7 @@ class Instruments:
     transport_spacing: float
     actuation_latency: float
     noise: Noise | None = None
-    velocity: FilteredDifference | None = None
+    velocity: FilteredDifference | Tachometers | None = None
     logged_every: int = 1
 
     def sample_times(self, duration: float, generator: np.random.Generator) -> Array:

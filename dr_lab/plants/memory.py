@@ -49,4 +49,21 @@ class SlowReading:
         return (position - shown) / self.constant
 
 
-Memory = Bristle | SlowCommand | SlowReading
+@dataclass(frozen=True)
+class SlowVelocity:
+    """What a tachometer shows of a velocity q', from the velocity at the start on: w' = (q' − w) / constant.
+
+    Attributes:
+        joint: name of the joint.
+        constant: s.
+    """
+
+    joint: str
+    constant: float
+
+    def rate(self, shown: float, velocity: float) -> float:
+        """Rate of what is shown, rad/s² or m/s²."""
+        return (velocity - shown) / self.constant
+
+
+Memory = Bristle | SlowCommand | SlowReading | SlowVelocity

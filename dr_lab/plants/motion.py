@@ -13,7 +13,7 @@ from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.machine import Machine, Vector
-from dr_lab.plants.memory import Bristle, SlowCommand, SlowReading
+from dr_lab.plants.memory import Bristle, SlowCommand, SlowReading, SlowVelocity
 from dr_lab.plants.phases import Phase, State, phase_at
 from dr_lab.trajectory import Array
 
@@ -183,5 +183,5 @@ def _whole(body: Body, start: State | None, before: Sequence[float]) -> State:
     inside = [joint for joint, _ in body.inside]
     moving = (*position, *(position[j] for j in inside), *velocity, *(velocity[j] for j in inside))
     sent = before or (0.0,) * len(body.machine.actuators)
-    kept = {SlowCommand: sent, SlowReading: position, Bristle: (0.0,) * own}
+    kept = {SlowCommand: sent, SlowReading: position, SlowVelocity: velocity, Bristle: (0.0,) * own}
     return (*moving, *(kept[type(memory)][place] for place, memory in body.memories))

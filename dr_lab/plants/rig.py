@@ -8,13 +8,16 @@ import numpy as np
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.plants.body import Body
 from dr_lab.plants.excitation import SinesAndSteps
+from dr_lab.plants.filtered_difference import FilteredDifference
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.instruments import Instruments, RobotClock
 from dr_lab.plants.machine import Machine
+from dr_lab.plants.memory import SlowVelocity
 from dr_lab.plants.motion import Accuracy
 from dr_lab.plants.nominal import Nominal
 from dr_lab.plants.operator import Experiment, Operator
 from dr_lab.plants.phases import State
+from dr_lab.plants.tachometers import Tachometers
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
@@ -63,7 +66,8 @@ class Rig:
         commanded: what the actuators are asked for, as the commands' topic calls it.
 
     Raises:
-        ConfigError: no log is asked for, or one too short for a command and a sample.
+        ConfigError: no log is asked for, or one too short for a command and a sample; velocities are filtered that
+            nothing measures.
         UnknownNameError: the machine has no such joint or actuator.
     """
 
@@ -87,6 +91,12 @@ class Rig:
         if not self.peaks or self.duration * slowest < 2:
             given = f"{len(self.peaks)} peaks, {self.duration} s"
             raise ConfigError(f"A bench needs a peak command for each log and two samples in it; got {given}.")
+        filtered = any(isinstance(memory, SlowVelocity) for memory in self.hidden.memories())
+        if filtered and not isinstance(self.instruments.velocity, Tachometers):
+            raise ConfigError(
+                f"Hidden effect {self.hidden.label} filters measured velocities; these instruments measure none. "
+                "Give plant/instruments=tachometers."
+            )
         for kind, given, known in (
             ("joint", self.start, self.joints),
             ("joint", self.travel, self.joints),
@@ -126,7 +136,7 @@ class Rig:
         name, start = f"log_{number + 1}", self._start_of(number)
         sampled = start + self.instruments.sample_times(self.duration, stream(seed, name, "sample"))
         after, wish = self.asked(seed, number)
-        position, command = self.played(machine, after, sampled - start, wish)
+        position, velocity, command = self.played(machine, after, sampled - start, wish)
         issued = start + after
         tools, stamp = self.instruments, clock.read(sampled)
         position = self._encoded(position, stream(seed, name, "noise"))
@@ -137,7 +147,7 @@ class Rig:
             position=position,
             command_time=issued[:: tools.logged_every],
             command=command[:: tools.logged_every],
-            velocity=None if tools.velocity is None else tools.velocity.velocity(stamp, position, tools.sample_rate),
+            velocity=self._reported(stamp, position, velocity, stream(seed, name, "velocity")),
         )
 
     def asked(self, seed: int, number: int) -> tuple[Array, Array]:
@@ -154,8 +164,8 @@ class Rig:
         sizes = [peak * self.shares.get(name, 1.0) for name in self.actuators]
         return np.stack([self.excitation.command(time, size, generator) for size in sizes], axis=1)
 
-    def played(self, machine: Machine, issued: Array, sampled: Array, wish: Array) -> tuple[Array, Array]:
-        """What the encoders are about to round, and the commands.
+    def played(self, machine: Machine, issued: Array, sampled: Array, wish: Array) -> tuple[Array, Array, Array]:
+        """What the encoders are about to round and the tachometers to blur, and the commands.
 
         Args:
             machine: the machine without its hidden effect.
@@ -164,16 +174,18 @@ class Rig:
             wish: what is wished of the actuators, shape (k, actuators).
 
         Returns:
-            Positions of the joints in rad or m, shape (n, joints), and commands, shape (k, actuators).
+            Positions of the joints in rad or m and their velocities in rad/s or m/s, both of shape (n, joints), and
+            commands, shape (k, actuators).
         """
         joints = machine.joints
         read = sampled[:, None] - np.array([self.hidden.reading_delay(joint) for joint in joints])
         instants, where = np.unique(read, return_inverse=True)
         states, command = self.moved(machine, issued, instants, wish)
-        shown = states[:, Body.of(machine, self.hidden).read_columns]
-        position = np.take_along_axis(shown, where.reshape(read.shape), axis=0)
+        body, where = Body.of(machine, self.hidden), where.reshape(read.shape)
+        position = np.take_along_axis(states[:, body.read_columns], where, axis=0)
+        velocity = np.take_along_axis(states[:, body.velocity_columns], where, axis=0)
         columns = [self.hidden.reading(joint, sampled, position[:, row]) for row, joint in enumerate(joints)]
-        return np.stack(columns, axis=1) + [self.hidden.reading_bias(joint) for joint in joints], command
+        return np.stack(columns, axis=1) + [self.hidden.reading_bias(joint) for joint in joints], velocity, command
 
     def moved(self, machine: Machine, issued: Array, instants: Array, wish: Array) -> tuple[Array, Array]:
         """How the machine moves with what is hidden in it: states as by `motion.simulate`, and the commands.
@@ -207,3 +219,14 @@ class Rig:
     def _encoded(self, position: Array, generator: np.random.Generator) -> Array:
         angle = self.instruments.disturbed(position * self.turns, generator)
         return self.instruments.encode(angle) / self.turns
+
+    def _reported(self, stamp: Array, position: Array, velocity: Array, generator: np.random.Generator) -> Array | None:
+        """Velocities as they are logged, from encoder readings or from true velocities; None where none are."""
+        tools = self.instruments
+        match tools.velocity:
+            case FilteredDifference() as drive:
+                return drive.velocity(stamp, position, tools.sample_rate)
+            case Tachometers() as axes:
+                return axes.measured(velocity * self.turns, generator) / self.turns
+            case None:
+                return None
