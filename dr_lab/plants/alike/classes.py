@@ -20,6 +20,7 @@ from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.hidden.no_effect import NoEffect
 from dr_lab.plants.hidden.several import Several
 from dr_lab.plants.rig import Rig
+from dr_lab.plants.tachometers import Tachometers
 from dr_lab.trajectory import Array
 
 _SHARE = 0.01  # of a free parameter; what it changes is linear
@@ -54,7 +55,7 @@ class Classes:
         """The class of every effect that is hidden: ``effect@site`` → number of parameters, 0 for the base."""
         parts = bench.hidden.parts if isinstance(bench.hidden, Composite) else (bench.hidden,)
         labels = [part.label for part in parts]
-        std = np.full(len(bench.joints), bench.instruments.white_equal()) / bench.turns
+        std = _noise(bench)
         rivals: tuple[Rival, ...] = ()
         total, free = np.zeros(()), 0
         for course in courses(bench, seed, self.settling, self.parts):
@@ -91,7 +92,13 @@ def _truth(course: Course, parts: Sequence[HiddenEffect], part: HiddenEffect) ->
     """What the model lacks and reads otherwise that knows all hidden parts but one."""
     rest = Several({str(number): other for number, other in enumerate(parts) if other is not part})
     force = lacking_with(course, rest) - lacking_with(course, course.effect)
-    pairs = zip(course.read_with(rest), course.measured, strict=True)
-    return Signature(
-        force, np.stack([(read.at(course.middle) - seen.at(course.middle)) for read, seen in pairs], axis=1)
-    )
+    read, seen = (*course.read_with(rest), *course.speed_with(rest)), (*course.measured, *course.measured_speed)
+    pairs = zip(read, seen, strict=True)
+    return Signature(force, np.stack([one.at(course.middle) - two.at(course.middle) for one, two in pairs], axis=1))
+
+
+def _noise(bench: Rig) -> Array:
+    """Standard deviations of the encoders' noise, as white, then of the tachometers', where there are any."""
+    tools = bench.instruments
+    each = [tools.white_equal(), *([tools.velocity.std] if isinstance(tools.velocity, Tachometers) else [])]
+    return np.concatenate([np.full(len(bench.joints), std) / bench.turns for std in each])

@@ -13,7 +13,7 @@ from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.machine import Machine
-from dr_lab.plants.memory import SlowReading
+from dr_lab.plants.memory import SlowReading, SlowVelocity
 from dr_lab.plants.mujoco_machine import MujocoMachine
 from dr_lab.plants.rig import Rig
 from dr_lab.trajectory import Array
@@ -34,6 +34,8 @@ class Course:
         kept: memories of the hidden effect in the middle, shape (K, memories).
         path: positions from a little before the first interval to a little after the last, one for each joint.
         shown: the same of what the encoders see without delay and error.
+        speed: velocities, one path for each joint, over the same time.
+        shown_speed: the same of what tachometers see without delay and noise.
         sent: commands as they were sent, one for each actuator.
         effect: what is hidden.
     """
@@ -46,6 +48,8 @@ class Course:
     kept: Array
     path: Sequence[Path]
     shown: Sequence[Path]
+    speed: Sequence[Path]
+    shown_speed: Sequence[Path]
     sent: Sequence[Command]
     effect: HiddenEffect
 
@@ -77,11 +81,27 @@ class Course:
                 seen[place] = seen[place].filtered(memory.constant)
         return self._read(effect, seen)
 
+    @cached_property
+    def measured_speed(self) -> Sequence[Path]:
+        """What tachometers would show without noise, one for each joint."""
+        return self._late(self.effect, self.shown_speed)
+
+    def speed_with(self, effect: HiddenEffect) -> Sequence[Path]:
+        """What tachometers would show along the course with another effect."""
+        seen = list(self.speed)
+        for place, memory in Body.of(self.machine, effect).memories:
+            if isinstance(memory, SlowVelocity):
+                seen[place] = seen[place].filtered(memory.constant)
+        return self._late(effect, seen)
+
+    def _late(self, effect: HiddenEffect, seen: Sequence[Path]) -> Sequence[Path]:
+        pairs = zip(seen, self.machine.joints, strict=True)
+        return [Path(path.time, path.at(path.time - effect.reading_delay(joint))) for path, joint in pairs]
+
     def _read(self, effect: HiddenEffect, seen: Sequence[Path]) -> Sequence[Path]:
         paths = []
-        for path, joint in zip(seen, self.machine.joints, strict=True):
-            earlier = path.at(path.time - effect.reading_delay(joint))
-            shown = effect.reading(joint, path.time, earlier) + effect.reading_bias(joint)
+        for path, joint in zip(self._late(effect, seen), self.machine.joints, strict=True):
+            shown = effect.reading(joint, path.time, path.value) + effect.reading_bias(joint)
             paths.append(Path(path.time, shown))
         return paths
 
@@ -151,6 +171,8 @@ def _course(
         kept=middles[:, 2 * body.degrees :],
         path=[Path(instants, column) for column in states[:, :joints].T],
         shown=[Path(instants, column) for column in states[:, body.read_columns].T],
+        speed=[Path(instants, column) for column in states[:, moving].T],
+        shown_speed=[Path(instants, column) for column in states[:, body.velocity_columns].T],
         sent=sent,
         effect=effect,
     )

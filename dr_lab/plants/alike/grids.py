@@ -17,6 +17,7 @@ class Grids:
         exponents: of the powers of commands.
         offsets: of encoders in time, s, from the earliest to the latest.
         filter: largest time constant of an encoder, s.
+        velocity_filter: the same of a tachometer.
         stribeck: Stribeck speeds, shares of the joint's largest speed.
         rates: at which friction fades, 1/s.
         displacements: of hysteresis, shares of the joint's range.
@@ -43,6 +44,7 @@ class Grids:
     exponents: Sequence[float]
     offsets: Sequence[float]
     filter: float
+    velocity_filter: float
     stribeck: Sequence[float]
     rates: Sequence[float]
     displacements: Sequence[float]

@@ -114,23 +114,27 @@ def _readings(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Ri
     """What an encoder reads beyond the position of a model that shows what was measured, y.
 
     A delay d reads y = q(t − d), so that q = y(t + d); a filter y' = (q − y) / c, so that q = y + c y'.
+    The same holds of velocities, which a tachometer shows.
     """
     q, count, measured = course.position[:, row], course.position.shape[1], course.measured[row]
+    v, spun, now = course.velocity[:, row], course.measured_speed[row], course.middle
 
     def read(*shapes: Array) -> tuple[Choice]:
-        return linear(*(showing(shape, row, count) for shape in shapes))
+        return linear(*(showing(row, count, shape) for shape in shapes))
 
     yield Rival(f"sensor_bias@{joint}", 1, read(np.ones_like(q)))
-    yield Rival(f"sensor_scale@{joint}", 1, read(q))
+    yield Rival(f"sensor_scale@{joint}", 1, linear(showing(row, count, q, v)))
     most = grids.drift * float(np.ptp(q))
-    yield Rival(f"sensor_drift@{joint}", 1, (Choice([showing(course.middle, row, count)], [-most], [most]),))
+    yield Rival(f"sensor_drift@{joint}", 1, (Choice([showing(row, count, now, 1.0)], [-most], [most]),))
     turns = [n * q for n in (grids.pitches if _slides(course, joint) else grids.discs)]
     yield Rival(f"encoder_eccentricity@{joint}", 3, tuple(read(np.sin(turn), np.cos(turn))[0] for turn in turns))
-    y = measured.at(course.middle)
-    late = [showing(y - measured.at(course.middle + delay), row, count) for delay in grids.offsets]
+    y, w = measured.at(now), spun.at(now)
+    late = [showing(row, count, y - measured.at(now + d), w - spun.at(now + d)) for d in grids.offsets]
     yield Rival(f"sensor_time_offset@{joint}", 1, along(late))
-    slow = showing(-measured.rate(course.middle), row, count)
+    slow = showing(row, count, -measured.rate(now), -spun.rate(now))
     yield Rival(f"sensor_low_pass@{joint}", 1, (Choice([slow], [0.0], [grids.filter]),))
+    smooth = showing(row, count, speed=-spun.rate(now))
+    yield Rival(f"velocity_low_pass@{joint}", 1, (Choice([smooth], [0.0], [grids.velocity_filter]),))
 
 
 def _slides(course: Course, joint: str) -> bool:

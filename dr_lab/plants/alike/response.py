@@ -18,7 +18,8 @@ class Signature:
 
     Attributes:
         force: that the model lacks to move as the machine does, N·m or N, shape (K, n).
-        reading: of the model's encoders beyond its positions, rad or m, shape (K, n).
+        reading: of the model's encoders beyond its positions, rad or m, then of its tachometers beyond its velocities,
+            rad/s or m/s, shape (K, 2n).
     """
 
     force: Array
@@ -34,7 +35,8 @@ class Response:
     Attributes:
         carried: F of each interval, shape (K, 2n, 2n).
         pushed: B, shape (K, 2n, n).
-        information: of each interval and joint, samples in it over the noise's variance, shape (K, n).
+        information: of each interval and what is measured, samples in it over the noise's variance, shape (K, n), or
+            (K, 2n) with velocities.
     """
 
     carried: Array
@@ -70,17 +72,18 @@ class Response:
         """Weighed residuals of a window: of unit starts, then of the signatures; shape (samples, 2n + m)."""
         count, joints, many = force.shape
         own = 2 * joints
-        state, rows = np.zeros((own, own + many)), np.zeros((count, joints, own + many))
+        measured = self.information.shape[1]
+        state, rows = np.zeros((own, own + many)), np.zeros((count, measured, own + many))
         state[:, :own] = np.eye(own)
         for k in range(count):
             after = self.carried[begin + k] @ state
             # A model that lacks a force falls behind: measured − simulated is what that force would do.
             after[:, own:] += self.pushed[begin + k] @ force[k]
-            rows[k] = 0.5 * (state[:joints] + after[:joints])
+            rows[k] = 0.5 * (state[:measured] + after[:measured])
             state = after
-        rows[:, :, own:] -= reading
+        rows[:, :, own:] -= reading[:, :measured]
         rows *= np.sqrt(self.information[begin : begin + count])[:, :, None]
-        return rows.reshape(count * joints, -1)
+        return rows.reshape(count * measured, -1)
 
 
 def response(course: Course, std: Array, rate: float) -> Response:
@@ -88,7 +91,8 @@ def response(course: Course, std: Array, rate: float) -> Response:
 
     Args:
         course: a log.
-        std: standard deviation of each joint's noise, as white, rad or m, shape (n,).
+        std: standard deviation of the noise of each joint's encoder, as white, rad or m, then of its tachometer, where
+            there are any, rad/s or m/s, shape (n,) or (2n,).
         rate: samples per second, Hz.
     """
     slopes, inverse = _slopes(course)

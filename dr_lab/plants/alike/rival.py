@@ -77,16 +77,17 @@ def pushing(shape: Array, joint: int, joints: int) -> Signature:
     """What a force at one joint, shape (K,), takes from what a model lacks."""
     force = np.zeros((len(shape), joints))
     force[:, joint] = -shape
-    return Signature(force, np.zeros_like(force))
+    return lacked(force)
 
 
-def showing(shape: Array, joint: int, joints: int) -> Signature:
-    """What an encoder reads in excess, shape (K,)."""
-    reading = np.zeros((len(shape), joints))
-    reading[:, joint] = shape
-    return Signature(np.zeros_like(reading), reading)
+def showing(joint: int, joints: int, position: Array | float = 0.0, speed: Array | float = 0.0) -> Signature:
+    """What an encoder and a tachometer read in excess, at least one of them of shape (K,)."""
+    shape, speed = np.broadcast_arrays(position, speed)
+    reading = np.zeros((len(shape), 2 * joints))
+    reading[:, joint], reading[:, joints + joint] = shape, speed
+    return Signature(np.zeros((len(shape), joints)), reading)
 
 
 def lacked(force: Array) -> Signature:
     """A change of what a model lacks, shape (K, n)."""
-    return Signature(force, np.zeros_like(force))
+    return Signature(force, np.zeros((len(force), 2 * force.shape[1])))

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 from hydra.utils import instantiate
+from scipy.interpolate import CubicSpline
 from scipy.signal import welch
 
 from dr_lab.cli.compose import compose
@@ -69,6 +70,39 @@ def test_velocities_come_of_the_logged_positions() -> None:
     assert log.velocity is not None
     expected = FilteredDifference(30.0).velocity(log.stamp, log.position, 500.0)
     np.testing.assert_array_equal(log.velocity, expected)
+
+
+def test_tachometers_measure_the_true_motion_with_noise_of_their_own() -> None:
+    own = ["plant/instruments=tachometers", "plant.instruments.sample_jitter=0.0", "plant.instruments.noise.std=0.0"]
+    (log,) = bench(*own).recordings(1)
+    (silent,) = bench(*own, "plant.instruments.velocity.std=0.0").recordings(1)
+    assert log.velocity is not None
+    assert silent.velocity is not None
+    np.testing.assert_array_equal(log.position, silent.position)
+    blurred = log.velocity - silent.velocity
+    assert blurred.std() == pytest.approx(0.02, rel=0.15)
+    spline = CubicSpline(silent.stamp, silent.position)
+    # Jumps of the torque bend the motion between samples.
+    np.testing.assert_allclose(spline(silent.stamp, 1)[5:-5], silent.velocity[5:-5], rtol=0, atol=0.02)
+
+
+def test_a_filter_of_velocities_shows_in_them_alone() -> None:
+    silent = ["plant/instruments=tachometers", "plant.instruments.velocity.std=0.0", "plant.instruments.noise.std=0.0"]
+    filtered = ["plant/hidden=general/velocity_low_pass", "plant.hidden.site=pendulum", "plant.hidden.constant=0.005"]
+    (plain,), (late,) = bench(*silent).recordings(1), bench(*silent, *filtered).recordings(1)
+    assert plain.velocity is not None
+    assert late.velocity is not None
+    np.testing.assert_allclose(late.position, plain.position, rtol=0, atol=1e-6)
+    # tau w' + w = q', integrated: tau (w(b) − w(a)) = q(b) − q(a) − ∫ w
+    integral = CubicSpline(late.stamp, late.velocity).integrate(late.stamp[10], late.stamp[-10])
+    lag = (late.position[-10] - late.position[10] - integral) / (late.velocity[-10] - late.velocity[10])
+    assert lag == pytest.approx(0.005, rel=0.02)
+
+
+def test_a_filter_of_velocities_that_nothing_measures_is_refused() -> None:
+    filtered = ["plant/hidden=general/velocity_low_pass", "plant.hidden.site=pendulum", "plant.hidden.constant=0.005"]
+    with pytest.raises(Exception, match=r"measure none\. Give plant/instruments=tachometers"):
+        bench(*filtered)
 
 
 def test_noise_and_counts_add_up() -> None:

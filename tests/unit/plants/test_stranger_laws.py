@@ -29,6 +29,7 @@ from dr_lab.plants.hidden.sensor_low_pass import SensorLowPass
 from dr_lab.plants.hidden.sensor_scale import SensorScale
 from dr_lab.plants.hidden.several import Several
 from dr_lab.plants.hidden.torque_speed_limit import TorqueSpeedLimit
+from dr_lab.plants.hidden.velocity_low_pass import VelocityLowPass
 from dr_lab.plants.hidden.voltage_sag import VoltageSag
 from dr_lab.plants.motion import simulate
 from dr_lab.trajectory import Array
@@ -108,6 +109,17 @@ def test_a_filtered_encoder_lags_behind_even_motion_by_its_constant() -> None:
     assert not states.any()
     states = moved(effect, speed=3.0)
     late = states[:, 0] - 3.0 * 0.02 * (1 - np.exp(-TIME / 0.02))
+    np.testing.assert_allclose(states[:, 4], late, rtol=0, atol=1e-9)
+
+
+def test_a_filtered_tachometer_lags_behind_even_acceleration_by_its_constant() -> None:
+    effect, torque, constant = VelocityLowPass("arm", 0.02), 1e-4, 0.02
+    states = moved(effect, Command(np.array([0.0]), np.array([torque])), speed=3.0)
+    body = Body.of(FREE, effect)
+    assert body.read_columns == (0, 1)
+    assert body.velocity_columns == (4, 3)
+    np.testing.assert_allclose(states[:, 2], 3.0 + torque / INERTIA * TIME, rtol=0, atol=1e-9)
+    late = states[:, 2] - torque / INERTIA * constant * (1 - np.exp(-TIME / constant))
     np.testing.assert_allclose(states[:, 4], late, rtol=0, atol=1e-9)
 
 
