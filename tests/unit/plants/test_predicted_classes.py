@@ -17,6 +17,7 @@ from dr_lab.plants.alike.rival import Choice
 from dr_lab.plants.command import Command
 
 NOTHING = Signature(np.zeros((1, 1)), np.zeros((1, 2)))
+SEEN = ["plant/instruments=tachometers", "plant.duration=0.8", "plant.peaks=[0.5]"]
 
 
 def classes(*overrides: str, machine: str = "wheel") -> dict[str, dict[str, int]]:
@@ -100,14 +101,14 @@ def test_with_one_command_a_late_command_is_a_late_reading(late: list[str], show
 @pytest.mark.parametrize(("constant", "more"), [(0.004, set()), (1e-6, {"base"})])
 def test_late_velocities_beside_positions_in_time_are_a_filter(constant: float, more: set[str]) -> None:
     late = hidden("velocity_low_pass", "site=wheel", f"constant={constant}")
-    (known,) = classes(*late, "plant/instruments=tachometers").values()
+    (known,) = classes(*late, *SEEN).values()
     assert known.keys() == {"velocity_low_pass@wheel", *more}
 
 
 @needs_pinocchio
 def test_late_positions_are_a_filter_of_the_encoder() -> None:
     late = hidden("sensor_low_pass", "site=wheel", "constant=0.004")
-    (known,) = classes(*late, "plant/instruments=tachometers").values()
+    (known,) = classes(*late, *SEEN).values()
     assert "velocity_low_pass@wheel" not in known
 
 
