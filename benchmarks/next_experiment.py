@@ -146,7 +146,7 @@ def compare(name: str, seed: int, output: Path) -> None:
         given = six(machine, proposal.duration, made.settings.seed)
         free = [sigma(each, machine, pair) for each in given]
         row["cpu_six"] = time.process_time() - begun
-        kept = [gentle(each, machine, pair[0], made.settings) for each in given]
+        kept = [gentle(each, machine, pair, made.settings) for each in given]
         bound = [sigma(each, machine, pair) for each in kept if each is not None]
         row |= {
             "sigma": proposal.sigma,

@@ -1,5 +1,6 @@
 """The six random experiments of which the best was proposed before: the baseline of `next_experiment.py`."""
 
+from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
@@ -16,7 +17,9 @@ SIX = {  # the experiments that were tried before: shape, share of the largest c
     "fast": SinesAndSteps(5, 1.0, 10.0, 0.0, (0.5, 1.0), None),
     "steps": SinesAndSteps(1, 0.5, 2.0, 5.0, (0.1, 0.6), None),
 }
-SHRUNK = 0.9 ** np.arange(0, 40, 4)  # about the hold, until the limits are kept
+SHRUNK = 0.9 ** np.arange(0, 40, 2)  # about the hold, until the limits are kept
+
+LOOK = 0.004  # s between two looks at the distances of parts
 
 
 def six(machine: ExperimentMachine, duration: float, seed: int) -> Array:
@@ -36,12 +39,20 @@ def six(machine: ExperimentMachine, duration: float, seed: int) -> Array:
     return np.stack(made)
 
 
-def gentle(values: Array, machine: ExperimentMachine, one: Contender, settings: ExperimentSettings) -> Array | None:
-    """One of the six, shrunk about the commands that hold the machine until it keeps the limits; None if never."""
-    hold = machine.bounds.hold[:, None]
-    ramp = np.clip(np.arange(values.shape[1]) / machine.command_rate / settings.family.ramp, 0.0, 1.0)
-    tries = np.stack([hold + scale * ramp * (values - hold) for scale in SHRUNK])
-    times = np.arange(values.shape[1]) / machine.command_rate
-    trial = tried(one, one.z[None], machine.signals(tries, times), machine, 0.02)
-    kept = np.flatnonzero(trial.excess <= 1)
-    return tries[kept[0]] if len(kept) else None
+def gentle(
+    values: Array, machine: ExperimentMachine, models: Sequence[Contender], settings: ExperimentSettings
+) -> Array | None:
+    """One of the six, shrunk about the commands that hold the machine until it keeps the limits; None if never.
+
+    They are the limits that a proposal keeps: by both models, in contexts that are drawn from what their fits do not
+    know. The experiment also starts and ends as softly.
+    """
+    hold, times = machine.bounds.hold[:, None], np.arange(values.shape[1]) / machine.command_rate
+    ramp = np.clip(np.minimum(times, times[-1] - times) / settings.family.ramp, 0.0, 1.0)
+    tries = machine.signals(np.stack([hold + scale * ramp * (values - hold) for scale in SHRUNK]), times)
+    excess, generator = np.zeros(len(SHRUNK)), stream(settings.seed, "six")
+    for model in models:
+        z = model.drawn(settings.safety.draws, settings.safety.spread, generator)
+        excess = np.maximum(excess, tried(model, z, tries, machine, LOOK).excess)
+    kept = np.flatnonzero(excess <= 1)
+    return hold + SHRUNK[kept[0]] * ramp * (values - hold) if len(kept) else None

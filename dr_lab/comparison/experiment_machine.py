@@ -1,6 +1,7 @@
 """The machine of a study as the next experiment finds it: what it did in its logs, and what it must keep."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from dr_lab.diagnosis.next_experiment.ranges import command_ranges, slews
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.diagnosis.next_experiment.standing import Standing, first_pose, standing
 from dr_lab.diagnosis.next_experiment.trial import forces, watched
+from dr_lab.seeding import stream
 from dr_lab.trajectory import Array, Log, Signal
 
 _LOOK = 0.01  # s between two looks at the distances of parts in the logs
@@ -30,6 +32,8 @@ def experiment_machine(
     clearance = Clearance(model, z, 4 * safety.clearance, study.bench.threads)
     shown = _shown(study, fitted_model, clearance, logs)
     limits = Limits.of(compiled, shown, safety)
+    steady = clearance.steady(*_ends(limits, shown), stream(settings.seed, "clearance"))
+    shown = replace(shown, distance=np.where(steady, 0.0, shown.distance))  # no motion brings these closer
     sent = {name: _sent([log.commands[name] for log in logs if name in log.commands]) for name in names}
     ranges = command_ranges(compiled, limits, sent, safety)
     if not ranges:
@@ -51,6 +55,12 @@ def experiment_machine(
         threads=study.bench.threads,
     )
     return machine, at_rest
+
+
+def _ends(limits: Limits, shown: Shown) -> tuple[Array, Array]:
+    """Ends of what each position may be; the logs' where nothing bounds it."""
+    bounded = np.isfinite(limits.low) & np.isfinite(limits.high)
+    return np.where(bounded, limits.low, shown.low), np.where(bounded, limits.high, shown.high)
 
 
 def _shown(study: Study, fitted_model: FittedModel, clearance: Clearance, logs: Sequence[Log]) -> Shown:

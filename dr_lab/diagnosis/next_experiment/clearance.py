@@ -10,6 +10,7 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 _TOGETHER = 256  # configurations at a time
+_SAME = 1e-6  # m; MuJoCo's distances of convex shapes are as exact
 _ENDLESS = (int(mujoco.mjtGeom.mjGEOM_HFIELD), int(mujoco.mjtGeom.mjGEOM_SDF))  # MuJoCo tells no distance of these
 
 
@@ -64,6 +65,11 @@ class Clearance:
             batch.forward(np.arange(len(part)), stage=mujoco.mjtStage.mjSTAGE_POS.value)
             found[first : first + len(part)] = sensors[: len(part)]
         return found
+
+    def steady(self, low: Array, high: Array, generator: np.random.Generator) -> Array:
+        """Pairs as far apart in any pose between two, shape (pairs,), as a wheel from a plate below it."""
+        found = self.distances(generator.uniform(low, high, size=(_TOGETHER, len(low))))
+        return (np.ptp(found, axis=0) < _SAME) & (found[0] < self.reach - _SAME)
 
 
 def _able(model: mujoco.MjModel) -> list[tuple[int, int]]:

@@ -13,7 +13,9 @@ _FAINTEST = 0.03  # of the largest sine
 _SMALL = 0.02  # of the actuator's range, with which experiments are drawn at least
 _LEAST_GENE = -1.0  # of a size: the square of that
 _COMMANDS = 8  # of the fastest sine's period, at least: held commands then still look like a sine
-_MORE = 2  # genes beside those of the sines: the middle and the size
+_MORE = 3  # genes beside those of the sines: the edge, the middle and the size
+_EDGE = 10.0  # of the steepest edge: a sine is then a step that takes a sixth of its period
+_JUMP = 0.35  # of the size, by which a command follows another at most
 
 
 @dataclass(frozen=True)
@@ -35,13 +37,14 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Multisines:
-    """u(t) = hold + w(t) s [(c − hold) + r e(t) / max |w e|], e = Σ aₖ sin(2π fₖ t + φₖ), r = min(high − c, c − low).
+    """u(t) = hold + w(t) s [(c − hold) + r q(t) / max |w q|], q = tanh(h e / max |e|), r = min(high − c, c − low).
 
-    w rises from 0 to 1 as (1 − cos)/2 in the ramp and falls likewise, so that an experiment begins and ends with the
-    commands that hold the machine, and no command jumps or leaves its range. There is one frequency in each of as many
-    bands of log f as there are sines. The genes of one actuator lie between 0 and 1: place in its band, phase and
-    amplitude (logarithmic) of every sine, the middle c between low and high, and the size s (logarithmic), which goes
-    below 0 where limits ask for smaller ones.
+    e = Σ aₖ sin(2π fₖ t + φₖ), with one frequency in each of as many bands of log f as there are sines. The edge h
+    makes steps of it, as far as these take some commands each. w rises from 0 to 1 as (1 − cos)/2 in the ramp and falls
+    likewise, so that an experiment begins and ends with the commands that hold the machine, and no command jumps or
+    leaves its range. The genes of one actuator lie between 0 and 1: place in its band, phase and amplitude
+    (logarithmic) of every sine, the edge (its root), the middle c between low and high, and the size s (logarithmic),
+    which goes below 0 where limits ask for smaller ones.
     Source: windowed Fourier series as in Swevers et al. 1997, Optimal robot excitation and identification.
 
     Attributes:
@@ -70,8 +73,20 @@ class Multisines:
         return 3 * self.sines + _MORE
 
     def draw(self, count: int, actuators: int, generator: np.random.Generator) -> Array:
-        """Genes at random, shape (count, actuators, genes)."""
-        return generator.uniform(size=(count, actuators, self.genes))
+        """Genes at random, shape (count, actuators, genes); every other one is a simple shape about the middle.
+
+        These are in turn the slower sines alone, the faster ones, and steps of one frequency.
+        """
+        genes, half = generator.uniform(size=(count, actuators, self.genes)), (self.sines + 1) // 2
+        amplitude = genes[..., 2 * self.sines : 3 * self.sines]
+        slow, fast, steps = (slice(2 * shape, None, 6) for shape in range(3))
+        amplitude[slow, :, half:] = 0.0
+        amplitude[fast, :, :half] = 0.0
+        chosen = amplitude[steps].argmax(axis=-1)
+        amplitude[steps] = chosen[..., None] == np.arange(self.sines)
+        genes[::2, :, -3], genes[steps, :, -3] = 0.0, 1.0
+        genes[::2, :, -2:] = 0.5, 1.0
+        return genes
 
     def mutated(self, genes: Array, change: Array) -> Array:
         """The genes with a change of the same shape, as far as they go."""
@@ -98,8 +113,9 @@ class Multisines:
             Shape (n, m, k).
         """
         waves, window = self._waves(genes, time), self._window(time)
-        waves = waves * window / np.maximum(np.abs(waves * window).max(axis=2, keepdims=True), np.finfo(float).tiny)
-        middle = bounds.low + (bounds.high - bounds.low) * genes[..., -_MORE]
+        waves = window * _edged(waves, genes[..., -3])
+        waves = waves / np.maximum(np.abs(waves).max(axis=2, keepdims=True), np.finfo(float).tiny)
+        middle = bounds.low + (bounds.high - bounds.low) * genes[..., -2]
         room = np.minimum(bounds.high - middle, middle - bounds.low)
         size = _SMALL ** (1 - genes[..., -1])
         moved = size[..., None] * ((middle - bounds.hold)[..., None] * window + room[..., None] * waves)
@@ -120,3 +136,11 @@ class Multisines:
         ramp = min(self.ramp, self.most_ramp * float(time[-1]))
         share = np.clip(np.minimum(time, time[-1] - time) / ramp, 0.0, 1.0)
         return (1 - np.cos(np.pi * share)) / 2
+
+
+def _edged(waves: Array, gene: Array) -> Array:
+    """Waves of the largest value 1 with steeper edges, shapes (…, k) and (…)."""
+    waves = waves / np.maximum(np.abs(waves).max(axis=-1, keepdims=True), np.finfo(float).tiny)
+    steepest = np.abs(np.diff(waves)).max(axis=-1)
+    edge = np.clip(_EDGE * gene**2, 1e-3, np.maximum(_JUMP / np.maximum(steepest, _JUMP / _EDGE), 1e-3))
+    return np.tanh(edge[..., None] * waves)

@@ -8,16 +8,14 @@ import numpy as np
 from dr_lab.diagnosis.next_experiment.aims import Aim
 from dr_lab.diagnosis.next_experiment.machine import Contender, ExperimentMachine
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
+from dr_lab.diagnosis.next_experiment.sizes import Sizes
 from dr_lab.diagnosis.next_experiment.trial import tried
 from dr_lab.diagnosis.next_experiment.worth import Shots
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
-_FULL = 0.92  # share of the limits that a resized experiment is to take
-_LEAST_FACTOR = 0.15
-_SIZINGS = 3
 _LEAST_JUDGED = 2
-_SCALES = (1.0, 0.85, 0.7, 0.5)  # of the best experiments, against contexts in which they leave a limit
+_SCALES = (1.0, 0.95, 0.9, 0.85, 0.78, 0.7, 0.6, 0.5)  # of the best, against contexts in which they leave a limit
 _MUTATED, _MUTATION = 0.3, 0.15  # share of the genes, standard deviation
 _COARSE, _FINE = 0.02, 0.004  # s between two looks at the distances of parts
 
@@ -59,13 +57,11 @@ class _Archive:
     genes: Array
     values: Array
     worth: Array
-    factor: Array
 
-    def add(self, genes: Array, values: Array, worth: Array, factor: Array) -> None:
+    def add(self, genes: Array, values: Array, worth: Array) -> None:
         self.genes = np.concatenate([self.genes, genes])
         self.values = np.concatenate([self.values, values])
         self.worth = np.concatenate([self.worth, worth])
-        self.factor = np.concatenate([self.factor, factor])
 
 
 class Search:
@@ -101,12 +97,13 @@ class Search:
 
     def _searched(self) -> _Archive:
         settings, machine = self._settings, self._machine
-        genes = self._sized(settings.family.draw(settings.population, len(machine.names), self._generator))
-        archive = _Archive(genes[:0], self._values(genes[:0]), np.zeros(0), np.zeros(0))
+        genes = settings.family.draw(settings.population, len(machine.names), self._generator)
+        archive = _Archive(genes[:0], self._values(genes[:0]), np.zeros(0))
         for generation in range(settings.generations):
+            genes = self._sized(genes)
             values = self._values(genes)
             shown, excess = self._tried(values, self._aim.quick)
-            archive.add(genes, values, self._worth(shown, excess), _factor(excess))
+            archive.add(genes, values, self._worth(shown, excess))
             if generation + 1 < settings.generations:
                 genes = self._children(archive)
         return archive
@@ -115,11 +112,16 @@ class Search:
         return self._settings.family.commands(genes, self._time, self._machine.bounds)
 
     def _sized(self, genes: Array) -> Array:
-        """The experiments, those smaller that leave a limit by the first model."""
-        for _ in range(_SIZINGS):
-            _, excess = self._tried(self._values(genes), self._aim.quick[:1])
-            genes = self._settings.family.resized(genes, _factor(excess))
-        return genes
+        """The experiments at the largest size that keeps the limits by the fitted models; every third one no larger.
+
+        A small motion may tell more, as of a dead zone; so not all are as large as they may be.
+        """
+        sizes, family = Sizes(len(genes)), self._settings.family
+        sizes.most[1::3] = 1.0
+        for _ in range(self._settings.sizings):
+            _, excess = self._tried(self._values(family.resized(genes, sizes.next)), self._aim.quick)
+            sizes.seen(excess)
+        return family.resized(genes, sizes.kept)
 
     def _worth(self, shown: Sequence[Shots], excess: Array) -> Array:
         """Worth of those that promise most of the experiments that keep the limits, −∞ of the others."""
@@ -136,15 +138,14 @@ class Search:
         return found
 
     def _children(self, archive: _Archive) -> Array:
-        """A generation of the best so far, or of the gentlest where none keeps the limits."""
+        """A generation of the best so far."""
         count, generator = self._settings.population, self._generator
-        order = np.lexsort((-archive.factor, -archive.worth))
-        elite = order[: max(2, self._settings.elite)]
+        elite = np.argsort(-archive.worth)[: max(2, self._settings.elite)]
         one, other = elite[generator.integers(len(elite), size=(2, count))]
         shape = archive.genes[one].shape
         genes = np.where(generator.uniform(size=shape) < 0.5, archive.genes[one], archive.genes[other])
         moved = (generator.uniform(size=shape) < _MUTATED) * generator.normal(scale=_MUTATION, size=shape)
-        return self._settings.family.resized(self._settings.family.mutated(genes, moved), archive.factor[one])
+        return self._settings.family.mutated(genes, moved)
 
     def _safe(self, values: Array) -> Found | None:
         """An experiment, as large as it may be in all drawn contexts, with its value; None where it is in none."""
@@ -172,8 +173,3 @@ class Search:
             if 1 < trial.excess[gentlest] < self._gentlest:
                 self._gentlest, self._reason = float(trial.excess[gentlest]), trial.worst[gentlest]
         return shown, excess
-
-
-def _factor(excess: Array) -> Array:
-    """By how much experiments that leave a limit should be smaller."""
-    return np.where(excess > 1, np.maximum(_FULL / np.maximum(excess, 1.0), _LEAST_FACTOR), 1.0)

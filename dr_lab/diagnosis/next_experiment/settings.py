@@ -21,6 +21,7 @@ class ExperimentSettings:
         sample_rate: samples a second of every channel at most, Hz; no more than the logs have.
         population: experiments that are simulated in a generation.
         generations: how often a new generation is made of the best experiments.
+        sizings: tries to find the largest size of each experiment that keeps the limits.
         elite: the best experiments, of which the next generation is made.
         simulations: of a generation's experiments in rough refits or linear steps; where these are too few for all,
             those that promise most and others at random share them.
@@ -41,6 +42,7 @@ class ExperimentSettings:
     sample_rate: Positive
     population: Count
     generations: Count
+    sizings: Count
     elite: Count
     simulations: Count
     seconds: Positive

@@ -16,6 +16,7 @@ from dr_lab.diagnosis.next_experiment.limits import Limits
 from dr_lab.diagnosis.next_experiment.machine import Contender, ExperimentMachine
 from dr_lab.diagnosis.next_experiment.propose import Proposal, Refusal, separate, sharpen
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
+from dr_lab.diagnosis.next_experiment.sizes import Sizes
 from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.errors import ConfigError
 from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
@@ -181,3 +182,48 @@ def test_the_command_uses_a_range_that_is_not_symmetric() -> None:
 def test_settings_without_meaning_are_refused(key: str, value: object) -> None:
     with pytest.raises(ConfigError, match=key):
         settings(**{key: value})
+
+
+def test_the_first_experiments_hold_simple_shapes() -> None:
+    """Slow sines, fast sines and steps, all about the middle and as large as the family goes."""
+    family = settings().family
+    genes = family.draw(60, 1, np.random.default_rng(0))
+    time = np.arange(601) / 100
+    slow, fast, steps = family.commands(genes, time, machine(COULOMB).bounds)[::2, 0].reshape(10, 3, -1).swapaxes(0, 1)
+    for shapes in (slow, fast, steps):
+        assert np.abs(shapes).max(axis=1) == pytest.approx(LIMIT)
+    assert np.abs(np.diff(fast)).mean() > 3 * np.abs(np.diff(slow)).mean()
+    assert (np.abs(steps) > 0.9 * LIMIT).mean() > 2 * (np.abs(slow) > 0.9 * LIMIT).mean()
+
+
+def test_steps_do_not_jump() -> None:
+    family = settings().family
+    genes = np.ones((1, 1, family.genes))
+    command = family.commands(genes, np.arange(301) / 100, machine(COULOMB).bounds)[0, 0]
+    assert np.abs(np.diff(command)).max() < LIMIT
+
+
+def test_sizes_grow_to_the_limit_and_shrink_to_it() -> None:
+    """Where the share of the limit grows as the size, as its square, and not at all below a threshold."""
+    laws = np.array([0.1, 3.0, 50.0]), np.array([1.0, 2.0, 1.0])
+    sizes = Sizes(3)
+    for _ in range(6):
+        sizes.seen(laws[0] * sizes.next ** laws[1])
+    taken = laws[0] * sizes.kept ** laws[1]
+    assert (taken <= 1).all()
+    assert (taken > 0.9).all()
+
+
+def test_a_size_that_is_not_to_be_passed_is_kept() -> None:
+    sizes = Sizes(2)
+    sizes.most[0] = 1.0
+    for _ in range(5):
+        sizes.seen(0.2 * sizes.next)
+    assert sizes.kept[0] == 1.0
+    assert sizes.kept[1] > 4.6
+
+
+def test_the_largest_motion_is_tried() -> None:
+    """A weak drive's worth grows with its size: the experiment takes most of what it may."""
+    found = proposed(separate(COULOMB, VISCOUS, machine(COULOMB, way=0.3), settings()))
+    assert found.taken > 0.6

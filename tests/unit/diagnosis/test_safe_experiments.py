@@ -113,6 +113,18 @@ def test_more_configurations_than_are_looked_at_at_once() -> None:
     np.testing.assert_allclose(found, 0.7 - x, atol=1e-6)
 
 
+def test_pairs_that_no_motion_brings_closer_are_told() -> None:
+    """The cart alone moves: what it carries stays as far from it, and what is beyond reach is not known to."""
+    clearance = Clearance(balls(), np.zeros(0), reach=5.0)
+    low, high = np.array([-0.5, 0.0, 0.0]), np.array([0.5, 0.0, 0.0])
+    steady = clearance.steady(low, high, np.random.default_rng(0))
+    assert {pair for pair, same in zip(clearance.pairs, steady, strict=True) if same} == {("cart", "tip")}
+    near = Clearance(balls(), np.zeros(0), reach=0.1)
+    assert not near.steady(low, high, np.random.default_rng(0)).any()
+    all_move = np.full(3, 0.5)
+    assert not clearance.steady(-all_move, all_move, np.random.default_rng(0)).any()
+
+
 def test_parts_may_come_no_closer_than_in_the_logs_nor_than_the_clearance() -> None:
     """What touched in the logs may touch; what came to 5 mm may not come closer; all else keeps 10 mm."""
     seen = shown(-0.001, 0.005, 0.04)
