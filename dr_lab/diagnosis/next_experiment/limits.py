@@ -128,11 +128,21 @@ class Limits:
         pull = force.min(axis=-2) / np.minimum(self.force[0], -tiny)
         return {POSITION: np.maximum(up, down), SPEED: speed, FORCE: np.maximum(push, pull)}
 
-    def too_close(self, distance: Array) -> Array:
-        """1 for pairs as close as they may come, more where they come closer; distances of shape (…, pairs)."""
-        room = np.where(np.isfinite(self.distance), self.distance, 0.0)
-        close = np.where(np.isfinite(self.distance), room - distance, -1.0)
-        return 1 + close / np.maximum(np.abs(room), np.finfo(float).tiny)
+    def too_close(self, distance: Array, start: Array) -> Array:
+        """The same of distances: how much of what lies between a pair's at the start and its least a motion takes.
+
+        Args:
+            distance: smallest along motions, m, shape (…, pairs).
+            start: where they start, m, shape (pairs,).
+
+        Returns:
+            Shape (…, pairs); above 1 for pairs that start closer than they may come.
+        """
+        kept, tiny = np.isfinite(self.distance), np.finfo(float).tiny
+        least = np.where(kept, self.distance, 0.0)
+        share = (start - distance) / np.maximum(start - least, tiny)
+        share = np.where(start < least, 1 + (least - distance) / np.maximum(least, tiny), share)
+        return np.where(kept, share, 0.0)
 
 
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))

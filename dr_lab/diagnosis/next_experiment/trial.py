@@ -96,7 +96,8 @@ def _excess(model: Model, played: Played, machine: ExperimentMachine, looks: flo
     taken = machine.kept.excess(tape.qpos, tape.qvel, forces(model, tape.sensordata), machine.start)
     if machine.clearance.pairs:
         every = max(1, round(looks / tape.step))
-        taken[TOUCH] = machine.kept.too_close(close_pairs(machine.clearance, tape.qpos[:, :, ::every]))
+        begun = machine.clearance.distances(machine.start[None])[0]
+        taken[TOUCH] = machine.kept.too_close(close_pairs(machine.clearance, tape.qpos[:, :, ::every]), begun)
     names = {
         POSITION: [f"the range of {_joint(compiled, q)}" for q in range(compiled.nq)],
         SPEED: [f"the speed of {compiled.joint(int(j)).name}" for j in compiled.dof_jntid],

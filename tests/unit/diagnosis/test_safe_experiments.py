@@ -132,9 +132,13 @@ def test_parts_may_come_no_closer_than_in_the_logs_nor_than_the_clearance() -> N
     np.testing.assert_allclose(limits.distance, [-np.inf, 0.0045, 0.01])
     kept = limits.within(SAFETY, np.zeros(1), seen)
     np.testing.assert_allclose(kept.distance, [-np.inf, 0.00495, 0.02])
-    at, closer = kept.too_close(np.array([-1.0, 0.00495, 0.02])), kept.too_close(np.array([-1.0, 0.004, 0.015]))
-    assert (at <= 1).all()
+    start = np.array([0.04, 0.00695, 0.04])
+    at, closer = (kept.too_close(np.array(at), start) for at in ([-1.0, 0.00495, 0.02], [-1.0, 0.004, 0.015]))
+    np.testing.assert_allclose(at, [0.0, 1.0, 1.0])
     assert (closer > 1).tolist() == [False, True, True]
+    np.testing.assert_allclose(kept.too_close(start, start), 0.0)
+    inside = np.array([0.04, 0.004, 0.04])
+    assert (kept.too_close(inside, inside) > 1).tolist() == [False, True, False]
 
 
 def test_a_motor_holds_what_gravity_pulls() -> None:
