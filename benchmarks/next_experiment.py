@@ -133,11 +133,14 @@ def sigma(values: Array, machine: ExperimentMachine, pair: Sequence[Any]) -> flo
 
 
 def compare(name: str, seed: int, output: Path) -> None:
-    """What the proposed experiment separates, beside the best of six random ones with and without the limits."""
+    """What the proposed experiment separates, beside the best of six random ones with and without the limits.
+
+    It is also played: one that leaves a limit is worth nothing.
+    """
     made = bed(name, seed)
     found = experiment_machine(made.study, made.rivals[0], made.settings)
     assert found is not None
-    machine, _ = found
+    machine, at_rest = found
     one, other = (contender(made.study, each) for each in made.rivals)
     begun = time.process_time()
     proposal = separate(one, other, machine, made.settings)
@@ -150,11 +153,14 @@ def compare(name: str, seed: int, output: Path) -> None:
         row["cpu_six"] = time.process_time() - begun
         kept = [gentle(each, machine, pair, made.settings) for each in given]
         bound = [sigma(each, machine, pair) for each in kept if each is not None]
+        wrong, share = made.violations(proposal.commands, at_rest.qpos)
         row |= {
             "sigma": proposal.sigma,
             "free": max(free),
             "bound": max(bound, default=None),
             "duration": proposal.duration,
+            "violations": wrong,
+            "share": share,
         }
     (output / f"{name}_{seed}.separates.json").write_text(json.dumps(row) + "\n", "utf-8")
     print(json.dumps(row))
