@@ -6,8 +6,8 @@ from pathlib import Path
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
 from dr_lab.errors import ConfigError
+from dr_lab.reports.force_entries import ForceFormulaEntry
 from dr_lab.reports.gap import GapReport
-from dr_lab.reports.gap_entries import ForceFormulaEntry
 from dr_lab.reports.plain import from_plain
 
 REPORT = "report.json"

@@ -6,7 +6,7 @@ from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.fit.base_parameters import base_parameters
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.inertial import BodyInertial
-from dr_lab.reports.gap_entries import BodyEntry, InertiaEntry
+from dr_lab.reports.inertia_entries import BodyEntry, InertiaEntry
 from dr_lab.trajectory import Array
 
 _STEP = 1e-4  # of the ten numbers, in which mass and centre are smooth

@@ -15,7 +15,7 @@ from dr_lab.diagnosis.missing_force.learning import Prospect, learn_force, prosp
 from dr_lab.effects.effect import place
 from dr_lab.effects.learned_force import LearnedForce
 from dr_lab.effects.residual_force import ResidualForce, learned_forces
-from dr_lab.reports.gap_entries import LearnedEntry
+from dr_lab.reports.force_entries import LearnedEntry
 
 Phase = Callable[[str], None]
 

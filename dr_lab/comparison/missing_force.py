@@ -12,7 +12,7 @@ from dr_lab.diagnosis.missing_force.force_formula import Formula, Variable, mean
 from dr_lab.diagnosis.missing_force.residual_force import ResidualForce
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.expression import spelt
-from dr_lab.reports.gap_entries import ForceFormulaEntry, MissingForceEntry, TermEntry
+from dr_lab.reports.force_entries import ForceFormulaEntry, MissingForceEntry, TermEntry
 
 _PARTS = 8  # of the data, at least
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from dr_lab.reports.force_entries import LearnedEntry, MissingForceEntry
 from dr_lab.reports.gap_entries import (
     CandidateEntry,
     ConfirmationEntry,
@@ -10,12 +11,9 @@ from dr_lab.reports.gap_entries import (
     ExperimentEntry,
     ExplainedEntry,
     HorizonEntry,
-    InertiaEntry,
     JudgedRungEntry,
     LawEntry,
-    LearnedEntry,
     LogsEntry,
-    MissingForceEntry,
     NoiseEntry,
     NoteEntry,
     RegionEntry,
@@ -23,6 +21,7 @@ from dr_lab.reports.gap_entries import (
     RungEntry,
     WindowsEntry,
 )
+from dr_lab.reports.inertia_entries import InertiaEntry
 from dr_lab.reports.plain import IN_PLACE, OMITTED, Number
 from dr_lab.trajectory import ClockFit
 

@@ -114,43 +114,6 @@ class RungEntry:
 
 
 @dataclass(frozen=True)
-class LearnedEntry:
-    """A force that nobody catalogued, as it was learned at a joint, and what held-out logs say of it."""
-
-    joint: str
-    effect: str
-    depends_on: tuple[str, ...]
-    accepted: bool
-    removes: Number
-    predicted: Mapping[str, Interval] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class BodyEntry:
-    """What a fitted body weighs, and where its centre is in its own frame."""
-
-    mass: Number
-    mass_std: Number
-    centre: tuple[Number, ...]
-    centre_std: tuple[Number, ...]
-
-
-@dataclass(frozen=True)
-class InertiaEntry:
-    """Which combinations of the bodies' inertial parameters the logs know."""
-
-    parameters: int
-    rank: int
-    known: int
-    condition: Number
-    chosen: Labels
-    held: Labels
-    best: tuple[ByChannel, ...]
-    worst: tuple[ByChannel, ...]
-    bodies: Mapping[str, BodyEntry]
-
-
-@dataclass(frozen=True)
 class RemainingEntry:
     """What the last model leaves."""
 
@@ -276,40 +239,6 @@ class JudgedRungEntry:
     on_trial: Labels = ()
     absorbed_by_parameters: Labels = ()
     ranking: tuple[CandidateEntry, ...] = ()
-
-
-@dataclass(frozen=True)
-class TermEntry:
-    """A term of a formula, and as `effects.formula` takes it."""
-
-    term: str
-    coefficient: Number
-    unit: str = ""
-    expression: str = ""
-
-
-@dataclass(frozen=True)
-class ForceFormulaEntry:
-    """A sparse formula of the force that the last model misses."""
-
-    ceiling: Number
-    share: Number
-    terms: tuple[TermEntry, ...]
-
-
-@dataclass(frozen=True)
-class MissingForceEntry:
-    """The force that models miss at a joint."""
-
-    joint: str
-    unit: str
-    rms_first: Number
-    rms_last: Number
-    noise: Number
-    explained: Number
-    ceiling: Number
-    left: ForceFormulaEntry | None
-    windows: int = 0
 
 
 @dataclass(frozen=True)

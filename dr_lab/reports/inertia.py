@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from dr_lab.reports.gap_entries import BodyEntry, InertiaEntry
+from dr_lab.reports.inertia_entries import BodyEntry, InertiaEntry
 from dr_lab.reports.quantity import number, uncertain
 
 # Words of Nguyen et al., figaroh (2023), for the condition of an identification.

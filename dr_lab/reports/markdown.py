@@ -2,14 +2,9 @@
 
 from collections.abc import Sequence
 
+from dr_lab.reports.force_entries import MissingForceEntry, TermEntry
 from dr_lab.reports.gap import Failure, GapReport
-from dr_lab.reports.gap_entries import (
-    MissingForceEntry,
-    NoteEntry,
-    Parameters,
-    RegionEntry,
-    TermEntry,
-)
+from dr_lab.reports.gap_entries import NoteEntry, Parameters, RegionEntry
 from dr_lab.reports.inertia import inertia_told
 from dr_lab.reports.ladder import failing, scored
 from dr_lab.reports.next_experiment import next_experiment_text

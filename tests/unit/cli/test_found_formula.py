@@ -8,15 +8,9 @@ from hydra.utils import instantiate
 from dr_lab.cli.compose import compose
 from dr_lab.cli.found_formula import found_formula
 from dr_lab.errors import ConfigError
+from dr_lab.reports.force_entries import ForceFormulaEntry, MissingForceEntry, TermEntry
 from dr_lab.reports.gap import GapReport, Judgement
-from dr_lab.reports.gap_entries import (
-    ForceFormulaEntry,
-    LogsEntry,
-    MissingForceEntry,
-    RemainingEntry,
-    TermEntry,
-    WindowsEntry,
-)
+from dr_lab.reports.gap_entries import LogsEntry, RemainingEntry, WindowsEntry
 from dr_lab.reports.json_file import write_json
 
 TERMS = (

@@ -1,5 +1,5 @@
-from dr_lab.reports.gap_entries import BodyEntry, InertiaEntry
 from dr_lab.reports.inertia import inertia_told
+from dr_lab.reports.inertia_entries import BodyEntry, InertiaEntry
 
 BODY = BodyEntry(3.02, 0.04, (0.01, -0.03, 0.1), (0.001, 0.001, 0.002))
 
