@@ -22,9 +22,9 @@ THRUST = (["command_power", "site=motor", "full=8.0", "exponent=1.6"], "dead_zon
 @pytest.mark.parametrize(
     ("hidden", "beside", "parameter", "truth"),
     [
-        (*CREEP, "presliding_friction@arm.creep", 0.5),
+        pytest.param(*CREEP, "presliding_friction@arm.creep", 0.5, marks=pytest.mark.slow),
         (*WARMING, "friction_drift@arm.rate", 1 / 1.5),
-        (*THRUST, "command_power@motor.exponent", 1.6),
+        pytest.param(*THRUST, "command_power@motor.exponent", 1.6, marks=pytest.mark.slow),
     ],
 )
 def test_a_richer_law_is_named_among_poorer_ones(
