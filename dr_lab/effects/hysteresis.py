@@ -1,14 +1,14 @@
 """A transmission that gives way before it slips."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from dr_lab.effects.effect import Scales
+from dr_lab.effects.internal_state import InternalState
 from dr_lab.effects.joint_effect import JointEffect, slides
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.effect_parts import ForceLaw
@@ -87,29 +87,16 @@ class Hysteresis(JointEffect, ForceLaw):
 
 
 @dataclass
-class _Yielding(Law):
-    """Spring between the joint and a place that it drags along; torque and way of shape (n,) or (1,)."""
+class _Yielding(InternalState):
+    """Spring, whose stretch is the state, to a place that it drags along; torque and way of shape (n,) or (1,)."""
 
     dof: int
     torque: Array
     way: Array
-    stretch: Array = field(default_factory=lambda: np.zeros(1))
 
     def act(self, moment: Moment, influence: Influence) -> None:
-        if len(self.stretch) != len(moment.qvel):
-            self.stretch = np.zeros(len(moment.qvel))
+        stretch = self.of(len(moment.qvel))
         half = moment.step / 2 * moment.qvel[:, self.dof]
-        middle = np.clip(self.stretch + half, -self.way, self.way)
-        self.stretch = np.clip(self.stretch + 2 * half, -self.way, self.way)
+        middle = np.clip(stretch + half, -self.way, self.way)
+        self.state = np.clip(stretch + 2 * half, -self.way, self.way)
         influence.force[:, self.dof] -= self.torque * middle / self.way
-
-    def rest(self, rows: NDArray[np.intp]) -> None:
-        if len(self.stretch) > rows.max(initial=0):
-            self.stretch[rows] = 0.0
-
-    @property
-    def memory(self) -> Array:
-        return self.stretch[:, None]
-
-    def remember(self, memory: Array) -> None:
-        self.stretch = memory[:, 0].copy()

@@ -1,14 +1,14 @@
 """Dry friction that gives way before it slides, and that creeps."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from dr_lab.effects.effect import Scales
+from dr_lab.effects.internal_state import InternalState
 from dr_lab.effects.joint_effect import JointEffect, slides
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.effect_parts import ForceLaw
@@ -104,18 +104,16 @@ class PreslidingFriction(JointEffect, ForceLaw):
 
 
 @dataclass
-class _Bristles(Law):
-    """Bristles of a degree of freedom; values of shape (n,) or (1,)."""
+class _Bristles(InternalState):
+    """Bristles of a degree of freedom, whose bend is the state; values of shape (n,) or (1,)."""
 
     dof: int
     torque: Array
     way: Array
     creep: Array
-    bend: Array = field(default_factory=lambda: np.zeros(1))
 
     def act(self, moment: Moment, influence: Influence) -> None:
-        if len(self.bend) != len(moment.qvel):
-            self.bend = np.zeros(len(moment.qvel))
+        bend = self.of(len(moment.qvel))
         speed, step = moment.qvel[:, self.dof], moment.step
         steady = np.tanh(speed / self.creep)
         slipped = np.where(np.abs(steady) > _TINY, speed / np.where(steady == 0.0, 1.0, steady), self.creep)
@@ -123,22 +121,11 @@ class _Bristles(Law):
         turns = slipped * step / way  # time constants in a step
         left = np.exp(-turns)
         share = (1.0 - left) / turns  # of the bend at the start in the step's mean
-        mean = steady + (self.bend - steady) * share
+        mean = steady + (bend - steady) * share
         # ∂mean/∂v; the mean's share falls with the way gone in the step
         grip = (1.0 - steady**2) / self.creep * (1.0 - share)
-        grip += np.abs(steady - self.bend) * (share - left) / turns * step / way
+        grip += np.abs(steady - bend) * (share - left) / turns * step / way
         added = self.torque * grip * step / 2
         influence.armature[:, self.dof] += added
         influence.force[:, self.dof] += added * moment.gained[:, self.dof] / step - self.torque * mean
-        self.bend = steady + (self.bend - steady) * left
-
-    def rest(self, rows: NDArray[np.intp]) -> None:
-        if len(self.bend) > rows.max(initial=0):
-            self.bend[rows] = 0.0
-
-    @property
-    def memory(self) -> Array:
-        return self.bend[:, None]
-
-    def remember(self, memory: Array) -> None:
-        self.bend = memory[:, 0].copy()
+        self.state = steady + (bend - steady) * left

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from dr_lab.evaluators.evaluator import Evaluation
 from dr_lab.evaluators.statistics import t_intervals
 from dr_lab.recorders.training import ContextAxis, Gain, Grid
+from dr_lab.reports.quantity import counted
 from dr_lab.trajectory import Array
 
 
@@ -96,7 +97,7 @@ def _after(updates: int) -> str:
 
 
 def _counted(updates: int) -> str:
-    return f"{updates} update{'s' * (updates > 1)}"
+    return counted(updates, "update")
 
 
 def _mean(values: Array) -> float:

@@ -15,7 +15,7 @@ from dr_lab.html.sampling_figures import sampling_plots
 from dr_lab.recorders.sweep_review import SweepRecord
 from dr_lab.reports.page import Page, Section
 from dr_lab.reports.plain import Number
-from dr_lab.reports.quantity import number
+from dr_lab.reports.quantity import counted
 from dr_lab.reports.summarize import GroupEntry, SummarizeReport
 
 _UNTOLD = ("seconds",)  # figures that compare machines rather than methods come last
@@ -102,6 +102,6 @@ def _estimate(found: Mapping[str, Number], label: str, colour: str) -> go.Scatte
     low, high = (found.get(end) for end in ("low", "high"))
     ends = {"array": [0.0 if high is None else high - value], "arrayminus": [0.0 if low is None else value - low]}
     error = {"type": "data", "symmetric": False, "thickness": 3, "width": 6, **ends}
-    runs = f"{number(found.get('runs'))} run{'s' * (found.get('runs') != 1)}"
+    runs = counted(int(found.get("runs") or 0), "run")
     look = {"mode": "markers", "marker": {"color": colour, "size": 11}, "showlegend": False}
     return go.Scatter(x=[value], y=[label], error_x=error, text=[runs], name=label, **look)

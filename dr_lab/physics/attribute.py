@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -113,10 +113,29 @@ def position(at: Address, model: mujoco.MjModel) -> int:
     return int(model.jnt_qposadr[at.row(model)])
 
 
-class JointTurn(Attribute):
-    """Angles in rad by which a joint's axis is off, about the axes of its body; nominal 0, for the axis as given."""
+class Askew(Attribute):
+    """Angles in rad by which an element sits askew, about the axes of its body; nominal 0, as the file gives it."""
 
     entries = 3
+    field: ClassVar[str]  # of the compiled model; also which kind of orientation it is
+    given: ClassVar[str]  # the spec's name of it
+
+    def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
+        """Set the value in a fresh spec."""
+        part = at.part(spec)
+        before = np.asarray(getattr(part, self.given), dtype=float)
+        setattr(part, self.given, turned(self.field, before, at.index, np.array(value)))
+
+    def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
+        """Compiled fields that carry the value."""
+        return (Turn(self.field, at.row(model), at.index),)
+
+
+class JointTurn(Askew):
+    """Of a joint's axis, about the axes of its body."""
+
+    field = "jnt_axis"
+    given = "axis"
 
     def read(self, at: Address, spec: mujoco.MjSpec) -> float:
         """Nominal value in the spec."""
@@ -125,15 +144,6 @@ class JointTurn(Attribute):
                 f"Target {at}: joint {at.element!r} stands in a <frame>, whose axes are not its body's. Take it out."
             )
         return 0.0
-
-    def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
-        """Set the value in a fresh spec."""
-        joint = at.part(spec)
-        joint.axis = turned("jnt_axis", np.asarray(joint.axis, dtype=float), at.index, np.array(value))
-
-    def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
-        """Compiled fields that carry the value."""
-        return (Turn("jnt_axis", at.row(model), at.index),)
 
 
 def turned(field: str, before: np.ndarray, axis: int, angle: np.ndarray) -> np.ndarray:

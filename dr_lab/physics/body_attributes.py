@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from dr_lab.errors import ModelError
-from dr_lab.physics.address import Address, FieldEdit, Turn
-from dr_lab.physics.attribute import Attribute, Edits, Element, Entry, turned
+from dr_lab.physics.address import Address, FieldEdit
+from dr_lab.physics.attribute import Askew, Attribute, Edits, Element, Entry
 
 
 @dataclass(frozen=True)
@@ -69,25 +69,17 @@ class InertiaScale(Attribute):
         return (FieldEdit("body_inertia", (at.row(model), slice(None)), relative=True),)
 
 
-class BodyTurn(Attribute):
-    """Angles in rad by which a body sits askew on its parent, about its own axes; nominal 0, for the pose as given."""
+class BodyTurn(Askew):
+    """Of a body on its parent, about its own axes."""
 
-    entries = 3
+    field = "body_quat"
+    given = "quat"
 
     def read(self, at: Address, spec: mujoco.MjSpec) -> float:
         """Nominal value in the spec."""
         if at.part(spec).alt.type != mujoco.mjtOrientation.mjORIENTATION_QUAT:
             raise ModelError(f"Target {at}: give the orientation of body {at.element!r} as quat, not as euler or axes.")
         return 0.0
-
-    def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
-        """Set the value in a fresh spec."""
-        body = at.part(spec)
-        body.quat = turned("body_quat", np.asarray(body.quat, dtype=float), at.index, np.array(value))
-
-    def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
-        """Compiled fields that carry the value."""
-        return (Turn("body_quat", at.row(model), at.index),)
 
 
 def _with_inertial(at: Address, spec: mujoco.MjSpec) -> Element:

@@ -33,8 +33,8 @@ class SlowCommand:
 
 
 @dataclass(frozen=True)
-class SlowReading:
-    """What an encoder shows of a position q, from the position at the start on: y' = (q − y) / constant.
+class SlowInstrument:
+    """What an instrument shows of a quantity x, from its value at the start on: y' = (x − y) / constant.
 
     Attributes:
         joint: name of the joint.
@@ -44,26 +44,17 @@ class SlowReading:
     joint: str
     constant: float
 
-    def rate(self, shown: float, position: float) -> float:
-        """Rate of what is shown, rad/s or m/s."""
-        return (position - shown) / self.constant
+    def rate(self, shown: float, true: float) -> float:
+        """Rate of what is shown, in the quantity's unit per s."""
+        return (true - shown) / self.constant
 
 
-@dataclass(frozen=True)
-class SlowVelocity:
-    """What a tachometer shows of a velocity q', from the velocity at the start on: w' = (q' − w) / constant.
+class SlowReading(SlowInstrument):
+    """What an encoder shows of a position, rad or m."""
 
-    Attributes:
-        joint: name of the joint.
-        constant: s.
-    """
 
-    joint: str
-    constant: float
-
-    def rate(self, shown: float, velocity: float) -> float:
-        """Rate of what is shown, rad/s² or m/s²."""
-        return (velocity - shown) / self.constant
+class SlowVelocity(SlowInstrument):
+    """What a tachometer shows of a velocity, rad/s or m/s."""
 
 
 Memory = Bristle | SlowCommand | SlowReading | SlowVelocity

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.recorders.training import ContextAxis, Matrix
+from dr_lab.reports.quantity import counted
 from dr_lab.trajectory import Array
 
 
@@ -34,7 +35,7 @@ class Interference:
     @property
     def told(self) -> str:
         """Of how many runs it is."""
-        return f"{self.runs} run{'s' * (self.runs != 1)}"
+        return counted(self.runs, "run")
 
     @property
     def matrix(self) -> Matrix:

@@ -9,7 +9,7 @@ from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Chart, linear_axis
 from dr_lab.recorders.heat_map import CANVAS, DARK_TO_LIGHT, ColourScale, log_picture, pixels
 from dr_lab.recorders.look import Look
-from dr_lab.reports.quantity import titled
+from dr_lab.reports.quantity import counted, titled
 from dr_lab.trajectory import Array
 
 
@@ -38,7 +38,7 @@ class Sampled:
     @property
     def told(self) -> str:
         """Of how many runs it is."""
-        return f"{self.runs} run{'s' * (self.runs != 1)}"
+        return counted(self.runs, "run")
 
     @property
     def share(self) -> Array:

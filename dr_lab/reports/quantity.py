@@ -54,6 +54,15 @@ def percent(share: float | None) -> str:
     return "0 %" if text == "0.0" else f"{text} %"
 
 
+def counted(count: int, what: str) -> str:
+    """A number of things.
+
+    >>> counted(1, "run"), counted(3, "run")
+    ('1 run', '3 runs')
+    """
+    return f"{count} {what}{'s' * (count != 1)}"
+
+
 def titled(name: str, unit: str) -> str:
     """A quantity's name with its unit, which pure numbers do not have.
 

@@ -13,7 +13,7 @@ from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.machine import Machine
-from dr_lab.plants.memory import SlowReading, SlowVelocity
+from dr_lab.plants.memory import SlowInstrument, SlowReading, SlowVelocity
 from dr_lab.plants.mujoco_machine import MujocoMachine
 from dr_lab.plants.rig import Rig
 from dr_lab.trajectory import Array
@@ -75,11 +75,7 @@ class Course:
 
     def read_with(self, effect: HiddenEffect) -> Sequence[Path]:
         """What the encoders would show along the course with another effect."""
-        seen = list(self.path)
-        for place, memory in Body.of(self.machine, effect).memories:
-            if isinstance(memory, SlowReading):
-                seen[place] = seen[place].filtered(memory.constant)
-        return self._read(effect, seen)
+        return self._read(effect, self._filtered(self.path, effect, SlowReading))
 
     @cached_property
     def measured_speed(self) -> Sequence[Path]:
@@ -88,11 +84,15 @@ class Course:
 
     def speed_with(self, effect: HiddenEffect) -> Sequence[Path]:
         """What tachometers would show along the course with another effect."""
-        seen = list(self.speed)
+        return self._late(effect, self._filtered(self.speed, effect, SlowVelocity))
+
+    def _filtered(self, true: Sequence[Path], effect: HiddenEffect, kind: type[SlowInstrument]) -> Sequence[Path]:
+        """What instruments of a kind, slowed by an effect, show of the truth, one for each joint."""
+        seen = list(true)
         for place, memory in Body.of(self.machine, effect).memories:
-            if isinstance(memory, SlowVelocity):
+            if isinstance(memory, kind):
                 seen[place] = seen[place].filtered(memory.constant)
-        return self._late(effect, seen)
+        return seen
 
     def _late(self, effect: HiddenEffect, seen: Sequence[Path]) -> Sequence[Path]:
         pairs = zip(seen, self.machine.joints, strict=True)
