@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from diagnosis_machines import NOISE, STEP, clock, measured, solver_settings, steps_command, windows_settings
 from effect_machines import CONF, catalogue_effect, scales_of
+from paper_elbow import on_paper
 from scipy.integrate import solve_ivp
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
@@ -15,9 +16,6 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.effects.effect import place
 from dr_lab.physics.model import Model, load
-from dr_lab.plants.double_pendulum import DoublePendulum
-from dr_lab.plants.drive import ForceDrive
-from dr_lab.plants.moments import Moments
 from dr_lab.trajectory import Array, Log, Signal
 
 SECONDS, UPPER, FORE, DAMPING = 3.0, 1.0, 0.55, (0.08, 0.05)  # s; true masses, kg; N·m·s/rad
@@ -38,23 +36,9 @@ def cable(position: Array) -> Array:
     return np.array([-0.04 * pull, -0.02 * pull])
 
 
-def machine(length: float) -> DoublePendulum:
-    """The true arm; its inertias about the centres are off as its masses are."""
-    return DoublePendulum(
-        links=(Moments.body(UPPER, 0.14, 0.00675 * UPPER / 0.9), Moments.body(FORE, 0.16, 0.00648 * FORE / 0.6)),
-        damping=DAMPING,
-        armature=(0.005, 0.003),
-        gravity=(0.0, 0.0, -9.81),
-        drives=(ForceDrive(), ForceDrive()),
-        length=length,
-        rotor=0.0,
-        gear=0.0,
-    )
-
-
 def log(name: str, seed: int, length: float, force: Force) -> Log:
     """Encoders of the arm under random steps of both torques."""
-    arm, time = machine(length), clock(round(SECONDS / STEP))
+    arm, time = on_paper(length, UPPER, FORE, DAMPING), clock(round(SECONDS / STEP))
     commands = [steps_command("shoulder", 3.0, SECONDS, seed), steps_command("elbow", 1.0, SECONDS, 50 + seed)]
     positions, state = np.empty((len(time), 2)), np.array([0.4, 0.6, 0.0, 0.0])
     edges = [*commands[0].time, SECONDS]

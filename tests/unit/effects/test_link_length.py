@@ -2,12 +2,10 @@ import mujoco
 import numpy as np
 import pytest
 from effect_machines import CONF, block, catalogue_effect, hanging, placed, with_effect
+from paper_elbow import on_paper
 
 from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model, from_spec, load
-from dr_lab.plants.double_pendulum import DoublePendulum
-from dr_lab.plants.drive import ForceDrive
-from dr_lab.plants.moments import Moments
 
 LENGTH, EXCESS = 0.3, 0.04  # m
 FRAMED = """<mujoco><compiler angle="radian"/><worldbody><body name="upper"><joint name="a" axis="0 1 0"/>
@@ -17,20 +15,6 @@ FRAMED = """<mujoco><compiler angle="radian"/><worldbody><body name="upper"><joi
 
 def elbow() -> Model:
     return load("elbow", CONF / "model" / "strangers" / "elbow.xml", {})
-
-
-def on_paper(length: float) -> DoublePendulum:
-    """The elbow's equations of motion, by Lagrange."""
-    return DoublePendulum(
-        links=(Moments.body(0.9, 0.14, 0.00675), Moments.body(0.6, 0.16, 0.00648)),
-        damping=(0.0, 0.0),
-        armature=(0.005, 0.003),
-        gravity=(0.0, 0.0, -9.81),
-        drives=(ForceDrive(), ForceDrive()),
-        length=length,
-        rotor=0.0,
-        gear=0.0,
-    )
 
 
 @pytest.mark.parametrize("excess", [0.0, EXCESS, -0.1])
