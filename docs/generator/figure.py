@@ -28,6 +28,7 @@ INSTEAD = {
     "encoder_eccentricity": "position",
     "gain_error": "position",
     "sensor_scale": "position",
+    "velocity_low_pass": "acceleration",
     "wind": "velocity",
 }
 BLUE, ORANGE, GREY = "#3b82c4", "#e07b2a", "#808080"  # seen on white and on black

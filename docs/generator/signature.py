@@ -22,13 +22,14 @@ class Bench:
 
     Attributes:
         name: of its file.
-        joint: whose position is shown.
-        unit: of that position.
+        joint: of which a channel is shown.
+        unit: of the channel.
         seconds: how long.
         before: s of commands before that, for effects that remember.
         scales: magnitudes that give an effect's bounds their size.
         command: command at times, of the actuator.
         command_unit: its unit.
+        channel: ``position`` or ``velocity``.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Bench:
     scales: Scales
     command: Callable[[Array], Array]
     command_unit: str
+    channel: str = "position"
 
     def model(self) -> Model:
         """The machine without any effect."""
@@ -80,6 +82,7 @@ TWO_LINKS = replace(
 WRIST = replace(MOTOR_ARM, name="wrist", scales=_scales(("turn", "joint", "roll", "bend"), "motor", 0.7, 3.0, 0.6))
 BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS, WRIST)
 SHOWN_AT = {"contact_stiffness": "up"}  # another joint than the bench's
+SHOWN_IN = {"velocity_low_pass": "velocity"}  # another channel than the position
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ class Signature:
         placed: the effect at its site.
         values: short name → value of its parameters here.
         time: s, shape (n,).
-        residual: measured less simulated position, shape (n,).
+        residual: measured less simulated channel, shape (n,).
         series: what the missing force may be drawn against, each of shape (n,).
         force: generalised force that the model without the effect lacks, shape (n,); None where contacts or another
             joint hide it.
@@ -119,6 +122,8 @@ def put(effect: Effect) -> tuple[Bench, PlacedEffect]:
         compiled = bench.model().nominal()
         for site in effect.sites(compiled)[:1]:
             shown = replace(bench, joint=SHOWN_AT.get(effect.name, bench.joint))
+            if SHOWN_IN.get(effect.name) == "velocity":
+                shown = replace(shown, channel="velocity", unit=f"{bench.unit}/s")
             return shown, place(effect, compiled, site, bench.scales)
     raise LookupError(f"Effect {effect.name!r} can sit on none of the machines of the plots: give it one here.")
 
@@ -145,8 +150,9 @@ def signature(effect: Effect) -> Signature:
     extended = plain.with_effect(placed)
     z = extended.space.vector(values)[None]
     time = np.arange(round(bench.seconds / plain.spec.option.timestep) + 1) * plain.spec.option.timestep
-    measured = _reported(extended, z, bench, time)
-    simulated = _reported(plain, np.empty((1, 0)), bench, time)
+    measured = _reported(extended, z, bench, time, "position")
+    residual = _reported(extended, z, bench, time, bench.channel)
+    residual -= _reported(plain, np.empty((1, 0)), bench, time, bench.channel)
     speed = np.gradient(measured, time)
     series = {
         "position": measured,
@@ -158,11 +164,11 @@ def signature(effect: Effect) -> Signature:
     force = _missing(compiled, series) if not compiled.ngeom and compiled.nv == 1 else None
     short = placed.local(values)
     named = {name: float(value) for name, value in short.items()}
-    return Signature(bench, placed, named, time, measured - simulated, series, force)
+    return Signature(bench, placed, named, time, residual, series, force)
 
 
-def _reported(model: Model, z: Array, bench: Bench, time: Array) -> Array:
-    """Position that the machine's encoder reports, shape (n,)."""
+def _reported(model: Model, z: Array, bench: Bench, time: Array, channel: str) -> Array:
+    """Position or velocity that the machine reports, shape (n,)."""
     compiled = model.nominal()
     step = compiled.opt.timestep
     past = bench.command(np.arange(-round(bench.before / step), 0) * step)
@@ -170,11 +176,13 @@ def _reported(model: Model, z: Array, bench: Bench, time: Array) -> Array:
     rollout = Simulator(model, 1, threads=1).replay(
         z, *start, bench.command(time[:-1])[None, :, None], past[None, :, None]
     )
-    path = rollout.qpos[0, :, compiled.joint(bench.joint).qposadr[0]]
+    joint = compiled.joint(bench.joint)
+    paths = {"position": rollout.qpos[0, :, joint.qposadr[0]], "velocity": rollout.qvel[0, :, joint.dofadr[0]]}
+    path = paths[channel]
     reading = model.reading(
-        z, f"{bench.joint}.position", lambda t: np.interp(t, time, path)[..., None], np.zeros((1, 1))
+        z, f"{bench.joint}.{channel}", lambda t: np.interp(t, time, path)[..., None], np.zeros((1, 1))
     )
-    return np.asarray(reading(time[None, None])).reshape(-1)[: len(time)]
+    return np.array(reading(time[None, None])).reshape(-1)[: len(time)]
 
 
 def _missing(model: mujoco.MjModel, series: Mapping[str, Array]) -> Array:

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
-from generator import effects, groups, messages, notebooks, site
+from generator import effects, groups, messages, notebooks, signature, site
 
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.verbs import verbs
@@ -25,6 +26,12 @@ def test_each_effect_has_its_page(pages: dict[str, str]) -> None:
         assert effect.law in text
         assert "## Parameters" in text
         assert all(f"({other}.md)" in text for other in effect.confused_with)
+
+
+@pytest.mark.parametrize("name", sorted(effects.catalogue()))
+def test_the_plot_of_an_effect_shows_something(name: str) -> None:
+    shown = signature.signature(effects.catalogue()[name])
+    assert np.abs(shown.residual).max() > 1e-4
 
 
 def test_bounds_on_a_page_are_those_of_the_class(pages: dict[str, str]) -> None:
