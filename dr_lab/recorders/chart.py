@@ -18,6 +18,7 @@ GRID, DOTS, LINES, TEXT = 0.0, 10.0, 20.0, 30.0
 _ALIKE = 1e-9  # relative difference of values that only rounding tells apart
 # Rerun writes a label below its point; this many canvas units lift it to the point's height.
 _LIFT = 3.2
+_SMALL = 2.0  # by how much a letter is wider in the canvas units of a small view
 _LETTER, _NARROWEST, _ROW = 1.6, 16.0, 6.0  # room in a legend for a letter and a label, and between its rows
 
 
@@ -131,7 +132,8 @@ class Chart:
         self.words("ticks_x", across, text, lift=0.0)
         self.words("ticks_y", beside, text)
         title_x = (np.array([width / 2, height + 7.0]), self.x.title)
-        title_y = (np.array([0.0, -7.0]), self.y.title)
+        wide = _SMALL * _LETTER * len(self.y.title) / 2  # half of the title, where the view is small
+        title_y = (np.array([max(wide - self.canvas.left, 0.0), -7.0]), self.y.title)
         self.words("titles", [entry for entry in (title_x, title_y) if entry[1]], text, lift=0.0)
 
     def words(self, name: str, entries: Sequence[tuple[Array, str]], colour: Colour, lift: float = _LIFT) -> None:

@@ -40,4 +40,4 @@ class Interference:
     @property
     def matrix(self) -> Matrix:
         """The mean, as recordings draw it."""
-        return Matrix(f"{self.group} after {self.frames} control steps", self.axis, self.mean, self.doubtful)
+        return Matrix(f"{self.frames} steps, {self.group}", self.axis, self.mean, self.doubtful)

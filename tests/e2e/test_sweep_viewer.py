@@ -77,9 +77,7 @@ def test_every_page_shows_every_group(viewer: ViewerClient, recording: Path, loo
         "Sampling frequency": {
             f"share of draws of torso.size, {g} (3 runs)": [look.colour("measured")] for g in GROUPS
         },
-        "Gradients of contexts": {
-            "cosine, lsdr after 1000 control steps (3 runs)": [look.colour("before"), look.colour("after")]
-        },
+        "Gradients of contexts": {"cosine, 1000 steps, lsdr (3 runs)": [look.colour("before"), look.colour("after")]},
         "Runs": {"Runs": []},
     }
     require_pages(viewer, expected)

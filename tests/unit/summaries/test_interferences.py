@@ -112,7 +112,7 @@ def test_the_verb_tells_and_draws_it(tmp_path: Path) -> None:
     assert [each["xaxis"] for each in high] == ["x2"]  # the last policies of both stand below one another
     entities = {str(chunk.entity_path) for chunk in rr.chunk.RrdReader(folder / "review.rrd").stream()}
     assert {path.split("/")[2] for path in entities if path.startswith("/matrix/")} == {
-        "low\\ after\\ 100\\ control\\ steps",
-        "low\\ after\\ 200\\ control\\ steps",
-        "high\\ after\\ 200\\ control\\ steps",
+        "100\\ steps\\,\\ low",
+        "200\\ steps\\,\\ low",
+        "200\\ steps\\,\\ high",
     }
