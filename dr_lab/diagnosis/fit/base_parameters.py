@@ -24,7 +24,7 @@ class BaseParameters:
     Attributes:
         count: number of the parameters.
         rank: number of independent combinations that change the outputs at all.
-        known: number of combinations whose standard deviation is at most half of the prior's.
+        known: number of these whose standard deviation is at most half of the prior's.
         condition: ratio of the largest to the smallest standard deviation that the logs alone would give the known
             combinations, in standard deviations of the prior; 1 where none is known.
         chosen: as many parameters as are known that tell the known combinations together best, by pivoting.
@@ -66,8 +66,8 @@ def base_parameters(equations: NormalEquations, names: Sequence[str], rows: NDAr
     beside = (information[np.ix_(rows, rows)] - absorbed.T @ absorbed) * scale * scale[:, None]
     values, vectors = np.linalg.eigh(beside)
     values, vectors = np.maximum(values[::-1], 0.0), vectors[:, ::-1]
-    known = int((values >= _HALF**-2 - 1).sum())
     rank = int((values > _ROUNDING * values[0]).sum())
+    known = min(int((values >= _HALF**-2 - 1).sum()), rank)
     told = [str(names[row]) for row in rows.tolist()]
     square = np.sqrt(values[:known, None]) * vectors[:, :known].T
     order = _pivots(square) if known else []

@@ -12,6 +12,7 @@ from dr_lab.diagnosis.evidence.bench import Bench
 from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
+from dr_lab.diagnosis.fit.prior import prior_precision
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.missing_force.pulses import pulse_responses
 from dr_lab.diagnosis.windows.blocks import Indices
@@ -164,7 +165,7 @@ class Course:
         own = np.array([at.model.space.index(name) for name in at.parameters], np.intp)
         space = at.model.space
         unit, nominal = space.to_unit(fit.z)[own], space.to_unit(space.nominal)[own]
-        prior = np.full(len(own), solver.prior_spans**-2.0)
+        prior = prior_precision(space, solver)[own]
         slopes = self._answers @ self._means(basis)
         equations = NormalEquations.build(
             residual=fit.residuals,

@@ -58,3 +58,9 @@ def test_what_a_free_friction_takes_the_place_of_is_not_known() -> None:
     assert found(together).known == 0
     apart = np.array([[100.0, 0, 0, 0, 100.0], [0, 0, 0, 0, 100.0]])
     assert found(apart).known == 1
+
+
+def test_what_finite_differences_cannot_show_is_not_known() -> None:
+    base = found(np.array([[1e6, 0, 0, 0, 0], [0, 3.0, 0, 0, 0]]))  # 1e-11 of the information, though 9 of the prior's
+    assert (base.rank, base.known) == (1, 1)
+    assert base.chosen == ("a",)

@@ -6,12 +6,16 @@ import mujoco
 import numpy as np
 import pytest
 from diagnosis_machines import PENDULUM, evidence_settings, solver_settings, swinging, windows_of
+from effect_machines import scales_of
 
 from dr_lab.comparison.inertia import inertia_entry
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.fit.base_parameters import BaseParameters, base_parameters
 from dr_lab.diagnosis.fit.covariance import estimate
+from dr_lab.diagnosis.fit.prior import prior_precision
+from dr_lab.diagnosis.missing_force.force_step import Course, Learned, Machine
 from dr_lab.physics.model import Model, from_spec
+from dr_lab.physics.radial_basis import Input, around, features
 from dr_lab.trajectory import Array
 
 TRUTH = PENDULUM.replace('mass="0.5" pos="0 0 -0.3"', 'mass="0.6" pos="0.01 0.008 -0.28"')
@@ -82,3 +86,14 @@ def test_the_report_tells_the_bodies_mass_with_its_doubt() -> None:
     assert body.mass_std is not None
     assert body.mass_std > 0.01  # the hinge feels moments, not the mass
     assert abs((body.mass or 0.0) - 0.6) < 3 * body.mass_std
+
+
+def test_a_force_is_learned_beside_the_bodies_own_priors() -> None:
+    space, scales = fitted().model.space, scales_of(model(), torque=1.0, position=2.0, speed=1.0)
+    machine = Machine(bench(), model().nominal(), scales, "hinge", most=2.0)
+    course = Course(machine, Learned(fitted().model, fitted().fit, np.zeros(0), space.names), parts=4)
+    inputs = (Input("angle", "hinge", 0.5),)
+    basis = around(inputs, features(inputs, machine.compiled, course.seen), 5, 1.0)
+    linear = course.linear(basis, np.zeros(len(basis.centres)))
+    np.testing.assert_allclose(linear.prior, prior_precision(space, solver_settings()))
+    np.testing.assert_allclose(linear.prior_gradient, fitted().fit.equations.prior_gradient)
