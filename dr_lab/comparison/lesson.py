@@ -52,7 +52,9 @@ class Lesson:
 
 
 def lessons(study: Study, base: FittedModel, phase: Phase) -> tuple[Lesson, ...]:
-    """Learn forces joint by joint, the most promising first, until one is not accepted; none where noise alone is left.
+    """Learn forces joint by joint, the most promising first, until one is not accepted.
+
+    Nothing is learned where noise alone is left, or where no log is held out, by which it could be judged.
 
     Args:
         study: model and logs.
@@ -60,6 +62,8 @@ def lessons(study: Study, base: FittedModel, phase: Phase) -> tuple[Lesson, ...]
         phase: is told what begins.
     """
     found: list[Lesson] = []
+    if not study.bench.apart:
+        return ()
     while len(found) < study.settings.learning.joints and not at_floor(base.held_out, study.bench.evidence):
         held = learned_forces(base.model)
         phase("Learning what nobody catalogued")

@@ -53,3 +53,10 @@ def test_where_nothing_is_missing_nothing_is_learned() -> None:
     logs = [log(seed, quiet) for seed in range(4)]
     study = prepare(Comparison(pendulum(), measured(logs[:3], logs[3:]), comparison_settings()))
     assert lessons(study, calibrate(study), lambda text: None) == ()
+
+
+def test_without_held_out_logs_that_could_judge_it_nothing_is_learned() -> None:
+    study = prepare(Comparison(pendulum(), measured([log(seed, magnet) for seed in range(2)]), comparison_settings()))
+    phases: list[str] = []
+    assert lessons(study, calibrate(study), phases.append) == ()
+    assert phases == []

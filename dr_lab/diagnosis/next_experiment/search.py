@@ -9,7 +9,7 @@ from dr_lab.diagnosis.next_experiment.aims import Aim
 from dr_lab.diagnosis.next_experiment.machine import Contender, ExperimentMachine
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.diagnosis.next_experiment.sizes import Sizes
-from dr_lab.diagnosis.next_experiment.trial import tried
+from dr_lab.diagnosis.next_experiment.trial import STABLE, tried
 from dr_lab.diagnosis.next_experiment.worth import Shots
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
@@ -81,7 +81,7 @@ class Search:
         self._time = machine.command_times(duration)
         self._duration = float(self._time[-1])
         self._generator = stream(settings.seed, "next_experiment", f"{duration:g}")
-        self._gentlest, self._reason = np.inf, "a stable simulation"
+        self._gentlest, self._reason = np.inf, STABLE
 
     def run(self) -> Found | NothingFound:
         """The best experiment."""
@@ -93,7 +93,10 @@ class Search:
             safe = self._safe(archive.values[row])
             if safe is not None:
                 found.append(safe)
-        return max(found, key=lambda each: each.value) if found else NothingFound(self._reason)
+        best = max(found, key=lambda each: each.value, default=None)
+        if best is None:
+            return NothingFound(self._reason)
+        return best if np.isfinite(best.value) else NothingFound(STABLE)  # in every refit a window diverges
 
     def _searched(self) -> _Archive:
         settings, machine = self._settings, self._machine

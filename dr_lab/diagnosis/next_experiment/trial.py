@@ -13,6 +13,7 @@ from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Signal
 
+STABLE = "a stable simulation"  # what a diverging experiment leaves
 _FORCE = "force of actuator "
 
 
@@ -108,9 +109,7 @@ def _excess(model: Model, played: Played, machine: ExperimentMachine, looks: flo
     every_name = [name for kind in taken for name in names[kind]]
     shares = np.where(played.infeasible[..., None] | ~np.isfinite(shares), np.inf, shares).max(axis=0)
     which = shares.argmax(axis=1)
-    worst = [
-        every_name[k] if np.isfinite(row[k]) else "a stable simulation" for k, row in zip(which, shares, strict=True)
-    ]
+    worst = [every_name[k] if np.isfinite(row[k]) else STABLE for k, row in zip(which, shares, strict=True)]
     return shares.max(axis=1), worst
 
 

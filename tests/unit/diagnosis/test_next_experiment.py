@@ -139,6 +139,12 @@ def test_where_the_machine_runs_away_by_itself_the_limit_is_told() -> None:
     assert found.reason == "the range of rail"
 
 
+def test_an_experiment_that_no_refit_can_simulate_is_not_proposed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dr_lab.diagnosis.next_experiment.aims.missed", lambda *_: -np.inf)
+    found = separate(COULOMB, VISCOUS, machine(COULOMB), settings(refitted=2))
+    assert found == Refusal("a stable simulation")
+
+
 def test_a_shorter_experiment_is_tried_where_none_is_possible() -> None:
     """A drift by 0.05 N of 2 kg: 0.11 m in 3 s, 0.03 m in 1.5 s."""
     drifting = contender("constant_offset", 0.05)

@@ -284,3 +284,21 @@ def test_a_note_names_its_signal_once() -> None:
     assert told == [
         "- `a` `arm.position`: 4 samples came out of order and were sorted.", "- `a`: a.csv ends within a row."
     ]  # fmt: skip
+
+
+def test_a_learned_force_that_nothing_could_judge_is_not_called_in_vain(close_report: dict[str, Any]) -> None:
+    close_report["learned"] = [
+        {
+            "joint": "arm",
+            "effect": "residual_force@arm",
+            "depends_on": ["angle of arm"],
+            "accepted": False,
+            "removes": 0.8,
+            "predicted": {"swing_01": [4.0, 2.0]},
+        }
+    ]
+    assert "**Learned in vain:**" in page(close_report)
+    close_report["logs"]["held_out"] = []
+    text = page(close_report)
+    assert "in vain" not in text
+    assert "**Learned, not judged:** `residual_force@arm`" in text
