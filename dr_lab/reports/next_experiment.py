@@ -23,7 +23,7 @@ def _refused(proposal: ExperimentEntry) -> str:
     aim = f"separates {_pair(proposal)}" if proposal.separates else "tells more about the parameters"
     return (
         f"No experiment that {aim} may be played: the gentlest that was tried would leave {proposal.reason}. Widen "
-        "`next_experiment.safety.margin` if the machine allows more than the logs show, or shorten "
+        "`next_experiment.safety.margin` if the machine allows more than the logs show, or try other "
         "`next_experiment.durations`."
     )
 

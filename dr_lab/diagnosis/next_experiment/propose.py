@@ -12,6 +12,8 @@ from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.errors import DataError
 from dr_lab.trajectory import Signal
 
+_LEAST_COMMANDS = 3  # the first and the last hold the machine
+
 
 @dataclass(frozen=True)
 class Sharpened:
@@ -96,8 +98,10 @@ def sharpen(
 
 def _longest(aim: Aim, machine: ExperimentMachine, settings: ExperimentSettings) -> Found | NothingFound:
     """The best experiment of the first duration in which there is one."""
-    found: Found | NothingFound = NothingFound("too little time for a window of the logs' length")
+    found: Found | NothingFound = NothingFound("too little time for a window, or for commands as rare as the logs'")
     for duration in settings.durations:
+        if len(machine.command_times(duration)) < _LEAST_COMMANDS:
+            continue
         try:
             found = Search(aim, machine, settings, duration).run()
         except DataError:  # too short for what its windows remember

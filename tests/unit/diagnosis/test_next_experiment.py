@@ -153,6 +153,14 @@ def test_a_shorter_experiment_is_tried_where_none_is_possible() -> None:
     assert found.duration == 1.5
 
 
+@pytest.mark.parametrize(("duration", "rate"), [(0.4, 1.0), (1.0, 1.0), (0.05, 100.0)])
+def test_a_time_without_room_for_commands_or_a_window_is_refused(duration: float, rate: float) -> None:
+    slow = replace(machine(COULOMB), command_rate=rate)
+    found = separate(COULOMB, VISCOUS, slow, settings(durations=[duration]))
+    assert isinstance(found, Refusal)
+    assert "too little time" in found.reason
+
+
 def test_an_experiment_sharpens_what_is_poorly_known() -> None:
     """The linear forecast of a friction's standard deviation is what a fit to the experiment's log then has."""
     unsure = contender("coulomb_friction", 1.0, std=0.5)
