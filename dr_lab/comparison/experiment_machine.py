@@ -99,6 +99,11 @@ def _sent(commands: Sequence[Signal]) -> tuple[float, float]:
 
 
 def _rate(signals: Sequence[Mapping[str, Signal]], most: float) -> float:
-    """Samples a second, Hz: the usual ones of the slowest channel, `most` at most."""
-    every = [each for log in signals for each in log.values() if len(each) > 1]
-    return min([most, *(1 / float(np.median(np.diff(each.time))) for each in every)])
+    """Samples a second, Hz: of each channel the usual ones of the log that has most, of the slowest channel; or `most`.
+
+    A log in which a command hardly changes, as where a machine swings freely, may hold few samples of it.
+    """
+    fastest: dict[str, float] = {}
+    for name, each in ((name, each) for log in signals for name, each in log.items() if len(each) > 1):
+        fastest[name] = max(fastest.get(name, 0.0), 1 / float(np.median(np.diff(each.time))))
+    return min([most, *fastest.values()])

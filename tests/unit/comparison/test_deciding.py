@@ -55,6 +55,15 @@ def test_the_machine_starts_as_its_logs_do_and_keeps_what_they_show() -> None:
     assert machine.kept.low[0] > values.min() - 0.2 * np.ptp(values)
 
 
+def test_a_log_that_swings_freely_slows_no_experiment_down() -> None:
+    logs = [swinging(f"log_{k}", pendulum().nominal(), k) for k in range(2)]
+    off = replace(logs[1].commands["drive"], time=np.array([0.0, 3.0]), value=np.zeros(2))
+    free = prepare(short_comparison(pendulum(), measured([logs[0], replace(logs[1], commands={"drive": off})])))
+    found = experiment_machine(free, calibrate(free), settings())
+    assert found is not None
+    assert found[0].command_rate == pytest.approx(10.0)
+
+
 def test_what_is_poorly_known_is_offered_an_experiment(tmp_path: Path) -> None:
     entry = deciding_experiment(study(), ladder(), settings(poor=1e-6), tmp_path)
     assert entry is not None
