@@ -20,7 +20,7 @@ from dr_lab.diagnosis.windows.commands import silent_actuators
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.gap_entries import NoteEntry
-from dr_lab.trajectory import MeasurementSet
+from dr_lab.trajectory import MeasurementSet, Note
 
 
 def study_notes(study: Study) -> list[NoteEntry]:
@@ -194,12 +194,17 @@ def _data_notes(measured: MeasurementSet) -> list[NoteEntry]:
     logs = (*measured.fit, *measured.held_out)
     every = [(log, note) for log in logs for note in log.notes if note.kind != KIND]
     times = Counter(note for _, note in every)
-    common = [note for note in times if times[note] == len(logs) > 1]
+    common = [note for note in times if len(logs) > 1 and all(note in log.notes for log in logs)]
     return [
-        *(NoteEntry(note.message, note.kind, signal=note.signal, count=note.count * len(logs)) for note in common),
+        *(NoteEntry(_of_each(note), note.kind, signal=note.signal, count=note.count * times[note]) for note in common),
         *(
             NoteEntry(note.message, note.kind, log.name, note.signal, count=note.count)
             for log, note in every
             if note not in common
         ),
     ]
+
+
+def _of_each(note: Note) -> str:
+    """A note's message; where it counts samples, that these are those of one log."""
+    return f"{note.message} The same in each of the logs." if note.count else note.message

@@ -28,7 +28,9 @@ def _learned(report: GapReport) -> str:
         if row.accepted:
             told.append(f"**Learned, not named:** `{row.effect}`, {what}, simulates a part of that{logs}).")
         elif not report.logs.held_out:
-            told.append(f"**Learned, not judged:** `{row.effect}`, {what}: no log is held out that could judge it{logs}).")
+            told.append(
+                f"**Learned, not judged:** `{row.effect}`, {what}: no log is held out that could judge it{logs})."
+            )
         else:
             told.append(
                 f"**Learned in vain:** {what} was tried, and does not predict what it was not learned from{logs})."

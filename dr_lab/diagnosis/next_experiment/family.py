@@ -42,9 +42,9 @@ class Multisines:
     e = Σ aₖ sin(2π fₖ t + φₖ), with one frequency in each of as many bands of log f as there are sines. The edge h
     makes steps of it, as far as these take some commands each. w rises from 0 to 1 as (1 − cos)/2 in the ramp and falls
     likewise, so that an experiment begins and ends with the commands that hold the machine, and no command jumps. Where
-    a wave is larger in a ramp than the middle is near, what would leave the range is cut off. The genes of one actuator lie between 0 and 1: place in its band, phase and amplitude
-    (logarithmic) of every sine, the edge (its root), the middle c between low and high, and the size s (logarithmic),
-    which goes below 0 where limits ask for smaller ones.
+    a wave is larger in a ramp than the middle is near, what would leave the range is cut off. The genes of one actuator
+    lie between 0 and 1: place in its band, phase and amplitude (logarithmic) of every sine, the edge (its root), the
+    middle c between low and high, and the size s (logarithmic), which goes below 0 where limits ask for smaller ones.
     Source: windowed Fourier series as in Swevers et al. 1997, Optimal robot excitation and identification.
 
     Attributes:

@@ -1,0 +1,46 @@
+"""Notes of a report: what the data contract said of logs."""
+
+from dataclasses import replace
+from functools import cache
+
+from diagnosis_machines import measured, pendulum, short_comparison, swinging
+
+from dr_lab.comparison.notes import study_notes
+from dr_lab.comparison.study import Study, prepare
+from dr_lab.reports.gap_entries import NoteEntry
+from dr_lab.trajectory import Note
+
+LOST = Note("nan", "hinge.position", "hinge.position: 3 of 90 samples were dropped.", 3)
+
+
+@cache
+def study() -> Study:
+    logs = [swinging(f"log_{k}", pendulum().nominal(), k) for k in range(2)]
+    return prepare(short_comparison(pendulum(), measured(logs[:1], logs[1:])))
+
+
+def told(first: tuple[Note, ...], second: tuple[Note, ...]) -> list[NoteEntry]:
+    """The notes on samples that were lost, where these are the notes of two logs."""
+    one, other = study().measurements.fit[0], study().measurements.held_out[0]
+    noted = replace(study().measurements, fit=(replace(one, notes=first),), held_out=(replace(other, notes=second),))
+    return [
+        note
+        for note in study_notes(replace(study(), comparison=replace(study().comparison, measurements=noted)))
+        if note.kind == LOST.kind
+    ]
+
+
+def test_what_is_said_of_every_log_is_said_once_and_as_of_each() -> None:
+    (note,) = told((LOST,), (LOST,))
+    assert (note.log, note.count) == (None, 6)
+    assert note.message == f"{LOST.message} The same in each of the logs."
+
+
+def test_what_is_said_twice_of_one_log_is_no_matter_of_every_log() -> None:
+    assert [note.log for note in told((LOST, LOST), ())] == ["log_0", "log_0"]
+
+
+def test_a_note_that_counts_nothing_keeps_its_words() -> None:
+    derived = Note(LOST.kind, "hinge.velocity", "It is made of the position.")
+    (note,) = told((derived,), (derived,))
+    assert (note.log, note.message) == (None, derived.message)
