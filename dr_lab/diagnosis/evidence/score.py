@@ -126,18 +126,17 @@ def _channels(replay: Replay, fit: StateFit, used: Mask, taken: Array) -> dict[s
 def taken_by_states(replay: Replay, fit: StateFit, used: NDArray[np.bool_]) -> Array:
     """Degrees of freedom that a window's fitted unknowns take of each of its scored residuals, shape (w, m).
 
-    diag(2 A − A Aᵀ) with A = Jₛ H⁻¹ J_fᵀ and H = J_fᵀJ_f + P, J_f the slopes of fitted residuals and Jₛ those of the
-    ones that are fitted and scored, P the precision of the prior. What is left of white noise n is (1 − A) n. An
-    unknown that the prior leaves free takes diag(A); one that it holds leaves less of the noise than 1 − diag(A).
+    diag(A) with A = Jₛ H⁻¹ J_fᵀ and H = J_fᵀJ_f + P, J_f the slopes of fitted residuals and Jₛ those of the ones that
+    are fitted and scored, P the precision of the prior. If the unknowns scatter as their prior says, the residuals'
+    covariance before the fit is I + J P⁻¹ Jᵀ = (I − A)⁻¹, and after it I − A. Unknowns nearer to the prior's mean leave
+    less (for all at the mean diag(2 A − A Aᵀ) would count): χ² is then a little low.
 
-    Source: Hastie and Tibshirani, Generalized Additive Models (1990), section 3.5 (error degrees of freedom).
+    Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), section 2.7 (explicit basis
+    functions with a Gaussian prior).
     """
     fitted, both = (np.where(mask[..., None], fit.slopes, 0.0) for mask in (replay.fitted, replay.fitted & used))
-    squares = fitted.transpose(0, 2, 1) @ fitted
-    hessian = squares + np.diag(replay.windows.prior.std**-2.0)
-    towards = np.linalg.solve(hessian, both.transpose(0, 2, 1))
-    moved = np.einsum("wms,wsm->wm", both, towards)
-    return 2 * moved - np.einsum("wsm,wst,wtm->wm", towards, squares, towards)
+    hessian = fitted.transpose(0, 2, 1) @ fitted + np.diag(replay.windows.prior.std**-2.0)
+    return np.einsum("wms,wsm->wm", both, np.linalg.solve(hessian, both.transpose(0, 2, 1)))
 
 
 def _channel_errors(

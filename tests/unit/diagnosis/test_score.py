@@ -111,12 +111,13 @@ def test_orientations_spread_as_angles() -> None:
 
 @pytest.mark.parametrize("spread", [0.05, 1.0, 1e3])
 def test_unknowns_take_what_their_prior_lets_them_take(spread: float) -> None:
-    """Of white noise the ridge estimate leaves tr((1 − A)(1 − A)ᵀ), A = J (JᵀJ + 1/spread²)⁻¹ Jᵀ."""
+    """The ridge estimate leaves (1 − A) C (1 − A)ᵀ, C of noise and unknowns that scatter as their prior says."""
     slopes = np.random.default_rng(0).standard_normal((1, 30, 4))
     used, std = np.ones((1, 30), bool), np.full(4, spread)
     replay = cast(Any, SimpleNamespace(fitted=used, windows=SimpleNamespace(prior=SimpleNamespace(std=std))))
     taken = taken_by_states(replay, cast(Any, SimpleNamespace(slopes=slopes)), used)
     left = np.eye(30) - slopes[0] @ np.linalg.solve(slopes[0].T @ slopes[0] + np.diag(std**-2.0), slopes[0].T)
-    np.testing.assert_allclose(taken[0], 1 - np.diag(left @ left.T), atol=1e-12)
+    before = np.eye(30) + slopes[0] @ np.diag(std**2) @ slopes[0].T  # noise, and unknowns that scatter as the prior
+    np.testing.assert_allclose(taken[0], 1 - np.diag(left @ before @ left.T), atol=1e-9)
     if spread == 1e3:
         assert taken.sum() == pytest.approx(4.0, rel=1e-5)  # free unknowns take one residual each
