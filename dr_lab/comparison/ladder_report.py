@@ -62,7 +62,8 @@ def report_ladder(
     described = [describe(study, fitted_model) for fitted_model in models]
     base, last = ladder.base, models[-1]
     judgement = replace(_judgement(study, ladder), learned=tuple(lesson.entry() for lesson in told.lessons))
-    report = _answer(told.verb, study, ladder, described, judgement)
+    inertia = inertia_entry(last, described[-1].estimate)
+    report = replace(_answer(told.verb, study, ladder, described, judgement), inertia=inertia)
     answer(report, run)
     run.screen.phase("Looking where the model fails and what it misses")
     failing = failure(study, base.model, base.fit.z)  # first, because what misses forces is among its windows
@@ -90,7 +91,6 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
         verdict=_verdict(ladder, study.bench.evidence),
         as_given=as_given(study)[1],
         judgement=judgement,
-        inertia=inertia_entry(ladder.models[-1], described[-1].estimate),
     )
 
 

@@ -32,9 +32,9 @@ def _learned(report: GapReport) -> str:
                 f"**Learned, not judged:** `{row.effect}`, {what}: no log is held out that could judge it{logs})."
             )
         else:
-            told.append(
-                f"**Learned in vain:** {what} was tried, and does not predict what it was not learned from{logs})."
-            )
+            kept = row.effect in steps(report)[-1].effects
+            done = f"`{row.effect}`, {what}, is in the model as you asked, but" if kept else f"{what} was tried, and"
+            told.append(f"**Learned in vain:** {done} does not predict what it was not learned from{logs}).")
     return " ".join(told)
 
 

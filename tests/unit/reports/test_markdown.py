@@ -297,7 +297,11 @@ def test_a_learned_force_that_nothing_could_judge_is_not_called_in_vain(close_re
             "predicted": {"swing_01": [4.0, 2.0]},
         }
     ]
-    assert "**Learned in vain:**" in page(close_report)
+    assert "was tried, and does not predict" in page(close_report)
+    close_report["ladder"].append(close_report["ladder"][-1] | {"effects": ["residual_force@arm"], "learned": True})
+    text = page(close_report)
+    assert "**Learned in vain:** `residual_force@arm`" in text
+    assert "is in the model as you asked, but does not predict" in text
     close_report["logs"]["held_out"] = []
     text = page(close_report)
     assert "in vain" not in text
