@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.effects.generalised_forces import inverse_forces
+from dr_lab.physics.pseudo_inertia import principal, second_moments
 from dr_lab.trajectory import Array
 
 _REACH, _SIZE = 0.3, 0.2  # m, of the bodies that are tried; any would do
@@ -46,12 +47,9 @@ def _with(model: mujoco.MjModel, body: int, centre: Array, second: Array) -> muj
     axes, mass, own = turned.reshape(3, 3), float(model.body_mass[body]), model.body_ipos[body]
     inertia = axes @ np.diag(model.body_inertia[body]) @ axes.T
     place = (mass * own + centre) / (mass + 1.0)
-    spread = np.trace(inertia) / 2 * np.eye(3) - inertia + second
+    spread = second_moments(inertia) + second
     spread = spread + mass * np.outer(own - place, own - place) + np.outer(centre - place, centre - place)
-    values, axes = np.linalg.eigh(spread)
-    axes[:, 0] *= np.sign(np.linalg.det(axes))
-    mujoco.mju_mat2Quat(changed.body_iquat[body], axes.flatten())
+    changed.body_inertia[body], changed.body_iquat[body] = principal(spread)
     changed.body_sameframe[body], changed.body_simple[body] = 0, 0  # its centre is nowhere special any more
     changed.body_mass[body], changed.body_ipos[body] = mass + 1.0, place
-    changed.body_inertia[body] = values.sum() - values
     return changed

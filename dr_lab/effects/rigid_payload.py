@@ -15,6 +15,7 @@ from dr_lab.effects.special_case import SpecialCase
 from dr_lab.errors import UnknownNameError
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
+from dr_lab.physics.pseudo_inertia import principal
 from dr_lab.trajectory import Array
 
 _PLACE = ("distance", "side", "along")
@@ -131,12 +132,8 @@ class RigidPayload(Effect, SpecEdit):
         root = np.diag([values[name] for name in _SPREAD])
         for place, name in zip(_SKEWS, _SKEW, strict=True):
             root[place] = values[name]
-        squares, axes = np.linalg.eigh(values["mass"] * root @ root.T)
-        axes = mount.axes @ axes
-        axes[:, 0] *= np.sign(np.linalg.det(axes))
-        turned, squares = np.zeros(4), np.maximum(squares, 0.0)
-        mujoco.mju_mat2Quat(turned, axes.flatten())
-        load.iquat, load.inertia = turned, squares.sum() - squares
+        root = mount.axes @ root
+        load.inertia, load.iquat = principal(values["mass"] * root @ root.T)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """A small body at several distances."""

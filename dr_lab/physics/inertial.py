@@ -73,6 +73,7 @@ class BodyInertial:
         body = spec.body(self.body)
         body.mass, body.ipos = float(found.mass[0]), found.centre[0]
         body.iquat, body.inertia = found.axes[0], found.moments[0]
+        body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT  # the file's euler or axes would win over iquat
         body.fullinertia, body.simple = np.full(6, np.nan), False
 
 

@@ -45,6 +45,15 @@ def second_moments(tensor: Array) -> Array:
     return np.trace(tensor, axis1=-2, axis2=-1)[..., None, None] / 2 * np.eye(3) - tensor
 
 
+def principal(second: Array) -> tuple[Array, Array]:
+    """Principal moments of inertia (…, 3), and quaternions of their axes (…, 4), of second moments Σ (…, 3, 3)."""
+    values, axes = np.linalg.eigh(second)
+    values = np.maximum(values, 0.0)
+    axes[np.linalg.det(axes) < 0, :, 0] *= -1.0
+    # Sums of two, not the sum of all less one: so A + B ≥ C is kept to the last bit, which MuJoCo asks for.
+    return values[..., [1, 0, 0]] + values[..., [2, 2, 1]], Rotation.from_matrix(axes).as_quat()[..., _LAST]
+
+
 @dataclass(frozen=True)
 class LogCholesky:
     """Bodies near a nominal one, by ten numbers that are 0 for the nominal body and have no unit.
@@ -90,13 +99,8 @@ class LogCholesky:
             deformed[:, *place] = shear[:, column]
         root = self.root @ deformed
         weight = self.mass * np.exp(mass[:, 0])
-        values, axes = np.linalg.eigh(root @ root.transpose(0, 2, 1))
-        values = np.maximum(values, 0.0)
-        axes[np.linalg.det(axes) < 0, :, 0] *= -1.0
-        moments = weight[:, None] * (values.sum(1, keepdims=True) - values)
-        return Inertial(
-            weight, self.centre + shift @ self.root.T, moments, Rotation.from_matrix(axes).as_quat()[:, _LAST]
-        )
+        moments, axes = principal(weight[:, None, None] * (root @ root.transpose(0, 2, 1)))
+        return Inertial(weight, self.centre + shift @ self.root.T, moments, axes)
 
 
 _LAST = [3, 0, 1, 2]  # SciPy's scalar comes last

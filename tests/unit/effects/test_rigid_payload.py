@@ -70,6 +70,15 @@ def test_no_value_gives_a_body_that_cannot_exist() -> None:
         assert np.linalg.eigvalsh(second_moments(tensor))[0] >= -1e-12 * max(body.inertia.max(), 1e-12)
 
 
+def test_a_flat_body_can_exist() -> None:
+    """A sheet has A + B = C, and short of that by the last bit MuJoCo compiles nothing."""
+    rng, machine = np.random.default_rng(0), arm()
+    model = machine.with_effect(placed(machine, "rigid_payload", "link7"))
+    for spread in rng.uniform(0.01, 0.1, (150, 3)):
+        flat = {"mass": 1.0, "spread_x": spread[0], "spread_y": spread[1], "spread_z": 0.0, "skew_xy": spread[2]}
+        model.compile(model.space.vector({f"rigid_payload@link7.{name}": value for name, value in flat.items()}))
+
+
 def test_without_its_further_parameters_it_acts_as_a_payload() -> None:
     case = RigidPayload.holds["payload"]
     ours = with_effect(arm(), "rigid_payload", "link6", mass=0.4, distance=0.07, **dict.fromkeys(case.further, 0.0))

@@ -7,7 +7,7 @@ import pytest
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.inertial import FIELDS
 from dr_lab.physics.model import Model, from_spec
-from dr_lab.physics.pseudo_inertia import SHORT, LogCholesky, second_moments
+from dr_lab.physics.pseudo_inertia import SHORT, Inertial, LogCholesky, principal, second_moments
 from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
 
@@ -64,6 +64,17 @@ def test_ten_times_the_bounds_are_still_bodies() -> None:
     assert (smallest >= -1e-9 * found.moments.max(1)).all()
 
 
+def test_a_sheet_is_a_body() -> None:
+    """It has A + B = C, and short of that by the last bit MuJoCo compiles nothing."""
+    rng = np.random.default_rng(7)
+    roots = rng.normal(size=(2000, 3, 2))
+    moments, axes = principal(roots @ roots.transpose(0, 2, 1))
+    largest, *others = np.sort(moments)[:, ::-1].T
+    assert (others[0] + others[1] >= largest).all()
+    one = Inertial(np.ones(2000), np.zeros((2000, 3)), moments, axes)
+    np.testing.assert_allclose(second_moments(one.tensor), roots @ roots.transpose(0, 2, 1), atol=1e-12)
+
+
 def test_at_zero_stands_the_body_of_the_file() -> None:
     plain, model = mujoco.MjSpec.from_string(XML).compile(), declared()
     np.testing.assert_array_equal(model.space.nominal, np.zeros(30))
@@ -74,6 +85,18 @@ def test_at_zero_stands_the_body_of_the_file() -> None:
     mujoco.mj_forward(plain, data)
     mujoco.mj_forward(nominal, other)
     np.testing.assert_allclose(other.qacc, data.qacc, rtol=1e-6)  # the rod has a thickness of 1e-4 of its length
+
+
+@pytest.mark.parametrize("turn", ['euler="30 20 10"', 'axisangle="1 0 0 40"', 'xyaxes="0 1 0 1 0 0"'])
+def test_at_zero_stands_the_body_however_its_axes_are_given(turn: str) -> None:
+    text = XML.replace('quat="0.6 0 0.8 0" diaginertia="0.02 0.018 0.006"', f'{turn} diaginertia="0.006 0.02 0.018"')
+    spec = mujoco.MjSpec.from_string(text)
+    plain, model = spec.copy().compile(), from_spec("two", spec, {"inertial": ["lower"]}).nominal()
+    given, found = (
+        Inertial(each.mass, each.ipos[None], each.inertia[None], each.iquat[None]).tensor[0]
+        for each in (plain.body("lower"), model.body("lower"))
+    )
+    np.testing.assert_allclose(found, given, atol=1e-12)
 
 
 def test_the_numbers_mean_what_they_say() -> None:
