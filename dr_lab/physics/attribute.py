@@ -139,11 +139,20 @@ class JointTurn(Askew):
 
     def read(self, at: Address, spec: mujoco.MjSpec) -> float:
         """Nominal value in the spec."""
-        if at.part(spec).frame is not None:
-            raise ModelError(
-                f"Target {at}: joint {at.element!r} stands in a <frame>, whose axes are not its body's. Take it out."
-            )
+        require_no_frame(at, spec)
         return 0.0
+
+
+def require_no_frame(at: Address, spec: mujoco.MjSpec) -> None:
+    """Check that what the file says of an element's place or axis is what the compiled model holds.
+
+    Raises:
+        ModelError: it stands in a <frame>, which moves and turns it.
+    """
+    if at.part(spec).frame is not None:
+        raise ModelError(
+            f"Target {at}: {at.kind} {at.element!r} stands in a <frame>, which moves and turns it. Take it out."
+        )
 
 
 def turned(field: str, before: np.ndarray, axis: int, angle: np.ndarray) -> np.ndarray:

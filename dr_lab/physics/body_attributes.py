@@ -7,7 +7,7 @@ import numpy as np
 
 from dr_lab.errors import ModelError
 from dr_lab.physics.address import Address, FieldEdit
-from dr_lab.physics.attribute import Askew, Attribute, Edits, Element, Entry
+from dr_lab.physics.attribute import Askew, Attribute, Edits, Element, Entry, require_no_frame
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,16 @@ class InertialEntry(Entry):
         super().write(at, spec, value)
         if at.attribute == "ipos":
             at.part(spec).simple = False
+
+
+@dataclass(frozen=True)
+class BodyPlace(Entry):
+    """A body's place on its parent, along the parent's axes."""
+
+    def read(self, at: Address, spec: mujoco.MjSpec) -> float:
+        """Nominal value in the spec."""
+        require_no_frame(at, spec)
+        return super().read(at, spec)
 
 
 class BodyMass(Attribute):

@@ -9,7 +9,7 @@ from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.actuator_attributes import ForceLimit, ForceRange, ServoGain, TimeConstant
 from dr_lab.physics.address import Address
 from dr_lab.physics.attribute import Angle, Attribute, Edits, Entry, JointTurn, OptionEntry, position
-from dr_lab.physics.body_attributes import BodyMass, BodyTurn, InertialEntry, InertiaScale
+from dr_lab.physics.body_attributes import BodyMass, BodyPlace, BodyTurn, InertialEntry, InertiaScale
 
 _PATTERN = re.compile(r"^(?P<kind>\w+)\.(?:(?P<element>.+)\.)?(?P<attribute>\w+?)(?:\[(?P<index>\d+)\])?$")
 
@@ -20,7 +20,7 @@ _ATTRIBUTES: Mapping[str, Mapping[str, Attribute]] = {
         "inertia": InertialEntry(3, "body_inertia"),
         "inertia_scale": InertiaScale(),
         "ipos": InertialEntry(3, "body_ipos"),
-        "pos": Entry(3, "body_pos"),
+        "pos": BodyPlace(3, "body_pos"),
         "turn": BodyTurn(),
     },
     "joint": {

@@ -128,3 +128,12 @@ def test_what_an_element_does_not_have_is_refused(text: str, told: str) -> None:
     tipped.alt.type, tipped.alt.euler = mujoco.mjtOrientation.mjORIENTATION_EULER, [0.1, 0.0, 0.0]
     with pytest.raises(ModelError, match=told):
         Target.parse(text).read(one)
+
+
+@pytest.mark.parametrize("text", ["body.framed.pos[0]", "joint.inner.turn[1]"])
+def test_what_a_frame_moves_is_refused(text: str) -> None:
+    """The compiled model holds other numbers there than the file."""
+    framed = """<mujoco><worldbody><frame pos="0.1 0 0" quat="0.6 0 0.8 0"><body name="framed" pos="0.2 0 0">
+      <frame quat="0.6 0 0.8 0"><joint name="inner"/></frame><geom size="0.1"/></body></frame></worldbody></mujoco>"""
+    with pytest.raises(ModelError, match="stands in a <frame>"):
+        Target.parse(text).read(mujoco.MjSpec.from_string(framed))
