@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import mujoco
+import numpy as np
 
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, slides
@@ -12,6 +13,8 @@ from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
 Start = Mapping[str, float]
+
+_UNSET = -1.0  # springlength by which MuJoCo means the tendon's length in the joints' rest positions
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,8 @@ class JointCoupling(JointEffect, SpecEdit):
         tendon.wrap_joint(_before(spec, site), 1.0)
         tendon.wrap_joint(site, -values["ratio"])
         tendon.stiffness = [values["stiffness"], 0.0, 0.0]
-        tendon.springlength = [values["rest"], values["rest"]]
+        rest = values["rest"] if values["rest"] != _UNSET else np.nextafter(_UNSET, 0.0)
+        tendon.springlength = [rest, rest]
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Start, ...]:
         """A light coupling of either sign."""

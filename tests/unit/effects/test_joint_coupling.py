@@ -27,6 +27,15 @@ def test_both_joints_feel_the_spring() -> None:
         np.testing.assert_allclose(data.qfrc_passive, [-STIFFNESS * stretch, RATIO * STIFFNESS * stretch], rtol=1e-9)
 
 
+def test_a_rest_of_minus_one_is_a_number_like_others() -> None:
+    """MuJoCo takes a springlength of -1 for one that nobody gave."""
+    model = with_effect(elbow(), "joint_coupling", "elbow", stiffness=STIFFNESS, ratio=RATIO, rest=-1.0)
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0.3, 0.7]
+    mujoco.mj_forward(model, data)
+    assert data.qfrc_passive[0] == pytest.approx(-STIFFNESS * (0.3 - RATIO * 0.7 + 1.0))
+
+
 def test_energy_is_kept() -> None:
     model = coupled()
     model.dof_damping[:] = 0.0
