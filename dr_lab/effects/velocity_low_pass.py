@@ -38,6 +38,7 @@ class VelocityLowPass(JointEffect, SensorTransform):
     family: ClassVar[str] = "sensing"
     law: ClassVar[str] = "tau reading' + reading = q'"
     fingerprint: ClassVar[str] = "residual of the velocity alone proportional to acceleration; the position fits"
+    limited: ClassVar[tuple[str, ...]] = ("tau",)  # by windows.margin
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_time_offset", "sensor_low_pass")
     lacks: ClassVar[str] = "the filter, which belongs to the measurement and not to the model"
 

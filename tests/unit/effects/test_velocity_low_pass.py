@@ -48,6 +48,11 @@ def test_looks_back_no_farther_than_the_windows_keep() -> None:
     assert back < instantiate(OmegaConf.load(CONF / "comparison" / "default.yaml").windows).margin
 
 
+def test_its_bound_is_not_moved_beyond_what_the_windows_keep() -> None:
+    one = placed(block(), "velocity_low_pass", "rail")
+    assert one.effect.limit("tau", kept=1.0, margin=0.02) == 0.0
+
+
 @pytest.mark.parametrize(
     ("channels", "looked_for"),
     [
