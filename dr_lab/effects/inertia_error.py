@@ -11,6 +11,7 @@ import numpy as np
 from dr_lab.effects.body_effect import moving_bodies, with_inertial
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import inverse_forces
+from dr_lab.physics.body_attributes import scale_inertia
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
@@ -63,8 +64,7 @@ class InertiaError(Effect, SpecEdit):
         """Scale the inertia, in whichever form it stands."""
         factor = values["factor"]
         if factor != 1:
-            body = with_inertial(spec, site)
-            body.inertia, body.fullinertia = factor * body.inertia, factor * body.fullinertia
+            scale_inertia(with_inertial(spec, site), factor)
 
 
 def _wider(model: mujoco.MjModel, site: str, poses: int) -> np.ndarray:

@@ -9,6 +9,8 @@ from dr_lab.errors import ModelError
 from dr_lab.physics.address import Address, FieldEdit
 from dr_lab.physics.attribute import Askew, Attribute, Edits, Element, Entry, require_no_frame
 
+_ROUNDING = 4 * np.finfo(float).eps  # share of a sum, by which those of scaled moments may be off
+
 
 @dataclass(frozen=True)
 class InertialEntry(Entry):
@@ -52,7 +54,7 @@ class BodyMass(Attribute):
     def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
         """Set the value in a fresh spec."""
         body = at.part(spec)
-        _scale_inertia(body, value / body.mass)
+        scale_inertia(body, value / body.mass)
         body.mass = value
 
     def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
@@ -72,7 +74,7 @@ class InertiaScale(Attribute):
 
     def write(self, at: Address, spec: mujoco.MjSpec, value: float) -> None:
         """Set the value in a fresh spec."""
-        _scale_inertia(at.part(spec), value)
+        scale_inertia(at.part(spec), value)
 
     def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
         """Compiled fields that carry the value."""
@@ -99,8 +101,17 @@ def _with_inertial(at: Address, spec: mujoco.MjSpec) -> Element:
     return body
 
 
-def _scale_inertia(body: Element, factor: float) -> None:
+def scale_inertia(body: Element, factor: float) -> None:
+    """Multiply a body's inertia in whichever form it stands.
+
+    Of a sheet, A + B = C, rounding does not take A + B below C, which MuJoCo refuses.
+    """
     if np.isfinite(body.fullinertia[0]):
         body.fullinertia = np.asarray(body.fullinertia) * factor
     else:
-        body.inertia = np.asarray(body.inertia) * factor
+        small, middle, large = np.argsort(body.inertia)
+        moments = np.asarray(body.inertia) * factor
+        others = moments[small] + moments[middle]
+        if moments[large] - others < _ROUNDING * others:
+            moments[large] = min(moments[large], others)
+        body.inertia = moments

@@ -62,6 +62,20 @@ def test_mass_takes_the_inertia_along() -> None:
     np.testing.assert_allclose(model.body("arm").inertia, [6, 4, 2])
 
 
+@pytest.mark.parametrize("text", ["body.sheet.mass", "body.sheet.inertia_scale"])
+def test_a_sheet_stays_a_body_at_every_mass(text: str) -> None:
+    """Of 13 of these values rounding would take A + B below C, which MuJoCo refuses."""
+    sheet = spec()
+    body = sheet.worldbody.add_body(name="sheet", mass=0.7, inertia=[0.013, 0.0204, 0.0334], explicitinertial=True)
+    body.add_joint(name="turn")
+    for value in np.linspace(0.2, 2.0, 1000):
+        one = sheet.copy()
+        Target.parse(text).write(one, float(value))
+        first, second, third = one.body("sheet").inertia
+        assert first + second >= third
+    one.compile()
+
+
 def test_linear_damping_leaves_the_polynomial_alone() -> None:
     one = spec()
     Target.parse("joint.hinge.damping").write(one, 0.9)
