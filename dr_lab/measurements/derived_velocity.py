@@ -75,7 +75,8 @@ def without_derived(
     Args:
         logs: all logs.
         noise: of each measured channel.
-        contract: `derived` is the largest share of std(n) ‖F‖ that may be left, in every log.
+        contract: `derived` is the largest share of std(n) ‖F‖ that may be left, in every log that is long enough to
+            tell, of which there is one at least.
 
     Returns:
         The logs, and the channels that were left out.
@@ -85,9 +86,10 @@ def without_derived(
     for name in names if contract.derived > 0 else ():
         place = name.removesuffix(_VELOCITY) + _POSITION
         if place in logs[0].outputs:
-            each = [derived(log.outputs[place], log.outputs[name], noise[place].std, contract.derived) for log in logs]
+            pairs = [(log.outputs[place], log.outputs[name]) for log in logs if _tells(log.outputs[place])]
+            each = [derived(*pair, noise[place].std, contract.derived) for pair in pairs]
             known = [one for one in each if one is not None]
-            if len(known) == len(logs):
+            if known and len(known) == len(each):
                 found[name] = max(known, key=lambda one: one.share).note(place, name)
     return tuple(_without(log, found) for log in logs), frozenset(found)
 
@@ -108,13 +110,10 @@ def derived(position: Signal, velocity: Signal, std: float, most: float) -> Deri
     time, value = position.time, velocity.value
     if len(time) != len(velocity) or np.abs(time - velocity.time).max() > _SAME_TIME:
         return None
-    steps = np.diff(time)
-    period = float(np.median(steps))
-    late = np.append(0.0, steps > _LATE * period)
-    settled = np.flatnonzero(np.convolve(late, np.ones(_SETTLING))[: len(time)] < 0.5)
-    settled = settled[settled >= _SETTLING]
-    if len(settled) < _FEWEST:
+    if not _tells(position):
         return None
+    steps, settled = np.diff(time), _settled(time)
+    period = float(np.median(steps))
     for wait in (steps, np.full(len(steps), period)):
         rough = np.append(0.0, np.diff(position.value) / wait)
         for shape in _SHAPES:
@@ -123,6 +122,21 @@ def derived(position: Signal, velocity: Signal, std: float, most: float) -> Deri
             if one and one.share <= most:
                 return one
     return None
+
+
+def _tells(position: Signal) -> bool:
+    """Whether there are samples enough for a filter to be told from none."""
+    return len(_settled(position.time)) >= _FEWEST
+
+
+def _settled(time: Array) -> NDArray[np.intp]:
+    """Samples before which none is missing for so long that a filter has settled."""
+    steps = np.diff(time)
+    if len(steps) < _SETTLING:
+        return np.empty(0, np.intp)
+    late = np.append(0.0, steps > _LATE * float(np.median(steps)))
+    settled = np.flatnonzero(np.convolve(late, np.ones(_SETTLING))[: len(time)] < 0.5)
+    return settled[settled >= _SETTLING]
 
 
 class _Filter(NamedTuple):

@@ -129,3 +129,12 @@ def test_it_is_kept_where_the_contract_says_so_or_a_log_has_another(tmp_path: Pa
         measured = logs(tmp_path, changed, made=made)
         assert set(measured.noise) == {"q.position", "q.velocity"}
         assert not [note for log in measured.fit for note in log.notes if note.kind == "derived"]
+
+
+def test_a_short_log_beside_a_long_one_hides_nothing(tmp_path: Path, contract: DataContract) -> None:
+    for k, count in enumerate((2000, 150)):
+        time, angle, _ = swing(count=count, seed=k)
+        csv(tmp_path / f"log_{k}.csv", time=time, q=angle, v=np.append(0.0, np.diff(angle) / PERIOD))
+    outputs = {"q.position": {"column": "q", "unit": "rad"}, "q.velocity": {"column": "v", "unit": "rad/s"}}
+    measured = read("swing", [str(tmp_path / "*.csv")], outputs, contract, fit=["log_0"], held_out=["log_1"])
+    assert set(measured.noise) == {"q.position"}
