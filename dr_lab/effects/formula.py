@@ -19,7 +19,8 @@ from dr_lab.trajectory import Array
 
 _VARIABLES = ("q", "v", "u", "t")
 _OTHERS = (".q", ".v", ".u")  # position, velocity of a joint and command of an actuator that goes before the dot
-_KEYS = ("unit", "nominal", "low", "high")
+_NUMBERS = ("nominal", "low", "high")
+_KEYS = ("unit", *_NUMBERS)
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,8 @@ class Formula(JointEffect, ForceLaw):
         start: values of the fits that start away from absent, by name; empty for none.
 
     Raises:
-        ConfigError: the expression cannot be read, or a parameter is not used by it or lacks a bound.
+        ConfigError: the expression cannot be read, or a parameter is not used by it, is called as a variable, or lacks
+            a bound.
         UnknownNameError: a parameter has a key that does not exist, or a start names another parameter.
     """
 
@@ -58,16 +60,16 @@ class Formula(JointEffect, ForceLaw):
     def __post_init__(self) -> None:
         read = self._read()
         for name, entry in self.free.items():
-            if name in _VARIABLES or name not in read.used:
+            if name in _VARIABLES:
+                raise ConfigError(
+                    f"Formula {self.expression!r}: {name!r} cannot be a parameter, for {', '.join(_VARIABLES)} are the "
+                    "joint's position and velocity, the command and the time. Give the parameter another name."
+                )
+            if name not in read.used:
                 raise ConfigError(
                     f"Formula {self.expression!r}: the parameter {name!r} is not in it. Use it, or delete it."
                 )
-            for key in entry:
-                if key not in _KEYS:
-                    raise UnknownNameError("key", key, _KEYS, f"parameter {name!r} of the formula")
-            missing = [key for key in _KEYS if key not in entry]
-            if missing:
-                raise ConfigError(f"Formula: the parameter {name!r} has no {', '.join(missing)}.")
+            _require_whole(name, entry)
         for start in self.start:
             for name in start:
                 if name not in self.free:
@@ -116,6 +118,19 @@ class Formula(JointEffect, ForceLaw):
     def _others(self) -> tuple[str, ...]:
         """Variables of named joints and actuators."""
         return tuple(name for name in dotted_names(self.expression) if name.endswith(_OTHERS))
+
+
+def _require_whole(name: str, entry: Mapping[str, float | str]) -> None:
+    """Check that a parameter's entry has all of its keys, none beside them, and numbers where numbers belong."""
+    for key in entry:
+        if key not in _KEYS:
+            raise UnknownNameError("key", key, _KEYS, f"parameter {name!r} of the formula")
+    missing = [key for key in _KEYS if key not in entry]
+    if missing:
+        raise ConfigError(f"Formula: the parameter {name!r} has no {', '.join(missing)}.")
+    for key in _NUMBERS:
+        if not isinstance(entry[key], int | float) or isinstance(entry[key], bool):
+            raise ConfigError(f"Formula: {key} of the parameter {name!r} is {entry[key]!r}; expected a number.")
 
 
 class _Source(NamedTuple):

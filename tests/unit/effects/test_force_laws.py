@@ -177,6 +177,10 @@ def test_parameters_that_a_formula_lacks_are_refused() -> None:
         formula("-k * q", "k", "b")
     with pytest.raises(ConfigError, match="no nominal, low"):
         Formula("-k * q", {"k": {"unit": "1", "high": 1.0}})
+    with pytest.raises(ConfigError, match="'v' cannot be a parameter"):
+        formula("-k * v", "k", "v")
+    with pytest.raises(ConfigError, match="low of the parameter 'k' is 'none'; expected a number"):
+        Formula("-k * q", {"k": {"unit": "1", "nominal": 0.0, "low": "none", "high": 1.0}})
     with pytest.raises(UnknownNameError, match="lowest"):
         Formula("-k * q", {"k": {"unit": "1", "nominal": 0.0, "low": 0.0, "high": 1.0, "lowest": 0.0}})
 
