@@ -29,7 +29,8 @@ class EncoderEccentricity(SensorEffect, Periodic):
     where a or b is not zero and is none where the user gives it.
     Limits: positions of hinge and slide joints. The velocity of the same encoder is (1 + n a cos(n q) − n b sin(n q))
     q', but a reading of the velocity does not know the position: its channel is left as it is. Within a small range of
-    motion a is a scale and b a bias.
+    motion a is a scale and b a bias. Where n √(a² + b²) is 1 or more, several positions have one reading, and windows
+    begin at a wrong one.
     Source: HEIDENHAIN, Angle Encoders without Integral Bearing (eccentricity of the graduation: e/r).
 
     Attributes:
@@ -44,6 +45,7 @@ class EncoderEccentricity(SensorEffect, Periodic):
     family: ClassVar[str] = "sensing"
     law: ClassVar[str] = "reading = q + a sin(n q) + b cos(n q)"
     fingerprint: ClassVar[str] = "residual that repeats once a turn, or n times, at every speed and load"
+    limited: ClassVar[tuple[str, ...]] = ("sine", "cosine")  # a reading that turns back tells no position
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_scale", "sensor_bias", "cogging")
     lacks: ClassVar[str] = "the eccentricity, which belongs to the measurement and not to the model"
 

@@ -26,14 +26,16 @@ class SensorScale(ScalarSensorEffect):
     well is a `sensor_bias` besides. If everything is linear in the motion, a drive with 1 + s times the force looks the
     same. A gear of another ratio r than the model's gives the joint r times the torque (`torque_scale`), and where the
     encoder sits at the motor also a reading r times as large (excess r − 1): these two are it. The start of a window is
-    found from its reading by iterations that leave an error of s⁴; this bounds s.
+    found from its reading by iterations that leave an error of s⁹; this bounds s.
     Source: Hollerbach, Khalil and Gautier, Springer Handbook of Robotics (2016), chapter 6 (gains of the sensors).
 
     Attributes:
-        largest: largest |s|.
+        largest: largest |s| that is looked for at first.
+        farthest: largest |s| to which that bound is moved where a fit runs into it.
     """
 
     largest: float
+    farthest: float
 
     name: ClassVar[str] = "sensor_scale"
     family: ClassVar[str] = "sensing"
@@ -46,6 +48,11 @@ class SensorScale(ScalarSensorEffect):
         """The excess."""
         del model, site, scales
         return (Parameter("excess", "1", 0.0, -self.largest, self.largest),)
+
+    def limit(self, name: str, kept: float, margin: float) -> float:
+        """As far as the windows' starts are found."""
+        del name, kept, margin
+        return self.farthest
 
     def reading(self, site: str, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
         """Every channel of the site, scaled."""

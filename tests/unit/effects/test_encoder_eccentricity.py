@@ -37,6 +37,11 @@ def test_each_context_has_its_own() -> None:
     assert model.reading(z, "hinge.velocity", turning, START) is turning
 
 
+def test_its_bounds_stay_where_a_reading_tells_one_position() -> None:
+    effect = placed(hanging(), "encoder_eccentricity", "hinge").effect
+    assert effect.limit("sine", kept=0.3, margin=0.02) == effect.limit("cosine", kept=0.3, margin=0.02) == 0.0
+
+
 def test_a_slides_error_repeats_with_the_lead_of_its_screw() -> None:
     found = catalogue_effect("encoder_eccentricity")
     assert isinstance(found, EncoderEccentricity)

@@ -1,6 +1,8 @@
 import numpy as np
+import pytest
 from effect_machines import block, hanging, motion, placed, with_effect
 
+from dr_lab.diagnosis.windows.invert_reading import unread
 from dr_lab.trajectory import Array
 
 START = np.zeros((1, 1))
@@ -22,6 +24,15 @@ def test_position_and_velocity_are_scaled_about_zero() -> None:
 def test_bounds_are_symmetric() -> None:
     (parameter,) = placed(block(), "sensor_scale", "rail").parameters
     assert (parameter.low, parameter.nominal, parameter.high) == (-0.2, 0.0, 0.2)
+
+
+def test_its_bound_is_moved_as_far_as_windows_starts_are_found() -> None:
+    """A reading (1 + s) q is undone by rounds that leave s⁹ of it."""
+    excess = placed(block(), "sensor_scale", "rail").effect.limit("excess", kept=0.3, margin=0.02)
+    assert excess == 0.5
+    reported = np.array([[1.0 + excess], [0.0], [0.0]])
+    found, _ = unread(reported, lambda *, read: lambda time: (1.0 + excess) * read(time))
+    assert reported[0, 0] + found[0, 0] == pytest.approx(1.0, abs=2e-3)
 
 
 def test_another_gear_ratio_is_a_torque_and_a_reading_of_another_size() -> None:
