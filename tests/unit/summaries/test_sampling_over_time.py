@@ -20,9 +20,7 @@ LOW, HIGH = 0.0, 1.0
 Drawn = Sequence[tuple[int, float]]
 
 
-def drew(
-    folder: Path, drawn: Drawn, *overrides: str, span: tuple[float, float] = (LOW, HIGH), trained: int = 240
-) -> None:
+def drew(folder: Path, drawn: Drawn, *overrides: str, span: tuple[float, float] = (LOW, HIGH)) -> None:
     """A training that drew some masses, each after so many control steps, uniform in a range when it began."""
     edges = [LOW, *span, HIGH]
     inside = {"edges": edges, "initial": [0.0, 1.0, 0.0], "probability": [0.0, 1.0, 0.0]}
