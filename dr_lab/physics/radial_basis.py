@@ -29,11 +29,6 @@ class Input:
     name: str
     scale: float
 
-    @property
-    def unit(self) -> str:
-        """Unit of the scale, as far as it is known here."""
-        return {"angle": "rad", "place": "m"}.get(self.quantity, "")
-
 
 class Seen(NamedTuple):
     """Positions, velocities and controls of n states, shapes (n, nq), (n, nv) and (n, nu)."""
