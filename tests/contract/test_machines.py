@@ -2,18 +2,22 @@
 
 import collections
 import functools
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
 from dr_lab.benchmark.case import BenchmarkMachine, Case
 from dr_lab.benchmark.listed import Entry
+from dr_lab.benchmark.redrawn import Redrawn
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.groups import every
 from dr_lab.cli.targets import locate
+from dr_lab.errors import ConfigError
 
 MACHINES = every("machine", (shipped(),))
 HIDDEN = shipped() / "plant" / "hidden"
@@ -110,6 +114,63 @@ def test_entries_give_every_number_that_is_asked_for() -> None:
 
 def test_the_table_is_part_of_the_strangers() -> None:
     assert set(cases_of("table")) <= set(cases_of("strangers"))
+
+
+def drawn(number: int) -> dict[str, Case]:
+    chosen = compose_arguments("benchmark", ["benchmark=redrawn", f"draw={number}"], (shipped(),))["plan"].chosen()
+    return {case.name.removesuffix(f"_draw_{number}"): case for case in chosen}
+
+
+def test_a_drawing_has_every_stranger_with_other_seeds_sizes_and_noise() -> None:
+    listed = {case.name: case for case in cases_of("strangers")}
+    first, again, second = drawn(1), drawn(1), drawn(2)
+    assert first == again
+    assert first.keys() == second.keys() == listed.keys()
+    for name, case in first.items():
+        old, other = listed[name], second[name]
+        assert (case.machine, case.kind, case.hidden, case.diagnose) == (
+            old.machine,
+            old.kind,
+            old.hidden,
+            old.diagnose,
+        )
+        assert len({case.seed, old.seed, other.seed}) == 3
+        assert case.record != other.record or not hidden_in(case), name
+    assert len({case.seed for case in first.values()}) == len(first)
+
+
+def test_drawn_sizes_keep_within_the_spread_and_shares_keep_their_side_of_one() -> None:
+    drawn_again = Redrawn("single", {}, 3, 1.4, ["torque_scale.gain"], ["end_stop.loss"], ["white"])
+    sizes = [_sized(drawn_again, seed) for seed in range(200)]
+    for size in sizes:
+        assert 0.1 / 1.4 - 1e-4 <= size["stiffness"] <= 0.1 * 1.4 + 1e-4
+        assert size["rest"] / size["stiffness"] == pytest.approx(2.0, rel=1e-3)
+        assert 0.8**1.4 - 1e-4 <= size["gain"] <= 0.8 ** (1 / 1.4) + 1e-4
+        assert (size["loss"], size["periods"], size["other"]) == (0.5, 9, "shoulder")
+    logs = np.log([size["stiffness"] / 0.1 for size in sizes]) / np.log(1.4)
+    assert abs(logs.mean()) < 3 / np.sqrt(3 * len(sizes))
+
+
+def _sized(drawing: Redrawn, seed: int) -> dict[str, Any]:
+    hide = {
+        "spring@wheel": {"stiffness": 0.1, "rest": 0.2},
+        "torque_scale@motor": {"gain": 0.8},
+        "end_stop@wheel": {"loss": 0.5},
+        "cogging@wheel": {"periods": 9},
+        "joint_coupling@wheel": {"other": "shoulder"},
+    }
+    entry = {"machine": "wheel", "seed": 0, "hide": hide}
+    machine = BenchmarkMachine([], [], [], [], [])
+    (case,) = replace(drawing, draw=seed, entries={"a": entry}).cases("set", {"wheel": machine})
+    pairs = (text.partition("=") for text in case.record if "part_" in text and "general" not in text)
+    return {place.rpartition(".")[2]: yaml.safe_load(value) for place, _, value in pairs if "site" not in place}
+
+
+def test_a_drawing_needs_instruments_and_a_spread() -> None:
+    with pytest.raises(ConfigError, match=r"spread is 0\.5"):
+        Redrawn("single", {}, 1, 0.5, [], [], ["white"])
+    with pytest.raises(ConfigError, match="noises is empty"):
+        Redrawn("single", {}, 1, 1.5, [], [], [])
 
 
 @pytest.mark.parametrize("case", cases_of("strangers")[::9], ids=lambda case: case.name)
