@@ -54,7 +54,7 @@ class Rig:
         hidden: the hidden effect.
         excitation: shape of what is wished of each actuator, with its limit.
         operator: what makes commands of the wish.
-        peaks: largest size of the wish in each log; their number is the number of logs, log_1, log_2 ….
+        peaks: largest size of the wish in each log; their number is the number of logs.
         shares: size of an actuator's wish relative to the peaks, 1 where it is not named.
         start: where joints are at the beginning of a log, at rest, rad or m; 0 where a joint is not named.
         duration: length of a log in s.
@@ -64,6 +64,7 @@ class Rig:
         travel: way that a slide moves in one revolution of its encoder, m; a joint that is not named is a hinge.
         accuracy: how closely the motion is followed.
         commanded: what the actuators are asked for, as the commands' topic calls it.
+        series: what logs are called before their number: log_1, log_2 ….
 
     Raises:
         ConfigError: no log is asked for, or one too short for a command and a sample; velocities are filtered that
@@ -85,6 +86,7 @@ class Rig:
     travel: Mapping[str, float]
     accuracy: Accuracy
     commanded: str
+    series: str = "log"
 
     def __post_init__(self) -> None:
         slowest = min(self.instruments.sample_rate, self.instruments.command_rate)
@@ -133,7 +135,7 @@ class Rig:
         return self.instruments.clock(self.epoch, stream(seed, "clock"))
 
     def _record(self, machine: Machine, clock: RobotClock, seed: int, number: int) -> RigRecording:
-        name, start = f"log_{number + 1}", self._start_of(number)
+        name, start = f"{self.series}_{number + 1}", self._start_of(number)
         sampled = start + self.instruments.sample_times(self.duration, stream(seed, name, "sample"))
         after, wish = self.asked(seed, number)
         position, velocity, command = self.played(machine, after, sampled - start, wish)
@@ -152,7 +154,7 @@ class Rig:
 
     def asked(self, seed: int, number: int) -> tuple[Array, Array]:
         """What is asked in a log, 0 the first: instants in s after its start, shape (k,), and wishes, shape (k, m)."""
-        name, start = f"log_{number + 1}", self._start_of(number)
+        name, start = f"{self.series}_{number + 1}", self._start_of(number)
         # Times since 1970 are rounded to the clock's resolution; what happens, happens at the rounded times.
         issued = start + self.instruments.command_times(self.duration, stream(seed, name, "command")) - start
         return issued, self._wish(issued, self.peaks[number], stream(seed, name, "excitation"))

@@ -237,10 +237,12 @@ def test_a_value_at_its_bound_has_no_interval(close_report: dict[str, Any]) -> N
 
 
 def test_an_experiment_that_decides_nothing_is_not_recommended(close_report: dict[str, Any]) -> None:
-    close_report["next_experiment"] |= {"sigma": 0.25, "needed": 5.0}
+    close_report["next_experiment"] |= {"sigma": 0.25, "needed": 5.0, "taken": 0.99}
     text = page(close_report)
     assert "Play `next_experiment.csv`" not in text
     assert "No command that was tried separates `coulomb_friction@arm` from `stribeck_friction@arm`" in text
+    assert "it takes 99 % of what is allowed" in text
+    assert "`next_experiment.safety.margin`" in text
 
 
 def test_an_experiment_says_how_it_is_played(close_report: dict[str, Any]) -> None:
