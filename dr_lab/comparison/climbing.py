@@ -2,8 +2,8 @@
 
 The states at which windows begin are fitted, and take up what a slow effect does within a short window; long windows
 hold fewer independent residuals, and more valleys in which a fit can end. So the shortest are asked first, and longer
-ones only where these leave a gap unexplained. What is found there is confirmed, as all else, on windows that choose
-nothing (`dr_lab.diagnosis.windows.folds`).
+ones only where these leave a gap unexplained, or an answer in doubt. What is found there is confirmed, as all else, on
+windows that choose nothing (`dr_lab.diagnosis.windows.folds`).
 """
 
 from collections.abc import Callable, Mapping
@@ -28,9 +28,14 @@ Phase = Callable[[str], None]
 def climbed(
     study: Study, effects: Mapping[str, Effect], *, most: int, watch: RankingWatch, phase: Phase
 ) -> tuple[Study, Ladder]:
-    """The ladder in the shortest windows that leave no gap unexplained; where all do, in the shortest.
+    """The ladder in the shortest windows that settle the question; where none do, in the shortest that explain the gap.
 
-    Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
+    1. An answer is settled at the noise floor, and above it where windows that chose nothing confirm it beyond doubt.
+    2. Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
+    3. Where shorter ones explain it with an answer in doubt, longer ones are believed only with an answer that is
+       settled.
+
+    Where no windows explain the gap, the ladder is that of the shortest.
 
     Each further length is one more chance of a false answer: of k lengths, those behind the first ask for the
     confidence 1 − (1 − confidence) / k (Bonferroni).
@@ -45,7 +50,7 @@ def climbed(
     Returns:
         The study with the windows that were taken, and its ladder.
     """
-    found, ladder = _first_explained(study, effects, most, watch, phase)
+    found, ladder = _first_settled(study, effects, most, watch, phase)
     phase("Checking what was found")
     return found, ladder.with_laws(found.bench, found.scales, found.compiled)
 
@@ -79,22 +84,24 @@ def _better(before: Score, after: Score, evidence: EvidenceSettings) -> bool:
     return bool(falls) and paired_gain(before, after, evidence).total > 0
 
 
-def _first_explained(
+def _first_settled(
     study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase
 ) -> tuple[Study, Ladder]:
     lengths = study.settings.windows.lengths
-    first = (study, _ladder(study, effects, most, watch, phase))
-    if _explained(*first):
-        return first
+    best = (study, _ladder(study, effects, most, watch, phase))
     for length in lengths[1:]:
-        phase(f"A gap remains that nothing explains: windows of {length:.3g} s")
+        if _settled(*best):
+            break
+        doubt = "An answer is in doubt" if _explained(*best) else "A gap remains that nothing explains"
+        phase(f"{doubt}: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths))
         if longer is None:
             break
         ladder = _ladder(longer, effects, most, watch, phase)
-        if ladder.steps and _explained(longer, ladder):
-            return longer, ladder
-    return first
+        believed = _settled if _explained(*best) else _explained
+        if ladder.steps and believed(longer, ladder):
+            best = (longer, ladder)
+    return best
 
 
 def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase) -> Ladder:
@@ -111,6 +118,12 @@ def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Ranki
 
 def _explained(study: Study, ladder: Ladder) -> bool:
     return ladder.verdict(study.bench.evidence) != "unexplained"
+
+
+def _settled(study: Study, ladder: Ladder) -> bool:
+    """Whether nothing stands in doubt that longer windows might clear up."""
+    sure = ladder.confirmation is None or ladder.confirmation.status == "confirmed"
+    return _explained(study, ladder) and (sure or at_floor(ladder.models[-1].held_out, study.bench.evidence))
 
 
 def _with_windows(study: Study, length: float, tries: int) -> Study | None:

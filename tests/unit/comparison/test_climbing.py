@@ -1,4 +1,4 @@
-"""Longer windows are tried where shorter ones leave a gap unexplained, and believed where they name something."""
+"""Longer windows are tried where shorter ones leave a gap or a doubt, and believed where they settle it."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -20,10 +20,20 @@ from dr_lab.errors import DataError
 
 @dataclass(frozen=True)
 class Answer:
-    """A ladder of which only the verdict is known."""
+    """A ladder of which only the verdict is known, what confirms it, and whether noise alone remains."""
 
     kind: str
     steps: tuple[str, ...] = ()
+    status: str = "confirmed"
+    chi2: float = 100.0
+
+    @property
+    def confirmation(self) -> SimpleNamespace | None:
+        return SimpleNamespace(status=self.status) if self.steps else None
+
+    @property
+    def models(self) -> list[SimpleNamespace]:
+        return [SimpleNamespace(held_out=score([self.chi2] * 8))]
 
     def verdict(self, settings: EvidenceSettings) -> str:
         del settings
@@ -55,6 +65,7 @@ class Windowed:
 
 DIVERGES = float("inf")
 NOTHING, NAMED = Answer("unexplained"), Answer("named", ("friction",))
+DOUBTFUL = Answer("equivalent", ("drag",), "undecided")
 
 
 @pytest.mark.parametrize(
@@ -67,6 +78,12 @@ NOTHING, NAMED = Answer("unexplained"), Answer("named", ("friction",))
         ([NOTHING, NOTHING, NOTHING], 9.0, 0.3, "unexplained"),
         ([NOTHING, Answer("none"), NOTHING], 9.0, 0.3, "unexplained"),  # a gap is not gone in longer windows
         ([NOTHING, NAMED], 0.5, 0.3, "unexplained"),  # the logs have no room for them
+        ([DOUBTFUL, NAMED], 9.0, 0.9, "named"),
+        ([DOUBTFUL, NOTHING, NAMED], 9.0, 2.7, "named"),
+        ([DOUBTFUL, replace(NAMED, status="undecided"), NOTHING], 9.0, 0.3, "equivalent"),  # one doubt for another
+        ([DOUBTFUL, Answer("none"), Answer("none")], 9.0, 0.3, "equivalent"),
+        ([NOTHING, DOUBTFUL, NAMED], 9.0, 2.7, "named"),
+        ([replace(DOUBTFUL, chi2=1.0)], 9.0, 0.3, "equivalent"),  # nothing but noise is left to ask
     ],
 )
 def test_the_shortest_windows_that_explain_the_gap(
