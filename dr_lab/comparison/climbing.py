@@ -28,14 +28,11 @@ Phase = Callable[[str], None]
 def climbed(
     study: Study, effects: Mapping[str, Effect], *, most: int, watch: RankingWatch, phase: Phase
 ) -> tuple[Study, Ladder]:
-    """The ladder in the shortest windows that settle the question; where none do, in the shortest that explain the gap.
+    """The ladder in the shortest windows that leave no gap unexplained; where all do, in the shortest.
 
-    1. An answer is settled at the noise floor, and above it where windows that chose nothing confirm it beyond doubt.
-    2. Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
-    3. Where shorter ones explain it with an answer in doubt, longer ones are believed only with an answer that is
-       settled.
-
-    Where no windows explain the gap, the ladder is that of the shortest.
+    1. Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
+    2. An answer of the shortest windows is in doubt where more than noise remains, and windows that chose nothing do
+       not confirm it. It is asked again in the next longer ones, whose answer replaces it if it is in no doubt.
 
     Each further length is one more chance of a false answer: of k lengths, those behind the first ask for the
     confidence 1 − (1 − confidence) / k (Bonferroni).
@@ -88,20 +85,21 @@ def _first_settled(
     study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase
 ) -> tuple[Study, Ladder]:
     lengths = study.settings.windows.lengths
-    best = (study, _ladder(study, effects, most, watch, phase))
-    for length in lengths[1:]:
-        if _settled(*best):
-            break
-        doubt = "An answer is in doubt" if _explained(*best) else "A gap remains that nothing explains"
-        phase(f"{doubt}: windows of {length:.3g} s")
+    first = (study, _ladder(study, effects, most, watch, phase))
+    if _settled(*first):
+        return first
+    doubtful = _explained(*first)
+    # Still longer windows are too few to settle a doubt.
+    for length in lengths[1:2] if doubtful else lengths[1:]:
+        why = "The answer is in doubt" if doubtful else "A gap remains that nothing explains"
+        phase(f"{why}: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths))
         if longer is None:
             break
         ladder = _ladder(longer, effects, most, watch, phase)
-        believed = _settled if _explained(*best) else _explained
-        if ladder.steps and believed(longer, ladder):
-            best = (longer, ladder)
-    return best
+        if ladder.steps and (_settled if doubtful else _explained)(longer, ladder):
+            return longer, ladder
+    return first
 
 
 def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase) -> Ladder:
@@ -121,7 +119,7 @@ def _explained(study: Study, ladder: Ladder) -> bool:
 
 
 def _settled(study: Study, ladder: Ladder) -> bool:
-    """Whether nothing stands in doubt that longer windows might clear up."""
+    """Whether the gap is explained, and the answer in no doubt."""
     sure = ladder.confirmation is None or ladder.confirmation.status == "confirmed"
     return _explained(study, ladder) and (sure or at_floor(ladder.models[-1].held_out, study.bench.evidence))
 
