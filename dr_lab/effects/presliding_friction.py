@@ -5,18 +5,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import mujoco
-import numpy as np
 
+from dr_lab.effects.bristles import Bristles
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.internal_state import InternalState
 from dr_lab.effects.joint_effect import JointEffect, slides
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.effect_parts import ForceLaw
-from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.law import Law
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
-
-_TINY = 1e-12  # tanh(v/v_c) at which v is nothing; rad or m, a way that is none
 
 
 @dataclass(frozen=True)
@@ -65,6 +62,7 @@ class PreslidingFriction(JointEffect, ForceLaw):
     confused_with: ClassVar[tuple[str, ...]] = (
         "coulomb_friction",
         "stribeck_friction",
+        "lugre_friction",
         "hysteresis",
         "viscous_friction",
     )
@@ -91,7 +89,7 @@ class PreslidingFriction(JointEffect, ForceLaw):
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The force of each step."""
         dof = int(models[0].joint(site).dofadr[0])
-        return _Bristles(dof, values["torque"], values["displacement"], values["creep"])
+        return Bristles(dof, values["torque"], values["displacement"], values["creep"])
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Little friction that gives way over several ways and creeps at several speeds."""
@@ -101,31 +99,3 @@ class PreslidingFriction(JointEffect, ForceLaw):
         return tuple(
             {"torque": little, "displacement": far * moved, "creep": slow * moving} for far, slow in self.start_shapes
         )
-
-
-@dataclass
-class _Bristles(InternalState):
-    """Bristles of a degree of freedom, whose bend is the state; values of shape (n,) or (1,)."""
-
-    dof: int
-    torque: Array
-    way: Array
-    creep: Array
-
-    def act(self, moment: Moment, influence: Influence) -> None:
-        bend = self.of(len(moment.qvel))
-        speed, step = moment.qvel[:, self.dof], moment.step
-        steady = np.tanh(speed / self.creep)
-        slipped = np.where(np.abs(steady) > _TINY, speed / np.where(steady == 0.0, 1.0, steady), self.creep)
-        way = np.maximum(self.way, _TINY)
-        turns = slipped * step / way  # time constants in a step
-        left = np.exp(-turns)
-        share = (1.0 - left) / turns  # of the bend at the start in the step's mean
-        mean = steady + (bend - steady) * share
-        # ∂mean/∂v; the mean's share falls with the way gone in the step
-        grip = (1.0 - steady**2) / self.creep * (1.0 - share)
-        grip += np.abs(steady - bend) * (share - left) / turns * step / way
-        added = self.torque * grip * step / 2
-        influence.armature[:, self.dof] += added
-        influence.force[:, self.dof] += added * moment.gained[:, self.dof] / step - self.torque * mean
-        self.state = steady + (bend - steady) * left

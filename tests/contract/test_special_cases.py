@@ -13,6 +13,7 @@ from dr_lab.trajectory import Array
 
 SECONDS = 0.4
 CLOSE = 0.05  # of what the poorer effect does; hysteresis, dry friction in its limit alone, is 0.033 off, the others 0
+ELSEWHERE = (("rigid_payload", "payload"), ("lugre_friction", "stribeck_friction"))
 RANGE = 0.1  # rad, which bounds how near to the limit it comes
 
 
@@ -53,6 +54,8 @@ def test_what_an_effect_holds_is_in_the_catalogue_and_poorer() -> None:
         ("friction_drift", "coulomb_friction"),
         ("friction_drift", "viscous_friction"),
         ("hysteresis", "coulomb_friction"),
+        ("lugre_friction", "coulomb_friction"),
+        ("lugre_friction", "stribeck_friction"),
         ("position_dependent_friction", "coulomb_friction"),
         ("presliding_friction", "coulomb_friction"),
         ("rigid_payload", "payload"),
@@ -73,11 +76,11 @@ def test_names_are_parameters(richer: str, poorer: str) -> None:
     assert len(names) > len(special)
 
 
-@pytest.mark.parametrize(("richer", "poorer"), [pair for pair in pairs() if pair[0] != "rigid_payload"])
+@pytest.mark.parametrize(("richer", "poorer"), [pair for pair in pairs() if pair not in ELSEWHERE])
 def test_without_its_further_parameters_an_effect_acts_as_the_poorer_one(richer: str, poorer: str) -> None:
     """The one that is left is the same quantity, or so where an actuator gives 1 N·m for a command of 1.
 
-    What a rigid payload leaves has two parameters: `test_rigid_payload` compares it with a payload.
+    Where the poorer one has several parameters, tests of the richer one compare them.
     """
     model, case = hanging(), catalogue_effect(richer).holds[poorer]
     scales = scales_of(model, position=RANGE)

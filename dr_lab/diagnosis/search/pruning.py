@@ -8,6 +8,7 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
+from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported, supported_within_logs
 from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.candidate import Candidate
@@ -151,12 +152,14 @@ def simplify(
 ) -> tuple[tuple[AddedEffect, ...], PutBack] | None:
     """Put one effect back to a special case of it: the earliest effect that is needlessly rich.
 
-    The richer effect stands in two cases:
+    The richer effect stands in three cases:
 
     1. The windows that score support it over the poorer one, and its further parameters differ from zero beyond doubt,
        given the scatter between logs. Where they do so even by F, which knows how few the logs are, the windows need
        not gain alike in all logs: a log that hardly excites the parameters gains little.
-    2. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
+    2. It leaves noise where the poorer one leaves more. Then it is no wrong model whose errors scatter from log to log,
+       and the likelihood of the windows that score says all.
+    3. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
        whether one is.
 
     Returns:
@@ -169,10 +172,8 @@ def simplify(
             back = swap.put_back(bench, whole)
             goal = np.inf if back.compatible else beyond_doubt(bench, whole)
             simpler = swap.made(bench, base, whole, goal)
-            gain = paired_gain(simpler.held_out, whole.held_out, bench.evidence)
             extra = len(step.effect.parameters) - len(poorer.parameters)
-            enough = supported_within_logs if back.certain else supported
-            if back.compatible or not enough(gain, extra, bench.evidence):
+            if not _asked_for(simpler, whole, back, extra, bench.evidence):
                 if _ended_early(simpler, goal):
                     simpler = swap.made(bench, base, whole)
                 if not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):
@@ -182,6 +183,15 @@ def simplify(
                 above[0] = replace(above[0], rivals=swap.rivals(step))
                 return (*steps[:place], *above), back
     return None
+
+
+def _asked_for(poorer: FittedModel, richer: FittedModel, back: PutBack, extra: int, settings: EvidenceSettings) -> bool:
+    """Whether the windows that score ask for the richer of two models, which has so many parameters more."""
+    gain = paired_gain(poorer.held_out, richer.held_out, settings)
+    if at_floor(richer.held_out, settings) and not at_floor(poorer.held_out, settings):
+        return sizeable(gain, extra, settings)
+    enough = supported_within_logs if back.certain else supported
+    return not back.compatible and enough(gain, extra, settings)
 
 
 def _stands(

@@ -19,6 +19,7 @@ class Grids:
         filter: largest time constant of an encoder, s.
         velocity_filter: the same of a tachometer.
         stribeck: Stribeck speeds, shares of the joint's largest speed.
+        drops: shares of the friction that are lost at high speed.
         rates: at which friction fades, 1/s.
         displacements: of hysteresis, shares of the joint's range.
         ways: over which presliding friction builds up, shares of the joint's range.
@@ -46,6 +47,7 @@ class Grids:
     filter: float
     velocity_filter: float
     stribeck: Sequence[float]
+    drops: Sequence[float]
     rates: Sequence[float]
     displacements: Sequence[float]
     ways: Sequence[float]

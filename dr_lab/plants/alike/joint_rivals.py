@@ -1,5 +1,6 @@
 """What effects at a joint could give along a course."""
 
+import itertools
 from collections.abc import Iterator
 
 import mujoco
@@ -23,7 +24,8 @@ def joint_rivals(course: Course, grids: Grids, load: Array) -> Iterator[Rival]:
     for row, joint in enumerate(course.machine.joints):
         yield from _frictions(course, grids, load[:, row], row, joint)
         yield from _fading(course, grids, row, joint)
-        yield _bristles(course, grids, row, joint)
+        yield _creeping(course, grids, row, joint)
+        yield _falling(course, grids, row, joint)
         yield from _forces(course, grids, row, joint)
         yield from _readings(course, grids, row, joint)
         if row and _slides(course, joint) == _slides(course, course.machine.joints[row - 1]):
@@ -55,14 +57,26 @@ def _frictions(course: Course, grids: Grids, load: Array, row: int, joint: str) 
     yield Rival(f"quadratic_drag@{joint}", 1, (of(-np.abs(v) * v),))
 
 
-def _bristles(course: Course, grids: Grids, row: int, joint: str) -> Rival:
+def _creeping(course: Course, grids: Grids, row: int, joint: str) -> Rival:
     """Friction that gives way before it slides and creeps."""
     q, v, count = course.position[:, row], course.velocity[:, row], course.position.shape[1]
     choices = []
     for way in np.ptp(q) * np.asarray(grids.ways):
         slow = np.abs(v).max() * np.asarray(grids.creeps)
-        choices += mixed([pushing(-gripped(v, course.step, way, creep), row, count) for creep in slow])
+        bends = [gripped(v, course.step, way, np.tanh(v / creep), creep) for creep in slow]
+        choices += mixed([pushing(-bend, row, count) for bend in bends])
     return Rival(f"presliding_friction@{joint}", 3, tuple(choices))
+
+
+def _falling(course: Course, grids: Grids, row: int, joint: str) -> Rival:
+    """Friction that gives way before it slides and falls with the speed; damping of its bristles is left out."""
+    q, v, count = course.position[:, row], course.velocity[:, row], course.position.shape[1]
+    choices = []
+    for way, speed in itertools.product(np.asarray(grids.ways[1:]), np.asarray(grids.stribeck)):
+        fall = 1 - np.exp(-((v / (speed * np.abs(v).max())) ** 2))
+        steady = [np.sign(v) * (1 - drop * fall) for drop in grids.drops]
+        choices += mixed([pushing(-gripped(v, course.step, way * np.ptp(q), end), row, count) for end in steady])
+    return Rival(f"lugre_friction@{joint}", 5, tuple(choices))
 
 
 def _fading(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:
@@ -150,14 +164,22 @@ def bent(velocity: Array, step: Array, most: float) -> Array:
     return shown
 
 
-def gripped(velocity: Array, step: Array, way: float, creep: float) -> Array:
-    """Bend of bristles z' = v − |v / g| z / way, g = tanh(v / creep), in units of the way; means of intervals, (K,)."""
-    settled = np.tanh(velocity / creep)
+def gripped(velocity: Array, step: Array, way: float, settled: Array, creep: float = 0.0) -> Array:
+    """Bend of bristles z' = v − |v / g| z / way, in units of the way; means of intervals, shape (K,).
+
+    Args:
+        velocity: of the joint, rad/s or m/s, shape (K,).
+        step: length of each interval in s, shape (K,).
+        way: rad or m.
+        settled: g, to which z settles at each velocity, with its sign, shape (K,).
+        creep: limit of v / g at rest.
+    """
     if not way:
         return settled
     turns = np.where(settled == 0.0, creep, velocity / np.where(settled == 0.0, 1.0, settled)) * step / way
     now, shown, left = 0.0, np.zeros(len(step)), np.exp(-turns)
+    share = np.where(turns > 0.0, -np.expm1(-turns) / np.where(turns > 0.0, turns, 1.0), 1.0)
     for k, end in enumerate(settled.tolist()):
-        shown[k] = end + (now - end) * (1 - left[k]) / turns[k]
+        shown[k] = end + (now - end) * share[k]
         now = end + (now - end) * left[k]
     return shown

@@ -24,7 +24,7 @@ class LugreFriction(HiddenEffect):
         damping: σ₁ in N·m·s/rad or N·s/m.
     """
 
-    name: ClassVar[str] = "stribeck_friction"
+    name: ClassVar[str] = "lugre_friction"
     site: str
     coulomb: float
     static: float
