@@ -147,14 +147,21 @@ def test_what_explains_no_more_beside_what_was_missing_is_put_back(
     assert back.compatible == (value < std)
 
 
-@pytest.mark.parametrize(("std", "stays"), [(0.01, SKEW), (0.1, SIMPLE)])
-def test_a_richer_effect_stands_if_the_scatter_between_logs_lets_it(
-    std: float, stays: PlacedEffect, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("std", "leaves", "stays"),
+    [
+        (0.01, 1.0, SKEW),
+        (0.1, 1.0, SIMPLE),
+        (0.1, 0.0, SKEW),  # noise: no wrong model, whose errors would scatter
+    ],
+)
+def test_a_richer_effect_stands_if_the_scatter_between_logs_lets_it_or_noise_is_left(
+    std: float, leaves: float, stays: PlacedEffect, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It explains more of the held-out logs; alone it is judged when the climb is over."""
 
     def left(effects: Sequence[PlacedEffect]) -> Array:
-        return np.repeat(0.0 if SKEW in effects else 1.0 if SIMPLE in effects else 20.0, BLOCKS)
+        return np.repeat(leaves if SKEW in effects else 3.0 if SIMPLE in effects else 20.0, BLOCKS)
 
     climbed = climb(Machine((SIMPLE, SKEW), left, {ASYMMETRY: (0.2, std)}), monkeypatch)
     assert labels(effects_of(climbed.models[-1])) == [stays.label]
@@ -182,8 +189,9 @@ def test_logs_that_gain_unequally_are_held_against_an_effect_whose_parameters_ar
 ) -> None:
     def left(effects: Sequence[PlacedEffect]) -> Array:
         if SKEW in effects:
-            return np.append(np.zeros(BLOCKS - 1), 0.01)
-        return 0.5 * np.array([1.9, 1.8, 0.1, 0.0, 1.2, 1.1, 2.7, 2.6, 0.4, 0.0]) if SIMPLE in effects else WIDE
+            return 0.3 + np.append(np.zeros(BLOCKS - 1), 0.01)
+        unequal = 0.3 + 0.65 * np.array([1.9, 1.8, 0.1, 0.0, 1.2, 1.1, 2.7, 2.6, 0.4, 0.0])
+        return unequal if SIMPLE in effects else WIDE
 
     machine = Uneven((SIMPLE, SKEW), left, {ASYMMETRY: (0.2, std)})
     prepare(machine, monkeypatch)
