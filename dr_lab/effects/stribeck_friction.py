@@ -54,7 +54,12 @@ class StribeckFriction(DryFrictionEffect, SpecEdit):
     family: ClassVar[str] = "friction"
     law: ClassVar[str] = "tau = -sign(v) (tau_c + tau_e exp(-(v/v_s)^2))"
     fingerprint: ClassVar[str] = "force residual jumps at reversals and falls with speed; the joint sticks, then slips"
-    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "presliding_friction", "viscous_friction")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "coulomb_friction",
+        "lugre_friction",
+        "presliding_friction",
+        "viscous_friction",
+    )
     holds: ClassVar[Mapping[str, SpecialCase]] = {"coulomb_friction": SpecialCase(("excess",), {"kinetic": "torque"})}
     shapes: ClassVar[tuple[str, ...]] = ("speed",)
 
