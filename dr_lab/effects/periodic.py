@@ -23,6 +23,8 @@ _A_TURN = "1/turn"
 class Periodic(Effect):
     """A sin(n q) + B cos(n q) with the amplitudes ``sine`` A and ``cosine`` B, whose n nobody wrote down.
 
+    Of a reading that is the error of what turns n times as fast, and a share 1/n of it shows.
+
     The error as a function of n has a valley at every harmonic, so a fit stays near the n at which it begins. n is
     therefore searched before anything is fitted (`dr_lab.diagnosis.search.periods`), and the fit begins at what the
     search proposes: n is a parameter that shapes the effect. An n that the user gives is a constant of the effect.

@@ -111,7 +111,7 @@ class _Spectrum:
             shown = np.zeros((*samples.time.shape, 2, len(numbers)))
             if samples.channel.name == f"{joint}.position":
                 seen = self.replay.reading(self.fit.z[None], self._tape, samples.channel)(samples.time[None])
-                shown = -_waves(seen[0, ..., 0], numbers) / samples.std
+                shown = -_waves(seen[0, ..., 0], numbers) / (numbers * samples.std)
             parts.append(np.repeat(shown, samples.channel.size, axis=1))
         return np.concatenate(parts, axis=1)
 

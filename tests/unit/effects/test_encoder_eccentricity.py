@@ -33,8 +33,16 @@ def test_each_context_has_its_own() -> None:
     model = hanging().with_effect(placed(hanging(), "encoder_eccentricity", "hinge"))
     z, time = np.array([[0.0, 0.0, 1.0], [0.1, 0.0, 1.0], [0.0, -0.05, 3.0]]), np.full((1, 1, 1), 0.05)
     seen = model.reading(z, "hinge.position", turning, START)(time)[:, 0, 0, 0]
-    np.testing.assert_allclose(seen, [1.0, 1.0 + 0.1 * np.sin(1.0), 1.0 - 0.05 * np.cos(3.0)])
+    np.testing.assert_allclose(seen, [1.0, 1.0 + 0.1 * np.sin(1.0), 1.0 - 0.05 * np.cos(3.0) / 3.0])
     assert model.reading(z, "hinge.velocity", turning, START) is turning
+
+
+def test_a_reading_tells_one_position_at_all_that_the_bounds_allow() -> None:
+    model = hanging().with_effect(placed(hanging(), "encoder_eccentricity", "hinge"))
+    ends = np.stack([model.space.low, model.space.high])[:, -3:]
+    z = np.array([[a, b, n] for a in ends[:, 0] for b in ends[:, 1] for n in ends[:, 2]])
+    time = np.linspace(0.0, 0.4, 20_000)[None, None]
+    assert (np.diff(model.reading(z, "hinge.position", turning, START)(time)[:, 0, :, 0]) > 0).all()
 
 
 def test_its_bounds_stay_where_a_reading_tells_one_position() -> None:
@@ -47,8 +55,9 @@ def test_a_slides_error_repeats_with_the_lead_of_its_screw() -> None:
     assert isinstance(found, EncoderEccentricity)
     effect = replace(found, periods=2 * np.pi / 0.005)
     model = block().with_effect(place(effect, block().nominal(), "rail", scales_of(block())))
-    assert [p.unit for p in model.effects[-1].parameters] == ["m", "m"]
-    read = model.reading(np.array([[1e-4, 0.0]]), "rail.position", lambda time: (0.5 * time)[..., None], START)
+    assert [p.unit for p in model.effects[-1].parameters] == ["rad", "rad"]
+    screw = 2 * np.pi * 1e-4 / 0.005  # rad of the screw
+    read = model.reading(np.array([[screw, 0.0]]), "rail.position", lambda time: (0.5 * time)[..., None], START)
     seen = read(np.array([[[0.0, 0.0025, 0.005, 0.01]]]))[0, 0, :, 0]
     np.testing.assert_allclose(seen, [0.0, 0.00125 + 1e-4, 0.0025, 0.005], atol=1e-9)
 
