@@ -29,7 +29,7 @@ class SensorLowPass(SensorEffect):
     Source: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 25.4.45.
 
     Attributes:
-        longest: largest tau [s].
+        longest: largest tau that is looked for at first [s].
     """
 
     longest: float
@@ -38,7 +38,6 @@ class SensorLowPass(SensorEffect):
     family: ClassVar[str] = "sensing"
     law: ClassVar[str] = "tau reading' + reading = q"
     fingerprint: ClassVar[str] = "residual proportional to velocity in one channel alone, less at the quick turns"
-    limited: ClassVar[tuple[str, ...]] = ("tau",)  # by windows.margin
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_time_offset", "actuator_delay", "actuator_lag")
     lacks: ClassVar[str] = "the filter, which belongs to the measurement and not to the model"
 
@@ -46,6 +45,11 @@ class SensorLowPass(SensorEffect):
         """The time constant."""
         del model, site, scales
         return (Parameter("tau", "s", 0.0, 0.0, self.longest),)
+
+    def limit(self, name: str, kept: float, margin: float) -> float:
+        """As far as windows are simulated before their samples."""
+        del name, kept
+        return margin / float(_NODES[-1])
 
     def reading(self, site: str, values: Mapping[str, Array], channel: str, read: Reading, begin: Array) -> Reading:
         """Every channel of the site as its weighted past."""

@@ -29,7 +29,7 @@ class VelocityLowPass(JointEffect, SensorTransform):
     Source: Rosenblueth, PNAS 72 (1975) 3812 (two nodes at mean ± standard deviation).
 
     Attributes:
-        longest: largest tau [s].
+        longest: largest tau that is looked for at first [s].
     """
 
     longest: float
@@ -38,7 +38,6 @@ class VelocityLowPass(JointEffect, SensorTransform):
     family: ClassVar[str] = "sensing"
     law: ClassVar[str] = "tau reading' + reading = q'"
     fingerprint: ClassVar[str] = "residual of the velocity alone proportional to acceleration; the position fits"
-    limited: ClassVar[tuple[str, ...]] = ("tau",)  # by windows.margin
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_time_offset", "sensor_low_pass")
     lacks: ClassVar[str] = "the filter, which belongs to the measurement and not to the model"
 
@@ -46,6 +45,11 @@ class VelocityLowPass(JointEffect, SensorTransform):
         """The time constant."""
         del model, site, scales
         return (Parameter("tau", "s", 0.0, 0.0, self.longest),)
+
+    def limit(self, name: str, kept: float, margin: float) -> float:
+        """As far as windows are simulated before their samples."""
+        del name, kept
+        return margin / 2.0
 
     def shown_by(self, site: str, channels: Collection[str]) -> bool:
         """Whether the logs hold the joint's position beside its velocity."""

@@ -50,10 +50,11 @@ def _wider(parameter: Parameter, value: float, limit: float) -> Parameter:
 
 
 def _farther(bound: float, nominal: float, limit: float) -> float:
-    """A bound twice as far from nominal, at most as far as the limit; where it already is farther, as it is."""
+    """A bound twice as far from nominal, at most as far as the limit; where it already is there, as it is."""
     if limit <= 0 or bound == 0:
         return bound
     if 0 < bound < nominal:
         return bound / 2
     far = abs(bound - nominal)
-    return nominal + math.copysign(max(min(2 * far, limit), far), bound - nominal)
+    farther = min(2 * far, limit)
+    return nominal + math.copysign(farther, bound - nominal) if farther > (1 + _AT_A_BOUND) * far else bound

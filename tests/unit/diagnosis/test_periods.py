@@ -86,7 +86,9 @@ def test_a_disc_behind_a_gear_is_told_from_one_at_the_joint() -> None:
             logs.append(replace(clean, outputs={"hinge.position": replace(angle, value=wrong)}))
         found = begun(model, logs, catalogue_effect("encoder_eccentricity"), "hinge").starts[0]
         assert found["encoder_eccentricity@hinge.periods"] == turns
-        assert 0.01 * turns < found["encoder_eccentricity@hinge.sine"] < 0.025 * turns  # the fitted motion follows a part of it
+        assert (
+            0.01 * turns < found["encoder_eccentricity@hinge.sine"] < 0.025 * turns
+        )  # the fitted motion follows a part of it
 
 
 def test_what_the_user_gives_is_kept() -> None:

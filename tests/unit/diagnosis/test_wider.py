@@ -52,7 +52,11 @@ def test_absent_and_signs_stay() -> None:
 
 @pytest.mark.parametrize(
     ("name", "site", "values"),
-    [("asymmetric_friction", "hinge", [0.1, 1.0]), ("sensor_low_pass", "hinge", [0.0058]), ("end_stop", "hinge", None)],
+    [
+        ("asymmetric_friction", "hinge", [0.1, 1.0]),
+        ("sensor_low_pass", "hinge", [0.005857]),
+        ("end_stop", "hinge", None),
+    ],
 )
 def test_physics_is_no_bound_that_moves(name: str, site: str, values: list[float] | None) -> None:
     one = placed(pendulum(), name, site)

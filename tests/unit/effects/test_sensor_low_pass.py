@@ -1,9 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from diagnosis_machines import pendulum, swinging, windows_of
 from effect_machines import CONF, block, placed
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
+from dr_lab.diagnosis.search.wider import widened
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.invert_reading import reach
 from dr_lab.physics.signal import Reading
@@ -55,5 +59,19 @@ def test_looks_back_no_farther_than_the_windows_keep() -> None:
 
     windows = instantiate(OmegaConf.load(CONF / "comparison" / "default.yaml").windows)
     assert isinstance(windows, WindowSettings)
-    assert reach(transform) == pytest.approx((2 + np.sqrt(2)) * 0.0058)
-    assert reach(transform) < windows.margin
+    assert windows.margin >= reach(transform) == pytest.approx(windows.margin, rel=1e-3)
+
+
+def test_its_bound_is_moved_as_far_as_the_windows_keep() -> None:
+    one, windows = (
+        placed(pendulum(), "sensor_low_pass", "hinge"),
+        windows_of(pendulum(), [swinging("a", pendulum().nominal(), 0)]),
+    )
+    (tau,) = one.parameters
+    assert widened(one, np.array([tau.high]), windows) is None
+    wide = widened(one, np.array([tau.high]), replace(windows, margin=0.03))
+    assert wide is not None
+    (farther,) = wide.parameters
+    assert farther.high == pytest.approx(0.03 / (2 + np.sqrt(2)))
+    model = pendulum().with_effect(wide)
+    assert reach(lambda *, read: model.reading(model.space.high[None], "hinge.position", read, START)) <= 0.03 + 1e-12
