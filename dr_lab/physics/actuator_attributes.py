@@ -1,5 +1,7 @@
 """What may vary of an actuator beyond the numbers that stand in the spec as they are."""
 
+from collections.abc import Mapping
+
 import mujoco
 
 from dr_lab.errors import ModelError
@@ -33,7 +35,7 @@ class ForceLimit(Attribute):
 
 
 class ForceRange(Entry):
-    """An end of an actuator's ``forcerange``: [0] the lowest force, [1] the highest."""
+    """An end of an actuator's ``forcerange``: [0] the lowest force, [1] the highest; see `require_ends_apart`."""
 
     def read(self, at: Address, spec: mujoco.MjSpec) -> float:
         """Nominal value in the spec."""
@@ -93,6 +95,27 @@ class TimeConstant(Entry):
     def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
         """Compiled fields that carry the value."""
         return (FieldEdit("actuator_dynprm", (at.row(model), 0), relative=False),)
+
+
+def require_ends_apart(spec: mujoco.MjSpec, bounds: Mapping[Address, tuple[float, float]]) -> None:
+    """Check that the lowest force of an actuator stays below its highest one, whatever is fitted or drawn.
+
+    Args:
+        spec: what an end that is not free is read from.
+        bounds: low and high of free scalars by where they sit; only ends of a ``forcerange`` are looked at.
+
+    Raises:
+        ModelError: the bounds let the ends meet or cross.
+    """
+    ends = {(at.element, at.index): bound for at, bound in bounds.items() if at.attribute == "forcerange"}
+    for name in dict.fromkeys(name for name, _ in ends):
+        low, high = _range(spec.actuator(name))
+        most, least = ends.get((name, 0), (low, low))[1], ends.get((name, 1), (high, high))[0]
+        if most >= least:
+            raise ModelError(
+                f"actuator.{name}.forcerange[0] may be as high as {most:g} and actuator.{name}.forcerange[1] as low as "
+                f"{least:g}, so that the ends would cross. Lower the high of the first, or raise the low of the second."
+            )
 
 
 def _range(element: Element) -> tuple[float, float]:

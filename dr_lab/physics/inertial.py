@@ -14,7 +14,7 @@ from dr_lab.physics.compiling import compiled
 from dr_lab.physics.inertias import BODY, written_out
 from dr_lab.physics.parameter import Parameter
 from dr_lab.physics.pseudo_inertia import SHORT, Inertial, LogCholesky
-from dr_lab.physics.shared_target import SharedTarget
+from dr_lab.physics.shared_target import SharedTarget, places
 from dr_lab.physics.target import Target
 from dr_lab.shipped import shipped
 from dr_lab.trajectory import Array
@@ -85,7 +85,7 @@ def require_alone(model: str, targets: Iterable[Target | SharedTarget], spec: mu
         UnknownNameError: there is no such body or bound.
     """
     bodies = _names(spec, _asked(given)[0])
-    for place in [place for t in targets for place in (t.places if isinstance(t, SharedTarget) else (t,))]:
+    for place in places(targets):
         if place.kind == "body" and place.element in bodies and place.attribute in BODY:
             raise ModelError(
                 f"Model {model!r} frees {place} and, by {KEY}, all of the inertia of body {place.element!r}, which "

@@ -7,7 +7,7 @@ import numpy as np
 
 from dr_lab.errors import ModelError
 from dr_lab.physics.compiling import compiled
-from dr_lab.physics.shared_target import SharedTarget
+from dr_lab.physics.shared_target import SharedTarget, places
 from dr_lab.physics.target import Target
 
 BODY = ("mass", "inertia", "inertia_scale", "ipos")
@@ -26,11 +26,11 @@ def written_out(spec: mujoco.MjSpec, targets: Iterable[Target | SharedTarget]) -
     Raises:
         ModelError: another target varies a shape or density, which explicit inertias would no longer follow.
     """
-    places = [place for t in targets for place in (t.places if isinstance(t, SharedTarget) else (t,))]
-    wanted = [p for p in places if p.kind == "body" and p.attribute in BODY and _inferred(spec, p.element)]
+    every = [*places(targets)]
+    wanted = [p for p in every if p.kind == "body" and p.attribute in BODY and _inferred(spec, p.element)]
     if not wanted:
         return spec
-    shapes = [p for p in places if p.kind == "geom" and p.attribute in _SHAPE]
+    shapes = [p for p in every if p.kind == "geom" and p.attribute in _SHAPE]
     if shapes:
         raise ModelError(
             f"Targets {wanted[0]} and {shapes[0]} exclude each other: a body's mass is either given or follows from "

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.errors import ModelError
+from dr_lab.physics.actuator_attributes import require_ends_apart
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.derived import Derived
@@ -20,7 +21,7 @@ from dr_lab.physics.law import Law
 from dr_lab.physics.model_effect import ModelEffect
 from dr_lab.physics.naming import name_elements
 from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.shared_target import SharedTarget, parse
+from dr_lab.physics.shared_target import SharedTarget, parse, places
 from dr_lab.physics.signal import Reading
 from dr_lab.physics.target import Target
 from dr_lab.trajectory import Array
@@ -219,6 +220,8 @@ def from_spec(
         )
         for key, entry in parameters.items()
     )
+    bounds = {p.name: (p.low, p.high) for p in declared}
+    require_ends_apart(spec, {at: bounds[key] for key, target in targets.items() for at in places([target])})
     inertials: tuple[BodyInertial, ...] = ()
     if bodies is not None:
         require_alone(name, [*targets.values(), *(each.target for each in follow)], spec, bodies)

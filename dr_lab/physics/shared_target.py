@@ -1,6 +1,6 @@
 """One parameter at several places of a model."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -46,6 +46,12 @@ class SharedTarget:
         """Compiled fields that carry the value, empty where the model must be recompiled."""
         each = [place.fields(model) for place in self.places]
         return tuple(edit for edits in each for edit in edits) if all(each) else ()
+
+
+def places(targets: Iterable[Target | SharedTarget]) -> Iterator[Target]:
+    """Where the values of several parameters sit, one after the other."""
+    for target in targets:
+        yield from target.places if isinstance(target, SharedTarget) else (target,)
 
 
 def parse(given: object) -> Target | SharedTarget:

@@ -128,3 +128,23 @@ def test_what_cannot_follow_is_refused(
 ) -> None:
     with pytest.raises(error, match=message):
         from_spec("rod", mujoco.MjSpec.from_string(ARM), parameters, derived)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [((-6.0, 1.0), (0.5, 8.0)), ((-6.0, 7.0), None), (None, (-4.0, 8.0)), ((-6.0, 1.0), (1.0, 8.0))]
+)
+def test_the_ends_of_a_force_range_never_meet(
+    low: tuple[float, float] | None, high: tuple[float, float] | None
+) -> None:
+    """Bounds that would let them cross are refused, an end that is not free stays where the file has it."""
+    ends = {
+        f"end.{k}": {"target": f"actuator.motor.forcerange[{k}]", "unit": "N·m", "low": bound[0], "high": bound[1]}
+        for k, bound in enumerate((low, high))
+        if bound is not None
+    }
+    one = mujoco.MjSpec.from_string(ARM)
+    one.add_actuator(name="motor", target=one.joints[0].name, trntype=mujoco.mjtTrn.mjTRN_JOINT, forcerange=[-4.0, 6.0])
+    with pytest.raises(ModelError, match="so that the ends would cross"):
+        from_spec("arm", one.copy(), ends)
+    apart = {name: {**entry, **({"high": -1.0} if name == "end.0" else {"low": 1.0})} for name, entry in ends.items()}
+    assert from_spec("arm", one, apart).space.names == tuple(ends)
