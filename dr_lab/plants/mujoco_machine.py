@@ -75,7 +75,7 @@ class MujocoMachine:
         return cls(
             model,
             tuple(model.joint(i).name for i in range(model.njnt)),
-            tuple(model.body(int(body)).name for body in model.jnt_bodyid),
+            tuple(dict.fromkeys(model.body(int(body)).name for body in model.jnt_bodyid)),
             tuple(model.actuator(i).name for i in range(model.nu)),
         )
 
@@ -107,7 +107,7 @@ class MujocoMachine:
         return self._altered(model)
 
     def with_load(self, body: str, mass: float, distance: float) -> Self:
-        """With a point mass on the line from a body's joint to its centre of mass, across the joint's axis."""
+        """With a point mass on the line from a body's last joint to its centre of mass, across the joint's axis."""
         anchor, lever = self._arm(body)
         length = float(np.linalg.norm(lever))
         return self.with_mass_at(body, mass, anchor + (distance / length * lever if length else 0.0))
@@ -150,26 +150,14 @@ class MujocoMachine:
         return replace(self, couplings=(*self.couplings, coupling))
 
     def with_link_longer(self, body: str, by: float) -> Self:
-        """With a body, and all that hangs on it, farther by so many m from the axis of its parent's joint."""
-        model = copy.copy(self.model)
-        row = self._row(body)
-        joint = int(model.body_jntadr[model.body_parentid[row]])
-        axis = model.jnt_axis[joint]
-        way = model.body_pos[row] - model.jnt_pos[joint]
-        way = way - axis * (axis @ way)
+        """With a body, and all that hangs on it, farther by so many m from the axis of its parent's last hinge."""
+        model, row, way = copy.copy(self.model), self._row(body), self._way(body)
         model.body_pos[row] += by * way / np.linalg.norm(way)
         return self._altered(model)
 
     def link(self, body: str) -> float:
-        """Distance of a body from the axis of its parent's joint, m; 0 without one."""
-        row = self._row(body)
-        parent = int(self.model.body_parentid[row])
-        if not self.model.body_jntnum[parent]:
-            return 0.0
-        joint = int(self.model.body_jntadr[parent])
-        turns = int(self.model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_HINGE)
-        way = self.model.body_pos[row] - self.model.jnt_pos[joint]
-        return float(np.linalg.norm(np.cross(self.model.jnt_axis[joint], way))) if turns else 0.0
+        """Distance of a body from the axis of its parent's last hinge, m; 0 without one."""
+        return float(np.linalg.norm(self._way(body)))
 
     def with_stiffness_scaled(self, actuator: str, share: float) -> Self:
         """With a position controller of whose documented gain only a share acts; its damping gain stays."""
@@ -216,14 +204,32 @@ class MujocoMachine:
         return applied
 
     def _arm(self, body: str) -> tuple[Array, Array]:
-        """Where a body's joint is, and the way from there to its centre across the joint's axis, m, shape (3,)."""
-        joint, row = index("body", body, self.bodies), self._row(body)
+        """Where a body's last joint is, and the way from there to its centre across its axis, m, shape (3,).
+
+        Of several joints only the last one rests in the body's frame; the others' axes turn with the ones behind them.
+        """
+        row = self._row(body)
+        joint = self._joints(row)[-1]
         axis, anchor = self.model.jnt_axis[joint], self.model.jnt_pos[joint]
         reach = self.model.body_ipos[row] - anchor
         return anchor, reach - axis * (axis @ reach)
 
+    def _way(self, body: str) -> Array:
+        """From the axis of the last hinge of a body's parent to the body, across the axis, m; 0 without a hinge."""
+        row, turns = self._row(body), int(mujoco.mjtJoint.mjJNT_HINGE)
+        hinges = [j for j in self._joints(int(self.model.body_parentid[row])) if int(self.model.jnt_type[j]) == turns]
+        if not hinges:
+            return np.zeros(3)
+        axis, way = self.model.jnt_axis[hinges[-1]], self.model.body_pos[row] - self.model.jnt_pos[hinges[-1]]
+        return np.asarray(way - axis * (axis @ way), dtype=float)
+
+    def _joints(self, row: int) -> range:
+        first = int(self.model.body_jntadr[row])
+        return range(first, first + int(self.model.body_jntnum[row]))
+
     def _row(self, body: str) -> int:
-        return int(self.model.jnt_bodyid[index("body", body, self.bodies)])
+        index("body", body, self.bodies)
+        return int(self.model.body(body).id)
 
     @cached_property
     def _data(self) -> tuple[mujoco.MjData, Array]:

@@ -5,9 +5,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from effect_machines import with_effect
 from scipy.optimize import root_scalar
 
 from dr_lab.errors import ConfigError
+from dr_lab.physics.model import load
 from dr_lab.plants.hidden.armature import Armature
 from dr_lab.plants.hidden.contact_friction import ContactFriction
 from dr_lab.plants.hidden.contact_stiffness import ContactStiffness
@@ -22,6 +24,11 @@ from dr_lab.trajectory import Array
 MODELS = Path(__file__).parents[3] / "conf" / "model"
 POSITION, VELOCITY = [0.3, -1.2, 1.1, -0.7, 0.9, 0.4], [1.0, -2.0, 0.5, 1.5, -1.0, 2.0]
 NONE = [0.0] * 6
+WRIST = """<mujoco><compiler angle="radian"/><worldbody>
+  <body name="wrist"><joint name="bend" axis="0 1 0"/><joint name="tilt" axis="1 0 0" pos="0 0.02 0"/>
+    <inertial pos="0.1 0.05 0.2" mass="1" diaginertia="0.02 0.02 0.02"/>
+    <body name="hand" pos="0.2 0.32 0.4"><joint name="grip" axis="0 0 1"/>
+      <inertial pos="0.1 0 0" mass="0.5" diaginertia="0.01 0.01 0.01"/></body></body></worldbody></mujoco>"""
 
 
 def nominal(name: str, *free: str) -> MujocoNominal:
@@ -147,3 +154,20 @@ def test_a_longer_link_carries_the_rest_farther_out() -> None:
     change = np.array(longer.terms(at, still, still, still)[0]) - np.array(plain.terms(at, still, still, still)[0])
     across = 0.05 * 0.6 * 0.16 * np.cos(0.9)  # kg·m²: m L c cos φ with a longer L
     np.testing.assert_allclose(change, [[0.6 * (0.35**2 - 0.3**2) + 2 * across, across], [across, 0.0]], atol=1e-9)
+
+
+def test_a_link_and_a_load_of_several_hinges_hang_on_the_last_as_the_catalogues_do(tmp_path: Path) -> None:
+    """Only the last hinge rests in the body's frame."""
+    (tmp_path / "wrist.xml").write_text(WRIST)
+    plain = MujocoNominal(mjcf=str(tmp_path / "wrist.xml"), free=(), spread=0.0).machine({})
+    model = load("wrist", tmp_path / "wrist.xml", {})
+    assert plain.bodies == ("wrist", "hand")
+    longer = with_effect(model, "link_length", "hand", excess=0.05)
+    assert plain.link("hand") == pytest.approx(0.5)  # across the hinge about x, which comes last
+    np.testing.assert_allclose(plain.with_link_longer("hand", 0.05).model.body("hand").pos, longer.body("hand").pos)
+    loaded = with_effect(model, "payload", "wrist", mass=0.2, distance=0.1)
+    at, moving, still = [0.3, -0.7, 0.4], [1.0, -2.0, 0.5], [0.0, 0.0, 0.0]
+    terms = plain.with_load("wrist", 0.2, 0.1).terms(at, moving, [], still)
+    theirs = MujocoMachine.of(loaded).terms(at, moving, [], still)
+    np.testing.assert_allclose(np.array(terms[0]), np.array(theirs[0]), rtol=1e-9)
+    np.testing.assert_allclose(terms[1], theirs[1], rtol=1e-9, atol=1e-12)
