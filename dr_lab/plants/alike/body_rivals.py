@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.plants.alike.course import Course
+from dr_lab.plants.alike.felt import Felt
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.lacking import lacking
 from dr_lab.plants.alike.rival import Rival, lacked, linear
@@ -15,19 +16,20 @@ from dr_lab.trajectory import Array
 _SMALL = 1e-4  # kg, m, rad, share: step of derivatives of what is linear, or nearly so
 # m: whatever is fixed to a body acts as a sum of ten point masses here, some of them negative.
 _PLACES = np.concatenate([0.1 * np.eye(3), -0.1 * np.eye(3), 0.1 - 0.1 * np.eye(3), np.zeros((1, 3))])
-_FELT = 1e-6  # share of the largest force below which a direction is not felt; far above rounding
 
 
-def body_rivals(course: Course, grids: Grids, command: Array, base: Array) -> Iterator[Rival]:
+def body_rivals(course: Course, grids: Grids, felt: Felt, command: Array, base: Array) -> Iterator[Rival]:
     """Effects of every body, then of the world.
 
     Args:
         course: where the machine moves.
         grids: shapes that are tried.
+        felt: what counts.
         command: mean over each interval, shape (K, actuators).
         base: what the machine without any effect lacks, shape (K, n).
     """
-    response = _Response(course, command, base)
+    own = lacking(course, course.machine, np.zeros_like(command))
+    response = _Response(course, command, base, felt, float(np.abs(own).max()))
     for body in course.machine.bodies:
         yield from _of_body(response, body, grids)
     yield from _of_world(response)
@@ -41,11 +43,15 @@ class _Response:
         course: where the machine moves.
         command: mean over each interval, shape (K, actuators).
         base: what the machine as it is lacks, shape (K, n).
+        counts: what counts as felt.
+        largest: force that inertia and gravity ask for along the course, N·m or N.
     """
 
     course: Course
     command: Array
     base: Array
+    counts: Felt
+    largest: float
 
     def slope(self, altered: MujocoMachine, by: float) -> Array:
         """Change of what is lacking, for each unit of what was altered."""
@@ -53,8 +59,7 @@ class _Response:
 
     def felt(self, *columns: Array) -> list[Array]:
         """Those of some slopes that change a force."""
-        least = _FELT * max(np.abs(self.base).max(), 1.0)
-        return [column for column in columns if float(np.abs(column).max()) > least]
+        return self.counts.alone([*columns], self.largest)
 
 
 def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
@@ -66,9 +71,7 @@ def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
     loads = [lacked(near + share * rise + share**2 * bend) for share in grids.reaches]
     yield Rival(f"payload@{body}", 2, tuple(linear(load, positive=True)[0] for load in loads))
     points = [slope(machine.with_mass_at(body, _SMALL, place), _SMALL) for place in _PLACES]
-    if np.linalg.matrix_rank(np.stack([point.ravel() for point in points]), _FELT * np.abs(points).max()) == len(
-        points
-    ):
+    if response.counts.together(points):
         yield Rival(f"rigid_payload@{body}", len(points), linear(*map(lacked, points)))
     moved = felt(*(slope(machine.with_centre_moved(body, _SMALL * axis), _SMALL) for axis in np.eye(3)))
     if moved:

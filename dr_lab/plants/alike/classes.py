@@ -8,6 +8,7 @@ import numpy as np
 from dr_lab.plants.alike.actuator_rivals import actuator_rivals
 from dr_lab.plants.alike.body_rivals import body_rivals
 from dr_lab.plants.alike.course import Course, courses, rigid
+from dr_lab.plants.alike.felt import Felt
 from dr_lab.plants.alike.forces import Forces
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.joint_rivals import joint_rivals
@@ -43,6 +44,7 @@ class Classes:
         settling: s at the beginning of each log that are left out.
         parts: intervals between two commands.
         grids: shapes of rivals that are tried.
+        felt: which of them the joints feel.
     """
 
     threshold: float
@@ -50,6 +52,7 @@ class Classes:
     settling: float
     parts: int
     grids: Grids
+    felt: Felt
 
     def of(self, bench: Rig, seed: int) -> dict[str, dict[str, int]]:
         """The class of every effect that is hidden: ``effect@site`` → number of parameters, 0 for the base."""
@@ -75,7 +78,7 @@ class Classes:
         return (
             *joint_rivals(course, self.grids, np.abs(forces.drive - forces.outside)),
             *actuator_rivals(course, self.grids, forces.per_command, forces.driven, forces.pulled),
-            *body_rivals(course, self.grids, command, base),
+            *body_rivals(course, self.grids, self.felt, command, base),
         )
 
 
