@@ -46,12 +46,14 @@ class Sampling:
         sampled: their counts, in bins that all groups share.
         low: lower end of the range between which they are judged, in bins of its own.
         high: upper end of it.
+        inside: draws between them.
         uniformity: the judgement; None where there are too few.
     """
 
     sampled: Sampled
     low: float
     high: float
+    inside: int
     uniformity: Uniformity | None
 
 
@@ -144,11 +146,13 @@ def _ends(trained: int, block: int) -> NDArray[np.integer]:
 
 
 def _sampling(draws: _Draws, ends: NDArray[np.integer], edges: Array) -> Sampling:
-    own = np.linspace(draws.low, draws.high, len(edges))
-    judged = uniformity(_counts(draws, ends, own)) if draws.high > draws.low else None
+    inside, judged = 0, None
+    if draws.high > draws.low:
+        own = _counts(draws, ends, np.linspace(draws.low, draws.high, len(edges)))
+        inside, judged = int(own.sum()), uniformity(own)
     count = _counts(draws, ends, edges).sum(axis=0)
     sampled = Sampled(draws.group, draws.name, draws.unit, len(draws.value), ends, edges, count)
-    return Sampling(sampled, draws.low, draws.high, judged)
+    return Sampling(sampled, draws.low, draws.high, inside, judged)
 
 
 def _counts(draws: _Draws, ends: NDArray[np.integer], edges: Array) -> NDArray[np.integer]:

@@ -1,5 +1,6 @@
 """Sampling frequency over training as a report tells it."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 from dr_lab.reports.page import Section
@@ -8,6 +9,7 @@ from dr_lab.reports.quantity import ABSENT, number, titled
 from dr_lab.reports.summarize import SamplingEntry
 from dr_lab.reports.tables import table
 from dr_lab.summaries.sampling import Sampling, SamplingSettings
+from dr_lab.summaries.uniformity import LEAST
 
 KEY = "sampling"
 _SMALLEST = 0.0001  # probability that is told
@@ -20,7 +22,8 @@ _TOLD = (
     "between runs allows for that, by counting only what the runs prefer alike. A small one is not yet something "
     "learnt: walks without any preference visit the ends of a range less often."
 )
-_FEW = "– in place of χ²: no block is expected to hold 5 draws a bin. Take longer blocks, e.g. sampling.block={}."
+_FEW = f"– in place of χ²: no block holds {LEAST} draws a bin, on average. "
+_POINT = "– in place of χ² where a setting began with one value: there is no range in which draws could be uniform."
 
 
 def sampling_section(found: Mapping[str, Sequence[Sampling]], settings: SamplingSettings) -> Section:
@@ -30,14 +33,28 @@ def sampling_section(found: Mapping[str, Sequence[Sampling]], settings: Sampling
         return Section(KEY, "", "")
     header = ["parameter", "setting", "runs", "draws", "range", "χ²/dof", "p", "p between runs"]
     parts = [_TOLD.format(settings.block, settings.bins), table(header, [_row(each) for each in every])]
-    if any(each.uniformity is None for each in every):
-        parts.append(_FEW.format(2 * settings.block))
+    if any(each.low == each.high for each in every):
+        parts.append(_POINT)
+    few = [each for each in every if each.uniformity is None and each.low < each.high]
+    if few:
+        parts.append(_FEW + _remedy(min(few, key=lambda each: each.inside), settings))
     return Section(KEY, "Sampling frequency", "\n\n".join(parts))
 
 
 def sampling_entries(found: Mapping[str, Sequence[Sampling]]) -> tuple[SamplingEntry, ...]:
     """The counts as `report.json` holds them."""
     return tuple(_entry(each) for of_parameter in found.values() for each in of_parameter)
+
+
+def _remedy(found: Sampling, settings: SamplingSettings) -> str:
+    """What would do, or almost, for the fewest draws; so many blocks as hold enough on average have one that does."""
+    trained, blocks = int(found.sampled.frames[-1]), found.inside // (LEAST * settings.bins)
+    if blocks:
+        return f"Take longer blocks: sampling.block={math.ceil(trained / blocks)}."
+    bins = found.inside // LEAST
+    if bins > 1:
+        return f"Take fewer bins and all of the training in a block: sampling.bins={bins} sampling.block={trained}."
+    return f"Of {found.sampled.name} {found.sampled.group} drew {found.inside} values in the range; train longer."
 
 
 def _row(found: Sampling) -> list[str]:

@@ -9,7 +9,7 @@ from scipy.stats import chi2, f
 from dr_lab.reports.plain import Number
 from dr_lab.trajectory import Array
 
-_LEAST = 5.0  # draws that a bin of a block is to be expected to hold (Cochran 1954)
+LEAST = 5  # draws that a bin of a block is to be expected to hold (Cochran 1954)
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def uniformity(counts: NDArray[np.integer]) -> Uniformity | None:
         None where no block holds enough draws.
     """
     together = counts.sum(axis=0)
-    enough = together.sum(axis=1) >= _LEAST * counts.shape[2]
+    enough = together.sum(axis=1) >= LEAST * counts.shape[2]
     if not enough.any():
         return None
     judged = together[enough]

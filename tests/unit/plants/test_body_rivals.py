@@ -27,9 +27,9 @@ def rivals(mass: float) -> dict[str, int]:
     """Of an arm of two links of such a mass in kg along some motion, by label."""
     model = mujoco.MjModel.from_xml_string(ARM.format(mass=mass, inertia=0.01 * mass))
     rng, none = np.random.default_rng(3), ()
-    motion = [rng.standard_normal((20, 2)) for _ in range(3)]
+    q, v, a = rng.standard_normal((3, 20, 2))
     machine, edge = MujocoMachine.of(model), np.linspace(0.0, 0.1, 21)
-    course = Course(machine, edge, *motion, np.zeros((20, 0)), none, none, none, none, none, NoEffect())
+    course = Course(machine, edge, q, v, a, np.zeros((20, 0)), none, none, none, none, none, NoEffect())
     rule, command = instantiate(OmegaConf.load(RULE).rule), np.zeros((20, 0))
     base = lacking(course, machine, command)
     return {each.label: each.parameters for each in body_rivals(course, rule.grids, rule.felt, command, base)}

@@ -1,7 +1,9 @@
 """How often contexts were drawn, pooled over the runs of a pretended sweep."""
 
 import json
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +17,7 @@ from dr_lab.errors import ConfigError, DataError
 from dr_lab.summaries.groups import grouped
 from dr_lab.summaries.runs import find_runs
 from dr_lab.summaries.sampling import Sampling, SamplingSettings, samplings
+from dr_lab.summaries.sampling_tables import sampling_section
 
 LOW, HIGH = 0.0, 1.0
 Drawn = Sequence[tuple[int, float]]
@@ -82,6 +85,25 @@ def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
         found_in(tmp_path)
     with pytest.raises(ConfigError, match=r"sampling\.bins is 1"):
         SamplingSettings(block=10, bins=1)
+
+
+@pytest.mark.parametrize("count", [7, 23, 30, 51, 90])
+def test_what_is_advised_of_few_draws_is_enough(tmp_path: Path, count: int) -> None:
+    """Most are drawn early, and some out of the range in which they are judged."""
+    z = [*np.linspace(0.0, 0.5, count).tolist(), 0.9, 0.95, 1.0]
+    drew(tmp_path / "0", [*enumerate(z)], "learner=none", span=(0.0, 0.5))
+    settings = SamplingSettings(block=3, bins=5)
+    found = samplings(grouped(find_runs(tmp_path)[0], ["seed"]), settings)
+    assert found["mass"][0].uniformity is None
+    advised = {
+        name: int(value) for name, value in re.findall(r"sampling\.(\w+)=(\d+)", sampling_section(found, settings).body)
+    }
+    if count < 10:
+        assert not advised
+        assert "drew 7 values in the range; train longer" in sampling_section(found, settings).body
+        return
+    followed = replace(settings, **advised)
+    assert samplings(grouped(find_runs(tmp_path)[0], ["seed"]), followed)["mass"][0].uniformity is not None
 
 
 def test_the_verb_tells_and_draws_it(tmp_path: Path) -> None:
