@@ -24,6 +24,7 @@ class Safety:
         margin: by how much an experiment may go beyond the logs' motion where the model declares no limit: this share
             of a joint's range to either side, of the largest speed, force and command.
         reserve: share of every limit that the simulated motion leaves free, for what the models do not know.
+        give: share of a joint's range by which a machine may press on the end of it at which it rests.
         clearance: m, that parts keep from each other which the logs do not show closer; simulated motions keep twice
             of it.
         draws: contexts drawn from each fit's uncertainty in which the motion must keep its limits as well.
@@ -32,6 +33,7 @@ class Safety:
 
     margin: NotNegative
     reserve: Annotated[float, at_least(0.0), below(0.9)]
+    give: Annotated[float, at_least(0.0), below(0.1)]
     clearance: Positive
     draws: Natural
     spread: NotNegative
@@ -96,12 +98,15 @@ class Limits:
         return cls(low, high, speed, _forces(model, most), certain, closest(shown.distance, safety.clearance, _NEAR))
 
     def within(self, safety: Safety, start: Array, shown: Shown) -> "Limits":
-        """The limits that a simulated motion keeps: a reserve stays free, but for where the experiment starts."""
-        free = safety.reserve * np.where(np.isfinite(self.high - self.low), self.high - self.low, 0.0)
-        keep = 1 - safety.reserve
+        """The limits that a simulated motion keeps: a reserve stays free, but for where the experiment starts.
+
+        At the end of its range, or a little beyond, a machine leans on a stop that gives: as far as it may press on it.
+        """
+        span = np.where(np.isfinite(self.high - self.low), self.high - self.low, 0.0)
+        free, room, keep = safety.reserve * span, safety.give * span, 1 - safety.reserve
         return Limits(
-            low=np.minimum(self.low + free, (self.low + 2 * start) / 3),
-            high=np.maximum(self.high - free, (self.high + 2 * start) / 3),
+            low=np.minimum.reduce([self.low + free, (self.low + 2 * start) / 3, start - room]),
+            high=np.maximum.reduce([self.high - free, (self.high + 2 * start) / 3, start + room]),
             speed=keep * self.speed,
             force=np.where(self.certain, 1.0, keep) * self.force,
             certain=self.certain,

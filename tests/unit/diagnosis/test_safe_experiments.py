@@ -17,7 +17,7 @@ from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Log, Signal
 
 FAMILY = Multisines(sines=4, lowest=0.2, highest=5.0, ramp=0.5, most_ramp=0.25)
-SAFETY = Safety(margin=0.2, reserve=0.1, clearance=0.01, draws=0, spread=1.0)
+SAFETY = Safety(margin=0.2, reserve=0.1, give=0.001, clearance=0.01, draws=0, spread=1.0)
 WEIGHT = 0.5 * 9.81 * 0.3  # N·m of the hanging rod, horizontal
 
 
@@ -81,6 +81,18 @@ def test_where_it_starts_is_always_allowed() -> None:
     kept = Limits.of(block().nominal(), shown(), SAFETY).within(SAFETY, np.array([1.4]), shown())
     still = np.full((1, 2, 1), 1.4)
     assert kept.excess(still, 0 * still, 0 * still, np.array([1.4]))["position"][0, 0] <= 1
+
+
+@pytest.mark.parametrize("start", [1.4, 1.401])
+def test_a_machine_that_leans_on_a_stop_may_press_on_it(start: float) -> None:
+    """It gives by a thousandth of the range of 2.8; what goes farther is too far, by as much as it is farther."""
+    kept = Limits.of(block().nominal(), shown(), SAFETY).within(SAFETY, np.array([start]), shown())
+    pressed = start + np.array([1e-12, 2.8e-3, 5.6e-3])
+    qpos = np.stack([np.full(3, start), pressed], axis=1)[..., None]
+    taken = kept.excess(qpos, 0 * qpos, 0 * qpos, np.array([start]))["position"][:, 0]
+    np.testing.assert_allclose(taken, [0.0, 1.0, 2.0], atol=1e-6)
+    back = kept.excess(np.full((1, 2, 1), start - 2.0), 0 * qpos[:1], 0 * qpos[:1], np.array([start]))
+    assert back["position"][0, 0] < 1
 
 
 BALLS = """<mujoco><worldbody>
