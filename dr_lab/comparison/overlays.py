@@ -89,11 +89,17 @@ def _learned(study: Study, played: Mapping[str, Played], forces: Forces, of_log:
     if not found:
         return {}
     model, windows = study.compiled, study.short.pick(study.few)
-    seen = Seen(np.zeros((len(windows), model.nq)), np.zeros((len(windows), model.nv)), windows.controls.mean(1))
-    for joint, force in forces[AFTER].items():
+    seen = seen_in_the_middle(model, forces[AFTER], windows.controls.mean(1))
+    return {joint: force.of(model, seen)[of_log] for joint, force in found.items() if joint in forces[AFTER]}
+
+
+def seen_in_the_middle(model: mujoco.MjModel, forces: Mapping[str, ResidualForce], controls: Array) -> Seen:
+    """States in the middle of windows with such controls (w, nu); joints without a force rest at the model's pose."""
+    seen = Seen(np.tile(model.qpos0, (len(controls), 1)), np.zeros((len(controls), model.nv)), controls)
+    for joint, force in forces.items():
         seen.qpos[:, model.joint(joint).qposadr[0]] = force.position
         seen.qvel[:, model.joint(joint).dofadr[0]] = force.velocity
-    return {joint: force.of(model, seen)[of_log] for joint, force in found.items() if joint in forces[AFTER]}
+    return seen
 
 
 def _arguments(study: Study, log: Log, joint: str, force: ResidualForce) -> dict[str, Array]:
