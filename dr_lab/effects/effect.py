@@ -172,6 +172,14 @@ class PlacedEffect:
         short = tuple(replace(p, name=p.name.removeprefix(prefix)) for p in parameters)
         return replace(self, effect=self.effect.within(short), parameters=parameters)
 
+    def moved(self, parameters: tuple[Parameter, ...]) -> "PlacedEffect":
+        """The effect with bounds that were moved from where one looks first, which is remembered."""
+        looked = {name: (name, low, high) for name, low, high in self.looked}
+        for before, after in zip(self.parameters, parameters, strict=True):
+            if after != before:
+                looked.setdefault(before.name, (before.name, before.low, before.high))
+        return replace(self.bounded(parameters), looked=tuple(looked.values()))
+
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """The effect's own values by short name, out of a context's by full name."""
         prefix = f"{self.label}."

@@ -1,6 +1,7 @@
 """A richer effect where it acts as its special case does: what could its further parameters gain from there?"""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.diagnosis.search.screen import free
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
@@ -42,13 +44,32 @@ def special_case(richer: PlacedEffect, among: Sequence[PlacedEffect]) -> int | N
     return None
 
 
+def reaching(effect: PlacedEffect, other: PlacedEffect) -> PlacedEffect:
+    """An effect with the bounds of its special case, or of a richer one that it is a special case of, that were moved.
+
+    So it can still act as the other one does.
+    """
+    looked = {name for name, *_ in other.looked}
+    moved = {p.name.removeprefix(f"{other.label}."): p for p in other.parameters if p.name in looked}
+    case = effect.effect.holds.get(other.effect.name)
+    same = case.same if case else {ours: its for its, ours in other.effect.holds[effect.effect.name].same.items()}
+
+    def as_far(parameter: Parameter) -> Parameter:
+        its = moved.get(same.get(parameter.name.removeprefix(f"{effect.label}."), ""))
+        if its is None:
+            return parameter
+        return replace(parameter, low=min(parameter.low, its.low), high=max(parameter.high, its.high))
+
+    return effect.moved(tuple(map(as_far, effect.parameters)))
+
+
 def further(fitter: Fitter, richer: PlacedEffect, poorer: PlacedEffect, fit: Fit, values: dict[str, float]) -> Further:
     """What a richer effect could gain beyond the fit of its special case, by the best of its shapes (a score test).
 
     Args:
         fitter: of the model with the richer effect.
-        richer: the effect.
-        poorer: its special case.
+        richer: the effect, `reaching` its special case.
+        poorer: the special case.
         fit: of the same windows with the poorer effect, which is the last of its model.
         values: the context of that fit by name.
     """

@@ -12,7 +12,7 @@ from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.search.as_special_case import further
+from dr_lab.diagnosis.search.as_special_case import further, reaching
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
 from dr_lab.diagnosis.search.wider import widened
@@ -130,15 +130,16 @@ class CandidateFits:
         """The same for an effect whose special case stands: the fit begins there, if that promises and gains enough."""
         if not poorer.final:
             return self.refitted(candidate)
-        there, more = self._further(self.bench, candidate.effect, poorer)
+        effect = reaching(candidate.effect, poorer.effect)
+        there, more = self._further(self.bench, effect, poorer)
         if not more:
             return candidate
-        fitter, beside = self._fitter(self.bench, candidate.effect), self.bench.beside(poorer.fitted_model)
+        fitter, beside = self._fitter(self.bench, effect), self.bench.beside(poorer.fitted_model)
         goal = beside.hoped(poorer.fitted_model.fit)
         again = fitter.run(there.z, there.delta, there.slopes, goal=goal)
         if again.cost > goal:
             return candidate
-        return self._candidate(candidate.effect, again, candidate.identifiability, candidate.predicted)
+        return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
 
     def without(self, candidate: Candidate) -> Fit:
         """The model without an effect, fitted from where the fit with it ended."""

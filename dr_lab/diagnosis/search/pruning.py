@@ -11,6 +11,7 @@ from dr_lab.diagnosis.evidence.compatible import chance, known_of
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported, supported_within_logs
 from dr_lab.diagnosis.fit.covariance import clusters
+from dr_lab.diagnosis.search.as_special_case import reaching
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -168,7 +169,7 @@ def simplify(
     bench, whole = deletions.bench, steps[-1].fitted_model if steps else base
     for place, step in enumerate(steps):
         for poorer in cases.of(step.effect, whole.model):
-            swap = _Swap(step.effect, poorer)
+            swap = _Swap(step.effect, reaching(poorer, step.effect))
             back = swap.put_back(bench, whole)
             goal = np.inf if back.compatible else beyond_doubt(bench, whole)
             simpler = swap.made(bench, base, whole, goal)

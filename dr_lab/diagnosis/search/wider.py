@@ -23,16 +23,11 @@ def widened(placed: PlacedEffect, values: Array, windows: Windows) -> PlacedEffe
         windows: those of the fit.
     """
     kept = windows.past.shape[1] * windows.step
-    found, looked = [], {name: (name, low, high) for name, low, high in placed.looked}
+    found = []
     for parameter, value in zip(placed.parameters, values.tolist(), strict=True):
         limit = placed.effect.limit(parameter.name.removeprefix(f"{placed.label}."), kept, windows.margin)
-        wide = _wider(parameter, value, limit)
-        found.append(wide)
-        if wide != parameter:
-            looked.setdefault(parameter.name, (parameter.name, parameter.low, parameter.high))
-    if tuple(found) == placed.parameters:
-        return None
-    return replace(placed.bounded(tuple(found)), looked=tuple(looked.values()))
+        found.append(_wider(parameter, value, limit))
+    return None if tuple(found) == placed.parameters else placed.moved(tuple(found))
 
 
 def ran_into(parameter: Parameter, value: float) -> tuple[bool, bool]:

@@ -1,3 +1,7 @@
+from collections.abc import Callable
+from dataclasses import replace
+
+import mujoco
 import numpy as np
 import pytest
 from diagnosis_machines import pendulum, solver_settings, swinging, windows_of
@@ -5,7 +9,7 @@ from effect_machines import catalogue_effect, scales_of
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.search.as_special_case import further, special_case
+from dr_lab.diagnosis.search.as_special_case import further, reaching, special_case
 from dr_lab.effects.effect import PlacedEffect, place
 
 NAMES = ("coulomb_friction", "asymmetric_friction", "position_dependent_friction", "hysteresis")
@@ -16,6 +20,16 @@ def placed() -> dict[str, PlacedEffect]:
     model = pendulum()
     compiled, scales = model.nominal(), scales_of(model, torque=0.5)
     return {name: place(catalogue_effect(name), compiled, "hinge", scales) for name in NAMES}
+
+
+def rubbing(asymmetry: float) -> Callable[[mujoco.MjData], None]:
+    """Friction that differs between the directions."""
+
+    def rub(data: mujoco.MjData) -> None:
+        speed = data.qvel[0]
+        data.qfrc_applied[0] = -TORQUE * (1.0 + asymmetry * np.sign(speed)) * np.tanh(speed / 0.005)
+
+    return rub
 
 
 @pytest.mark.parametrize(
@@ -30,13 +44,7 @@ def test_a_special_case_is_one_that_the_effect_can_act_as_exactly(richer: str, f
 @pytest.mark.parametrize(("asymmetry", "worth"), [(0.0, False), (ASYMMETRY, True)])
 def test_a_richer_effect_gains_beyond_its_special_case_where_it_acts(asymmetry: float, worth: bool) -> None:
     model, every = pendulum(), placed()
-
-    def rub(data: object) -> None:
-        speed = data.qvel[0]  # pyright: ignore[reportAttributeAccessIssue]
-        share = 1.0 + asymmetry * np.sign(speed)
-        data.qfrc_applied[0] = -TORQUE * share * np.tanh(speed / 0.005)  # pyright: ignore[reportAttributeAccessIssue]
-
-    windows = windows_of(model, [swinging(n, model.nominal(), k, force=rub) for k, n in enumerate("ab")])
+    windows = windows_of(model, [swinging(n, model.nominal(), k, force=rubbing(asymmetry)) for k, n in enumerate("ab")])
     case, richer = every["coulomb_friction"], every["asymmetric_friction"]
     simple = Fitter(Replay(model.with_effect(case), windows, 1), solver_settings())
     fit = simple.run(np.append(model.space.nominal, TORQUE))
@@ -44,3 +52,25 @@ def test_a_richer_effect_gains_beyond_its_special_case_where_it_acts(asymmetry: 
     there = further(fitter, richer, case, fit, simple.space.mapping(fit.z))
     assert there.fit.cost == pytest.approx(fit.cost, rel=1e-3)
     assert (there.gain > 0.1 * fit.cost) == worth
+
+
+def test_a_richer_effect_acts_as_a_special_case_whose_bound_was_moved() -> None:
+    """Hard friction as large as half of what is looked for at first, in a model that looks for a tenth of it."""
+    model, every = pendulum(), placed()
+    case, richer = every["coulomb_friction"], every["asymmetric_friction"]
+    near = replace(case.parameters[0], high=0.1 * TORQUE)
+    small, richer = (
+        one.bounded((replace(near, name=one.parameters[0].name), *one.parameters[1:])) for one in (case, richer)
+    )
+    assert reaching(richer, small) == richer
+    wide = small.moved((replace(near, high=2 * TORQUE),))
+    windows = windows_of(model, [swinging(n, model.nominal(), k, force=rubbing(0.0)) for k, n in enumerate("ab")])
+    simple = Fitter(Replay(model.with_effect(wide), windows, 1), solver_settings())
+    fit = simple.run(np.append(model.space.nominal, TORQUE))
+    assert fit.z[-1] == pytest.approx(TORQUE, rel=0.1)
+    reached = reaching(richer, wide)
+    assert reached.looked == (("asymmetric_friction@hinge.mean", 0.0, 0.1 * TORQUE),)
+    assert reaching(small, reached).parameters == wide.parameters
+    fitter = Fitter(Replay(model.with_effect(reached), windows, 1), solver_settings())
+    there = further(fitter, reached, wide, fit, simple.space.mapping(fit.z))
+    assert there.fit.cost == pytest.approx(fit.cost, rel=1e-3)
