@@ -47,6 +47,11 @@ class Signal:
         """Number of samples."""
         return len(self.time)
 
+    @property
+    def wait(self) -> float:
+        """Usual time from one sample to the next in s, the median; 0 of a single sample."""
+        return float(np.median(np.diff(self.time))) if len(self) > 1 else 0.0
+
 
 @dataclass(frozen=True)
 class Note:

@@ -105,5 +105,5 @@ def _rate(signals: Sequence[Mapping[str, Signal]], most: float) -> float:
     """
     fastest: dict[str, float] = {}
     for name, each in ((name, each) for log in signals for name, each in log.items() if len(each) > 1):
-        fastest[name] = max(fastest.get(name, 0.0), 1 / float(np.median(np.diff(each.time))))
+        fastest[name] = max(fastest.get(name, 0.0), 1 / each.wait)
     return min([most, *fastest.values()])

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.faults.data_faults import Fault
@@ -56,7 +54,7 @@ def longest_wait(measured: MeasurementSet, faults: Sequence[Fault]) -> float:
         for name, signal in log.commands.items()
         if unknown(signal) or (log.name, name) in decimated
     ]
-    return max((float(np.median(np.diff(signal.time))) for signal in rare if len(signal) > 1), default=0.0)
+    return max((signal.wait for signal in rare), default=0.0)
 
 
 def _read(measured: MeasurementSet, names: Sequence[str], between: str) -> MeasurementSet:
@@ -80,7 +78,7 @@ def _left(model: Model, measured: MeasurementSet, settings: ComparisonSettings) 
 
 def _told(name: str, measured: MeasurementSet, held: float, straight: float) -> str:
     log = next(log for log in (*measured.fit, *measured.held_out) if name in log.commands)
-    wait = float(np.median(np.diff(log.commands[name].time)))
+    wait = log.commands[name].wait
     scored = "held-out logs" if measured.held_out else "logs"
     return (
         f"{name}: what was sent between its samples, {1e3 * wait:.3g} ms apart, is not logged. It is read as going "

@@ -89,14 +89,14 @@ def _add_band(figure: go.Figure, signal: Signal, std: float | None, row: int) ->
 
 def _correlation(overlay: Overlay, channel: str) -> list[Plot]:
     """Autocorrelation of the residuals, beside the band that white noise keeps to."""
-    figure, longest, time = chart(), 0.0, overlay.measured[channel].time
+    figure, longest, wait = chart(), 0.0, overlay.measured[channel].wait
     for role, value in _residuals(overlay, channel).items():
         known = np.logical_and.reduce(np.isfinite(value), axis=1)
         if known.sum() < 8:
             continue
         rho = np.mean([autocorrelation(column[None], known[None]) for column in value.T], axis=0)
         rho = rho[: max(2, int(_LAGS * known.sum()))]
-        lag = np.arange(len(rho)) * float(np.median(np.diff(time)))
+        lag = np.arange(len(rho)) * wait
         edge, longest = norm.ppf(0.5 + _CHANCE / 2) / np.sqrt(known.sum()), max(longest, float(lag[-1]))
         x, y = thinned(lag, rho, 500)
         figure.add_trace(go.Scatter(x=x, y=numbers(y), name=overlay.label(role), **line(ROLES[role])))

@@ -148,7 +148,7 @@ def _shifted(fit: DriveFit, lag: float, settings: FaultSettings) -> _Shifted | N
 
 def _coarse(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
     """Commands that changed between the samples of their log: the motion follows lines through them, not steps."""
-    period = float(np.median(np.diff(fit.log.commands[fit.actuator].time)))
+    period = fit.log.commands[fit.actuator].wait
     if fit.straight is None or given.left > settings.contrast * idle.left:
         return None
     lags = np.arange(0.0, settings.longest_delay, fit.step)

@@ -12,7 +12,7 @@ from dr_lab.diagnosis.faults.equation_error import Actuation, Demand, Weak, actu
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.faults.smoothed_motion import Mask, Motion, controls_at
 from dr_lab.diagnosis.windows.commands import actuator_columns
-from dr_lab.trajectory import Array, Log, Signal
+from dr_lab.trajectory import Array, Log
 
 _WRONG = 0.3  # largest error of a nominal model, as a share of gravity, inertia and (springs, offsets) of the need
 _OVERDONE = 0.1  # of the need, which the model's own friction may be too large by
@@ -122,7 +122,7 @@ def drive_fits(
     given = actuation(model, motion, controls_at(model, logs, motion))
     rare = settings.coarse * motion.step
     straight = given
-    if any(_period(command) > rare for log in logs for command in log.commands.values()):
+    if any(command.wait > rare for log in logs for command in log.commands.values()):
         straight = actuation(model, motion, controls_at(model, logs, motion, straight=True))
     every = _Forces(model, motion, needed, given, straight, weak_form(motion, settings.equation, needed.touching))
     sent = [i for i in range(model.nactuator) if model.actuator(i).name in actuator_columns(model, logs)]
@@ -130,13 +130,8 @@ def drive_fits(
     for k, log in enumerate(logs):
         for i in sent:
             coarse = log.commands.get(model.actuator(i).name)
-            fits.append(every.fit(log, k, i, straight=coarse is not None and _period(coarse) > rare))
+            fits.append(every.fit(log, k, i, straight=coarse is not None and coarse.wait > rare))
     return tuple(fit for fit in fits if fit is not None)
-
-
-def _period(command: Signal) -> float:
-    """Usual time between two samples, s."""
-    return float(np.median(np.diff(command.time))) if len(command) > 1 else 0.0
 
 
 @dataclass(frozen=True)
