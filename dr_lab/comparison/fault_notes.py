@@ -7,9 +7,16 @@ from rich.markdown import Markdown
 
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.reports.gap_entries import NoteEntry
+from dr_lab.reports.quantity import counted
 from dr_lab.trajectory import MeasurementSet
 
 KIND = "fault"
+UNLOGGED, DERIVED = "unlogged", "derived"  # notes on what the reading of the logs allows for
+_MENDS = (UNLOGGED, DERIVED)
+_HEADINGS = {
+    False: "**The logs seem faulty; mend this first, the rest depends on it:**",
+    True: "What is wrong with the logs is allowed for here:",
+}
 
 
 def fault_notes(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteEntry]:
@@ -41,22 +48,54 @@ def fault_notes(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteE
 
 
 def faults_markdown(notes: Sequence[NoteEntry]) -> str:
-    """The faults among a report's notes, one line for each signal; empty where there is none."""
-    lines: dict[tuple[str | None, str | None], list[NoteEntry]] = {}
+    """The faults among notes, a line for each signal, those that are allowed for last; empty where there is none."""
+    told: dict[bool, list[str]] = {False: [], True: []}
+    for first, *more in _by_signal(notes):
+        others = ", ".join(str(note.log) for note in more)
+        line = f"- `{first.log}`: {first.message}{f' The same in {others}.' if others else ''}"
+        told[_allowed_for(first, notes)].append(line)
+    parts = [f"{heading}\n\n" + "\n".join(told[mended]) for mended, heading in _HEADINGS.items() if told[mended]]
+    return "\n\n".join(parts)
+
+
+def faults_line(notes: Sequence[NoteEntry]) -> str:
+    """The same in a line: what is wrong with which signal of how many logs."""
+    told = []
+    for first, *more in _by_signal(notes):
+        allowed = ", allowed for" if _allowed_for(first, notes) else ""
+        told.append(
+            " ".join(filter(None, (first.fault, first.signal))) + f" ({counted(1 + len(more), 'log')}{allowed})"
+        )
+    return ", ".join(told)
+
+
+def known_faults(faults: Sequence[Fault], measured: MeasurementSet) -> list[NoteEntry]:
+    """Notes on faults, and on how the reading of the logs allows for some of them."""
+    logs = (*measured.fit, *measured.held_out)
+    mends = [
+        NoteEntry(note.message, note.kind, signal=note.signal)
+        for log in logs
+        for note in log.notes
+        if note.kind in _MENDS
+    ]
+    return [*fault_notes(faults, measured), *mends]
+
+
+def say_faults(notes: Sequence[NoteEntry]) -> None:
+    """Print the faults among some notes."""
+    if told := faults_markdown(notes):
+        Console().print(Markdown(told))
+
+
+def _by_signal(notes: Sequence[NoteEntry]) -> list[list[NoteEntry]]:
+    found: dict[tuple[str | None, str | None], list[NoteEntry]] = {}
     for note in notes:
         if note.kind == KIND:
-            lines.setdefault((note.signal, note.fault), []).append(note)
-    told = []
-    for first, *more in lines.values():
-        others = ", ".join(str(note.log) for note in more)
-        told.append(f"- `{first.log}`: {first.message}{f' The same in {others}.' if others else ''}")
-    if not told:
-        return ""
-    return "**The logs seem faulty; mend this first, the rest depends on it:**\n\n" + "\n".join(told)
+            found.setdefault((note.signal, note.fault), []).append(note)
+    return [*found.values()]
 
 
-def say_faults(faults: Sequence[Fault], measured: MeasurementSet) -> None:
-    """Print the faults."""
-    told = faults_markdown(fault_notes(faults, measured))
-    if told:
-        Console().print(Markdown(told))
+def _allowed_for(fault: NoteEntry, notes: Sequence[NoteEntry]) -> bool:
+    """Whether the signal is left out, or its commands are read as they were sent; a log's copy counts all the same."""
+    kinds = {note.kind for note in notes if note.signal == fault.signal}
+    return (DERIVED in kinds and fault.fault != "copied") or (UNLOGGED in kinds and fault.fault == "decimated")

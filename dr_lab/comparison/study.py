@@ -1,6 +1,6 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
-from dr_lab.comparison.fault_notes import say_faults
+from dr_lab.comparison.fault_notes import known_faults, say_faults
 from dr_lab.comparison.state_fits import StateFits
 from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
@@ -30,6 +30,7 @@ from dr_lab.effects.effect import Scales
 from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
+from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import MeasurementSet
 
 _HOPELESS = 2.0  # times the squares that noise alone leaves; far above what passes for noise
@@ -88,16 +89,17 @@ class Study:
         return _study(replace(self.comparison, settings=settings), self.faults)
 
 
-def prepare(comparison: Comparison) -> Study:
+def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] = say_faults) -> Study:
     """Cut the logs and measure scales and the numerical floor, and check the model.
 
     Where the model's step moves an output, what follows has a finer one, unless the calibrated model leaves no more
     than noise as it is: then the logs ask for no other physics, or were simulated with that very step. Faults of the
-    logs are printed at once, before anything is fitted. Without held-out logs the fit logs score too, which the report
-    says.
+    logs are told at once, as soon as is known which of them are allowed for. Without held-out logs the fit logs score
+    too, which the report says.
 
     Args:
         comparison: model, logs and settings.
+        tell: is called with the notes on faults.
 
     Raises:
         ConfigError: no log is there to fit on.
@@ -109,8 +111,9 @@ def prepare(comparison: Comparison) -> Study:
             f"Measurements {measured.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
     suspected = suspect_faults(comparison.model, measured, comparison.settings.faults)
-    say_faults(suspected, measured)
-    return _study(with_lines(comparison, suspected), suspected)
+    read = with_lines(comparison, suspected)
+    tell(known_faults(suspected, read.measurements))
+    return _study(read, suspected)
 
 
 def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
+from dr_lab.comparison.fault_notes import UNLOGGED
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
@@ -14,8 +15,6 @@ from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import thread_count
 from dr_lab.trajectory import Log, MeasurementSet, Note
-
-KIND = "unlogged"  # of the notes
 
 
 def with_lines(comparison: Comparison, faults: Sequence[Fault]) -> Comparison:
@@ -90,5 +89,5 @@ def _told(name: str, measured: MeasurementSet, held: float, straight: float) -> 
 
 
 def _noted(log: Log, told: dict[str, str]) -> Log:
-    notes = [Note(KIND, name, message) for name, message in told.items() if name in log.commands]
+    notes = [Note(UNLOGGED, name, message) for name, message in told.items() if name in log.commands]
     return replace(log, notes=(*log.notes, *notes))

@@ -1,4 +1,4 @@
-from dr_lab.comparison.fault_notes import fault_notes, faults_markdown
+from dr_lab.comparison.fault_notes import fault_notes, faults_line, faults_markdown, known_faults
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import Log, MeasurementSet, Note
@@ -19,3 +19,30 @@ def test_faults_are_told_once_for_each_signal_with_all_logs() -> None:
 
 def test_sound_logs_are_not_spoken_of() -> None:
     assert faults_markdown([NoteEntry("arm: 1 gap.", "gap")]) == ""
+
+
+def test_what_is_allowed_for_need_not_be_mended() -> None:
+    """Commands read as lines between their samples, and a velocity that is left out."""
+    frozen = Note("fault", "arm.velocity", "Frozen: arm.velocity repeats one value from 1.00 to 2.00 s.", 500)
+    allowed = (Note("unlogged", "motor", "motor: read as lines."), Note("derived", "arm.velocity", "it is left out."))
+    logs = tuple(Log(name, {}, {}, (frozen, *allowed)) for name in "ab")
+    faults = [Fault("decimated", log, "motor", 0.1, 4.9, "motor: logged rarely.", "Log more.") for log in "ab"]
+    notes = known_faults(faults, MeasurementSet("m", logs, (), {}, {}))
+    told = faults_markdown(notes)
+    assert "mend this first" not in told
+    assert told.startswith("What is wrong with the logs is allowed for here:\n\n- `a`: motor: logged rarely.")
+    assert faults_line(notes) == "decimated motor (2 logs, allowed for), frozen arm.velocity (2 logs, allowed for)"
+    turned = Fault("sign", "a", "motor", 0.1, 4.9, "motor: turned.", "Write sign: -1.")
+    both = known_faults([*faults, turned], MeasurementSet("m", logs, (), {}, {}))
+    first, second = faults_markdown(both).split("What is wrong")
+    assert "mend this first, the rest depends on it:**\n\n- `a`: motor: turned." in first
+    assert "logged rarely" not in first
+    assert "logged rarely" in second
+    assert "), sign motor (1 log), " in faults_line(both)
+
+
+def test_commands_that_stay_as_they_were_logged_are_to_be_mended() -> None:
+    fault = Fault("decimated", "a", "motor", 0.1, 4.9, "motor: logged rarely.", "Log more.")
+    notes = known_faults([fault], MeasurementSet("m", (Log("a", {}, {}),), (), {}, {}))
+    assert "mend this first" in faults_markdown(notes)
+    assert faults_line(notes) == "decimated motor (1 log)"
