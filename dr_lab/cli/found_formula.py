@@ -1,6 +1,7 @@
 """The formula that a run's report has of a force that is still missing, as `effects.formula` takes it."""
 
 import json
+import math
 from pathlib import Path
 
 from omegaconf import DictConfig, ListConfig, OmegaConf
@@ -13,8 +14,10 @@ from dr_lab.reports.plain import from_plain
 REPORT = "report.json"
 
 
-def found_formula(run: str | None, joint: str | None, key: str, reach: float) -> str | DictConfig | ListConfig:
-    """A key of `effects.formula`; the resolver ``${found_formula:FOLDER,arm,expression,3.0}``.
+def found_formula(
+    run: str | None, joint: str | None, key: str, reach: float = math.inf
+) -> str | DictConfig | ListConfig:
+    """A key of `effects.formula`; the resolver ``${found_formula:FOLDER,arm,free,3.0}``.
 
     Each term has a parameter of its own, k1, k2, …, whose nominal value is 0 and whose start is the report's.
 
@@ -22,7 +25,7 @@ def found_formula(run: str | None, joint: str | None, key: str, reach: float) ->
         run: the run folder; None where the user gives the formula.
         joint: at which the force is missing.
         key: ``expression``, ``free`` or ``start``.
-        reach: bounds of a parameter, in sizes of its value.
+        reach: bounds of a parameter, in sizes of its value; only ``free`` has any.
 
     Raises:
         ConfigError: no run or no joint is given, or the run's report has no formula for the joint.

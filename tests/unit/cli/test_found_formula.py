@@ -53,7 +53,7 @@ def test_a_joint_without_a_formula_is_told(tmp_path: Path, joint: str | None) ->
     left_by_a_run(tmp_path)
     told = f"no formula for effect.joint={joint}. Available: effect.joint=arm"
     with pytest.raises(ConfigError, match=told):
-        found_formula(str(tmp_path), joint, "expression", 3.0)
+        found_formula(str(tmp_path), joint, "expression")
 
 
 def test_without_a_run_both_ways_are_told(tmp_path: Path) -> None:
