@@ -15,6 +15,7 @@ from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.localise import LocaliseSettings
+from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.physics.model import Model, from_spec
@@ -82,6 +83,11 @@ def model_check_settings(**changes: float) -> ModelCheckSettings:
 def fault_settings() -> FaultSettings:
     """The default rules for faulty logs."""
     return instantiate(_settings().faults, _convert_="all")
+
+
+def experiment_settings(**changes: Any) -> ExperimentSettings:  # noqa: ANN401 (of whichever setting)
+    """The default search for the next experiment, with changes."""
+    return replace(instantiate(_settings().next_experiment, _convert_="all"), **changes)
 
 
 def comparison_settings(**changes: Any) -> ComparisonSettings:  # noqa: ANN401 (of whichever setting)

@@ -19,8 +19,6 @@ from dr_lab.diagnosis.next_experiment.trial import forces, watched
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array, Log, Signal
 
-_LOOK = 0.01  # s between two looks at the distances of parts in the logs
-
 
 def experiment_machine(
     study: Study, fitted_model: FittedModel, settings: ExperimentSettings
@@ -30,7 +28,7 @@ def experiment_machine(
     compiled, names = study.compiled, tuple(study.bench.fit.commands)
     logs = (*study.measurements.fit, *study.measurements.held_out)
     clearance = Clearance(model, z, 4 * safety.clearance, study.bench.threads)
-    shown = _shown(study, fitted_model, clearance, logs)
+    shown = _shown(study, fitted_model, clearance, logs, settings.log_look)
     limits = Limits.of(compiled, shown, safety)
     steady = clearance.steady(*_ends(limits, shown), stream(settings.seed, "clearance"))
     shown = replace(shown, distance=np.where(steady, 0.0, shown.distance))  # no motion brings these closer
@@ -38,7 +36,7 @@ def experiment_machine(
     ranges = command_ranges(compiled, limits, sent, safety)
     if not ranges:
         return None
-    at_rest = standing(model.compile(z), first_pose(compiled, logs), ranges)
+    at_rest = standing(model.compile(z), first_pose(compiled, logs), ranges, settings.stillness)
     low, high = np.array(list(ranges.values())).T
     kept = limits.within(safety, at_rest.qpos, shown)
     machine = ExperimentMachine(
@@ -52,6 +50,7 @@ def experiment_machine(
         solver=study.bench.solver,
         command_rate=_rate([log.commands for log in logs], settings.command_rate),
         sample_rate=_rate([log.outputs for log in logs], settings.sample_rate),
+        longest_window=settings.longest_window,
         threads=study.bench.threads,
     )
     return machine, at_rest
@@ -63,7 +62,7 @@ def _ends(limits: Limits, shown: Shown) -> tuple[Array, Array]:
     return np.where(bounded, limits.low, shown.low), np.where(bounded, limits.high, shown.high)
 
 
-def _shown(study: Study, fitted_model: FittedModel, clearance: Clearance, logs: Sequence[Log]) -> Shown:
+def _shown(study: Study, fitted_model: FittedModel, clearance: Clearance, logs: Sequence[Log], look: float) -> Shown:
     """What the machine did: its measured positions, and in all windows the motion of the fitted model."""
     model = watched(fitted_model.model)
     replay = Replay(model, study.bench.fit, study.bench.threads)
@@ -71,7 +70,7 @@ def _shown(study: Study, fitted_model: FittedModel, clearance: Clearance, logs: 
     rows = ~infeasible[0]
     qpos, qvel = tape.qpos[0][rows], tape.qvel[0][rows]
     force = np.abs(forces(model, tape.sensordata[0][rows]))
-    every = max(1, round(_LOOK / tape.step))
+    every = max(1, round(look / tape.step))
     low, high = qpos.min(axis=(0, 1)), qpos.max(axis=(0, 1))
     _widen(study, logs, low, high)
     return Shown(

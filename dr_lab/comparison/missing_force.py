@@ -14,8 +14,6 @@ from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.expression import spelt
 from dr_lab.reports.force_entries import ForceFormulaEntry, MissingForceEntry, TermEntry
 
-_PARTS = 8  # of the data, at least
-
 
 def missing_forces(study: Study, models: Sequence[FittedModel]) -> tuple[MissingForceEntry, ...]:
     """Joint by joint: missing force of the first and the last model, and what is left to explain.
@@ -36,7 +34,8 @@ def _entry(
     study: Study, replay: Replay, joint: str, first: dict[str, ResidualForce], last: dict[str, ResidualForce]
 ) -> MissingForceEntry:
     unit = "N" if replay.slides(joint) else "N·m"
-    settings, groups = study.settings.localise.formula, _groups(replay.windows)
+    settings = study.settings.localise.formula
+    groups = _groups(replay.windows, settings.parts)
     before = sparse_formula(first[joint].force, unit, _variables(replay, first), groups, settings)
     missing, left = _beyond_noise(first[joint]), _beyond_noise(last[joint])
     tells = left > _noise(last[joint])  # otherwise most of it is noise
@@ -89,8 +88,8 @@ def _variables(replay: Replay, forces: dict[str, ResidualForce]) -> list[Variabl
     return found
 
 
-def _groups(windows: Windows) -> NDArray[np.intp]:
-    """Parts of the data that are left out together: logs, or where these are few each of them in as many parts."""
-    parts = -(-_PARTS // len(windows.logs))
+def _groups(windows: Windows, least: int) -> NDArray[np.intp]:
+    """Parts of the data that are left out together: logs, or, so that there are so many at least, parts of them."""
+    parts = -(-least // len(windows.logs))
     counts = np.bincount(windows.log, minlength=len(windows.logs))
     return np.concatenate([k * parts + np.arange(count) * parts // count for k, count in enumerate(counts)])

@@ -145,8 +145,10 @@ def _put_back(one: PutBack) -> str:
 
 
 def _unit_note(study: Study) -> list[NoteEntry]:
-    bench = study.bench
-    found = suspect_degrees(study.model, study.measurements, study.settings.windows, bench.solver, bench.threads)
+    bench, settings = study.bench, study.settings
+    found = suspect_degrees(
+        study.model, study.measurements, settings.faults.degrees, settings.windows, bench.solver, bench.threads
+    )
     if found is None:
         return []
     names = ", ".join(found.channels)

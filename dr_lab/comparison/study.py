@@ -33,8 +33,6 @@ from dr_lab.physics.simulator import thread_count
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import MeasurementSet
 
-_HOPELESS = 2.0  # times the squares that noise alone leaves; far above what passes for noise
-
 
 @dataclass(frozen=True)
 class Study:
@@ -169,7 +167,7 @@ def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
     The calibration ends where it is foretold to leave far more in the windows that it sees.
     """
     fitter = Fitter(Replay(model, bench.fit, bench.threads), bench.solver)
-    hopeless = _HOPELESS * float(fitter.replay.fitted.sum())
+    hopeless = check.hopeless * float(fitter.replay.fitted.sum())
     fit = fitter.run(model.space.nominal, goal=hopeless)
     if fit.cost > hopeless:
         return False

@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, at_least, require_bounds
 from dr_lab.diagnosis.law_settings import LawSettings
+from dr_lab.diagnosis.peak_settings import PeakSettings
 from dr_lab.errors import ConfigError
 
 _ROUNDING = 1e-9
@@ -113,6 +114,7 @@ class SolverSettings:
         state_step: finite-difference step of an initial state, in prior standard deviations.
         huber: residuals beyond this many robust standard deviations count linearly.
         prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
+        plausible: probability below which a window's χ² passes for noise; else its start is sought from the prior, too.
         polish_iterations: steps of windows that are fitted on their own between joint steps.
         start_iterations: steps spent on each further start before the best one goes on.
         restarts: most times that a fit begins anew from its end, because it has not converged or because windows that
@@ -140,6 +142,7 @@ class SolverSettings:
     state_step: Positive
     huber: Positive
     prior_spans: Positive
+    plausible: Confidence
     polish_iterations: Count
     start_iterations: Count
     restarts: Natural
@@ -187,6 +190,7 @@ class EvidenceSettings:
         replacement_share: of the parameters that take an absorbed effect's place those are told that move this share
             of the largest move, in widths of their bounds, or more.
         widenings: times that a bound which the fit of an effect ran into is doubled, at most.
+        peaks: where the search for periods lets fits begin.
         law: how the law of a named effect is checked.
 
     Raises:
@@ -219,6 +223,7 @@ class EvidenceSettings:
     absorbed: NotNegative
     replacement_share: NotNegative
     widenings: Natural
+    peaks: PeakSettings
     law: LawSettings
 
     def __post_init__(self) -> None:

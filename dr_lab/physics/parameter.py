@@ -6,6 +6,8 @@ import numpy as np
 
 from dr_lab.errors import ModelError
 
+AT_A_BOUND = 1e-3  # widths of the bounds, within which a value counts as at one
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -47,3 +49,8 @@ class Parameter:
     def span(self) -> float:
         """Width of the bounds, high − low, in `unit`."""
         return self.high - self.low
+
+    def ends(self, value: float) -> tuple[bool, bool]:
+        """Whether a value lies at the lower and at the upper bound, as fits end there."""
+        near = AT_A_BOUND * self.span
+        return value - self.low < near, self.high - value < near

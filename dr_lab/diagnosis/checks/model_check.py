@@ -1,10 +1,11 @@
 """Settings of what is checked of a model before anything is blamed on the machine; values in conf/comparison."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from scipy.stats import chi2
 
-from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, require_bounds
+from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, at_least, require_bounds
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,8 @@ class ModelCheckSettings:
         seed: of the noise that is added to its logs.
         least_share: share of the noise that the time step may move an output by.
         finest: largest number of parts that a step is divided into.
+        hopeless: times the squares that noise alone leaves, beyond which a calibration that is to leave no more than
+            noise is given up.
 
     Raises:
         ConfigError: a number is too small.
@@ -31,6 +34,7 @@ class ModelCheckSettings:
     seed: Natural
     least_share: Positive
     finest: Count
+    hopeless: Annotated[float, at_least(1.0)]
 
     def __post_init__(self) -> None:
         require_bounds(self, "model_check")

@@ -13,8 +13,6 @@ from dr_lab.diagnosis.faults.smoothed_motion import Mask, smoothed_motion, untes
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import MeasurementSet
 
-_MOST_OF = 0.6  # of a log's test functions must know the commands of another time
-
 
 @dataclass(frozen=True)
 class Fault:
@@ -140,7 +138,7 @@ class _Shifted(NamedTuple):
 def _shifted(fit: DriveFit, lag: float, settings: FaultSettings) -> _Shifted | None:
     """Both readings; None where a log has too few test functions that know the later commands."""
     drive, rows = fit.late(lag)
-    if rows.sum() < _MOST_OF * len(rows):
+    if rows.sum() < settings.known * len(rows):
         return None
     bounds = (settings.gain, 1 / settings.gain)
     return _Shifted(lag, fit.gain(*bounds, rows, drive), fit.gain(*bounds, rows), rows)

@@ -14,11 +14,7 @@ from dr_lab.diagnosis.faults.smoothed_motion import Mask, Motion, controls_at
 from dr_lab.diagnosis.windows.commands import actuator_columns
 from dr_lab.trajectory import Array, Log
 
-_WRONG = 0.3  # largest error of a nominal model, as a share of gravity, inertia and (springs, offsets) of the need
-_OVERDONE = 0.1  # of the need, which the model's own friction may be too large by
-_SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
 _FRICTION = 1  # column of dry friction among what may explain the rest
-_FEWEST = 16  # test functions that a regression is worth
 
 
 @dataclass(frozen=True)
@@ -116,7 +112,7 @@ def drive_fits(
         model: compiled model.
         logs: the logs.
         motion: their smoothed motion.
-        settings: of the weak form, and how rarely commands may come.
+        settings: of the weak form, what may explain the rest, and how rarely commands may come.
     """
     needed = demand(model, motion)
     given = actuation(model, motion, controls_at(model, logs, motion))
@@ -124,7 +120,8 @@ def drive_fits(
     straight = given
     if any(command.wait > rare for log in logs for command in log.commands.values()):
         straight = actuation(model, motion, controls_at(model, logs, motion, straight=True))
-    every = _Forces(model, motion, needed, given, straight, weak_form(motion, settings.equation, needed.touching))
+    weak = weak_form(motion, settings.equation, needed.touching)
+    every = _Forces(model, motion, needed, given, straight, weak, settings)
     sent = [i for i in range(model.nactuator) if model.actuator(i).name in actuator_columns(model, logs)]
     fits = []
     for k, log in enumerate(logs):
@@ -144,11 +141,12 @@ class _Forces:
     given: Actuation
     straight: Actuation
     weak: Weak
+    settings: FaultSettings
 
     def fit(self, log: Log, k: int, i: int, *, straight: bool) -> DriveFit | None:
         """The regression of actuator i in the k-th log; None where nothing can be said."""
         rows, grid = self.weak.log == k, self.motion.log == k
-        if rows.sum() < _FEWEST:
+        if rows.sum() < self.settings.fewest:
             return None
         dof = int(np.abs(self.given.driven[grid, i]).sum(0).argmax())
         force = self.given.driven[grid, i, dof]
@@ -180,20 +178,21 @@ class _Forces:
 
         Viscous and dry friction brake, whatever their size, but for the model's own that may be too large.
         """
-        speed = self.motion.qvel[:, dof]
-        slow = _SLOW * float(np.sqrt((speed[grid] ** 2).mean())) or 1.0
+        speed, rules = self.motion.qvel[:, dof], self.settings
+        wrong, overdone = rules.wrong * size, rules.overdone * size
+        slow = rules.slow * float(np.sqrt((speed[grid] ** 2).mean())) or 1.0
         place = self.motion.qpos[:, self.model.jnt_qposadr[self.model.dof_jntid[dof]]]
         forces = [
-            (speed, -np.inf, _OVERDONE * size),
-            (np.tanh(speed / slow), -np.inf, _OVERDONE * size),
-            (place - place[grid].mean(), -_WRONG * size, _WRONG * size),
-            (np.ones(len(speed)), -_WRONG * size, _WRONG * size),
+            (speed, -np.inf, overdone),
+            (np.tanh(speed / slow), -np.inf, overdone),
+            (place - place[grid].mean(), -wrong, wrong),
+            (np.ones(len(speed)), -wrong, wrong),
             *((self.given.driven[:, j, dof], -np.inf, np.inf) for j in range(self.given.driven.shape[1]) if j != i),
         ]
         columns = [self._mean(force, rows) for force, _, _ in forces]
         columns = [column / (float(np.sqrt((column**2).mean())) or 1.0) for column in columns]
         columns += [self._mean(part[:, dof], rows) for part in (self.needed.gravity, self.needed.inertia)]
-        bounds = [(low, high) for _, low, high in forces] + [(-_WRONG, _WRONG)] * 2
+        bounds = [(low, high) for _, low, high in forces] + [(-rules.wrong, rules.wrong)] * 2
         low, high = np.array(bounds).T
         return np.stack(columns, axis=1), low, high
 

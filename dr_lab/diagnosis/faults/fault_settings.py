@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from dr_lab.bounds import NotNegative, Positive, Share, at_least, require_bounds
+from dr_lab.bounds import Count, NotNegative, Positive, Share, at_least, require_bounds
 from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings
+from dr_lab.diagnosis.faults.unit_suspicion import DegreeSettings
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,13 @@ class FaultSettings:
             ones for some to be missing.
         resting: speed as a share of the log's below which a joint counts as at rest in a span.
         breakaway: friction holds a joint at rest against this many times the friction of its motion.
+        wrong: largest error of a nominal model's gravity and inertia, as a share of them; of its springs and offsets,
+            as a share of what the motion needs.
+        overdone: share of what the motion needs by which the model's own friction may be too large.
+        slow: share of the log's speed below which the direction of friction is undecided.
+        fewest: test functions that a regression is worth.
+        known: share of a log's test functions that must know the commands of another time.
+        degrees: when angles seem to be in degrees.
 
     Raises:
         ConfigError: a number is out of its range.
@@ -46,6 +54,12 @@ class FaultSettings:
     straight: Positive
     resting: NotNegative
     breakaway: Annotated[float, at_least(1.0)]
+    wrong: Share
+    overdone: Share
+    slow: Share
+    fewest: Count
+    known: Share
+    degrees: DegreeSettings
 
     def __post_init__(self) -> None:
         require_bounds(self, "faults")

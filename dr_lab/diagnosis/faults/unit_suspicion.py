@@ -2,9 +2,11 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from dr_lab.bounds import Count, Positive, at_least, require_bounds
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
@@ -15,12 +17,27 @@ from dr_lab.trajectory import Log, MeasurementSet
 _DEGREE = np.pi / 180.0
 # An angle that covers less than a turn of radians is none of degrees that anyone would log.
 _TURN = 2 * np.pi
-# Windows of each log; the two readings differ by orders of magnitude, so that few of them tell.
-_WINDOWS = 3
-# A model that follows the data this well (χ² per sample) has their unit, whatever else it lacks.
-_FOLLOWS = 100.0
-# Factor by which the other reading must lower χ²; effects that models lack change it far less.
-_BETTER = 30.0
+
+
+@dataclass(frozen=True)
+class DegreeSettings:
+    """When angles seem to be in degrees.
+
+    Attributes:
+        windows: of each log that are looked at.
+        follows: a model that leaves less χ² per sample has the unit of the data, whatever else it lacks.
+        better: factor by which the other reading must lower χ².
+
+    Raises:
+        ConfigError: a number is out of its range.
+    """
+
+    windows: Count
+    follows: Positive
+    better: Annotated[float, at_least(1.0)]
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "faults.degrees")
 
 
 @dataclass(frozen=True)
@@ -39,7 +56,12 @@ class UnitSuspicion:
 
 
 def suspect_degrees(
-    model: Model, measured: MeasurementSet, settings: WindowSettings, solver: SolverSettings, threads: int
+    model: Model,
+    measured: MeasurementSet,
+    rules: DegreeSettings,
+    settings: WindowSettings,
+    solver: SolverSettings,
+    threads: int,
 ) -> UnitSuspicion | None:
     """Compare the model at its nominal context with the logs as declared and with wide angles read as degrees.
 
@@ -48,6 +70,7 @@ def suspect_degrees(
     Args:
         model: the model.
         measured: the logs; the held-out ones are looked at, or the fit logs where none is held out.
+        rules: when they seem to be.
         settings: how they are cut.
         solver: settings of the fit of start states.
         threads: C threads.
@@ -59,17 +82,17 @@ def suspect_degrees(
     wide = tuple(name for name in measured.noise if _is_wide(name, measured, logs))
     if not wide:
         return None
-    few = replace(settings, seconds=min(settings.seconds, _WINDOWS * settings.length * len(logs)))
+    few = replace(settings, seconds=min(settings.seconds, rules.windows * settings.length * len(logs)))
 
     def chi2(data: MeasurementSet) -> float:
         windows = cut(data.held_out or data.fit, data, model.nominal(), few)
         return score_of(*fit_states(model, model.space.nominal, windows, solver, threads)).chi2
 
     given = chi2(measured)
-    if given < _FOLLOWS:
+    if given < rules.follows:
         return None
     other = chi2(_as_degrees(measured, {*wide, *(name.replace(".position", ".velocity") for name in wide)}))
-    return UnitSuspicion(wide, given, other) if other * _BETTER < given else None
+    return UnitSuspicion(wide, given, other) if other * rules.better < given else None
 
 
 def _is_wide(name: str, measured: MeasurementSet, logs: Sequence[Log]) -> bool:

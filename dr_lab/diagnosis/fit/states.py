@@ -16,7 +16,6 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 _NO_PARAMETER = np.zeros(0, np.intp)
-_PLAUSIBLE = 0.999  # probability below which a window's χ² passes for noise
 _WORTH = 0.5  # share of the simulated windows below which those still active get simulations of their own
 
 
@@ -109,7 +108,7 @@ class _Search:
         count = np.maximum(fitted.sum(1), 1)
         left = np.where(fitted, found.residuals**2, 0.0).sum(1) / count
         usual = max(1.0, float(np.median(left[~found.infeasible]))) if not found.infeasible.all() else 1.0
-        return left > usual * chi2.ppf(_PLAUSIBLE, count) / count
+        return left > usual * chi2.ppf(self.settings.plausible, count) / count
 
     def _better(self, one: StateFit, other: StateFit) -> StateFit:
         """The better of two fits in each window."""

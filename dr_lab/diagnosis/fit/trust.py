@@ -9,7 +9,6 @@ from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.trajectory import Array
 
-_AT_A_BOUND = 1e-3  # widths of the bounds
 _SHOWN = 0.3  # entries of the worst direction, whose length is 1, that are told
 
 
@@ -35,9 +34,8 @@ def doubts(found: ContextEstimate, fit: Fit, windows: Windows, settings: Evidenc
 
 def at_bounds(found: ContextEstimate) -> dict[str, bool]:
     """Whether each parameter lies at one of its bounds; one that the fit left alone does not."""
-    unit = found.space.to_unit(found.mean)
-    edge = (np.minimum(unit, 1 - unit) < _AT_A_BOUND) & (found.std > 0)
-    return dict(zip(found.space.names, edge.tolist(), strict=True))
+    rows = zip(found.space.parameters, found.mean.tolist(), found.std.tolist(), strict=True)
+    return {p.name: any(p.ends(value)) and std > 0 for p, value, std in rows}
 
 
 def worst_direction(space: ContextSpace, fit: Fit) -> dict[str, float]:

@@ -22,6 +22,7 @@ class FormulaSettings:
         terms: most terms of a formula.
         harmonics: multiples of an angle whose sine and cosine are terms.
         folds: parts of the logs that are predicted from the others.
+        parts: logs, or pieces of them where they are fewer, that stay together in a fold.
         worth: share of the force's mean square that a further term must explain of the parts left out.
         least: number of windows below which nothing is said.
         windows: number of windows that forces are looked for in at most.
@@ -34,6 +35,7 @@ class FormulaSettings:
     terms: Count
     harmonics: Natural
     folds: Annotated[int, at_least(2)]
+    parts: Annotated[int, at_least(2)]
     worth: Positive
     least: Annotated[int, at_least(2)]
     windows: Count
@@ -118,10 +120,18 @@ def sparse_formula(
     features = np.stack([v.value for v in kept], axis=1)
     ceiling = _explained(force, left_out(forest(settings.trees), features, force, groups, folds))
     coefficients = Pursuit(count).fit(columns, force).coef_ if count else np.zeros(columns.shape[1])
-    chosen = {term.name: float(c) for term, c in zip(terms, coefficients, strict=True) if c != 0}
-    units = {term.name: f"{unit}/({term.unit})" if term.unit else unit for term in terms if term.name in chosen}
-    expressions = {term.name: term.expression for term in terms if term.name in chosen}
-    return Formula(chosen, units, expressions, share, max(ceiling, share))
+    return _written(unit, terms, coefficients, share, max(ceiling, share))
+
+
+def _written(unit: str, terms: Sequence["_Term"], coefficients: Array, share: float, ceiling: float) -> Formula:
+    chosen = [(term, float(c)) for term, c in zip(terms, coefficients, strict=True) if c != 0]
+    return Formula(
+        coefficients={term.name: c for term, c in chosen},
+        units={term.name: f"{unit}/({term.unit})" if term.unit else unit for term, _ in chosen},
+        expressions={term.name: term.expression for term, _ in chosen},
+        share=share,
+        ceiling=ceiling,
+    )
 
 
 def mean_square(force: Array) -> float:

@@ -12,8 +12,6 @@ from dr_lab.diagnosis.next_experiment.trial import watched
 from dr_lab.diagnosis.next_experiment.worth import Shots, apart, missed, missed_at_most, told
 from dr_lab.trajectory import Array
 
-_SMALL = 0.1  # of a parameter's bounds; values below it count as so large
-
 
 class Aim(Protocol):
     """What makes one experiment better than another; the more the better."""
@@ -163,12 +161,12 @@ def sharpening(contender: Contender, poor: Sequence[int], machine: ExperimentMac
     return Sharpening([model], [_quick(model)], machine, seconds, poor)
 
 
-def poorly_known(contender: Contender, share: float) -> list[int]:
+def poorly_known(contender: Contender, share: float, least: float) -> list[int]:
     """Places of the parameters whose standard deviation is a large share of their size.
 
-    A parameter's size is that of its value, or a tenth of the width of its bounds where that is more.
+    A parameter's size is that of its value, or a share of the width of its bounds, `least`, where that is more.
     """
-    size = np.maximum(np.abs(contender.z), _SMALL * contender.model.space.span)
+    size = np.maximum(np.abs(contender.z), least * contender.model.space.span)
     std = np.sqrt(np.maximum(np.diag(contender.covariance), 0.0))
     return [int(k) for k in np.flatnonzero(std > share * size)]
 

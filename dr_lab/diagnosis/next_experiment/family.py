@@ -5,17 +5,12 @@ from typing import Annotated
 
 import numpy as np
 
-from dr_lab.bounds import Count, Positive, above, at_most, require_bounds
+from dr_lab.bounds import Count, Positive, Share, above, at_most, require_bounds
 from dr_lab.errors import ConfigError
 from dr_lab.trajectory import Array
 
-_FAINTEST = 0.03  # of the largest sine
-_SMALL = 0.02  # of the actuator's range, with which experiments are drawn at least
-_LEAST_GENE = -1.0  # of a size: the square of that
-_COMMANDS = 8  # of the fastest sine's period, at least: held commands then still look like a sine
+_LEAST_GENE = -1.0  # of a size: the square of the smallest that is drawn
 _MORE = 3  # genes beside those of the sines: the edge, the middle and the size
-_EDGE = 10.0  # of the steepest edge: a sine is then a step that takes a sixth of its period
-_JUMP = 0.35  # of the size, by which a command follows another at most
 
 
 @dataclass(frozen=True)
@@ -53,6 +48,11 @@ class Multisines:
         highest: frequency, Hz; slow commands allow less.
         ramp: s.
         most_ramp: share of the duration that a ramp takes at most.
+        faintest: amplitude of a sine, share of the largest.
+        smallest: experiment that is drawn, share of the actuator's range.
+        commands_a_period: of the fastest sine's period, at least: held commands then still look like a sine.
+        edge: h of the steepest edge.
+        jump: share of the size by which a command follows another at most.
     """
 
     sines: Count
@@ -60,6 +60,11 @@ class Multisines:
     highest: Positive
     ramp: Positive
     most_ramp: Annotated[float, above(0.0), at_most(0.5)]
+    faintest: Share
+    smallest: Share
+    commands_a_period: Count
+    edge: Positive
+    jump: Share
 
     def __post_init__(self) -> None:
         require_bounds(self, "next_experiment.family")
@@ -97,7 +102,7 @@ class Multisines:
     def resized(self, genes: Array, factor: Array) -> Array:
         """The genes with all sizes multiplied by a factor above 0, shape (n,), as far as they go."""
         found = genes.copy()
-        moved = found[..., -1] - np.log(factor)[:, None] / np.log(_SMALL)
+        moved = found[..., -1] - np.log(factor)[:, None] / np.log(self.smallest)
         found[..., -1] = np.clip(moved, _LEAST_GENE, 1.0)
         return found
 
@@ -113,11 +118,11 @@ class Multisines:
             Shape (n, m, k).
         """
         waves, window = self._waves(genes, time), self._window(time)
-        waves = window * _edged(waves, genes[..., -3])
+        waves = window * self._edged(waves, genes[..., -3])
         waves = waves / np.maximum(np.abs(waves).max(axis=2, keepdims=True), np.finfo(float).tiny)
         middle = bounds.low + (bounds.high - bounds.low) * genes[..., -2]
         room = np.minimum(bounds.high - middle, middle - bounds.low)
-        size = _SMALL ** (1 - genes[..., -1])
+        size = self.smallest ** (1 - genes[..., -1])
         moved = size[..., None] * ((middle - bounds.hold)[..., None] * window + room[..., None] * waves)
         fastest = np.abs(np.diff(moved, axis=2)).max(axis=2) / (time[1] - time[0])
         slow = np.minimum(1.0, bounds.slew / np.maximum(fastest, np.finfo(float).tiny))
@@ -127,20 +132,19 @@ class Multisines:
     def _waves(self, genes: Array, time: Array) -> Array:
         place, phase, size = (genes[..., k * self.sines : (k + 1) * self.sines] for k in range(3))
         share = (np.arange(self.sines) + place) / self.sines
-        fastest = max(self.lowest, min(self.highest, 1 / (_COMMANDS * (time[1] - time[0]))))
+        fastest = max(self.lowest, min(self.highest, 1 / (self.commands_a_period * (time[1] - time[0]))))
         frequency = self.lowest * (fastest / self.lowest) ** share
         angle = 2 * np.pi * (frequency[..., None] * time + phase[..., None])
-        return (_FAINTEST ** (1 - size[..., None]) * np.sin(angle)).sum(axis=2)
+        return (self.faintest ** (1 - size[..., None]) * np.sin(angle)).sum(axis=2)
 
     def _window(self, time: Array) -> Array:
         ramp = min(self.ramp, self.most_ramp * float(time[-1]))
         share = np.clip(np.minimum(time, time[-1] - time) / ramp, 0.0, 1.0)
         return (1 - np.cos(np.pi * share)) / 2
 
-
-def _edged(waves: Array, gene: Array) -> Array:
-    """Waves of the largest value 1 with steeper edges, shapes (…, k) and (…)."""
-    waves = waves / np.maximum(np.abs(waves).max(axis=-1, keepdims=True), np.finfo(float).tiny)
-    steepest = np.abs(np.diff(waves)).max(axis=-1)
-    edge = np.clip(_EDGE * gene**2, 1e-3, np.maximum(_JUMP / np.maximum(steepest, _JUMP / _EDGE), 1e-3))
-    return np.tanh(edge[..., None] * waves)
+    def _edged(self, waves: Array, gene: Array) -> Array:
+        """Waves of the largest value 1 with steeper edges, shapes (…, k) and (…)."""
+        waves = waves / np.maximum(np.abs(waves).max(axis=-1, keepdims=True), np.finfo(float).tiny)
+        steepest = np.maximum(np.abs(np.diff(waves)).max(axis=-1), self.jump / self.edge)
+        edge = np.clip(self.edge * gene**2, 1e-3, np.maximum(self.jump / steepest, 1e-3))
+        return np.tanh(edge[..., None] * waves)

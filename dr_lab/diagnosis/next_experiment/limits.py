@@ -6,14 +6,12 @@ from typing import Annotated
 import mujoco
 import numpy as np
 
-from dr_lab.bounds import Natural, NotNegative, Positive, at_least, below, require_bounds
+from dr_lab.bounds import Natural, NotNegative, Positive, Share, at_least, below, require_bounds
 from dr_lab.diagnosis.next_experiment.clearance import Clearance
 from dr_lab.trajectory import Array
 
 POSITION, SPEED, FORCE, TOUCH = "position", "speed", "force", "clearance"
 KINDS = (POSITION, SPEED, FORCE, TOUCH)
-_AS_CLOSE = 0.99  # of the logs' smallest distance that pairs may come as close as
-_NEAR = 0.9  # of the same, below which a motion is said to touch
 
 
 @dataclass(frozen=True)
@@ -27,6 +25,8 @@ class Safety:
         give: share of a joint's range by which a machine may press on the end of it at which it rests.
         clearance: m, that parts keep from each other which the logs do not show closer; simulated motions keep twice
             of it.
+        as_close: share of the logs' smallest distance of two parts, to which simulated motions may bring them.
+        touching: the same, below which a motion is said to touch.
         draws: contexts drawn from each fit's uncertainty in which the motion must keep its limits as well.
         spread: standard deviations of the fit for one of the draws.
     """
@@ -35,6 +35,8 @@ class Safety:
     reserve: Annotated[float, at_least(0.0), below(0.9)]
     give: Annotated[float, at_least(0.0), below(0.1)]
     clearance: Positive
+    as_close: Share
+    touching: Share
     draws: Natural
     spread: NotNegative
 
@@ -95,7 +97,9 @@ class Limits:
                 low[where], high[where] = model.jnt_range[joint]
         speed, most = (1 + safety.margin) * shown.speed, (1 + safety.margin) * shown.force
         certain = model.actuator_biastype == int(mujoco.mjtBias.mjBIAS_NONE)
-        return cls(low, high, speed, _forces(model, most), certain, closest(shown.distance, safety.clearance, _NEAR))
+        return cls(
+            low, high, speed, _forces(model, most), certain, closest(shown.distance, safety.clearance, safety.touching)
+        )
 
     def within(self, safety: Safety, start: Array, shown: Shown) -> "Limits":
         """The limits that a simulated motion keeps: a reserve stays free, but for where the experiment starts.
@@ -110,7 +114,7 @@ class Limits:
             speed=keep * self.speed,
             force=np.where(self.certain, 1.0, keep) * self.force,
             certain=self.certain,
-            distance=closest(shown.distance, 2 * safety.clearance, _AS_CLOSE),
+            distance=closest(shown.distance, 2 * safety.clearance, safety.as_close),
         )
 
     def excess(self, qpos: Array, qvel: Array, force: Array, start: Array) -> dict[str, Array]:

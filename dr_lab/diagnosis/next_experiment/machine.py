@@ -12,8 +12,6 @@ from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Noise, Signal
 
-_OF_DURATION = 0.4  # longest window, so that two lie between the ends
-
 
 @dataclass(frozen=True)
 class Contender:
@@ -57,6 +55,7 @@ class ExperimentMachine:
         solver: settings of the fits.
         command_rate: commands a second, Hz.
         sample_rate: samples a second of every channel, Hz.
+        longest_window: share of an experiment's duration.
         threads: C threads.
     """
 
@@ -70,6 +69,7 @@ class ExperimentMachine:
     solver: SolverSettings
     command_rate: float
     sample_rate: float
+    longest_window: float
     threads: int | None
 
     def command_times(self, duration: float) -> Array:
@@ -86,7 +86,7 @@ class ExperimentMachine:
 
     def cutting(self, duration: float) -> WindowSettings:
         """How a log of this length is cut: in no longer windows than the logs are."""
-        return self.windows.of_length(min(self.windows.length, _OF_DURATION * duration))
+        return self.windows.of_length(min(self.windows.length, self.longest_window * duration))
 
     def seconds(self, duration: float, most: float, count: int) -> WindowSettings:
         """The same for so many logs, of each of which only some seconds are simulated."""

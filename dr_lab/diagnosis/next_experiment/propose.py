@@ -81,7 +81,7 @@ def sharpen(
     contender: Contender, machine: ExperimentMachine, settings: ExperimentSettings
 ) -> Proposal | Refusal | None:
     """The experiment that tells most about the parameters that are poorly known; None where none is."""
-    poor = poorly_known(contender, settings.poor)
+    poor = poorly_known(contender, settings.poor, settings.least_size)
     if not poor:
         return None
     aim = sharpening(contender, poor, machine, settings.seconds)

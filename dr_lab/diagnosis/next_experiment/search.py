@@ -14,10 +14,7 @@ from dr_lab.diagnosis.next_experiment.worth import Shots
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
-_LEAST_JUDGED = 2
-_SCALES = (1.0, 0.95, 0.9, 0.85, 0.78, 0.7, 0.6, 0.5)  # of the best, against contexts in which they leave a limit
-_MUTATED, _MUTATION = 0.3, 0.15  # share of the genes, standard deviation
-_COARSE, _FINE = 0.02, 0.004  # s between two looks at the distances of parts
+_LEAST_JUDGED = 2  # experiments, of which one is the best
 
 
 @dataclass(frozen=True)
@@ -105,7 +102,7 @@ class Search:
         for generation in range(settings.generations):
             genes = self._sized(genes)
             values = self._values(genes)
-            shown, excess = self._tried(values, self._aim.quick)
+            shown, excess = self._tried(values, self._aim.quick, 0, settings.look)
             archive.add(genes, values, self._worth(shown, excess))
             if generation + 1 < settings.generations:
                 genes = self._children(archive)
@@ -119,10 +116,11 @@ class Search:
 
         A small motion may tell more, as of a dead zone; so not all are as large as they may be.
         """
-        sizes, family = Sizes(len(genes)), self._settings.family
+        settings, family = self._settings, self._settings.family
+        sizes = Sizes(len(genes), settings.sizing)
         sizes.most[1::3] = 1.0
-        for _ in range(self._settings.sizings):
-            _, excess = self._tried(self._values(family.resized(genes, sizes.next)), self._aim.quick)
+        for _ in range(settings.sizing.tries):
+            _, excess = self._tried(self._values(family.resized(genes, sizes.next)), self._aim.quick, 0, settings.look)
             sizes.seen(excess)
         return family.resized(genes, sizes.kept)
 
@@ -142,19 +140,21 @@ class Search:
 
     def _children(self, archive: _Archive) -> Array:
         """A generation of the best so far."""
-        count, generator = self._settings.population, self._generator
-        elite = np.argsort(-archive.worth)[: max(2, self._settings.elite)]
-        one, other = elite[generator.integers(len(elite), size=(2, count))]
+        settings, generator = self._settings, self._generator
+        elite = np.argsort(-archive.worth)[: max(2, settings.elite)]
+        one, other = elite[generator.integers(len(elite), size=(2, settings.population))]
         shape = archive.genes[one].shape
         genes = np.where(generator.uniform(size=shape) < 0.5, archive.genes[one], archive.genes[other])
-        moved = (generator.uniform(size=shape) < _MUTATED) * generator.normal(scale=_MUTATION, size=shape)
-        return self._settings.family.mutated(genes, moved)
+        moved = (generator.uniform(size=shape) < settings.mutated) * generator.normal(
+            scale=settings.mutation, size=shape
+        )
+        return settings.family.mutated(genes, moved)
 
     def _safe(self, values: Array) -> Found | None:
         """An experiment, as large as it may be in all drawn contexts, with its value; None where it is in none."""
-        hold = self._machine.bounds.hold[:, None]
-        scaled = np.stack([hold + scale * (values - hold) for scale in _SCALES])
-        shown, excess = self._tried(scaled, self._aim.contenders, drawn=self._settings.safety.draws, looks=_FINE)
+        settings, hold = self._settings, self._machine.bounds.hold[:, None]
+        scaled = np.stack([hold + scale * (values - hold) for scale in settings.scales])
+        shown, excess = self._tried(scaled, self._aim.contenders, settings.safety.draws, settings.fine_look)
         rows = np.flatnonzero(excess <= 1)
         if not len(rows):
             return None
@@ -163,7 +163,7 @@ class Search:
         return Found(scaled[row], self._time, self._aim.value(kept), float(excess[row]), kept)
 
     def _tried(
-        self, values: Array, contenders: Sequence[Contender], *, drawn: int = 0, looks: float = _COARSE
+        self, values: Array, contenders: Sequence[Contender], drawn: int, looks: float
     ) -> tuple[list[Shots], Array]:
         """What each contender shows of experiments, and the largest share that these take of any limit."""
         experiments, shown, excess = self._machine.signals(values, self._time), [], np.zeros(len(values))

@@ -7,13 +7,29 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from dr_lab.bounds import Positive, require_bounds
 from dr_lab.physics.activations import resting
 from dr_lab.trajectory import Array, Log
 
-_STILL = 0.05  # rad/s² or m/s²; a machine that starts so slowly moves by a hair in the first tenth of a second
-_SETTLED = 1e-4  # rad/s or m/s
-_SETTLING = 20.0  # s
-_BRAKE = 5.0  # 1/s, damping by which a settling machine is braked, times its inertia
+
+@dataclass(frozen=True)
+class Stillness:
+    """When a machine stands, and how it is brought to that.
+
+    Attributes:
+        acceleration: rad/s² or m/s², below which it stands.
+        speed: rad/s or m/s, below which it has settled.
+        longest: s that it may take to settle.
+        brake: 1/s, damping by which it is braked meanwhile, times its inertia.
+    """
+
+    acceleration: Positive
+    speed: Positive
+    longest: Positive
+    brake: Positive
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "next_experiment.stillness")
 
 
 @dataclass(frozen=True)
@@ -42,7 +58,9 @@ def first_pose(model: mujoco.MjModel, logs: Sequence[Log]) -> Array:
     return qpos
 
 
-def standing(model: mujoco.MjModel, qpos: Array, limits: Mapping[str, tuple[float, float]]) -> Standing:
+def standing(
+    model: mujoco.MjModel, qpos: Array, limits: Mapping[str, tuple[float, float]], stillness: Stillness
+) -> Standing:
     """How a machine stands that is put at a pose and held by its commands as far as these can.
 
     The commands solve q̈(q, 0, u) = 0 in least squares, for which q̈ is taken as linear in u; the machine comes to rest
@@ -52,11 +70,12 @@ def standing(model: mujoco.MjModel, qpos: Array, limits: Mapping[str, tuple[floa
         model: compiled model.
         qpos: the pose, shape (nq,).
         limits: lowest and highest command by actuator; other actuators have the command 0.
+        stillness: when it stands.
     """
     held = _held(model, qpos, limits)
-    if np.abs(_acceleration(model, qpos, held)).max(initial=0.0) > _STILL:
-        qpos = _settled(model, qpos, held)
-    still = np.abs(_acceleration(model, qpos, held)).max(initial=0.0) <= _STILL
+    if np.abs(_acceleration(model, qpos, held)).max(initial=0.0) > stillness.acceleration:
+        qpos = _settled(model, qpos, held, stillness)
+    still = np.abs(_acceleration(model, qpos, held)).max(initial=0.0) <= stillness.acceleration
     columns = {name: int(model.actuator_ctrladr[model.actuator(name).id]) for name in limits}
     return Standing(qpos, {name: float(held[column]) for name, column in columns.items()}, still)
 
@@ -101,15 +120,15 @@ def _resting(model: mujoco.MjModel, qpos: Array, controls: Array) -> mujoco.MjDa
     return data
 
 
-def _settled(model: mujoco.MjModel, qpos: Array, controls: Array) -> Array:
+def _settled(model: mujoco.MjModel, qpos: Array, controls: Array, stillness: Stillness) -> Array:
     """Where a braked machine comes to rest under held commands."""
     data, inertia = _resting(model, qpos, controls), np.zeros((model.nv, model.nv))
     mujoco.mj_forward(model, data)
     mujoco.mj_fullM(model, data, inertia)
     braked = copy(model)
-    braked.dof_damping[:] += _BRAKE * np.diag(inertia)
-    for _ in range(int(_SETTLING / model.opt.timestep)):
+    braked.dof_damping[:] += stillness.brake * np.diag(inertia)
+    for _ in range(int(stillness.longest / model.opt.timestep)):
         mujoco.mj_step(braked, data)
-        if np.abs(data.qvel).max() < _SETTLED and np.abs(data.qacc).max() < _STILL / 2:
+        if np.abs(data.qvel).max() < stillness.speed and np.abs(data.qacc).max() < stillness.acceleration / 2:
             break
     return data.qpos.copy()

@@ -16,7 +16,6 @@ from dr_lab.diagnosis.search.freed import freed_score
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.effect import PlacedEffect, Scales
 
-_AT_A_BOUND = 1e-3  # widths of the bounds
 _FREE = {
     "command": "a free curve of the command",
     "position": "a free curve of the position",
@@ -96,8 +95,7 @@ def _free(bench: Bench, effect: PlacedEffect, scales: Scales, compiled: mujoco.M
 
 def _at_a_bound(effect: PlacedEffect, fitted_model: FittedModel) -> bool:
     values = fitted_model.values()
-    places = ((values[p.name] - p.low) / (p.high - p.low) for p in effect.parameters)
-    return any(min(place, 1 - place) < _AT_A_BOUND for place in places)
+    return any(any(p.ends(values[p.name])) for p in effect.parameters)
 
 
 def _check(bench: Bench, last: FittedModel, effect: PlacedEffect, free: FreeLaw) -> LawCheck:

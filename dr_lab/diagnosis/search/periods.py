@@ -11,6 +11,7 @@ from dr_lab.diagnosis.evidence.bench import Bench
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.peak_settings import PeakSettings
 from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import WindowSamples
 from dr_lab.effects.effect import PlacedEffect
@@ -19,8 +20,6 @@ from dr_lab.physics.model import Model
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
-_PROPOSED = 2  # peaks from which fits begin, at most
-_NEAR = 0.8  # of the largest peak's gain; such a peak may be the true one, for the response to a push is an estimate
 _AMPLITUDES = ("sine", "cosine")
 _NO_PRIOR = 1e-9  # of amplitudes, beside columns in noise standard deviations a N·m; keeps what nothing shows at 0
 
@@ -34,7 +33,8 @@ def with_periods(bench: Bench, model: Model, fit: Fit, placed: Sequence[PlacedEf
         fit: its fit to these windows.
         placed: the effects.
     """
-    spectrum = _Spectrum(Replay(model, bench.fit, bench.threads), fit, bench.solver.huber)
+    replay = Replay(model, bench.fit, bench.threads)
+    spectrum = _Spectrum(replay, fit, bench.solver.huber, bench.evidence.peaks)
     return tuple(_begun(spectrum, one) if searched(one) else one for one in placed)
 
 
@@ -63,11 +63,13 @@ class _Spectrum:
         replay: the fit windows under the model.
         fit: of the model.
         huber: of the residuals' weights.
+        settings: which peaks count.
     """
 
     replay: Replay
     fit: Fit
     huber: float
+    settings: PeakSettings
 
     def peaks(self, placed: PlacedEffect, number: Parameter) -> tuple[dict[str, float], ...]:
         """Amplitudes and n at the largest peaks, by full names; nothing where no channel shows the joint."""
@@ -79,7 +81,7 @@ class _Spectrum:
         numbers = tried(number, way)
         reads = isinstance(placed.effect, Periodic) and placed.effect.read
         gains, amplitudes = self._gains(joint, (self._read if reads else self._pushed)(joint, numbers))
-        best = _largest_peaks(gains)
+        best = _largest_peaks(gains, self.settings)
         bounds = {p.name: p for p in placed.parameters}
         return tuple(self._start(placed.label, bounds, numbers[k], amplitudes[k]) for k in best)
 
@@ -200,8 +202,9 @@ def _of_pairs(information: Array, gradient: Array, free: int) -> tuple[Array, Ar
     return np.asarray(-(slopes * steps).sum(1)), np.asarray(steps, dtype=np.float64)
 
 
-def _largest_peaks(gains: Array) -> list[int]:
+def _largest_peaks(gains: Array, settings: PeakSettings) -> list[int]:
     """Places of the largest local maximum, and of others that are about as large."""
     padded = np.pad(gains, 1, constant_values=-np.inf)
-    peaks = np.flatnonzero((gains >= padded[:-2]) & (gains >= padded[2:]) & (gains >= _NEAR * gains.max(initial=0.0)))
-    return [int(k) for k in peaks[np.argsort(-gains[peaks], kind="stable")][:_PROPOSED]]
+    near = gains >= settings.near * gains.max(initial=0.0)
+    peaks = np.flatnonzero((gains >= padded[:-2]) & (gains >= padded[2:]) & near)
+    return [int(k) for k in peaks[np.argsort(-gains[peaks], kind="stable")][: settings.most]]

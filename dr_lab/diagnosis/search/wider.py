@@ -5,10 +5,8 @@ from dataclasses import replace
 
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.effects.effect import PlacedEffect
-from dr_lab.physics.parameter import Parameter
+from dr_lab.physics.parameter import AT_A_BOUND, Parameter
 from dr_lab.trajectory import Array
-
-_AT_A_BOUND = 1e-3  # widths of the bounds
 
 
 def widened(placed: PlacedEffect, values: Array, windows: Windows) -> PlacedEffect | None:
@@ -32,9 +30,8 @@ def widened(placed: PlacedEffect, values: Array, windows: Windows) -> PlacedEffe
 
 def ran_into(parameter: Parameter, value: float) -> tuple[bool, bool]:
     """Whether a value lies at the lower and at the upper bound, absent excepted."""
-    near = _AT_A_BOUND * parameter.span
-    low = value - parameter.low < near and parameter.low < parameter.nominal
-    return low, parameter.high - value < near and parameter.high > parameter.nominal
+    low, high = parameter.ends(value)
+    return low and parameter.low < parameter.nominal, high and parameter.high > parameter.nominal
 
 
 def _wider(parameter: Parameter, value: float, limit: float) -> Parameter:
@@ -52,4 +49,4 @@ def _farther(bound: float, nominal: float, limit: float) -> float:
         return bound / 2
     far = abs(bound - nominal)
     farther = min(2 * far, limit)
-    return nominal + math.copysign(farther, bound - nominal) if farther > (1 + _AT_A_BOUND) * far else bound
+    return nominal + math.copysign(farther, bound - nominal) if farther > (1 + AT_A_BOUND) * far else bound

@@ -14,6 +14,7 @@ from dr_lab.diagnosis.evidence.paired_gain import (
 )
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.law_settings import LawSettings
+from dr_lab.diagnosis.peak_settings import PeakSettings
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.errors import ConfigError
 
@@ -44,6 +45,7 @@ SETTINGS = EvidenceSettings(
     absorbed=1e-3,
     replacement_share=0.2,
     widenings=3,
+    peaks=PeakSettings(most=2, near=0.8),
     law=LawSettings(knots=4, factor=2.0, least_closed=0.7),
 )
 

@@ -5,7 +5,7 @@ import pytest
 
 from dr_lab.diagnosis.missing_force.force_formula import FormulaSettings, Variable, sparse_formula
 
-SETTINGS = FormulaSettings(terms=4, harmonics=3, folds=4, worth=0.02, least=40, windows=400, trees=30)
+SETTINGS = FormulaSettings(terms=4, harmonics=3, folds=4, parts=8, worth=0.02, least=40, windows=400, trees=30)
 GENERATOR = np.random.default_rng(0)
 ANGLE, SPEED, COMMAND, NOISE = GENERATOR.normal(size=(4, 400)) * np.array([[1.5], [3.0], [2.0], [1.0]])
 LOGS = np.repeat(np.arange(4), 100)

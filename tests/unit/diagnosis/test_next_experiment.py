@@ -52,6 +52,7 @@ def machine(model: Contender, way: float = 0.5, speed: float = 2.0, low: float =
         solver=solver_settings(),
         command_rate=100.0,
         sample_rate=250.0,
+        longest_window=0.4,
         threads=1,
     )
 
@@ -220,7 +221,7 @@ def test_steps_do_not_jump() -> None:
 def test_sizes_grow_to_the_limit_and_shrink_to_it() -> None:
     """Where the share of the limit grows as the size, as its square, and not at all below a threshold."""
     laws = np.array([0.1, 3.0, 50.0]), np.array([1.0, 2.0, 1.0])
-    sizes = Sizes(3)
+    sizes = Sizes(3, settings().sizing)
     for _ in range(6):
         sizes.seen(laws[0] * sizes.next ** laws[1])
     taken = laws[0] * sizes.kept ** laws[1]
@@ -229,7 +230,7 @@ def test_sizes_grow_to_the_limit_and_shrink_to_it() -> None:
 
 
 def test_a_size_that_is_not_to_be_passed_is_kept() -> None:
-    sizes = Sizes(2)
+    sizes = Sizes(2, settings().sizing)
     sizes.most[0] = 1.0
     for _ in range(5):
         sizes.seen(0.2 * sizes.next)

@@ -5,19 +5,21 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from diagnosis_machines import experiment_settings
 from effect_machines import block, hanging
 
 from dr_lab.diagnosis.next_experiment.clearance import Clearance
-from dr_lab.diagnosis.next_experiment.family import Bounds, Multisines
-from dr_lab.diagnosis.next_experiment.limits import Limits, Safety, Shown
+from dr_lab.diagnosis.next_experiment.family import Bounds
+from dr_lab.diagnosis.next_experiment.limits import Limits, Shown
 from dr_lab.diagnosis.next_experiment.ranges import command_ranges, controlled, slews
 from dr_lab.diagnosis.next_experiment.standing import first_pose, standing
 from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Log, Signal
 
-FAMILY = Multisines(sines=4, lowest=0.2, highest=5.0, ramp=0.5, most_ramp=0.25)
-SAFETY = Safety(margin=0.2, reserve=0.1, give=0.001, clearance=0.01, draws=0, spread=1.0)
+SETTINGS = experiment_settings()
+FAMILY = replace(SETTINGS.family, sines=4, lowest=0.2, highest=5.0)
+SAFETY = replace(SETTINGS.safety, reserve=0.1, draws=0, spread=1.0)
 WEIGHT = 0.5 * 9.81 * 0.3  # N·m of the hanging rod, horizontal
 
 
@@ -52,7 +54,7 @@ def test_a_resized_experiment_is_as_much_smaller() -> None:
 
 def test_a_family_needs_a_band() -> None:
     with pytest.raises(ConfigError, match="lowest below highest"):
-        Multisines(sines=4, lowest=5.0, highest=5.0, ramp=0.5, most_ramp=0.25)
+        replace(FAMILY, lowest=5.0)
 
 
 def test_limits_are_the_models_where_it_declares_them() -> None:
@@ -154,7 +156,7 @@ def test_parts_may_come_no_closer_than_in_the_logs_nor_than_the_clearance() -> N
 
 
 def test_a_motor_holds_what_gravity_pulls() -> None:
-    found = standing(hanging().nominal(), np.array([0.7]), {"drive": (-5.0, 5.0)})
+    found = standing(hanging().nominal(), np.array([0.7]), {"drive": (-5.0, 5.0)}, SETTINGS.stillness)
     assert abs(found.hold["drive"]) == pytest.approx(WEIGHT * np.sin(0.7), rel=1e-6)
     assert found.qpos[0] == pytest.approx(0.7)
     assert found.rests
@@ -164,12 +166,12 @@ def test_a_position_controller_is_sent_as_far_as_gravity_pulls_it_back() -> None
     spec = hanging().spec.copy()
     drive = spec.actuators[0]
     drive.gainprm[0], drive.biastype, drive.biasprm[1] = 50.0, mujoco.mjtBias.mjBIAS_AFFINE, -50.0
-    found = standing(spec.compile(), np.array([0.7]), {"drive": (-2.0, 2.0)})
+    found = standing(spec.compile(), np.array([0.7]), {"drive": (-2.0, 2.0)}, SETTINGS.stillness)
     assert abs(found.hold["drive"] - 0.7) == pytest.approx(WEIGHT * np.sin(0.7) / 50, rel=1e-6)
 
 
 def test_what_no_actuator_holds_comes_to_rest_below() -> None:
-    found = standing(hanging().nominal(), np.array([0.7]), {"drive": (-1e-9, 1e-9)})
+    found = standing(hanging().nominal(), np.array([0.7]), {"drive": (-1e-9, 1e-9)}, SETTINGS.stillness)
     assert found.qpos[0] == pytest.approx(0.0, abs=0.02)
     assert found.rests
 
@@ -177,7 +179,7 @@ def test_what_no_actuator_holds_comes_to_rest_below() -> None:
 def test_what_falls_for_ever_does_not_rest() -> None:
     spec = block().spec.copy()
     spec.option.gravity = [1.0, 0.0, 0.0]  # along the rail
-    assert not standing(spec.compile(), np.zeros(1), {"drive": (-0.1, 0.1)}).rests
+    assert not standing(spec.compile(), np.zeros(1), {"drive": (-0.1, 0.1)}, SETTINGS.stillness).rests
 
 
 def test_it_starts_where_logs_do() -> None:

@@ -8,8 +8,11 @@ LOGS = ["measurements.fit=['log_1[0:3]']", "measurements.held_out=['log_5[0:3]']
 
 def suspicion(*overrides: str) -> UnitSuspicion | None:
     cfg = compose("compare", [*LOGS, *overrides])
-    built = {key: instantiate(cfg[key], _convert_="all") for key in ("model", "measurements", "windows", "solver")}
-    return suspect_degrees(built["model"], built["measurements"], built["windows"], built["solver"], threads=1)
+    built = {
+        key: instantiate(cfg[key], _convert_="all") for key in ("model", "measurements", "faults", "windows", "solver")
+    }
+    rules = built["faults"].degrees
+    return suspect_degrees(built["model"], built["measurements"], rules, built["windows"], built["solver"], threads=1)
 
 
 def test_smooth_degrees_without_steps_are_told_by_the_model() -> None:
