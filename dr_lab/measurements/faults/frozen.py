@@ -114,7 +114,8 @@ def _braking(signal: Signal, outside: Mask) -> float:
     speed = np.diff(value) / np.diff(time)
     change = np.abs(np.diff(speed)) / (0.5 * (time[2:] - time[:-2]))
     inside = np.minimum(outside[::_REACH][:-2], np.minimum(outside[::_REACH][1:-1], outside[::_REACH][2:]))
-    return float(np.quantile(change[inside], _USUAL)) if inside.any() else np.inf
+    strongest = float(np.quantile(change[inside], _USUAL)) if inside.any() else np.inf
+    return max(strongest, float(np.finfo(float).tiny))  # an even motion never brakes
 
 
 def _frozen(

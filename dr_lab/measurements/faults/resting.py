@@ -43,11 +43,11 @@ def find_resting(log: Log, contract: DataContract) -> list[Note]:
 
 
 def _rests(time: Array, value: Array, edges: Array, contract: DataContract) -> NDArray[np.bool_]:
-    """Which stretches a position rests in."""
-    starts = np.searchsorted(time, edges)
-    starts = np.minimum(starts, len(time) - 1)
-    moved = np.maximum.reduceat(value, starts) - np.minimum.reduceat(value, starts)
-    moved = moved[:-1]
+    """Which stretches a position rests in; one without a sample as long as the samples around it are the same."""
+    starts = np.minimum(np.searchsorted(time, edges), len(time) - 1)
+    moved = (np.maximum.reduceat(value, starts) - np.minimum.reduceat(value, starts))[:-1]
+    silent, across = np.diff(starts) == 0, np.abs(value[starts] - value[np.maximum(starts - 1, 0)])[:-1]
+    moved = np.where(silent, across, moved)
     return moved <= contract.resting_share * np.quantile(moved, 0.75)
 
 

@@ -97,6 +97,27 @@ def test_a_machine_at_rest_under_full_commands_is_off(contract: DataContract) ->
     assert "motor" in note.message
 
 
+@pytest.mark.parametrize("seed", [2, 4, 5])
+def test_a_sensor_that_is_silent_is_no_machine_at_rest(contract: DataContract, seed: int) -> None:
+    log = swinging(seed)
+    outputs = {}
+    for name, signal in log.outputs.items():
+        heard = (signal.time < 2.0) | (signal.time >= 3.5)
+        outputs[name] = replace(signal, time=signal.time[heard], value=signal.value[heard])
+    ((marked,), _) = mark_faults([replace(log, outputs=outputs)], [], contract)
+    assert faults(marked) == []
+
+
+def test_an_encoder_that_freezes_amid_an_even_motion_is_told(contract: DataContract) -> None:
+    """No braking is seen anywhere: every step of the speed is exactly 0."""
+    time = np.arange(2048) / 256
+    value = np.where((time >= 2.0) & (time < 3.2), 2.0, time)
+    even = Signal("wheel.position", "rad", time, value)
+    ((marked,), _) = mark_faults([Log("log", {"wheel.position": even}, {})], [], contract)
+    (note,) = faults(marked)
+    assert "from 2.00 to 3.20 s" in note.message
+
+
 @pytest.mark.parametrize("part", [slice(None), slice(700, 1900)])
 def test_a_held_out_copy_of_a_fitted_log_is_refused(contract: DataContract, part: slice) -> None:
     original = swinging(0)
