@@ -88,27 +88,37 @@ def finish(
     Returns:
         The report as written.
     """
-    folder, look = run.folder, run.look
+    folder, longest = run.folder, run.look.longest
     run.screen.phase("Writing the report")
     shown, notes = _export(models, folder)
     if estimate is not None:
         write_context(folder / "context.yaml", estimate)
-    if forces := learned_forces(models[AFTER][0]) if AFTER in models else {}:
-        write_learned_forces(folder, forces)
-    logs = shown_logs(study, look.longest)
-    written = _completed(report, [*notes, *_shortened(study, logs, look.longest)], folder)
+    logs = shown_logs(study, longest)
+    written = _completed(report, [*notes, *_shortened(study, logs, longest)], folder)
     write_report(folder, written)  # first, so that no fault of a recording costs the hours before it
     run.screen.phase("Writing the recordings")
-    played, forces = [play_log(study, log, shown) for log in logs], missing(study, models)
+    _record(study, written, logs, (models, shown), run)
+    if told := _rest(written):
+        run.screen.show(told)
+    return written
+
+
+def _record(
+    study: Study,
+    written: GapReport,
+    logs: Sequence[Log],
+    models: tuple[Mapping[str, tuple[Model, Array]], Mapping[str, tuple[Model, Array]]],
+    run: Run,
+) -> None:
+    """Write what is drawn of some logs; by role the models as found, whose forces are shown, and as they are played."""
+    (found, shown), folder, look = models, run.folder, run.look
+    played, forces = [play_log(study, log, shown) for log in logs], missing(study, found)
     overlays = [overlay(study, log, p, forces, look) for log, p in zip(logs, played, strict=True)]
     write_gap_page(folder / "report.html", written, overlays, look)
     if AFTER in shown and played:
         write_rollout(folder / "rollout.npz", played[0][AFTER])
     write_review(folder / "review.rrd", written, report_markdown(written), overlays, study.compiled, look)
     write_simulated(folder / "simulated.mcap", overlays, _attachments(folder, shown), _metadata(written))
-    if told := _rest(written):
-        run.screen.show(told)
-    return written
 
 
 def _completed(report: GapReport, notes: Sequence[NoteEntry], run_dir: Path) -> GapReport:
@@ -169,9 +179,14 @@ def _parameters(report: GapReport) -> str:
 def _export(
     models: Mapping[str, tuple[Model, Array]], run_dir: Path
 ) -> tuple[dict[str, tuple[Model, Array]], list[NoteEntry]]:
-    """Write the improved model, where there is one, and let the file take its place; notes on what the file lacks."""
+    """Write the improved model, where there is one, and let the file take its place; notes on what the file lacks.
+
+    Learned forces are written beside it.
+    """
     if AFTER not in models:
         return dict(models), []
+    if forces := learned_forces(models[AFTER][0]):
+        write_learned_forces(run_dir, forces)
     exported, lacking = write_model(run_dir / "model.xml", *models[AFTER])
     notes = [NoteEntry(sentence, "export") for sentence in lacking]
     return {**models, AFTER: (exported, exported.space.nominal)}, notes

@@ -61,10 +61,15 @@ def read(
     loaded = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
     fit_logs, held_out_logs = mark_faults(loaded[: len(fitted)], loaded[len(fitted) :], contract)
     noise, waits = _pooled(measured, sent, fit_logs + held_out_logs, contract)
-    marked, made = without_derived(fit_logs + held_out_logs, noise, contract)
-    kept = {channel: one for channel, one in noise.items() if channel not in made}
-    gaps = {channel: wait for channel, wait in waits.items() if channel not in made}
-    return MeasurementSet(name, marked[: len(fitted)], marked[len(fitted) :], kept, gaps)
+    return _without_derived(MeasurementSet(name, fit_logs, held_out_logs, noise, waits), contract)
+
+
+def _without_derived(found: MeasurementSet, contract: DataContract) -> MeasurementSet:
+    """The logs without velocities that were made of their positions."""
+    logs, made = without_derived(found.fit + found.held_out, found.noise, contract)
+    noise = {channel: one for channel, one in found.noise.items() if channel not in made}
+    gaps = {channel: wait for channel, wait in found.gaps.items() if channel not in made}
+    return MeasurementSet(found.name, logs[: len(found.fit)], logs[len(found.fit) :], noise, gaps)
 
 
 def _channels(name: str, outputs: Entries, clock: str | None) -> tuple[ChannelMap, ...]:

@@ -84,13 +84,11 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     ours, theirs = better.window_sum[both], worse.window_sum[both]
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
     evidence = np.sum([found[0] for found in each.values()], axis=0)
-    diverges = _diverges(worse, better)
     every = _everywhere(evidence, worse, better, both)
     drawn, n = resampled(every.rows, every.log, settings), block_count(every.log, settings)
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
-    blocks_low, total_low = _lowest(every, drawn[3], 1 - settings.confidence, (worse, better), settings)
-    _, trial_low = _lowest(every, drawn[3], 1 - settings.trial_confidence, (worse, better), settings)
+    bounds = _bounds(every, drawn[3], (worse, better), settings)
     return Gain(
         share=share,
         low=low,
@@ -100,11 +98,11 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         channels={name: found[1] for name, found in each.items()},
         place=max(each, key=lambda name: float(each[name][0].sum())),
         total=float(every.rows[3].sum()),
-        total_low=-np.inf if diverges else total_low,
-        trial_low=-np.inf if diverges else trial_low,
-        blocks_low=-np.inf if diverges else blocks_low,
+        total_low=bounds.total,
+        trial_low=bounds.trial,
+        blocks_low=bounds.blocks,
         wins=float((theirs > ours).mean()),
-        clear=bool((theirs > ours).all() and not diverges and not at_floor(worse, settings)),
+        clear=bool((theirs > ours).all() and not _diverges(worse, better) and not at_floor(worse, settings)),
     )
 
 
@@ -138,6 +136,23 @@ def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.b
     further = np.sum([_one_channel(*pair, known)[0] for pair in _paired(before, after).values()], axis=0)
     rows = np.append(scoring, _rows(further, before, after, known), axis=1)
     return _Every(rows, np.append(log, before.log[known] + log.max(initial=0) + 1))
+
+
+class _Bounds(NamedTuple):
+    """Lower bounds of the evidence: of all, of a trial, and of all by the scatter between blocks alone."""
+
+    total: float
+    trial: float
+    blocks: float
+
+
+def _bounds(every: _Every, drawn: Array, scores: tuple[Score, Score], settings: EvidenceSettings) -> _Bounds:
+    """The bounds; −∞ where the better model lets windows diverge that the worse one simulates."""
+    if _diverges(*scores):
+        return _Bounds(-np.inf, -np.inf, -np.inf)
+    blocks, total = _lowest(every, drawn, 1 - settings.confidence, scores, settings)
+    _, trial = _lowest(every, drawn, 1 - settings.trial_confidence, scores, settings)
+    return _Bounds(total, trial, blocks)
 
 
 def _lowest(

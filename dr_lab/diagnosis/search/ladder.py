@@ -171,9 +171,8 @@ def climb(
         watch: is told the number of candidates of each ranking and gives what is called with each label that is done.
     """
     ladder, cases, deletions = Ladder((), base, ()), SpecialCases(effects, scales, compiled), Deletions(bench)
-    channels = bench.fit.channels
     while True:
-        found = candidates(ladder.models[-1].model, effects, scales, compiled, channels)
+        found = candidates(ladder.models[-1].model, effects, scales, compiled, bench.fit.channels)
         placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
         ranking = rank(bench, ladder.models[-1], placed, watch(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})

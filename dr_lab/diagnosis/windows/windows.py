@@ -146,8 +146,6 @@ def windows_at(
     prior = estimate_starts(logs, begins, model, measured.noise, settings)
     hidden = activations(logs, begins, model, before, prior, settings)
     missing = unlogged(logs, begins, columns, edges[first:], settings.most_unlogged)
-    of_commands = np.ones(0 if missing is None else missing.column.shape[1])
-    std = np.concatenate([prior.std, np.zeros(0) if hidden is None else hidden.std, of_commands])
     return Windows(
         log=np.repeat(np.arange(len(logs)), [len(b) for b in begins]),
         logs=tuple(log.name for log in logs),
@@ -159,11 +157,18 @@ def windows_at(
         activations=hidden,
         unlogged=missing,
         commands=columns,
-        prior=replace(prior, std=std),
+        prior=_with_hidden(prior, hidden, missing),
         step=model.opt.timestep,
         margin=settings.margin,
         length=settings.length,
     )
+
+
+def _with_hidden(prior: StartPrior, hidden: Activations | None, missing: Unlogged | None) -> StartPrior:
+    """The prior with what is not known of activations, and of commands between their samples."""
+    of_commands = np.ones(0 if missing is None else missing.column.shape[1])
+    std = np.concatenate([prior.std, np.zeros(0) if hidden is None else hidden.std, of_commands])
+    return replace(prior, std=std)
 
 
 def _step_counts(model: mujoco.MjModel, settings: WindowSettings) -> tuple[int, int, int]:
