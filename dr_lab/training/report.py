@@ -38,30 +38,29 @@ def train_report(
         episodes: of it.
         run_dir: the run folder.
     """
-    history = training.trainer.history
+    history, last = training.trainer.history, training.trainer.history[-1]
     adapted = adapted_returns(history, plan.final_share)
-    return finite(
-        TrainReport(
-            schema=SCHEMA,
-            verb="train",
-            env=plan.env.name,
-            algorithm=training.algorithm.name,
-            iterations=len(history),
-            frames=training.trainer.frames,
-            seconds=history[-1]["seconds"],
-            final_return=adapted[-1] if adapted else final_return(history, plan.final_share),
-            final=history[-1],
-            context=_context(training.randomizer, snapshots.marginals()),
-            checkpoint=CHECKPOINT,
-            run=str(run_dir),
-            rollout_frames=int(history[-1]["rollout_frames"]),
-            infeasible_episodes=infeasible_episodes(history),
-            episodes=described(episodes),
-            choice=choice,
-            adapted_returns=adapted,
-            ladder=ladder(history, snapshots.spreads()),
-        )
+    found = TrainReport(
+        schema=SCHEMA,
+        verb="train",
+        env=plan.env.name,
+        algorithm=training.algorithm.name,
+        iterations=len(history),
+        frames=training.trainer.frames,
+        seconds=last["seconds"],
+        final_return=adapted[-1] if adapted else final_return(history, plan.final_share),
+        final=last,
+        context=_context(training.randomizer, snapshots.marginals()),
+        checkpoint=CHECKPOINT,
+        run=str(run_dir),
+        rollout_frames=int(last["rollout_frames"]),
+        infeasible_episodes=infeasible_episodes(history),
+        episodes=described(episodes),
+        choice=choice,
+        adapted_returns=adapted,
+        ladder=ladder(history, snapshots.spreads()),
     )
+    return finite(found)
 
 
 def _context(randomizer: Randomizer, learned: Sequence[Marginal]) -> Mapping[str, ContextEntry]:

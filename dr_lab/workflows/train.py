@@ -64,11 +64,7 @@ def train(
     """
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
     training = plan.assemble(run_dir / CHECKPOINT)
-    kept = choice.snapshots if training.algorithm.judged_by_return else 1  # the last, where no return says which
-    snapshots, policies = Snapshots(training.randomizer), PolicySnapshots(training.algorithm, kept)
-    drawn = DrawnContexts()
-    training.experience.listen(drawn.take)
-    training.more.update(snapshots=snapshots, policies=policies, drawn=drawn)
+    snapshots, policies, drawn = _noted(training, choice)
     if resume is None:
         beginning.apply(training, plan.seed)
         snapshots.take(0)
@@ -84,6 +80,16 @@ def train(
     record = replace(_record(training, snapshots, report), episodes=episodes)
     finish(run_dir, report, train_page(report), plan.env, record, recorder)
     return report
+
+
+def _noted(training: Training, choice: Choice) -> tuple[Snapshots, PolicySnapshots, DrawnContexts]:
+    """What is noted while it trains, and kept in its checkpoints: the distribution, policies, and contexts drawn."""
+    kept = choice.snapshots if training.algorithm.judged_by_return else 1  # the last, where no return says which
+    snapshots, policies = Snapshots(training.randomizer), PolicySnapshots(training.algorithm, kept)
+    drawn = DrawnContexts()
+    training.experience.listen(drawn.take)
+    training.more.update(snapshots=snapshots, policies=policies, drawn=drawn)
+    return snapshots, policies, drawn
 
 
 def _record(training: Training, snapshots: Snapshots, report: TrainReport) -> TrainingRecord:
