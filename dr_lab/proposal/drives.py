@@ -22,7 +22,6 @@ UNITS: dict[str, dict[str, float]] = {
     "m": {"m": 1.0, "mm": 1e-3},
     "1": {"1": 1.0, "percent": 1e-2},
 }
-_NEAR = 1.6  # ratio up to which a gain passes for a unit: a model's own error and friction; as in faults.fault_words
 
 
 @dataclass(frozen=True)
@@ -184,7 +183,7 @@ def _unit(gain: float, base: str, said: str, settings: ProposalSettings) -> tupl
         if settings.gain < left < 1 / settings.gain:
             return said, 1.0, []
     name, factor = min(known.items(), key=lambda entry: abs(math.log(size / entry[1])))
-    if abs(math.log(size / factor)) < math.log(_NEAR):
+    if abs(math.log(size / factor)) < math.log(settings.near_unit):
         contradicts = [f"named {said}, but it moves the joint as {name} do."] if said and said != name else []
         return name, 1.0, contradicts
     if settings.gain < size < 1 / settings.gain and said in ("", base):

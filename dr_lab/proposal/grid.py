@@ -14,7 +14,6 @@ from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series
 from dr_lab.trajectory import Array, Signal
 
-_HALF_WIDTH = 0.1  # s, of a test function; as faults.equation.half_width of comparisons
 _TURNS = (2 * np.pi, 360.0)  # of angles that wrap
 _WRAPS = 0.1  # share of a turn within which a jump is one
 _MARGIN = 1.0  # s
@@ -68,7 +67,7 @@ def grid_of(series: Sequence[Series], settings: ProposalSettings) -> Grid:
         DataError: no log is long enough.
     """
     count = len(series[0].signals)
-    half = max(round(_HALF_WIDTH / settings.grid), 2)
+    half = max(round(settings.half_width / settings.grid), 2)
     shape = (1 - (np.arange(-half, half + 1) / (half + 1)) ** 2) ** 3
     reach, each = (half + 1) * settings.grid, max(settings.tests // count, 4)
     logs, times = [], []

@@ -17,6 +17,7 @@ class ProposalSettings:
         seconds: s, of the logs that are looked at.
         logs: how many of them at most.
         grid: s, between two times at which the equation of motion is tested.
+        half_width: s, of a test function.
         tests: test functions.
         cutoff: Hz, at which the smoother passes half of a motion.
         lags: s, by which commands may act late.
@@ -27,6 +28,7 @@ class ProposalSettings:
         explained: share of the squares that a command must take away.
         fits: share of the squares that may be left.
         gain: commands that act with less than this, or more than its inverse, have another unit.
+        near_unit: ratio up to which a gain passes for a unit.
         derivative: least correlation of a velocity with its position's derivative.
         held_out: share of the logs that are never fitted.
         spread: bounds of a mass are the documented one over and times this.
@@ -43,6 +45,7 @@ class ProposalSettings:
     seconds: Positive
     logs: Count
     grid: Positive
+    half_width: Positive
     tests: Count
     cutoff: Positive
     lags: Sequence[float]
@@ -53,6 +56,7 @@ class ProposalSettings:
     explained: Share
     fits: Share
     gain: Share
+    near_unit: Annotated[float, above(1.0)]
     derivative: Share
     held_out: Share
     spread: Annotated[float, above(1.0)]

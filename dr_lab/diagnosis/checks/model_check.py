@@ -5,7 +5,7 @@ from typing import Annotated
 
 from scipy.stats import chi2
 
-from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, at_least, require_bounds
+from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, Share, at_least, require_bounds
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,7 @@ class ModelCheckSettings:
         seed: of the noise that is added to its logs.
         least_share: share of the noise that the time step may move an output by.
         finest: largest number of parts that a step is divided into.
+        converging: share of the step's error that may be left of a finer one if the step is its cause.
         hopeless: times the squares that noise alone leaves, beyond which a calibration that is to leave no more than
             noise is given up.
 
@@ -34,6 +35,7 @@ class ModelCheckSettings:
     seed: Natural
     least_share: Positive
     finest: Count
+    converging: Share
     hopeless: Annotated[float, at_least(1.0)]
 
     def __post_init__(self) -> None:

@@ -15,7 +15,6 @@ from dr_lab.trajectory import Log, MeasurementSet
 
 _RK4 = mujoco.mjtIntegrator.mjINT_RK4
 _STAGES = 4  # model evaluations in a step of RK4
-_CONVERGING = 0.75  # share of the error that may be left if the step is its cause; half a step leaves half
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ def refine(
             return _refined(model, floor, found, "")
         tried.append(found)
     best = min(tried, key=lambda each: each.share, default=None)
-    if best is not None and best.share < _CONVERGING * min(share, _share(model, logs, measured, few, threads)):
+    if best is not None and best.share < check.converging * min(share, _share(model, logs, measured, few, threads)):
         allowed = f" That is still more than {check.least_share:g}; model_check.finest={check.finest} ends the search."
         return _refined(model, floor, best, allowed)
     remains = f"Finer steps, down to a {check.finest}th, do not take that away (contacts, or chaos)"

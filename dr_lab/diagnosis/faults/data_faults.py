@@ -91,7 +91,7 @@ def _unit(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fa
         return None
     message = (
         f"{fit.actuator}: the motion of {fit.joint} asks for {other.gain:.3g} times the commands' force"
-        f"{factor_words(other.gain)}."
+        f"{factor_words(other.gain, settings.near_unit)}."
     )
     return _whole("unit", fit, message, remedy_of_factor(fit.actuator, other.gain))
 

@@ -15,12 +15,14 @@ class FaultSettings:
     Attributes:
         equation: how the equation of motion is tested.
         gain: commands that act with less than this, or more than its inverse, have another unit or do nothing.
+        near_unit: ratio up to which such a factor passes for one between units.
         contrast: another reading of the commands must leave at most this share of the squares that the given one does.
         share: the given reading must leave at least this share of the squares of what the motion needs.
         longest_delay: s, no machine reacts later; what is later is a shift of the log.
         longest_shift: s, longest shift looked for.
         shift_step: s, between the shifts tried.
         shortest_off: s, shortest span in which a machine can be seen to be off.
+        active: share of a log's beginning or end from which a first gain is taken; in the rest the machine may be off.
         idle: share of the drive's squares that the motion's need leaves in such a span, at most.
         idle_contrast: what the drive leaves there exceeds what it leaves elsewhere by this factor.
         coarse: commands that come more rarely than this many steps of the equation's grid are tested for missing ones.
@@ -42,12 +44,14 @@ class FaultSettings:
 
     equation: EquationErrorSettings
     gain: Share
+    near_unit: Annotated[float, at_least(1.0)]
     contrast: Share
     share: Positive
     longest_delay: Positive
     longest_shift: Positive
     shift_step: Positive
     shortest_off: Positive
+    active: Share
     idle: Positive
     idle_contrast: Annotated[float, at_least(1.0)]
     coarse: Positive

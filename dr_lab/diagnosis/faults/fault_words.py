@@ -15,14 +15,13 @@ _UNITS = {
     "hundreds (1 called per cent)": 1e2,
     "revolutions (rev called rad)": 2 * np.pi,
 }
-_NEAR = 1.6  # ratio up to which a factor passes for one of these: a model's own error and friction
 
 
-def factor_words(gain: float) -> str:
-    """The known factor that a gain is near to, as a clause, empty where there is none."""
+def factor_words(gain: float, near: float) -> str:
+    """The known factor that a gain is off from by a ratio of at most `near`, as a clause; empty where there is none."""
     name, factor = min(_UNITS.items(), key=lambda entry: abs(np.log(abs(gain) / entry[1])))
     sign = " and of the opposite sign" if gain < 0 else ""
-    if abs(np.log(abs(gain) / factor)) > np.log(_NEAR):
+    if abs(np.log(abs(gain) / factor)) > np.log(near):
         return sign
     return f", near {factor:.4g}: {name}{sign}"
 

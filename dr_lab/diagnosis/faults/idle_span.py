@@ -9,7 +9,6 @@ from dr_lab.trajectory import Array
 
 _REFINEMENTS = 3  # of the span
 _REACH = 2  # test functions that overlap by half or more
-_MOST_OF = 0.6  # of a log, from which a first gain is taken
 
 
 def idle_span(fit: DriveFit, settings: FaultSettings) -> slice | None:
@@ -18,7 +17,7 @@ def idle_span(fit: DriveFit, settings: FaultSettings) -> slice | None:
     A first gain comes from the whole log, or, where most of it may be idle, from its beginning or its end.
     """
     every = np.arange(len(fit.time)) / len(fit.time)
-    for first in (every >= 0.0, every < _MOST_OF, every >= 1 - _MOST_OF):
+    for first in (every >= 0.0, every < settings.active, every >= 1 - settings.active):
         span = _refined(fit, first, settings)
         if span is not None and _surely_idle(fit, span, settings):
             _, driven, without = _readings(fit, settings.gain**0.5, outside(fit, span))
@@ -42,7 +41,7 @@ def _refined(fit: DriveFit, rows: Mask, settings: FaultSettings) -> slice | None
         if span is None:
             return None
         rows = outside(fit, span)
-        if rows.mean() < 1 - _MOST_OF:
+        if rows.mean() < 1 - settings.active:
             return None
     return span
 
