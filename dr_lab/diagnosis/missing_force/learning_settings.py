@@ -25,7 +25,7 @@ class LearningSettings:
         rounds: most linear steps.
         refit: most steps of a refit of all parameters after each.
         least: share of the cost that a further step must remove of the fitted windows.
-        most: largest factor on the learned force when it is fitted with all parameters.
+        most: largest factor on the learned force when it is fitted with all parameters, which begins at 1.
         better: share of the squared predicted error of the held-out logs that it must remove.
         worse: share by which the squared predicted error of one of them may rise.
 
@@ -45,7 +45,7 @@ class LearningSettings:
     rounds: Count
     refit: Count
     least: Share
-    most: Positive
+    most: Annotated[float, at_least(1.0)]
     better: Share
     worse: Share
 
