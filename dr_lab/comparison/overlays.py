@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.comparison.export import Played, play
+from dr_lab.comparison.force_maps import force_maps
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.missing_force.residual_force import ResidualForce
 from dr_lab.diagnosis.settings import WindowSettings
@@ -15,6 +16,8 @@ from dr_lab.diagnosis.windows.channels import residual as channel_residual
 from dr_lab.diagnosis.windows.channels import resolve
 from dr_lab.diagnosis.windows.windows import cut, window_begins
 from dr_lab.effects.joint_effect import drives, slides
+from dr_lab.effects.learned_force import LearnedForce
+from dr_lab.effects.residual_force import ResidualForce as LearnedEffect
 from dr_lab.effects.residual_force import learned_forces
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.physics.model import Model
@@ -61,6 +64,7 @@ def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces
     joints = next(iter(forces.values())).keys() if forces else ()
     slides = {int(mujoco.mjtJoint.mjJNT_SLIDE)}
     unit = "N" if {int(study.compiled.joint(j).type[0]) for j in joints} == slides else "N·m"
+    seen, learned = _seen(study, forces, of_log), _learned(played, forces)
     return Overlay(
         log=log.name,
         time=time,
@@ -78,19 +82,30 @@ def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces
         commands=log.commands,
         noise={name: study.measurements.noise[name].std for name in log.outputs},
         gaps=study.measurements.gaps,
-        learned=_learned(study, played, forces, of_log),
+        learned={joint: factor * force.of(study.compiled, seen) for joint, (force, factor) in learned.items()},
+        force_maps=force_maps(study.compiled, learned, seen) if of_log.any() else {},
         residual_name=f"missing force [{unit}]",
+        starts=_starts(study, played),
     )
 
 
-def _learned(study: Study, played: Mapping[str, Played], forces: Forces, of_log: NDArray[np.bool_]) -> dict[str, Array]:
-    """The learned forces of the improved model in the short windows of a log, at the state in their middle."""
-    found = learned_forces(played[AFTER].replay.model) if AFTER in played else {}
-    if not found:
+def _learned(played: Mapping[str, Played], forces: Forces) -> dict[str, tuple[LearnedForce, float]]:
+    """The learned forces of the improved model and the factors on them, by joint whose missing force is known."""
+    if AFTER not in played:
         return {}
+    model = played[AFTER].replay.model
+    values, found = model.values(played[AFTER].fit.z[None]), learned_forces(model)
+    factors = {each.site: each.local(values) for each in model.effects if isinstance(each.effect, LearnedEffect)}
+    return {
+        joint: (force, float(factors[joint]["factor"][0])) for joint, force in found.items() if joint in forces[AFTER]
+    }
+
+
+def _seen(study: Study, forces: Forces, of_log: NDArray[np.bool_]) -> Seen:
+    """The states in the middle of a log's short windows, at the model's pose where nothing is known of a joint."""
     model, windows = study.compiled, study.short.pick(study.few)
-    seen = seen_in_the_middle(model, forces[AFTER], windows.controls.mean(1))
-    return {joint: force.of(model, seen)[of_log] for joint, force in found.items() if joint in forces[AFTER]}
+    seen = seen_in_the_middle(model, next(iter(reversed(forces.values())), {}), windows.controls.mean(1))
+    return Seen(*(values[of_log] for values in seen))
 
 
 def seen_in_the_middle(model: mujoco.MjModel, forces: Mapping[str, ResidualForce], controls: Array) -> Seen:
@@ -176,10 +191,9 @@ def _poses(
     """Body poses of the measured and of each simulated robot at even times that windows cover."""
     model = study.compiled
     lead = study.settings.predicted.run_in + study.settings.predicted.margin
-    begin = next(iter(played.values())).replay.windows.begin
     count = max(1, int(study.settings.predicted.length * look.pose_rate))
-    offsets = lead + np.arange(count) / look.pose_rate
-    time = (begin[:, None] + offsets).ravel()
+    offsets = np.arange(count) / look.pose_rate
+    time = (_starts(study, played)[:, None] + offsets).ravel()
     measured = np.tile(model.qpos0, (len(time), 1))
     for channel in resolve(model, tuple(log.outputs)):
         if channel.kind == "position":
@@ -188,10 +202,16 @@ def _poses(
             ).value
     poses = {MEASURED: _kinematics(model, model, measured)}
     for role, part in played.items():
-        steps = np.rint(offsets / part.replay.windows.step).astype(int)
+        steps = np.rint((lead + offsets) / part.replay.windows.step).astype(int)
         qpos = part.tape.qpos[0][:, steps].reshape(len(time), -1)
         poses[role] = _kinematics(part.replay.model.compile(part.fit.z), model, qpos)
     return time, poses
+
+
+def _starts(study: Study, played: Mapping[str, Played]) -> Array:
+    """Times of a log at which windows begin that are shown, s; increasing, as the windows follow one another."""
+    lead = study.settings.predicted.run_in + study.settings.predicted.margin
+    return next(iter(played.values())).replay.windows.begin + lead
 
 
 def _kinematics(model: mujoco.MjModel, geometry: mujoco.MjModel, qpos: Array) -> tuple[Array, Array]:

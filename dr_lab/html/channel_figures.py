@@ -12,12 +12,12 @@ from dr_lab.html.thinning import thinned
 from dr_lab.recorders.overlay import AFTER, MEASURED, SIMULATED, Overlay, components
 from dr_lab.recorders.signals import residual
 from dr_lab.reports.gap_entries import ByChannel
-from dr_lab.reports.quantity import percent
+from dr_lab.reports.quantity import number, percent
 from dr_lab.trajectory import Array, Signal
 
 _CHANCE = 0.99  # of white noise whose autocorrelation lies within the band
 _LAGS = 0.25  # longest lag over the length of what is known
-_ANEW = "The simulation begins anew from the measured state at each window's start: there residuals jump."
+_ANEW = "The simulation begins anew from the measured state{}: there its curves break, and residuals jump."
 _HEIGHT, _ROOM = 170, 100  # px of a row, and of legend and title
 
 
@@ -42,14 +42,24 @@ def _curves(overlay: Overlay, channel: str, fits: Sequence[ByChannel], points: i
     figure = chart(len(titles), 1, titles, shared_xaxes=True, vertical_spacing=0.1)
     shown = {MEASURED: signal.value, **{role: overlay.simulated[role][channel] for role in left}}
     for role, value in shown.items():
-        _add(figure, signal.time, components(value), role, overlay.label(role), row=1, points=points)
+        _add(figure, *_drawn(overlay, signal.time, value, role), role, overlay.label(role), row=1, points=points)
     for place, each in enumerate(rows, start=2):
         _add_band(figure, signal, overlay.noise.get(channel), place)
         for role, value in each.items():
-            _add(figure, signal.time, value, role, "", row=place, points=points)
+            _add(figure, *_drawn(overlay, signal.time, value, role), role, "", row=place, points=points)
     figure.update_yaxes(title=f"[{signal.unit}]")
     figure.update_xaxes(title="t [s]", row=len(titles), col=1)
-    return Plot(figure, _ROOM + _HEIGHT * len(titles), _ANEW if left else "")
+    return Plot(figure, _ROOM + _HEIGHT * len(titles), _anew(overlay) if left else "")
+
+
+def _anew(overlay: Overlay) -> str:
+    length = overlay.length()
+    return _ANEW.format(" at each window's start" if length is None else f" every {number(length, 3)} s")
+
+
+def _drawn(overlay: Overlay, time: Array, value: Array, role: str) -> tuple[Array, Array]:
+    """Times and components of a curve; a simulated one is broken where it begins anew."""
+    return (time, components(value)) if role == MEASURED else overlay.broken(time, components(value))
 
 
 def _residuals(overlay: Overlay, channel: str) -> dict[str, Array]:

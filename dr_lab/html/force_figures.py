@@ -4,18 +4,24 @@ import numpy as np
 import plotly.graph_objects as go
 
 from dr_lab.html.figure import ROLES, Plot, chart, numbers
+from dr_lab.html.return_figures import ABOUT_ZERO
+from dr_lab.recorders.force_map import ForceMap
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import MEASURED, SIMULATED, Overlay
 from dr_lab.recorders.scatter import bin_means
+from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array
 
 _COLUMNS = 3  # plots side by side
+_MAP = 340  # px
+_ELSE = "What else it depends on is as in the nearest of these states."
 _INSIDE = 99.5  # % of the dots that the axis holds, so that one does not flatten the others
 
 
 def force_plots(overlay: Overlay, look: Look) -> list[Plot]:
     """One figure a joint: dots, and their mean over equally filled ranges."""
-    return [_joint(overlay, joint, look) for joint in overlay.joints() if overlay.arguments.get(joint)]
+    drawn = [_joint(overlay, joint, look) for joint in overlay.joints() if overlay.arguments.get(joint)]
+    return [*drawn, *(_map(joint, each, look) for joint, each in overlay.force_maps.items())]
 
 
 def _joint(overlay: Overlay, joint: str, look: Look) -> Plot:
@@ -55,6 +61,24 @@ def _learned(value: Array, force: Array, look: Look, *, named: bool) -> go.Scatt
     line = {"color": ROLES[MEASURED], "width": 2.5, "dash": "dash"}
     style = {"mode": "lines", "line": line, "legendgroup": "learned", "hoverinfo": "skip"}
     return go.Scatter(x=numbers(x), y=numbers(y), name="learned force", showlegend=named, **style)
+
+
+def _map(joint: str, shown: ForceMap, look: Look) -> Plot:
+    """A learned force over position and velocity; what no log shows stays empty."""
+    bar = {"title": {"text": titled("learned force", shown.unit), "side": "right"}, "thickness": 12}
+    scale = {"colorscale": ABOUT_ZERO, "zmin": -shown.reach(), "zmax": shown.reach(), "colorbar": bar}
+    said = "position %{x:.4g}, velocity %{y:.4g}: %{z:.3g}<extra></extra>"
+    figure = chart()
+    grid = {"x": shown.position.values, "y": shown.velocity.values, "z": numbers(shown.force.T)}
+    figure.add_trace(go.Heatmap(**grid, name="learned force", hovertemplate=said, **scale))
+    place = shown.place[:: max(1, -(-len(shown.place) // look.scatter_points))]
+    dots = {"mode": "markers", "marker": {"color": ROLES[MEASURED], "size": 3}, "hoverinfo": "skip"}
+    figure.add_trace(go.Scatter(x=numbers(place[:, 0]), y=numbers(place[:, 1]), name="the log", **dots))
+    figure.update_layout(showlegend=False)
+    figure.update_xaxes(title=titled(shown.position.name, shown.position.unit), showgrid=False)
+    figure.update_yaxes(title=titled(shown.velocity.name, shown.velocity.unit), showgrid=False)
+    told = f"Force learned at {joint}; dots: where the log was, blank: where no log was. {_ELSE}"
+    return Plot(figure, _MAP, told, half=True)
 
 
 def _reach(value: Array) -> float:

@@ -108,6 +108,11 @@ class RadialBasis:
         gate = self._gate(np.minimum(squared, mirrored))
         return gate[:, None] * (np.exp(squared / -2.0) - np.exp(mirrored / -2.0))
 
+    def known(self, points: Array) -> Array:
+        """g(x) of points (n, d), shape (n,): 1 where states were seen, 0 where none was near."""
+        squared = self._squared(points)
+        return self._gate(np.minimum(squared, self._squared(points * self._mirror)) if self.odd else squared)
+
     def functions(self, points: Array) -> Array:
         """φ_j of points (n, d), shape (n, m)."""
         return self.bells(points) @ self._unmixing

@@ -50,7 +50,7 @@ def log_ranking(root: Branch, ranking: Sequence[CandidateEntry], look: Look) -> 
     colours = {"named": "after", "equivalent": "before"}
     rows = [
         _Row(
-            f"{row.label} · χ² {number(row.held_out_chi2)}",
+            _said(row),
             _as_percent(row.gain),
             None if None in row.gain_ci else (_as_percent(row.gain_ci[0]), _as_percent(row.gain_ci[1])),
             look.colour(colours.get(status(row, None), "noise")),
@@ -90,6 +90,11 @@ def log_ladder(root: Branch, ladder: Sequence[LadderModel], pair: Sequence[Ladde
 def _drawn(ranking: Sequence[CandidateEntry]) -> list[CandidateEntry]:
     """Of what was not fitted no gain is known; the table says what it promised."""
     return [row for row in by_gain(ranking) if row.fitted][:_MOST]
+
+
+def _said(row: CandidateEntry) -> str:
+    """Its name and, where all windows were fitted, its χ²; the others were left after few."""
+    return row.label if row.held_out_chi2 is None else f"{row.label} · χ² {number(row.held_out_chi2)}"
 
 
 def _canvas(rows: int, room: int) -> Canvas:

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import rerun.blueprint as rrb
 
+from dr_lab.recorders import heat_map
 from dr_lab.recorders.bars import ladder_canvas, ranking_canvas
 from dr_lab.recorders.branch import TIMELINE, entity_path
 from dr_lab.recorders.eye import eye_controls
@@ -13,16 +14,12 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE, MEASURED, SIMULATED, Overlay
 from dr_lab.recorders.scatter import CANVAS
 from dr_lab.recorders.scene import moving_corners, thin
+from dr_lab.recorders.signal_views import channel_views, signals_page
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.ladder import scored, steps
 from dr_lab.trajectory import Array
 
-# Rows of plots that can be read on one sheet.
-_ROWS = 4
-_LINKED = rrb.TimeAxis(link="LinkToGlobal")
-_RANKING = (
-    "Ranking beside the calibrated model, on {} (blue: named, orange: equivalent, grey: neither; white line: interval)"
-)
+_RANKING = "Ranking on {} (blue: named, orange: equivalent, white line: interval)"
 
 
 def review_blueprint(
@@ -39,7 +36,7 @@ def review_blueprint(
     with_joints = [overlay for overlay in overlays if overlay.joints()]
     pages: list[rrb.Container | rrb.View | None] = [
         _page("Overview", {overlay.log: _overview(report, overlay, geometry, look) for overlay in overlays}),
-        _page("Signals", {overlay.log: _signals(overlay) for overlay in overlays}),
+        _page("Signals", {overlay.log: signals_page(overlay) for overlay in overlays}),
         _page("Residual and velocity", {overlay.log: _scatters(overlay) for overlay in with_joints}),
         _ranking(report) if report.judged.ranking else None,
         rrb.TextDocumentView(origin="report", name="Report"),
@@ -85,12 +82,7 @@ def _overview(report: GapReport, overlay: Overlay, geometry: mujoco.MjModel, loo
     robots = _robots(overlay, geometry, look)
     left = rrb.Vertical(rrb.Horizontal(*robots), below, row_shares=[3, 2]) if robots else rrb.Vertical(below)
     channels = worst_channels(overlay, look.overview_channels)
-    plots = [
-        view
-        for channel in channels
-        for view in (_signal(overlay, channel, legend=channel == channels[0]), *_residual(overlay, channel))
-    ]
-    return rrb.Horizontal(left, rrb.Vertical(*plots), column_shares=[6, 5])
+    return rrb.Horizontal(left, rrb.Vertical(*channel_views(overlay, channels)), column_shares=[6, 5])
 
 
 def _robots(overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> list[rrb.Spatial3DView]:
@@ -127,55 +119,14 @@ def _moving(overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> Array:
     return points if len(points) else still
 
 
-def _signals(overlay: Overlay) -> rrb.Container:
-    channels = list(overlay.measured)
-    groups = [channels[start : start + _ROWS] for start in range(0, len(channels), _ROWS)]
-    sheets = [rrb.Vertical(*_rows(overlay, group), name=" · ".join(group)) for group in groups]
-    return sheets[0] if len(sheets) == 1 else rrb.Tabs(*sheets)
-
-
-def _rows(overlay: Overlay, channels: Sequence[str]) -> list[rrb.Container]:
-    """A row a channel: signal, residual, and the residual after, whose axis the one before does not stretch."""
-    rows = []
-    for channel in channels:
-        views = [_signal(overlay, channel, legend=channel == channels[0]), *_residual(overlay, channel)]
-        if all(channel in overlay.simulated.get(role, {}) for role in SIMULATED):
-            title = f"after alone, grey band: noise ±σ [{overlay.measured[channel].unit}]"
-            views.append(_plot(overlay, ["residual", channel], title, ["sim_after", "noise"]))
-        rows.append(rrb.Horizontal(*views))
-    if overlay.commands:
-        rows.append(rrb.Horizontal(_plot(overlay, ["command"], "commands", legend=True)))
-    return rows
-
-
-def _signal(overlay: Overlay, channel: str, legend: bool) -> rrb.TimeSeriesView:
-    title = f"{channel} [{overlay.measured[channel].unit}]"
-    return _plot(overlay, ["signal", channel], title, legend=legend)
-
-
-def _residual(overlay: Overlay, channel: str) -> list[rrb.TimeSeriesView]:
-    if not any(channel in values for values in overlay.simulated.values()):
-        return []
-    title = f"residual of {channel}: measured − simulated [{overlay.measured[channel].unit}]"
-    return [_plot(overlay, ["residual", channel], title)]
-
-
-def _plot(
-    overlay: Overlay, parts: Sequence[str], title: str, entities: Sequence[str] = ("**",), legend: bool = False
-) -> rrb.TimeSeriesView:
-    return rrb.TimeSeriesView(
-        origin=entity_path(overlay.log, *parts),
-        contents=[f"$origin/{entity}" for entity in entities],
-        name=title,
-        axis_x=_LINKED,
-        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
-    )
-
-
 def _scatters(overlay: Overlay) -> rrb.Container:
     views = [
         CANVAS.view([overlay.log, "scatter", joint], f"{joint}: {overlay.residual_name} against velocity")
         for joint in overlay.joints()
+    ]
+    views += [
+        heat_map.CANVAS.view([overlay.log, "force", joint], f"{joint}: learned force [{each.unit}], dots: the log")
+        for joint, each in overlay.force_maps.items()
     ]
     return rrb.Grid(*views)
 

@@ -12,7 +12,7 @@ from dr_lab.trajectory import Array
 
 
 def log_course(root: Branch, marginal: Marginal, look: Look) -> None:
-    """Draw one parameter's probability density over iterations, dark where it is 0.
+    """Draw one parameter's probability density over iterations, dark where it is lowest.
 
     Args:
         root: where to.
@@ -24,7 +24,7 @@ def log_course(root: Branch, marginal: Marginal, look: Look) -> None:
     value = linear_axis(titled(marginal.name, marginal.unit), low, high)
     chart = Chart(root, CANVAS, linear_axis("iteration", first, last), value)
     density = course(marginal, *pixels())
-    log_picture(root, density, ColourScale(0.0, float(density.max()), DARK_TO_LIGHT), look)
+    log_picture(root, density, ColourScale(float(density.min()), float(density.max()), DARK_TO_LIGHT), look)
     chart.frame(look.colour("axis"), look.colour("text"))
 
 

@@ -105,11 +105,20 @@ def log_marginals(root: Branch, learned: Mapping[str, Marginal], colours: Mappin
     chart = Chart(root, CANVAS, x, linear_axis("probability density", 0.0, top))
     chart.frame(look.colour("axis"), look.colour("text"))
     chart.line("initial", *_stairs(first.edges, initial), look.colour("noise"), look.line_width)
-    legend = {"initial": look.colour("noise")}
+    same = [label for label, each in learned.items() if _began_with(each, first)]
+    legend = {", ".join(["initial", *same]): look.colour("noise")}
     for index, (label, each) in enumerate(learned.items()):
+        if label in same:  # its line would lie on that of the beginning, and hide it or be hidden
+            continue
         legend[label] = colours[label]
         chart.line(f"learned_{index}", *_stairs(each.edges, density[label]), legend[label], look.measured_width / 2)
     chart.legend(legend)
+
+
+def _began_with(each: Marginal, first: Marginal) -> bool:
+    """Whether what was learnt in the end is what another run began with."""
+    alike = each.edges.shape == first.edges.shape and np.allclose(each.edges, first.edges)
+    return alike and np.allclose(each.probability[-1], first.initial)
 
 
 def _density(probability: Array, edges: Array) -> Array:

@@ -33,15 +33,21 @@ _CURVES = ("after", "before", "command", "measured", "noise")  # colours of acti
 # The lines tell how fast the machine travels; in the ground itself they would flicker.
 _LINES = rr.components.Plane3D.XY.with_distance(0.01)  # m
 _LINKED = rrb.TimeAxis(link="LinkToGlobal")
+_PLAYED = (
+    "To play them, choose **t** in place of **{}** at the lower left. Rewards and actions step by step: episodes.mcap, "
+    "and the recording of `dr-lab evaluate`."
+)
 
 
-def log_episodes(root: Branch, episodes: Sequence[Episode], look: Look) -> None:
+def log_episodes(root: Branch, episodes: Sequence[Episode], look: Look, counting: str | None = None) -> None:
     """Log below ``<root>/<episode>/{world,reward,action}`` on the timeline ``t``, and the table in ``<root>/table``.
 
     Args:
         root: where to.
         episodes: each is shown up to `Look.longest`.
         look: colours, line widths, the rate of the poses.
+        counting: timeline of what training counts, which shows the machines as the episodes begin; None where nothing
+            is counted.
     """
     for episode in _drawn(episodes):
         place = root / episode.name
@@ -50,13 +56,11 @@ def log_episodes(root: Branch, episodes: Sequence[Episode], look: Look) -> None:
         _log_steps(place / "reward", episode.time[1:][shown], episode.reward[shown, None], ["reward"], look)
         actuators = [episode.geometry.actuator(i).name or f"action {i}" for i in range(episode.geometry.nu)]
         _log_steps(place / "action", episode.time[:-1][shown], episode.action[shown], actuators, look)
-    (root / "table").static(rr.TextDocument(episodes_table(episodes), media_type=rr.MediaType.MARKDOWN))
-
-
-def log_starts(root: Branch, episodes: Sequence[Episode], look: Look, timeline: str) -> None:
-    """Let a timeline that counts show the machines as the episodes begin; it knows of no further poses."""
-    for episode in _drawn(episodes):
-        send_start(root / episode.name / "world" / "machine", episode.geometry, _shot(episode, look).pose, timeline)
+        if counting is not None:
+            send_start(place / "world" / "machine", episode.geometry, _shot(episode, look).pose, counting)
+    told = f"{_PLAYED.format(counting)}\n\n" if counting is not None else ""
+    text = f"{told}{episodes_table(episodes)}"
+    (root / "table").static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
 
 
 def episodes_table(episodes: Sequence[Episode]) -> str:
@@ -76,9 +80,14 @@ def episodes_table(episodes: Sequence[Episode]) -> str:
     return table(header, rows)
 
 
-def episodes_page(episodes: Sequence[Episode], look: Look) -> rrb.Container:
-    """A column an episode of a feasible context, machine above reward and actions, and the table below all."""
+def episodes_page(episodes: Sequence[Episode], look: Look, counting: str | None = None) -> rrb.Container:
+    """A column an episode of a feasible context, machine above reward and actions, and the table below all.
+
+    Reward and actions have no place on a timeline that counts: there they would be empty.
+    """
     columns = [_column(episode, look) for episode in _drawn(episodes)]
+    if counting is not None:
+        columns = [_scene(episode, look) for episode in _drawn(episodes) if len(_shot(episode, look).points)]
     text = rrb.TextDocumentView(origin=entity_path(ROOT, "table"), name="Episodes of the trained policy")
     rows = [rrb.Horizontal(*columns), text] if columns else [text]
     return rrb.Vertical(*rows, row_shares=[4, 1][-len(rows) :], name="Episodes (timeline t)")

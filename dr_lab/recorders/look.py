@@ -67,6 +67,13 @@ class Look:
         """Colour of the line with this number, from the palette over and over."""
         return _rgba(self.palette[index % len(self.palette)], alpha)
 
+    def command(self, index: int) -> tuple[int, int, int, int]:
+        """Colour of the command with this number: the first has its own, others the palette's that have no role."""
+        taken = {self.colours[name].upper() for name in COLOURS}
+        free = [colour for colour in self.palette if colour.upper() not in taken]
+        colours = [self.colours["command"], *free]
+        return _rgba(colours[index % len(colours)], alpha=255)
+
 
 def _rgba(colour: str, alpha: int) -> tuple[int, int, int, int]:
     red, green, blue = bytes.fromhex(colour[1:])

@@ -6,10 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dr_lab.errors import DataError
+from dr_lab.recorders.force_map import ForceMap
 from dr_lab.trajectory import Array, Signal
 
 MEASURED, BEFORE, AFTER = "measured", "before", "after"
 SIMULATED = (BEFORE, AFTER)
+_SAME = 1e-9  # s, by which a sample at a start may come before it
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,9 @@ class Overlay:
         noise: channel to standard deviation of the measurement noise, in the channel's unit.
         gaps: channel to the longest time in s between two samples that is not a gap; one that is left out has none.
         learned: by joint, what a learned force of the model with the effects is where the residual is told, shape (m,).
+        force_maps: by joint, that learned force over position and velocity.
         residual_name: what `residual_velocity` holds, with its unit, as the axis says it.
+        starts: times in s from which on the simulated values begin anew from the measured state, shape (k,).
 
     Raises:
         DataError: an array has another shape than the above.
@@ -48,7 +52,9 @@ class Overlay:
     gaps: Mapping[str, float] = field(default_factory=dict)
     arguments: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     learned: Mapping[str, Array] = field(default_factory=dict)
+    force_maps: Mapping[str, ForceMap] = field(default_factory=dict)
     residual_name: str = "residual"
+    starts: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         for role, (position, orientation) in self.poses.items():
@@ -76,6 +82,17 @@ class Overlay:
     def joints(self) -> list[str]:
         """Joints that have a residual to draw against the velocity."""
         return [joint for joint, (velocity, residuals) in self.residual_velocity.items() if len(velocity) and residuals]
+
+    def broken(self, time: Array, value: Array) -> tuple[Array, Array]:
+        """Samples (n,) and (n, …) with a gap wherever the simulation begins anew: no line joins what is apart."""
+        first = np.searchsorted(time, self.starts - _SAME)
+        first = np.unique(first[(first > 0) & (first < len(time))])
+        between = (time[first - 1] + time[first]) / 2
+        return np.insert(time, first, between), np.insert(value, first, np.nan, axis=0)
+
+    def length(self) -> float | None:
+        """What the simulation runs for before it begins anew, s; None where that is not known."""
+        return float(np.median(np.diff(self.starts))) if len(self.starts) > 1 else None
 
     def span(self) -> tuple[float, float]:
         """First and last time of the measured signals, s."""

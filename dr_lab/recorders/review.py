@@ -9,6 +9,7 @@ import rerun as rr
 from dr_lab.recorders.bars import log_ladder, log_ranking
 from dr_lab.recorders.blueprints import review_blueprint
 from dr_lab.recorders.branch import Branch
+from dr_lab.recorders.force_map import log_force_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import MEASURED, Overlay
 from dr_lab.recorders.recording import recording_file
@@ -37,7 +38,7 @@ def write_review(
     """Write the recording with its layout, atomically.
 
     Entities: ``/<log>/world/{real,sim_before,sim_after}/<body>/<geom>``, ``/<log>/{signal,residual}/<channel>/…``,
-    ``/<log>/command/<actuator>``, ``/<log>/scatter/<joint>``, ``/diagnosis/{ranking,ladder}``, ``/verdict``,
+    ``/<log>/command/<actuator>``, ``/<log>/{scatter,force}/<joint>``, ``/diagnosis/{ranking,ladder}``, ``/verdict``,
     ``/report``; timeline ``t``, a duration on the log's clock.
 
     Args:
@@ -86,6 +87,8 @@ def _log_overlay(root: Branch, overlay: Overlay, geometry: mujoco.MjModel, look:
     log_commands(log, overlay, look)
     for joint in overlay.joints():
         log_scatter(log / "scatter" / joint, overlay, joint, _velocity_unit(geometry, joint), look)
+    for joint, shown in overlay.force_maps.items():
+        log_force_map(log / "force" / joint, shown, look)
 
 
 def _log_robots(world: Branch, overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> None:

@@ -19,7 +19,7 @@ def log_signals(root: Branch, overlay: Overlay, look: Look) -> None:
         for role, value in {MEASURED: signal.value, **curves}.items():
             place = root / "signal" / channel / _entity(role)
             place.static(_style(role, overlay.label(role), value, look))
-            _send(place, signal.time, value)
+            _send(place, *((signal.time, value) if role == MEASURED else overlay.broken(signal.time, value)))
 
 
 def log_residuals(root: Branch, overlay: Overlay, look: Look) -> None:
@@ -30,7 +30,7 @@ def log_residuals(root: Branch, overlay: Overlay, look: Look) -> None:
                 value = residual(signal.value, overlay.simulated[role][channel])
                 place = root / "residual" / channel / _entity(role)
                 place.static(_style(role, overlay.label(role), value, look))
-                _send(place, signal.time, value)
+                _send(place, *overlay.broken(signal.time, value))
         if channel in overlay.noise and len(signal):
             _log_band(root / "residual" / channel / "noise", signal, overlay.noise[channel], look)
 
@@ -38,10 +38,10 @@ def log_residuals(root: Branch, overlay: Overlay, look: Look) -> None:
 def log_commands(root: Branch, overlay: Overlay, look: Look) -> None:
     """Log every command below ``<root>/command/<actuator>`` as the stairs that the actuator saw."""
     end = overlay.span()[1]
-    for actuator, signal in overlay.commands.items():
+    for index, (actuator, signal) in enumerate(overlay.commands.items()):
         place = root / "command" / actuator
         style = rr.SeriesLines(
-            colors=[look.colour("command")],
+            colors=[look.command(index)],
             names=[f"{actuator} [{signal.unit}]"],
             widths=[look.line_width],
             interpolation_mode="StepAfter",

@@ -11,11 +11,14 @@ import rerun.blueprint as rrb
 from dr_lab.recorders import distributions, grids, heat_map, violins
 from dr_lab.recorders.branch import FRAMES, Branch, entity_path
 from dr_lab.recorders.counted_axis import counted_axis
+from dr_lab.recorders.free_corner import free_corner
 from dr_lab.recorders.interference import Interference
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.matrices import log_matrix
+from dr_lab.recorders.numbered_axis import numbered_axis
 from dr_lab.recorders.recording import recording_file
 from dr_lab.recorders.sampling import Sampled, highest_share, log_sampled
+from dr_lab.recorders.sheet import sheet, sheet_rows
 from dr_lab.recorders.training import Band, Grid, Marginal, Sample
 
 # Rerun keeps one layout an application: every recording of a sweep shares this one.
@@ -67,7 +70,7 @@ class SweepRecord:
 def write_sweep_review(path: Path, record: SweepRecord, look: Look) -> None:
     """Write the recording with its layout, atomically.
 
-    Entities: ``/curve/<figure>/<group>``, with the interval's ends, on the timeline ``frames``,
+    Entities: ``/curve/<figure>/<group>``, with its ``interval``, on the timeline ``frames``,
     ``/distribution/<parameter>``, ``/returns/<parameter>`` and ``/grid/<group>``, ``/violins``,
     ``/sampled/<parameter>/<group>``, ``/matrix/<group and policy>``, ``/pages/<title>``.
 
@@ -109,20 +112,23 @@ def _log(root: Branch, record: SweepRecord, look: Look) -> None:
 
 
 def _log_band(place: Branch, band: Band, index: int, look: Look) -> None:
-    """The mean as a line, and thinner ones at the interval's ends, where they are known; of one point alone dots."""
-    lines, widths = [band.value], [look.line_width]
-    if np.isfinite(band.low).any():
-        lines, widths = [*lines, band.low, band.high], [*widths, look.line_width / 2, look.line_width / 2]
-    colours = [look.series(index), *([look.series(index, look.ghost_alpha)] * (len(lines) - 1))]
-    names = [band.group, *["interval"] * (len(lines) - 1)]
-    values = np.stack(lines, axis=1)
-    known = np.isfinite(values).all(axis=1)
-    if known.sum() == 1:  # of which a line would show nothing
-        place.static(rr.SeriesPoints(colors=colours, names=names, marker_sizes=[3 * width for width in widths]))
-    else:
-        place.static(rr.SeriesLines(colors=colours, names=names, widths=widths))
-    columns = rr.Scalars.columns(scalars=values[known].ravel()).partition([len(lines)] * int(known.sum()))
-    place.over_frames(band.frames[known], columns)
+    """The mean as a line above its interval where this is known; of one point alone a dot, its ends as smaller ones."""
+    known, within = np.isfinite(band.value), np.isfinite(band.low) & np.isfinite(band.high)
+    colour, names = look.series(index), [band.group]
+    if known.sum() == 1:  # of which a line or a band would show nothing
+        values = np.stack([band.value, *([band.low, band.high] if within.any() else [])], axis=1)[known]
+        sizes = [3 * look.line_width, look.line_width, look.line_width][: values.shape[1]]
+        place.static(rr.SeriesPoints(colors=[colour] * len(sizes), names=names * len(sizes), marker_sizes=sizes))
+        place.over_frames(band.frames[known], rr.Scalars.columns(scalars=values))
+        return
+    place.static(rr.SeriesLines(colors=[colour], names=names, widths=[look.line_width]))
+    place.over_frames(band.frames[known], rr.Scalars.columns(scalars=band.value[known]))
+    if within.any():
+        low, high = band.low[within], band.high[within]
+        around = place / "interval"
+        around.static(rr.Measurements.from_fields(colors=[colour], names=names, widths=[0.0]))
+        columns = rr.Measurements.columns(values=(low + high) / 2, variances=np.square((high - low) / 2))
+        around.over_frames(band.frames[within], columns)
 
 
 def _blueprint(record: SweepRecord) -> rrb.Blueprint:
@@ -137,8 +143,8 @@ def _blueprint(record: SweepRecord) -> rrb.Blueprint:
         "Sampling frequency": _sampled(record),
         "Gradients of contexts": _matrices(record),
     }
-    pages = [overview, *(rrb.Grid(*views, name=name) for name, views in sheets.items() if views), *text[1:]]
-    frames = rrb.TimePanel(state="collapsed", timeline=FRAMES, play_state="paused")
+    pages = [overview, *(sheet(name, views) for name, views in sheets.items() if views), *text[1:]]
+    frames = rrb.TimePanel(state="collapsed", timeline=FRAMES, play_state="following")
     return rrb.Blueprint(
         rrb.Tabs(*pages, name="Review"),
         rrb.BlueprintPanel(state="hidden"),
@@ -150,8 +156,11 @@ def _blueprint(record: SweepRecord) -> rrb.Blueprint:
 def _curves(record: SweepRecord) -> list[rrb.View]:
     """One plot a figure; the first says which colour is which group's."""
     last = max((int(band.frames[-1]) for band in record.bands if len(band.frames)), default=0)
-    names = dict.fromkeys(band.name for band in record.bands)
-    return [_plot(name, last, legend=not k) for k, name in enumerate(names)]
+    figures: dict[str, list[Band]] = {}
+    for band in record.bands:
+        figures.setdefault(band.name, []).append(band)
+    rows = sheet_rows(len(figures))
+    return [_plot(name, each, last, rows, legend=not k) for k, (name, each) in enumerate(figures.items())]
 
 
 def _learned(record: SweepRecord) -> list[rrb.View]:
@@ -183,10 +192,12 @@ def _matrices(record: SweepRecord) -> list[rrb.View]:
     ]
 
 
-def _plot(name: str, last: int, legend: bool) -> rrb.TimeSeriesView:
+def _plot(name: str, bands: Sequence[Band], last: int, rows: int, legend: bool) -> rrb.TimeSeriesView:
+    curves = [(band.frames.astype(np.float64), np.stack([band.value, band.low, band.high], axis=1)) for band in bands]
     return rrb.TimeSeriesView(
         origin=entity_path("curve", name),
-        name=name,
+        name=name.replace("_", " "),
         axis_x=counted_axis(0, last),
-        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
+        axis_y=numbered_axis((values for _, values in curves), rows),
+        plot_legend=rrb.PlotLegend(free_corner(curves), visible=legend),
     )

@@ -1,10 +1,10 @@
 """`review.rrd` of a training run or an evaluation: curves, learned distribution, returns, episodes, report."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
@@ -12,11 +12,14 @@ from dr_lab.recorders import comparisons, course, distributions, grids, heat_map
 from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.counted_axis import counted_axis
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes, log_starts
+from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes
 from dr_lab.recorders.gains import log_gain
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.matrices import log_matrix
+from dr_lab.recorders.numbered_axis import numbered_axis
 from dr_lab.recorders.recording import recording_file
+from dr_lab.recorders.sheet import sheet, sheet_rows
+from dr_lab.recorders.title_numbers import first_last
 from dr_lab.recorders.training import (
     Comparisons,
     Curve,
@@ -101,13 +104,7 @@ def write_training_review(path: Path, record: TrainingRecord, look: Look) -> Non
 
 def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
     for curve in record.curves:
-        place = root / "curve" / curve.name
-        place.static(
-            rr.SeriesLines(
-                colors=[look.colour("after")], names=[titled(curve.name, curve.unit)], widths=[look.line_width]
-            )
-        )
-        place.over(curve.over, curve.at, rr.Scalars.columns(scalars=curve.value))
+        _log_curve(root / "curve" / curve.name, curve, look)
     _log_learned(root, record, look)
     span = grids.return_span(record.grids)
     for grid in record.grids:
@@ -121,12 +118,19 @@ def _log(root: Branch, record: TrainingRecord, look: Look) -> None:
     if record.samples:
         violins.log_violins(root / violins.ROOT, record.samples, [look.colour("after")] * len(record.samples), look)
     if record.episodes:
-        log_episodes(root / ROOT, record.episodes, look)
-    counting = _counting(record)
-    if counting is not None:
-        log_starts(root / ROOT, record.episodes, look, counting)
+        log_episodes(root / ROOT, record.episodes, look, _counting(record))
     for title, text in record.pages.items():
         (root / "pages" / title).static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
+
+
+def _log_curve(place: Branch, curve: Curve, look: Look) -> None:
+    """A line; of one point alone a dot, because a line would show nothing."""
+    colours, names = [look.colour("after")], [titled(curve.name, curve.unit)]
+    if np.isfinite(curve.value).sum() == 1:
+        place.static(rr.SeriesPoints(colors=colours, names=names, marker_sizes=[2 * look.measured_width]))
+    else:
+        place.static(rr.SeriesLines(colors=colours, names=names, widths=[look.line_width]))
+    place.over(curve.over, curve.at, rr.Scalars.columns(scalars=curve.value))
 
 
 def _log_learned(root: Branch, record: TrainingRecord, look: Look) -> None:
@@ -147,8 +151,8 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=rr.new_entity_path(["pages", title]), name=title) for title in record.pages]
     # A view stands in one place only: the overview has its own.
     shown = _learned(record) or _adapted(record) or _maps(record) or _matrices(record)
-    plots = [*_curves(record)[:1], *shown[:1]]
-    overview = rrb.Horizontal(*text[:1], *([rrb.Vertical(*plots)] if plots else []), name="Overview")
+    columns = [[*text[:1], *_curves(record)[:1]], shown[:1]]
+    overview = rrb.Horizontal(*(rrb.Vertical(*views) for views in columns if views), name="Overview")
     sheets = {
         "Curves": _curves(record),
         "Learned distribution": _learned(record),
@@ -159,9 +163,9 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
         "Adaptation": _adapted(record),
     }
     pages: list[rrb.Container | rrb.View] = [
-        *([overview] if text or plots else []),
-        *(_sheet(name, views) for name, views in sheets.items() if views),
-        *([episodes_page(record.episodes, look)] if record.episodes else []),
+        *([overview] if any(columns) else []),
+        *(sheet(name, views) for name, views in sheets.items() if views),
+        *([episodes_page(record.episodes, look, _counting(record))] if record.episodes else []),
         *text[1:],
     ]
     return rrb.Blueprint(
@@ -170,11 +174,6 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
         rrb.SelectionPanel(state="hidden"),
         _time(record),
     )
-
-
-def _sheet(name: str, views: Sequence[rrb.View]) -> rrb.Grid:
-    """As many columns as rows or one more: charts are nearly as high as wide, and their letters do not shrink."""
-    return rrb.Grid(*views, grid_columns=math.ceil(math.sqrt(len(views))), name=name)
 
 
 def _time(record: TrainingRecord) -> rrb.TimePanel:
@@ -195,7 +194,7 @@ def _counting(record: TrainingRecord) -> str | None:
 
 
 def _curves(record: TrainingRecord) -> list[rrb.View]:
-    return [_plot(curve) for curve in record.curves]
+    return [_plot(curve, sheet_rows(len(record.curves))) for curve in record.curves]
 
 
 def _learned(record: TrainingRecord) -> list[rrb.View]:
@@ -231,12 +230,13 @@ def _matrices(record: TrainingRecord) -> list[rrb.View]:
     return [heat_map.CANVAS.view(["matrix", each.title], each.title) for each in record.matrices]
 
 
-def _plot(curve: Curve) -> rrb.TimeSeriesView:
+def _plot(curve: Curve, rows: int) -> rrb.TimeSeriesView:
     origin = rr.new_entity_path(["curve", curve.name])
     return rrb.TimeSeriesView(
         origin=origin,
-        name=titled(curve.name, curve.unit),
+        name=f"{titled(curve.name.replace('_', ' '), curve.unit)}{first_last(curve.value)}",
         axis_x=counted_axis(0, int(curve.at[-1])),
+        axis_y=numbered_axis([curve.value], rows),
         plot_legend=rrb.PlotLegend(visible=False),
     )
 

@@ -1,5 +1,6 @@
 """What an evaluation found, for a person."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from dr_lab.reports.evaluate import Cell, EvaluateReport
@@ -27,9 +28,17 @@ def evaluate_page(report: EvaluateReport, told: str) -> Page:
         Section("figures", "Figures", table(["figure", "value"], figures)),
         Section("rows", "Table", f"{table(header, cells)}{more}"),
     ]
-    first = ", ".join(f"{name} {value}" for name, value in figures[:_FIRST])
+    first = _in_short(figures[:_FIRST])
     lead = f"**{first[:1].upper()}{first[1:]}.** {told}" if first else told
     return Page(f"What {Path(report.trained).name} on {report.env} returns", lead, sections)
+
+
+def _in_short(figures: Sequence[Sequence[str]]) -> str:
+    """Figures and their values in a row; what the names of all begin with, as ``uniform.``, is said once."""
+    begins = {name.partition(".")[0] if "." in name else "" for name, _ in figures}
+    common = begins.pop() if len(begins) == 1 else ""
+    told = ", ".join(f"{name.removeprefix(f'{common}.')} {value}" for name, value in figures)
+    return f"{common}: {told}" if common else told
 
 
 def _cell(value: Cell) -> str:

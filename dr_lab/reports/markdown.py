@@ -90,7 +90,8 @@ def _trades(report: GapReport, parameters: Parameters) -> str:
     for row in report.judged.ranking:
         if row.replaced_by:
             takers = ", ".join(f"`{name}`" for name in row.replaced_by)
-            lines.append(f"- `{row.label}` cannot be told from {takers}, which take its place.")
+            take = "takes" if len(row.replaced_by) == 1 else "take"
+            lines.append(f"- `{row.label}` cannot be told from {takers}, which {take} its place.")
     doubted: dict[str, list[str]] = {}
     for name, row in parameters.items():
         for doubt in () if row.scatter is None else row.scatter.doubts:

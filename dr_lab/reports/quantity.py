@@ -3,19 +3,23 @@
 import math
 
 ABSENT = "–"
+_WRITTEN_OUT = 6  # digits before the point up to which no power of ten is written
 
 
 def number(value: float | None, digits: int = 4) -> str:
     """Round to `digits` significant digits; a missing or non-finite value is a dash.
 
-    >>> number(0.00123456)
-    '0.001235'
-    >>> number(1.5e-7, 2)
-    '1.5e-7'
+    >>> number(0.00123456), number(-0.0)
+    ('0.001235', '0')
+    >>> number(1.5e-7, 2), number(123456), number(1234567)
+    ('1.5e-7', '123500', '1.235e6')
     """
     if value is None or not math.isfinite(value):
         return ABSENT
-    return _short_exponent(f"{value:.{digits}g}")
+    rounded = f"{value + 0.0:.{digits}g}"
+    if "e+" in rounded and abs(float(rounded)) < 10.0**_WRITTEN_OUT:
+        return f"{float(rounded):.0f}"
+    return _short_exponent(rounded)
 
 
 def uncertain(value: float | None, std: float | None, unit: str) -> str:

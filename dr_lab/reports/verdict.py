@@ -17,14 +17,19 @@ def verdict_markdown(report: GapReport) -> str:
     return " ".join(part for part in (*told, _remaining(report), _learned(report)) if part)
 
 
+def _change(removed: float) -> str:
+    """What becomes of an error of which such a share is removed."""
+    return f"falls by {percent(removed)}" if removed >= 0.0 else f"grows by {percent(-removed)}"
+
+
 def _learned(report: GapReport) -> str:
     """That a force was learned, which is a way to simulate what is missing, and no name for it; or in vain."""
     told = []
     for row in report.judged.learned:
         what = f"a force at `{row.joint}` as a function of {' and '.join(row.depends_on)}"
         worst = max(((b or 0.0) / a for a, b in row.predicted.values() if a), default=None)
-        logs = f" ({percent(row.removes)} of the squared predicted error of the {scored(report)} is gone"
-        logs += "" if worst is None else f"; of the log that gains least {percent(1 - worst**2)}"
+        logs = f" (the squared predicted error of the {scored(report)} {_change(row.removes or 0.0)}"
+        logs += "" if worst is None else f"; of the log that gains least it {_change(1 - worst**2)}"
         if row.accepted:
             told.append(f"**Learned, not named:** `{row.effect}`, {what}, simulates a part of that{logs}).")
         elif not report.logs.held_out:

@@ -58,10 +58,14 @@ def recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, look: Look) -> Pa
 
 def test_curves_carry_their_intervals(recording: Path) -> None:
     found = read_recording(recording)
-    both, alone = (np.array(list(found[f"/curve/return/{g}"]["Scalars:scalars"])) for g in GROUPS)
+    both, alone = (np.ravel(list(found[f"/curve/return/{g}"]["Scalars:scalars"])) for g in GROUPS)
     np.testing.assert_array_equal(found["/curve/return/lsdr"]["frames"], FRAMES)
-    np.testing.assert_allclose(both, np.arange(5.0)[:, None] + [0.0, -0.4, 0.4])
-    np.testing.assert_allclose(alone, 3.0 + np.arange(5.0)[:, None])
+    np.testing.assert_allclose(both, np.arange(5.0))
+    np.testing.assert_allclose(alone, 3.0 + np.arange(5.0))
+    interval = found["/curve/return/lsdr/interval"]
+    np.testing.assert_allclose(np.ravel(list(interval["Measurements:values"])), np.arange(5.0))
+    np.testing.assert_allclose(np.ravel(list(interval["Measurements:variances"])), 0.4**2)
+    assert "/curve/return/none/interval" not in found
 
 
 @pytest.mark.viewer

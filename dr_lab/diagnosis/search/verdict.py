@@ -10,6 +10,7 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
+from dr_lab.reports.quantity import number
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def _reason(
     if kind == "named":
         return f"{labels} {_worth(base, group[0], settings)} on the {scored}, beyond every other candidate."
     if kind == "equivalent":
-        left = ", ".join(f"{c.effect.label} (mean χ² {c.fitted_model.held_out.chi2:.4g})" for c in group)
+        left = ", ".join(f"{c.effect.label} (mean χ² {number(c.fitted_model.held_out.chi2)})" for c in group)
         return f"The {scored} cannot separate {left}: what one explains better than another is not beyond doubt."
     floor = noise_floor(base.held_out.freedom, settings)
     place = f"above the noise floor of {floor:.3g}" if kind == "unexplained" else "at the noise floor"
@@ -112,9 +113,9 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
     gain, confidence = trial[0].gain, 100 * settings.trial_confidence
     return (
         f" {trial[0].effect.label} is worth a trial, which dr-lab close makes as far as `most` allows. It closes "
-        f"{100 * gain.gap:.3g} % of a typical window's gap. Its evidence Δχ² {gain.total:.4g} is in doubt because it "
-        f"differs from window to window ({confidence:.3g} % interval from {gain.trial_low:.4g}, "
-        f"{100 * settings.confidence:.3g} % interval from {gain.total_low:.4g})."
+        f"{100 * gain.gap:.3g} % of a typical window's gap. Its evidence Δχ² {number(gain.total)} is in doubt because "
+        f"it differs from window to window ({confidence:.3g} % interval from {number(gain.trial_low)}, "
+        f"{100 * settings.confidence:.3g} % interval from {number(gain.total_low)})."
     )
 
 
@@ -122,10 +123,10 @@ def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) 
     """The evidence, which decides for a candidate, and the mean χ², on which a single wild window weighs more."""
     gain, means = candidate.gain, (base.held_out.chi2, candidate.fitted_model.held_out.chi2)
     needed = settings.threshold + settings.penalty * len(candidate.effect.parameters)
-    low = f"{100 * settings.confidence:.3g} % interval from {gain.total_low:.4g}"
+    low = f"{100 * settings.confidence:.3g} % interval from {number(gain.total_low)}"
     interval = f"{'too few data for an interval' if isnan(gain.total_low) else low}, {needed:g} needed"
     return (
-        f"closes {100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {gain.total:.4g} ({interval}), "
+        f"closes {100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {number(gain.total)} ({interval}), "
         f"mean χ² {means[0]:.3f} before and {means[1]:.3f} after,"
     )
 

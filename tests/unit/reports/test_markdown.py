@@ -152,7 +152,7 @@ def calibrated_to(report: dict[str, Any], chi2: float | None, status: str = "une
 
 def test_a_calibration_that_predicts_worse_says_so_first(close_report: dict[str, Any]) -> None:
     line = calibrated_to(close_report, 3.411e4)
-    assert line == f"**{WORSE}** What remains (χ² 3.411e4) is above the noise floor and not explained."
+    assert line == f"**{WORSE}** What remains (χ² 34110) is above the noise floor and not explained."
     assert "worse than the model as given: χ² 355 → –." in calibrated_to(close_report, None)
 
 
