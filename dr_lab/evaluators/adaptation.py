@@ -18,7 +18,7 @@ from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
 from dr_lab.evaluators.statistics import means_of_contexts
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.training import Ways
-from dr_lab.reports.quantity import percent
+from dr_lab.reports.quantity import counted, percent
 from dr_lab.seeding import derived_seed, stream
 from dr_lab.training.recorded import as_episodes
 from dr_lab.trajectory import Array
@@ -148,8 +148,8 @@ class AdaptationEvaluator(Evaluator):
 
     def _told(self, contexts: int) -> str:
         return (
-            f"{self.repeats} adaptations in each of {contexts} contexts, {self.updates} updates each; every policy is "
-            f"played without exploration, {self.episodes} episodes from the same starts before and after. "
+            f"{self.repeats} adaptations in each of {contexts} contexts, {counted(self.updates, 'update')} each; every "
+            f"policy is played without exploration, {self.episodes} episodes from the same starts before and after. "
             "return after k: mean over contexts after k updates; gain k: what they add; hurts and helps: share of the "
             f"contexts where they take off or add without doubt, by the {percent(self.confidence)} interval over the "
             "adaptations (Student's t), context by context; correlation: between return and gain of one update, over "

@@ -133,10 +133,11 @@ def _shares(found: Cosines) -> dict[str, float]:
 
 
 def _pictures(axis: ContextAxis, found: Mapping[int, Cosines]) -> list[Matrix]:
-    """The last policy first."""
+    """The last policy first; what is known of no two contexts has none."""
     newest = sorted(found, reverse=True)
     return [
-        Matrix(f"{name} after {frames} control steps", axis, getattr(found[frames], kind), found[frames].sign == 0)
+        Matrix(f"{name} after {frames} control steps", axis, value, found[frames].sign == 0)
         for frames in newest
-        for name, kind in (("cosine", "raw"), ("cosine without noise", "corrected"))
+        for name, value in (("cosine", found[frames].raw), ("cosine without noise", found[frames].corrected))
+        if np.isfinite(value).any()
     ]

@@ -61,9 +61,9 @@ def group_marginal_plots(learned: Mapping[str, Mapping[str, Marginal]], groups: 
 
 def _ends(marginal: Marginal) -> Plot:
     figure = chart()
-    changed = len(marginal.iteration) > 1
-    figure.add_trace(_density(marginal, marginal.initial, "initial", NOISE if changed else AFTER))
-    if changed:
+    figure.add_trace(_density(marginal, marginal.initial, "initial", NOISE if marginal.learned else AFTER))
+    figure.update_layout(showlegend=marginal.learned)
+    if marginal.learned:
         figure.add_trace(_density(marginal, marginal.probability[-1], "learned", AFTER))
     return Plot(_with_axes(figure, marginal), _HEIGHT, half=True)
 

@@ -25,10 +25,10 @@ def write_training_page(path: Path, page: Page, report: TrainReport | EvaluateRe
     Raises:
         DrLabError: the folder cannot be written to.
     """
-    learned = [each for each in record.marginals if len(each.iteration) > 1]
-    fixed = [each for each in record.marginals if len(each.iteration) == 1]
+    learned = [each for each in record.marginals if each.learned]
+    fixed = [each for each in record.marginals if not each.learned]
     choice = report.choice if isinstance(report, TrainReport) else None
-    pairs = pair_plots(record.pairs if learned else ())
+    pairs = pair_plots(record.pairs)
     plots = {
         "Returns over contexts": grid_plots(record.grids),
         "Returns": sample_plots(record.samples),

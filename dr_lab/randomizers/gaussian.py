@@ -5,12 +5,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import torch
+from scipy.special import ndtr
 from torch import Tensor, nn
 from torch.distributions import MultivariateNormal
 
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Density
+from dr_lab.randomizers.randomizer import Density, bin_shares
 from dr_lab.trajectory import Array
 
 # In any direction, in widths: a parameter that a fit knows exactly must not make the factor singular.
@@ -72,6 +73,15 @@ class GaussianRandomizer(Density):
     def log_prob(self, z: Tensor) -> Tensor:
         """−½‖Λ⁻¹(z − μ)‖² − log det Λ − n/2·log 2π."""
         return self.distribution().log_prob(z)
+
+    def marginal(self, axis: int) -> Array:
+        """Exact; where draws are clipped, the bins at the bounds have what was moved there."""
+        mean, covariance = self.moments()
+        edges = self.edges(axis)
+        below = ndtr((edges - mean[axis]) / math.sqrt(covariance[axis, axis]))
+        if self.clip:
+            below = np.where(edges <= self.space.low[axis], 0.0, np.where(edges >= self.space.high[axis], 1.0, below))
+        return bin_shares(below)
 
     def moments(self) -> tuple[Array, Array]:
         """Mean (n,) and covariance (n, n) of the Gaussian itself, in SI units, whether its draws are clipped or not."""

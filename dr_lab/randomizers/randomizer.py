@@ -65,6 +65,15 @@ class Randomizer(nn.Module, ABC):
         return self.sample([stream(0, "snapshot")] * _DRAWS)
 
 
+def bin_shares(below: Array) -> Array:
+    """Probability of each bin, shape (b,), from the distribution function at its edges; the outermost hold all beyond.
+
+    Args:
+        below: probability of a lower value, at each edge, shape (b + 1,).
+    """
+    return np.diff(np.concatenate([[0.0], below[1:-1], [1.0]]))
+
+
 class Density(Randomizer):
     """A randomizer that knows how likely a context is: a distribution p_φ(z)."""
 

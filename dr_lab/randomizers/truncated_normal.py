@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import torch
 from scipy.special import log_ndtr, ndtri_exp
+from scipy.stats import truncnorm
 from torch import Tensor, nn
 
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.gaussian import centre_and_spread
-from dr_lab.randomizers.randomizer import Density
+from dr_lab.randomizers.randomizer import Density, bin_shares
 from dr_lab.trajectory import Array
 
 _LEAST_STD = 1e-6  # in widths of the bounds: an exactly known parameter has no density
@@ -77,6 +78,12 @@ class TruncatedNormalRandomizer(Density):
         density = -standard.square() / 2 - self.log_std - math.log(2 * math.pi) / 2 - mass - self.span.log()
         inside = ((unit >= 0) & (unit <= 1)).all(-1)
         return torch.where(inside, density.sum(-1), -torch.inf)
+
+    def marginal(self, axis: int) -> Array:
+        """Exact."""
+        loc, std = float(self.loc[axis].detach()), float(self.log_std[axis].detach().exp())
+        unit = (self.edges(axis) - float(self.low[axis])) / float(self.span[axis])
+        return bin_shares(truncnorm.cdf(unit, -loc / std, (1.0 - loc) / std, loc=loc, scale=std))
 
     def edges(self, axis: int) -> Array:
         """Within the bounds, beyond which nothing lies."""

@@ -9,7 +9,7 @@ from torch.distributions import Independent, Uniform
 
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Density
+from dr_lab.randomizers.randomizer import Density, bin_shares
 from dr_lab.trajectory import Array
 
 
@@ -72,6 +72,16 @@ class UniformRandomizer(Density):
     def log_prob(self, z: Tensor) -> Tensor:
         """−Σ log(high − low) within the box, −∞ outside."""
         return self.distribution().log_prob(z)
+
+    def marginal(self, axis: int) -> Array:
+        """Exact."""
+        low, high = float(self.low[axis]), float(self.high[axis])
+        return bin_shares(np.clip((self.edges(axis) - low) / (high - low), 0.0, 1.0))
+
+    def moments(self) -> tuple[Array, Array]:
+        """(low + high) / 2 and, for each parameter, (high − low)² / 12, exact."""
+        low, high = self.low.numpy(), self.high.numpy()
+        return (low + high) / 2, np.diag(np.square(high - low) / 12)
 
     def distribution(self) -> UniformBox:
         """The box."""

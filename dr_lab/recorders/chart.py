@@ -19,6 +19,7 @@ _ALIKE = 1e-9  # relative difference of values that only rounding tells apart
 # Rerun writes a label below its point; this many canvas units lift it to the point's height.
 _LIFT = 3.2
 _SMALL = 2.0  # by how much a letter is wider in the canvas units of a small view
+_HATCH = 4.0  # canvas units between slanting lines
 _LETTER, _NARROWEST, _ROW = 1.6, 16.0, 6.0  # room in a legend for a letter and a label, and between its rows
 
 
@@ -120,6 +121,13 @@ class Chart:
         across, up = np.broadcast_arrays(self.x.fraction(x), self.y.fraction(y))
         return np.stack([self.canvas.width * across.ravel(), self.canvas.height * (1.0 - up.ravel())], axis=-1)
 
+    def within(self, x: Array, y: Array) -> list[Array]:
+        """Canvas positions of a line as far as it is inside the box: a piece each, shape (m, 2), m ≥ 2; maybe none."""
+        inside = (self.x.low <= x) & (x <= self.x.high) & (self.y.low <= y) & (y <= self.y.high)
+        change = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+        pieces = [slice(first, last) for first, last in change.reshape(-1, 2) if last - first > 1]
+        return [self.place(x[piece], y[piece]) for piece in pieces]
+
     def frame(self, axis: Colour, text: Colour) -> None:
         """Draw the box, the grid, the labels of the ticks and the titles of the axes."""
         width, height = self.canvas.width, self.canvas.height
@@ -127,7 +135,7 @@ class Chart:
         grid = [self.place([value, value], [self.y.low, self.y.high]) for value, _ in self.x.ticks]
         grid += [self.place([self.x.low, self.x.high], [value, value]) for value, _ in self.y.ticks]
         self._strips("grid", [*grid, box], (*axis[:3], 90), 0.5, GRID)
-        across = [(self.place(value, self.y.low)[0], label) for value, label in self.x.ticks]
+        across = [(self.place(value, self.y.low)[0], label) for value, label in self._readable()]
         beside = [(self.place(self.x.low, value)[0] - (5.0, 0.0), label) for value, label in self.y.ticks]
         self.words("ticks_x", across, text, lift=0.0)
         self.words("ticks_y", beside, text)
@@ -135,6 +143,13 @@ class Chart:
         wide = _SMALL * _LETTER * len(self.y.title) / 2  # half of the title, where the view is small
         title_y = (np.array([max(wide - self.canvas.left, 0.0), -7.0]), self.y.title)
         self.words("titles", [entry for entry in (title_x, title_y) if entry[1]], text, lift=0.0)
+
+    def _readable(self) -> Sequence[tuple[float, str]]:
+        """The ticks of the horizontal axis that are labelled: every second, third … where all have no room."""
+        ticks, step = self.x.ticks, 1
+        while sum(_SMALL * _LETTER * (len(label) + 1) for _, label in ticks[::step]) > self.canvas.width:
+            step += 1
+        return ticks[::step]
 
     def words(self, name: str, entries: Sequence[tuple[Array, str]], colour: Colour, lift: float = _LIFT) -> None:
         """Write texts, each centred on its canvas position."""
@@ -153,6 +168,17 @@ class Chart:
     def line(self, name: str, x: ArrayLike, y: ArrayLike, colour: Colour, radius: float) -> None:
         """Draw a line of half-width `radius` points on the screen through data points."""
         self._strips(name, [self.place(x, y)], colour, radius, LINES)
+
+    def hatch(self, name: str, spans: Sequence[tuple[float, float]], colour: Colour) -> None:
+        """Draw slanting lines across the whole height, between the ends of each span of the horizontal axis."""
+        height, strips = self.canvas.height, []
+        for low, high in spans:
+            left, right = self.place([low, high], self.y.low)[:, 0]
+            for start in np.arange(left - height, right, _HATCH):
+                ends = np.clip([start, start + height], left, right)
+                strips.append(np.stack([ends, height - (ends - start)], axis=1))
+        if strips:
+            self._strips(name, strips, (*colour[:3], 60), 0.5, GRID)
 
     def legend(self, colours: Mapping[str, Colour]) -> None:
         """Write what the lines are, side by side above the box, or below one another in it where they do not fit."""

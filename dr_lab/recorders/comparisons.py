@@ -1,13 +1,11 @@
 """How a target moved and how the model does, as the model learns of it; and how their distance falls."""
 
-from collections.abc import Sequence
-
 import numpy as np
-import rerun as rr
 
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import LINES, Axis, Canvas, Chart, decade_axis, linear_axis
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.moving_lines import log_moving_lines
 from dr_lab.recorders.shape import Colour
 from dr_lab.recorders.training import Comparisons, Decline
 from dr_lab.reports.quantity import titled
@@ -38,7 +36,7 @@ def log_comparisons(root: Branch, comparisons: Comparisons, look: Look) -> None:
         "mean": ([[chart.place(c.time, c.mean)] for c in shown], look.colour("after"), look.line_width),
     }
     for layer, (name, (strips, colour, width)) in enumerate(lines.items()):
-        _log_strips(root / name, comparisons.iteration, strips, colour, width, LINES + layer)
+        log_moving_lines(root / name, comparisons.iteration, strips, colour, width, LINES + layer)
     chart.legend({name: lines[name][1] for name in ("target", "mean", "drawn")})
 
 
@@ -72,12 +70,3 @@ def _axes(comparisons: Comparisons) -> tuple[Axis, Axis]:
     room = _ROOM * (high - low)
     longest = max(float(c.time[-1]) for c in comparisons.shown)
     return linear_axis("time [s]", 0.0, longest), linear_axis(titled(first.name, first.unit), low - room, high + room)
-
-
-def _log_strips(
-    place: Branch, iteration: np.ndarray, strips: Sequence[Sequence[Array]], colour: Colour, width: float, layer: float
-) -> None:
-    """Lines that change with the iteration, several at once."""
-    place.static(rr.LineStrips2D.from_fields(colors=[colour], radii=rr.Radius.ui_points(width / 2), draw_order=layer))
-    columns = rr.LineStrips2D.columns(strips=[strip for each in strips for strip in each])
-    place.over_iterations(iteration, columns.partition([len(each) for each in strips]))

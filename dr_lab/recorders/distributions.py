@@ -1,15 +1,15 @@
 """Learned distributions of contexts: histograms over iterations, and ellipses of two parameters."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import rerun as rr
-from numpy.typing import ArrayLike
 from scipy.stats import chi2
 
 from dr_lab.recorders.branch import Branch
-from dr_lab.recorders.chart import DOTS, LINES, Canvas, Chart, linear_axis
+from dr_lab.recorders.chart import DOTS, Canvas, Chart, linear_axis
 from dr_lab.recorders.look import Look
+from dr_lab.recorders.moving_lines import log_moving_lines
 from dr_lab.recorders.shape import Colour
 from dr_lab.recorders.training import Marginal, Pair
 from dr_lab.reports.quantity import percent, titled
@@ -22,7 +22,7 @@ _CORNERS = 90  # of the polygon that stands for an ellipse
 
 
 def log_marginal(root: Branch, marginal: Marginal, look: Look) -> None:
-    """Draw one parameter's probability density: that at the beginning always, the learned one by iteration.
+    """Draw one parameter's probability density: that at the beginning always, a learned one by iteration.
 
     Args:
         root: where to.
@@ -34,9 +34,12 @@ def log_marginal(root: Branch, marginal: Marginal, look: Look) -> None:
     x = linear_axis(titled(marginal.name, marginal.unit), float(marginal.edges[0]), float(marginal.edges[-1]), 8)
     chart = Chart(root, CANVAS, x, linear_axis("probability density", 0.0, top))
     chart.frame(look.colour("axis"), look.colour("text"))
+    if not marginal.learned:
+        chart.line("initial", *_stairs(marginal.edges, initial), look.colour("after"), look.measured_width / 2)
+        return
     chart.line("initial", *_stairs(marginal.edges, initial), look.colour("noise"), look.line_width)
-    outlines = [chart.place(*_stairs(marginal.edges, each)) for each in density]
-    _log_lines(root / "learned", marginal.iteration, [outlines], [look.colour("after")], look.measured_width)
+    outlines = [[chart.place(*_stairs(marginal.edges, each))] for each in density]
+    log_moving_lines(root / "learned", marginal.iteration, outlines, look.colour("after"), look.measured_width)
     legend = {"initial": look.colour("noise"), "learned": look.colour("after")}
     chart.legend(legend)
 
@@ -50,16 +53,14 @@ def log_pair(root: Branch, pair: Pair, look: Look) -> None:
     chart = Chart(root, CANVAS, axes[0], axes[1])
     chart.frame(look.colour("axis"), look.colour("text"))
     chart.line("way", pair.mean[:, 0], pair.mean[:, 1], look.colour("noise"), look.line_width / 2)
-    outlines = [
-        [
-            chart.place(*ellipse(mean, covariance, content))
-            for mean, covariance in zip(pair.mean, pair.covariance, strict=True)
-        ]
-        for content in CONTENTS
-    ]
     strengths = np.linspace(255, 90, len(CONTENTS)).astype(int).tolist()
     colours = [look.colour("after", strength) for strength in strengths]
-    _log_lines(root / "ellipses", pair.iteration, outlines, colours, look.measured_width)
+    for index, (content, colour) in enumerate(zip(CONTENTS, colours, strict=True)):
+        outlines = [
+            chart.within(*ellipse(mean, covariance, content))
+            for mean, covariance in zip(pair.mean, pair.covariance, strict=True)
+        ]
+        log_moving_lines(root / "ellipses" / str(index), pair.iteration, outlines, colour, look.measured_width)
     middle = rr.Points2D.columns(positions=chart.place(pair.mean[:, 0], pair.mean[:, 1]))
     style = rr.Points2D.from_fields(
         colors=[look.colour("after")], radii=rr.Radius.ui_points(look.measured_width), draw_order=DOTS
@@ -128,15 +129,3 @@ def _density(probability: Array, edges: Array) -> Array:
 def _stairs(edges: Array, height: Array) -> tuple[Array, Array]:
     """Outline of a histogram, from the axis and back to it, shape (2 b + 2,) each."""
     return np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(height, 2), [0.0]])
-
-
-def _log_lines(
-    place: Branch, iteration: ArrayLike, outlines: Sequence[Sequence[Array]], colours: Sequence[Colour], width: float
-) -> None:
-    """Lines that change with the iteration, each below `place` by its number."""
-    for index, (strips, colour) in enumerate(zip(outlines, colours, strict=True)):
-        line = place / str(index)
-        line.static(
-            rr.LineStrips2D.from_fields(colors=[colour], radii=rr.Radius.ui_points(width / 2), draw_order=LINES)
-        )
-        line.over_iterations(np.asarray(iteration), rr.LineStrips2D.columns(strips=list(strips)))

@@ -28,6 +28,7 @@ from dr_lab.trajectory import Array
 
 ROOT = "episode"
 _FOLLOWED = "followed"
+_MOST = 4  # episodes side by side
 _TITLED = 2  # parameters in a view's title; the table has all
 _CURVES = ("after", "before", "command", "measured", "noise")  # colours of actions, in turn
 # The lines tell how fast the machine travels; in the ground itself they would flicker.
@@ -85,12 +86,34 @@ def episodes_page(episodes: Sequence[Episode], look: Look, counting: str | None 
 
     Reward and actions have no place on a timeline that counts: there they would be empty.
     """
-    columns = [_column(episode, look) for episode in _drawn(episodes)]
+    shown = _drawn(episodes)
     if counting is not None:
-        columns = [_scene(episode, look) for episode in _drawn(episodes) if len(_shot(episode, look).points)]
+        shown = [episode for episode in shown if len(_shot(episode, look).points)]
+    columns = [_column(episode, look) if counting is None else _scene(episode, look) for episode in shown]
     text = rrb.TextDocumentView(origin=entity_path(ROOT, "table"), name="Episodes of the trained policy")
-    rows = [rrb.Horizontal(*columns), text] if columns else [text]
-    return rrb.Vertical(*rows, row_shares=[4, 1][-len(rows) :], name="Episodes (timeline t)")
+    rows = [_side_by_side(shown, columns), text] if columns else [text]
+    return rrb.Vertical(*rows, row_shares=[4, 1][-len(rows) :], name="Episodes (timeline t)" if columns else "Episodes")
+
+
+def anything_drawn(episodes: Sequence[Episode]) -> bool:
+    """Whether an episode moves on the timeline ``t``."""
+    return bool(_drawn(episodes))
+
+
+def _side_by_side(episodes: Sequence[Episode], columns: Sequence[rrb.Container | rrb.View]) -> rrb.Container:
+    """All columns, or as many a tab as can be looked at, each named after its first and last episode."""
+    if len(columns) <= _MOST:
+        return rrb.Horizontal(*columns)
+    tabs = []
+    for start in range(0, len(columns), _MOST):
+        first, last = (_spoken(each) for each in (episodes[start], episodes[: start + _MOST][-1]))
+        name = first if first == last else f"{first} … {last}"
+        tabs.append(rrb.Horizontal(*columns[start : start + _MOST], name=name))
+    return rrb.Tabs(*tabs)
+
+
+def _spoken(episode: Episode) -> str:
+    return episode.name.replace("_", " ")
 
 
 def _column(episode: Episode, look: Look) -> rrb.Container:
@@ -175,7 +198,7 @@ def _scene(episode: Episode, look: Look) -> rrb.Spatial3DView:
 def _title(episode: Episode) -> str:
     words = [f"return {number(episode.undiscounted)}"]
     words += [f"{name} {number(value)} {unit}".removesuffix(" 1") for name, (value, unit) in episode.context.items()]
-    return f"{episode.name.replace('_', ' ')}: {', '.join(words[: 1 + _TITLED])}"
+    return f"{_spoken(episode)}: {', '.join(words[: 1 + _TITLED])}"
 
 
 def _plot(episode: Episode, entity: str, title: str) -> rrb.TimeSeriesView:

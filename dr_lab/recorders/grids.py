@@ -3,13 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Axis, Chart, linear_axis
 from dr_lab.recorders.heat_map import CANVAS, DARK_TO_LIGHT, ColourScale, cell_axis, log_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.shape import Colour
-from dr_lab.recorders.training import Grid
+from dr_lab.recorders.training import ContextAxis, Grid
 from dr_lab.reports.quantity import titled
 
 
@@ -38,6 +39,13 @@ def return_span(grids: Sequence[Grid]) -> tuple[float, float]:
     drawn = [grid.mean + sign * grid.spread for grid in grids for sign in off[len(grid.axes)]]
     known = np.concatenate([np.empty(0), *(each[np.isfinite(each)] for each in drawn)])
     return (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+
+
+def told(grid: Grid) -> str:
+    """What a title says of how it is drawn."""
+    if len(grid.axes) > 1:
+        return ""
+    return " (thin: ± std of episodes" + ("" if np.isfinite(grid.mean).all() else ", hatched: infeasible") + ")"
 
 
 def log_lines(
@@ -70,15 +78,25 @@ def _log_line(root: Branch, grid: Grid, low: float, high: float, look: Look) -> 
 
 
 def _log_cells(chart: Chart, grid: Grid, look: Look, colour: Colour) -> None:
-    """The mean as a line with dots, and thin lines a standard deviation off."""
+    """The mean as a line with dots, and thin lines a standard deviation off; contexts without a return are hatched."""
     (axis,) = grid.axes
     known = np.isfinite(grid.mean)
+    chart.hatch("infeasible", _spans(axis, ~known), colour)
     faint = (*colour[:3], look.ghost_alpha)
     for side, sign in (("below", -1.0), ("above", 1.0)):
         edge = (grid.mean + sign * grid.spread)[known]
         chart.line(side, axis.values[known], edge, faint, look.line_width / 2)
     chart.line("mean", axis.values[known], grid.mean[known], colour, look.measured_width / 2)
     chart.dots("cells", axis.values[known], grid.mean[known], colour, look.measured_width)
+
+
+def _spans(axis: ContextAxis, of: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """Where cells begin and end, half way to those beside them; neighbours are one span."""
+    middles = (axis.values[1:] + axis.values[:-1]) / 2
+    whole = cell_axis(axis)
+    edges = np.concatenate([[whole.low], middles, [whole.high]])
+    change = np.flatnonzero(np.diff(np.concatenate([[False], of, [False]]).astype(int)))
+    return [(float(edges[first]), float(edges[last])) for first, last in change.reshape(-1, 2)]
 
 
 def _returns(low: float, high: float) -> Axis:

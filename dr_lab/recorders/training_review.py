@@ -12,7 +12,7 @@ from dr_lab.recorders import comparisons, course, distributions, grids, heat_map
 from dr_lab.recorders.branch import FRAMES, ITERATIONS, TIMELINE, Branch
 from dr_lab.recorders.counted_axis import counted_axis
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.episodes import ROOT, episodes_page, log_episodes
+from dr_lab.recorders.episodes import ROOT, anything_drawn, episodes_page, log_episodes
 from dr_lab.recorders.gains import log_gain
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.matrices import log_matrix
@@ -155,7 +155,7 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     overview = rrb.Horizontal(*(rrb.Vertical(*views) for views in columns if views), name="Overview")
     sheets = {
         "Curves": _curves(record),
-        "Learned distribution": _learned(record),
+        "Learned distribution" if record.courses else "Contexts of training": _learned(record),
         "Pairs of parameters": _pairs(record),
         "Target and model": _compared(record),
         "Returns over contexts": _maps(record),
@@ -181,7 +181,7 @@ def _time(record: TrainingRecord) -> rrb.TimePanel:
     counting = _counting(record)
     if counting is not None:
         return rrb.TimePanel(state="collapsed", timeline=counting, play_state="following")
-    if record.episodes:
+    if anything_drawn(record.episodes):
         return rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="playing", loop_mode="all")
     return rrb.TimePanel(state="hidden")
 
@@ -217,7 +217,9 @@ def _compared(record: TrainingRecord) -> list[rrb.View]:
 
 
 def _maps(record: TrainingRecord) -> list[rrb.View]:
-    maps = [grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}") for grid in record.grids]
+    maps = [
+        grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}{grids.told(grid)}") for grid in record.grids
+    ]
     return [*violins.views(record.samples), *maps]
 
 

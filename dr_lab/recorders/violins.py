@@ -14,9 +14,11 @@ from dr_lab.reports.quantity import number
 from dr_lab.trajectory import Array
 
 ROOT = "violins"
-# Canvas units a row: a line of text above a violin, whose middle and half width are shares of the row from below.
-_ROW, _MIDDLE, _HALF = 20.0, 0.35, 0.3
-_ROOM = 4  # rows that fill the view; fewer leave room below
+# Canvas units that a row and all rows have at least: few are higher. Shares of a row, from below, at which the middle
+# of a violin is, and that are its half width; above it stands a line of text.
+_ROW, _ALL = 20.0, 80.0
+_MIDDLE, _HALF = 0.35, 0.3
+_THIN = 0.005  # of its largest width, below which the outline begins and ends
 _POINTS = 200  # of an outline
 _LEAST = 0.01  # bandwidth in widths of the axis: equal returns are a spike, not a line without width
 
@@ -70,10 +72,10 @@ def _outline(returns: Array, axis: Axis) -> tuple[Array, Array]:
     bandwidth = max(float(returns.std()) * len(returns) ** -0.2, _LEAST * span)
     at = np.linspace(axis.low, axis.high, _POINTS)
     density = np.exp(-0.5 * np.square((at[:, None] - returns) / bandwidth)).sum(axis=1)
-    return at, density / density.max()
+    drawn = np.flatnonzero(density >= _THIN * density.max())
+    part = slice(drawn[0], drawn[-1] + 1)
+    return at[part], density[part] / density.max()
 
 
 def _canvas(rows: int) -> Canvas:
-    height = _ROW * max(rows, 1)
-    spare = max(0.0, _ROW * _ROOM - height)
-    return Canvas(130.0, height, left=8.0, right=8.0, top=8.0, bottom=16.0 + spare)
+    return Canvas(130.0, max(_ALL, _ROW * rows), left=8.0, right=8.0, top=8.0, bottom=16.0)

@@ -37,8 +37,13 @@ def _in_short(figures: Sequence[Sequence[str]]) -> str:
     """Figures and their values in a row; what the names of all begin with, as ``uniform.``, is said once."""
     begins = {name.partition(".")[0] if "." in name else "" for name, _ in figures}
     common = begins.pop() if len(begins) == 1 else ""
-    told = ", ".join(f"{name.removeprefix(f'{common}.')} {value}" for name, value in figures)
+    told = ", ".join(f"{_named(name.removeprefix(f'{common}.'))} {value}" for name, value in figures)
     return f"{common}: {told}" if common else told
+
+
+def _named(figure: str) -> str:
+    """Its name, apart from the value where it ends in a number."""
+    return f"{figure}:" if figure[-1:].isdigit() else figure
 
 
 def _cell(value: Cell) -> str:

@@ -93,12 +93,13 @@ def _noted(training: Training, choice: Choice) -> tuple[Snapshots, PolicySnapsho
 
 
 def _record(training: Training, snapshots: Snapshots, report: TrainReport) -> TrainingRecord:
-    """What the recording shows of training itself."""
+    """What the recording shows of training itself; of a distribution that did not change no ellipses."""
+    marginals = [each for each in snapshots.marginals() if each.varies]
     return TrainingRecord(
         report.env,
         curves(training.trainer.history),
-        snapshots.marginals(),
-        snapshots.pairs(),
+        marginals,
+        snapshots.pairs() if any(each.learned for each in marginals) else [],
         spreads=snapshots.spreads(),
         comparisons=snapshots.comparisons(),
         declines=declines(report.ladder),

@@ -112,7 +112,7 @@ def test_a_recording_of_training_has_everything_at_its_iteration(
     returns = found["/curve/return"]
     np.testing.assert_array_equal(returns["iteration"], ITERATION)
     np.testing.assert_array_equal(np.array(returns["Scalars:scalars"], dtype=float).ravel(), CURVE.value)
-    assert len(found["/distribution/torso.size/learned/0"]["iteration"]) == 5
+    assert len(found["/distribution/torso.size/learned"]["iteration"]) == 5
     ellipses = "/distribution/friction\\,\\ torso.size/ellipses"
     assert {f"{ellipses}/{k}" for k in range(3)} < found.keys()
     strips = np.array(found[f"{ellipses}/0"]["LineStrips2D:strips"][-1])
@@ -171,7 +171,7 @@ def test_a_density_and_not_a_probability_is_drawn(tmp_path: Path, look: Look, mo
     monkeypatch.setenv("RERUN_STRICT", "1")
     path = tmp_path / "review.rrd"
     write_training_review(path, TrainingRecord("run", marginals=[marginal()]), look)
-    strips = read_recording(path)["/distribution/torso.size/learned/0"]["LineStrips2D:strips"]
+    strips = read_recording(path)["/distribution/torso.size/learned"]["LineStrips2D:strips"]
     heights = CANVAS.height - np.array(strips[0]).reshape(-1, 2)[:, 1]
     # equal shares of 0.1 m and 0.2 m: twice the density in the first
     assert heights[1] == pytest.approx(2 * heights[3], rel=1e-3)
