@@ -7,8 +7,10 @@ import pytest
 from html_pages import figures, require_whole, text, traces, values
 
 from dr_lab.html.gap_page import write_gap_page
+from dr_lab.recorders.force_map import ForceMap
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import Overlay
+from dr_lab.recorders.training import ContextAxis
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.plain import from_plain
 from dr_lab.reports.rankings import by_gain
@@ -155,3 +157,23 @@ def test_an_orientation_is_drawn_by_its_components(tmp_path: Path, close_report:
     assert [trace["showlegend"] for trace in traces(page, "measured")] == [True, False, False, False]
     residuals = [trace for trace in traces(page, "") if trace.get("yaxis") == "y2"]
     np.testing.assert_allclose(values(residuals[2]["y"]), angle, atol=1e-6)  # about z, rad
+
+
+def test_a_learned_force_is_a_map_with_the_place_of_the_log(
+    tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, look: Look
+) -> None:
+    force = np.array([[0.1, np.nan], [-0.3, 0.2]])
+    axes = [
+        ContextAxis(name, unit, np.array([0.0, 1.0])) for name, unit in (("position", "rad"), ("velocity", "rad/s"))
+    ]
+    shown = ForceMap("N·m", *axes, force, np.array([[0.5, 0.2], [0.6, 0.1]]))
+    arguments = {joint: {"velocity": speed} for joint, (speed, _) in overlay.residual_velocity.items()}
+    learned = dataclasses.replace(overlay, force_maps={"arm": shown}, arguments=arguments)
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [learned], look)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    require_whole(page)
+    (drawn,) = traces(page, "learned force")
+    np.testing.assert_allclose(values(drawn["z"]), force.T)
+    assert (drawn["zmin"], drawn["zmax"]) == (-0.3, 0.3)
+    (dots,) = traces(page, "the log")
+    np.testing.assert_allclose(values(dots["y"]), [0.2, 0.1])

@@ -154,3 +154,30 @@ def test_mistakes_are_told() -> None:
 def test_a_negative_standard_deviation_is_refused(std: dict[str, float], relative: float) -> None:
     with pytest.raises(ConfigError, match=r"randomizer\.(std\.mass is -0\.1|relative_std is -0\.5); expected"):
         gaussian(SPACE, {}, std, relative_std=relative, clip=False)
+
+
+@pytest.mark.parametrize("clip", [False, True])
+def test_the_picture_of_a_known_density_is_exact(clip: bool) -> None:
+    makers = [
+        lambda: UniformRandomizer(SPACE, None),
+        lambda: gaussian(SPACE, None, None, 1.5, clip),
+        lambda: TruncatedNormalRandomizer(SPACE, None, None, 1.5),
+    ]
+    for randomizer in (make() for make in makers):
+        for axis in range(2):
+            exact = randomizer.marginal(axis)
+            drawn = super(type(randomizer), randomizer).marginal(axis)  # by counting 4000 draws
+            assert exact.shape == drawn.shape
+            assert exact.sum() == pytest.approx(1.0)
+            np.testing.assert_allclose(
+                np.cumsum(exact), np.cumsum(drawn), atol=1.95 / np.sqrt(4000)
+            )  # Kolmogorov, 0.1 %
+
+
+def test_a_uniform_density_is_level() -> None:
+    randomizer = UniformRandomizer(SPACE, None)
+    share = randomizer.marginal(0)
+    assert {*share.round(12).tolist()} == {0.0, round(1 / 60, 12)}
+    mean, covariance = randomizer.moments()
+    np.testing.assert_allclose(mean, (SPACE.low + SPACE.high) / 2)
+    np.testing.assert_allclose(covariance, np.diag(SPACE.span**2 / 12))

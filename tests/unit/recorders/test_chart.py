@@ -1,10 +1,19 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 import rerun as rr
+import rerun.blueprint as rrb
+from recorder_samples import read_recording
 
 from dr_lab.recorders.branch import Branch
 from dr_lab.recorders.chart import Axis, Canvas, Chart, decade_axis, linear_axis
+from dr_lab.recorders.grids import log_grid
+from dr_lab.recorders.heat_map import CANVAS
+from dr_lab.recorders.look import Look
+from dr_lab.recorders.recording import recording_file
 from dr_lab.recorders.scatter import bin_means
+from dr_lab.recorders.training import ContextAxis, Grid
 
 
 @pytest.mark.parametrize(
@@ -35,6 +44,39 @@ def test_larger_values_lie_higher_and_outliers_at_the_edge() -> None:
     chart = Chart(Branch(rr.RecordingStream("dr_lab_test")), canvas, Axis("", -1.0, 1.0, []), Axis("", 0.0, 10.0, []))
     placed = chart.place([-1.0, 0.0, 1.0, 7.0], [0.0, 5.0, 10.0, -3.0])
     np.testing.assert_allclose(placed, [[0, 50], [50, 25], [100, 0], [100, 50]])
+
+
+def test_a_line_is_drawn_as_far_as_it_is_inside() -> None:
+    canvas = Canvas(width=100.0, height=50.0, left=0.0, right=0.0, top=0.0, bottom=0.0)
+    chart = Chart(Branch(rr.RecordingStream("dr_lab_test")), canvas, Axis("", 0.0, 10.0, []), Axis("", 0.0, 1.0, []))
+    x = np.arange(10.0)
+    first, second = chart.within(x, np.array([0.5, 0.5, 2.0, 2.0, 0.0, 1.0, 0.0, -1.0, 0.5, -1.0]))
+    np.testing.assert_allclose(first, [[0, 25], [10, 25]])
+    np.testing.assert_allclose(second, [[40, 50], [50, 0], [60, 50]])  # a single point is no line
+    assert chart.within(x, np.full(10, 3.0)) == []
+
+
+def test_labels_below_an_axis_have_room(tmp_path: Path) -> None:
+    canvas = Canvas(width=130.0, height=50.0, left=0.0, right=0.0, top=0.0, bottom=0.0)
+    with recording_file(tmp_path / "a.rrd", "dr_lab_test", "test", rrb.Blueprint()) as root:
+        for name, high in (("short", 10.0), ("long", 0.0005)):
+            chart = Chart(root / name, canvas, linear_axis("", 0.0, high, 8), linear_axis("", 0.0, 1.0))
+            chart.frame((255, 255, 255, 255), (255, 255, 255, 255))
+    found = read_recording(tmp_path / "a.rrd")
+    short, long = (found[f"/{name}/ticks_x"]["Points2D:labels"][-1] for name in ("short", "long"))
+    assert short == ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10"]
+    assert long == ["0", "0.0001", "0.0002", "0.0003", "0.0004", "0.0005"]
+    assert len(found["/long/grid"]["LineStrips2D:strips"][-1]) == 11 + 6 + 1  # all ticks have their line
+
+
+def test_contexts_without_a_return_are_hatched(tmp_path: Path, look: Look) -> None:
+    axis = ContextAxis("size", "m", np.array([0.0, 1.0, 2.0, 3.0]))
+    with recording_file(tmp_path / "a.rrd", "dr_lab_test", "test", rrb.Blueprint()) as root:
+        log_grid(root / "grid", Grid("run", [axis], np.array([np.nan, np.nan, 5.0, 6.0]), np.zeros(4)), look)
+    strips = read_recording(tmp_path / "a.rrd")["/grid/infeasible"]["LineStrips2D:strips"][-1]
+    across = np.concatenate([np.array(strip)[:, 0] for strip in strips])
+    assert across.min() == pytest.approx(0.0)
+    assert across.max() == pytest.approx(CANVAS.width / 2)  # two of four cells
 
 
 def test_means_recover_a_step_at_zero_velocity() -> None:

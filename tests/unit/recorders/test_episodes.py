@@ -7,6 +7,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 import pytest
+import rerun.blueprint as rrb
 from hydra.utils import instantiate
 from mcap.reader import make_reader
 from omegaconf import OmegaConf
@@ -16,7 +17,7 @@ from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.log import read_log
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.episodes import episodes_table
+from dr_lab.recorders.episodes import anything_drawn, episodes_page, episodes_table
 from dr_lab.recorders.episodes_mcap import write_episodes
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training import Curve
@@ -133,6 +134,30 @@ def test_a_machine_without_visible_shapes_has_its_rewards_and_actions(
     found = read_recording(tmp_path / "review.rrd")
     assert len(found["/episode/episode_1/reward"]["Scalars:scalars"]) == STEPS
     assert not any(path.startswith("/episode/episode_1/world/machine") for path in found)
+
+
+def test_many_episodes_stand_in_tabs_of_a_few(look: Look) -> None:
+    page = episodes_page([episode(0.1, f"episode_{k + 1}") for k in range(10)], look)
+    tabs = page.contents[0]
+    assert isinstance(tabs, rrb.Tabs)
+    assert [part.name for part in tabs.contents] == [
+        "episode 1 … episode 4",
+        "episode 5 … episode 8",
+        "episode 9 … episode 10",
+    ]
+    assert isinstance(episodes_page([episode(0.1)], look).contents[0], rrb.Horizontal)
+
+
+def test_beside_a_timeline_that_counts_there_are_machines_alone(look: Look) -> None:
+    def views(part: rrb.Container | rrb.View) -> list[type]:
+        inner = part.contents if isinstance(part, rrb.Container) else None
+        return [type(part)] if inner is None else [kind for each in inner for kind in views(each)]
+
+    episodes = [episode(0.1), dataclasses.replace(episode(0.1, "episode_2"), ended="infeasible")]
+    assert views(episodes_page(episodes, look, "iteration")) == [rrb.Spatial3DView, rrb.TextDocumentView]
+    assert views(episodes_page(episodes, look)).count(rrb.TimeSeriesView) == 2
+    assert views(episodes_page(episodes[1:], look)) == [rrb.TextDocumentView]
+    assert not anything_drawn(episodes[1:])
 
 
 def test_the_table_tells_return_end_and_context() -> None:

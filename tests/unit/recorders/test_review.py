@@ -12,10 +12,12 @@ from recorder_samples import read_recording
 
 from dr_lab.errors import ConfigError, DataError, DrLabError
 from dr_lab.recorders.blueprints import worst_channels
+from dr_lab.recorders.force_map import ForceMap
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import Overlay
 from dr_lab.recorders.review import write_review
 from dr_lab.recorders.signals import residual
+from dr_lab.recorders.training import ContextAxis
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.markdown import report_markdown
 from dr_lab.reports.plain import from_plain
@@ -58,6 +60,20 @@ def test_close_recording_has_everything_on_its_clock(
         assert f"{_LOG}/{entity}" in found
     assert {"/verdict", "/report", "/diagnosis/ranking/row_05_bar", "/diagnosis/ladder/row_02_label"} < found.keys()
     assert found["/report"]["TextDocument:text"][0][0] == report_markdown(gap(close_report))
+
+
+def test_a_learned_force_and_the_windows_are_in_the_recording(
+    tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, furuta: mujoco.MjModel, look: Look
+) -> None:
+    axes = [ContextAxis(name, "1", np.array([0.0, 1.0])) for name in ("position", "velocity")]
+    shown = ForceMap("N·m", *axes, np.eye(2), np.array([[0.5, 0.2]]))
+    cut = dataclasses.replace(overlay, force_maps={"arm": shown}, starts=np.arange(6.0))
+    write_review(tmp_path / "a.rrd", gap(close_report), "", [cut], furuta, look)
+    found = read_recording(tmp_path / "a.rrd")
+    assert len(found[f"{_LOG}/force/arm/states"]["Points2D:positions"][-1]) == 1
+    after = np.array(found[f"{_LOG}/residual/arm.position/sim_after"]["Scalars:scalars"], dtype=float).ravel()
+    assert len(after) == 3000 + 5  # a gap before each start but the first
+    assert len(found[f"{_LOG}/signal/arm.position/measured"]["t"]) == 3000
 
 
 def test_held_commands_last_until_the_end_of_the_log(
