@@ -88,7 +88,7 @@ def _residual(overlay: Overlay, channel: str) -> list[_Plot]:
     if not curves:
         return []
     anew = f", anew every {number(length, 3)} s" if (length := overlay.length()) else ""
-    title = f"residual of {channel} [{overlay.measured[channel].unit}]{anew} (measured − simulated)"
+    title = f"{channel}, measured − simulated [{overlay.measured[channel].unit}]{anew}"
     return [_Plot([overlay.log, "residual", channel], title, curves)]
 
 

@@ -157,7 +157,7 @@ def test_the_recording_opens_without_complaint(viewer: ViewerClient, demo_run: P
                 "measured (white), model before": [measured, before],
                 "measured (white), model after": [after],
                 **log,
-                **{f"residual of {joint}.position": [before, after] for joint in joints},
+                **{f"{joint}.position, measured": [before, after] for joint in joints},
                 "Ladder": [before, after],
             },
             "Signals": {"commands": [look.colour("command")], "after alone": [after], **log},

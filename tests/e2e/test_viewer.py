@@ -57,7 +57,7 @@ def test_every_page_shows_what_it_says(viewer: ViewerClient, recording: Path, lo
         "Overview": {
             "measured (white), model before": [measured, before],
             "arm.position [rad]": [measured, before, after],
-            "residual of pole.position": [before, after],
+            "pole.position, measured": [before, after],
             "Ladder": [before, after],
         },
         "Signals": {"commands": [command], "after alone": [after], "pole.position [rad]": [measured, before, after]},
