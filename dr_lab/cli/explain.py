@@ -17,7 +17,7 @@ from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 from dr_lab.cli.compose import choices, compose_with_hydra
 from dr_lab.cli.experiments import GROUP as EXPERIMENT
 from dr_lab.cli.experiments import experiments
-from dr_lab.cli.groups import nested_options, options
+from dr_lab.cli.groups import nested_options, options, subgroups
 from dr_lab.cli.overrides import RefusedKey, refused_key
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
@@ -213,8 +213,17 @@ def _unknown_key(refused: RefusedKey, error: Exception, verb: str, folders: Sequ
         below = refused.key.removeprefix(f"{refused.prefix}.")
         return ConfigError(f"{refused.prefix} holds no key yet. Add one: '+{refused.prefix}={{{below}:VALUE}}'.")
     if refused.key in known:
-        return ConfigError(str(error))
+        return ConfigError(_group_of_others(refused.key, folders) or str(error))
     return UnknownNameError("key or group", refused.key, known, f"dr-lab {verb}")
+
+
+def _group_of_others(key: str, folders: Sequence[Path]) -> str | None:
+    """What to tell of a group such as ``env/context`` that other options of its parent have than the chosen one."""
+    parent, _, name = key.rpartition("/")
+    having = [option for option, path in options(parent, folders).items() if name in subgroups(path)] if parent else []
+    if not having:
+        return None
+    return f"The chosen {parent} has no group {key!r}. Choose one that has, or leave it out. Available: {', '.join(having)}."
 
 
 def _omegaconf(error: OmegaConfBaseException) -> str:

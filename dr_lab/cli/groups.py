@@ -38,12 +38,12 @@ def nested_options(group: str, folders: Sequence[Path]) -> list[str]:
         group: e.g. ``"env/context"``.
         folders: configuration folders, first searched first.
     """
-    groups = {name for path in options(group, folders).values() for name in _subgroups(path)}
+    groups = {name for path in options(group, folders).values() for name in subgroups(path)}
     found = {p.relative_to(folder / group) for folder in folders for p in (folder / group).glob("*/**/*.yaml")}
     return sorted(path.with_suffix("").as_posix() for path in found if path.parts[0] not in groups)
 
 
-def _subgroups(path: Path) -> Iterator[str]:
+def subgroups(path: Path) -> Iterator[str]:
     """What an option's defaults list calls the groups that lie in folders beside it."""
     for entry in defaults_of(path):
         for key in entry if isinstance(entry, dict) else ():

@@ -21,6 +21,11 @@ class NoLearner(DistributionLearner):
         del seed
         super().__init__(randomizer)
 
+    @property
+    def learns(self) -> bool:
+        """Never, whatever the family of p(z) could."""
+        return False
+
     def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
         """Nothing."""
         del batch, experience

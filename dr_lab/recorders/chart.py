@@ -182,8 +182,9 @@ class Chart:
 
     def legend(self, colours: Mapping[str, Colour]) -> None:
         """Write what the lines are, side by side above the box, or below one another in it where they do not fit."""
-        rooms = np.array([max(_LETTER * len(label), _NARROWEST) for label in colours])
-        if rooms.sum() <= self.canvas.width / 2:  # the other half is the vertical axis's title's
+        rooms = np.array([max(_SMALL * _LETTER * (len(label) + 1), _NARROWEST) for label in colours])
+        title = _SMALL * _LETTER * len(self.y.title) - self.canvas.left  # what it takes of the box's width
+        if rooms.sum() <= self.canvas.width - max(title, 0.0):
             across, down = self.canvas.width - rooms.sum() + np.cumsum(rooms), np.full(len(rooms), -7.0)
         else:
             across, down = np.full(len(rooms), self.canvas.width), _ROW * np.arange(1, len(rooms) + 1)

@@ -122,6 +122,15 @@ def test_option_of_a_folder_below_its_group(dr_lab: CommandLine, capsys: Capture
     assert not any("tiled" in line for line in lines)
 
 
+def test_group_that_only_other_options_have(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
+    swing = "_target_: parts.Machine\nname: swing\nmjcf: none\nparameters: {}\n"
+    write(tmp_path / "conf/model/swing.yaml", f"defaults: [floor: tiled, _self_]\n{swing}")
+    write(tmp_path / "conf/model/floor/tiled.yaml", "{}\n")
+    assert dr_lab("compare", "model=door", "model/floor=tiled") == 2
+    told = "The chosen model has no group 'model/floor'. Choose one that has, or leave it out. Available: swing.\n"
+    assert told in capsys.readouterr().err
+
+
 FILES = {
     "model/syntax.yaml": ("_target_: parts.Machine\n\tname: x\n", ["syntax.yaml, line 2", "indent with spaces"]),
     "model/plain.yaml": ("name: x\n", ["model names no class", "_target_: package.module.Name", "a Machine"]),
