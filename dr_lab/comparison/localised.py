@@ -21,7 +21,8 @@ def failure(study: Study, model: Model, z: Array) -> Failure:
     replay, fit = study.fits(model, z, study.predicted)
     error = horizon_error(replay, fit, prediction.run_in, prediction.margin, settings.horizons)
     correlations = input_correlations(replay, fit, replay.commands, settings.lags)
-    regions = localise(*study.fits(model, z, study.short, rough=True), settings)
+    short, states, tape = study.fits.rough(model, z, study.short)
+    regions = localise(short, states, settings, tape)
     return Failure(
         where=tuple(RegionEntry(r.signal, r.region, r.share, r.samples, r.chi2) for r in regions),
         horizons=_horizons(error),

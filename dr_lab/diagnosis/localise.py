@@ -68,14 +68,21 @@ class Region:
     chi2: float
 
 
-def localise(replay: Replay, fit: Point, settings: LocaliseSettings) -> list[Region]:
+def localise(replay: Replay, fit: Point, settings: LocaliseSettings, tape: Tape | None = None) -> list[Region]:
     """Regions that hold most of the error, worst channel and region first.
 
     A shallow regression tree splits each channel's squared residual by the simulated state and the command; a leaf is
     reported where its residuals exceed the channel's mean. Residuals grow with the time since a window's start was
     known, so the tree sees them relative to all windows' mean at the same sample; otherwise it would find late samples.
+
+    Args:
+        replay: the windows.
+        fit: context and states.
+        settings: size of the tree.
+        tape: what the model does there, if that is known.
     """
-    tape, _ = replay.simulate(fit.z[None], fit.delta[None])
+    if tape is None:
+        tape, _ = replay.simulate(fit.z[None], fit.delta[None])
     found = []
     for samples, error in replay.by_channel(fit.residuals):
         used = samples.scored & ~fit.infeasible[:, None]

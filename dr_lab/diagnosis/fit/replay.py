@@ -1,6 +1,6 @@
 """Residuals of all windows for many contexts and initial states, as one batch of simulations."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
 from functools import partial
@@ -26,6 +26,7 @@ from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
 _ROUNDING = 1e-9  # s
+_BESIDE = 2  # steps beside a time that is read: sensors are known before a step, and are read between two
 _LARGEST = float(np.finfo(float).max) ** 0.25  # noise standard deviations; below, products of slopes stay finite
 
 
@@ -60,7 +61,7 @@ class Replay:
         self._history = History(windows.begin, before.qpos, before.qvel, _widen(before.controls, compiled.nu))
         known = windows.activations
         self._run_in = None if known is None else RunIn(model, self._history, known.begin, threads)
-        self._require_margin()
+        self._steps = self._read_steps(self._reaches())
         self._require_past()
         self.fitted = self._mask("fitted")
         self.scored = self._mask("scored")
@@ -111,7 +112,10 @@ class Replay:
             windows are infeasible, (c, w): those that diverge, and those whose residuals are no finite numbers or so
             large that a cost made of them would be none.
         """
-        tape, infeasible = self.simulate(z, delta)
+        return self.compared(z, *self._simulate(z, delta, self._steps))
+
+    def compared(self, z: Array, tape: Tape, infeasible: Mask) -> tuple[Array, Mask]:
+        """What `residuals` gives, of rollouts that `simulate` gave."""
         blocks = []
         for samples in self.windows.samples:
             simulated = self.reading(z, tape, samples.channel)(samples.time[None])
@@ -137,17 +141,22 @@ class Replay:
             yield samples, residuals[:, columns].reshape(*samples.time.shape, samples.channel.size)
 
     def simulate(self, z: Array, delta: Array) -> tuple[Tape, Mask]:
-        """Rollouts of every window under every context; arguments as `residuals`.
+        """Rollouts of every window under every context, to the windows' ends; arguments as `residuals`.
 
         Raises:
             CancelledError: the replay was told to stop.
         """
+        return self._simulate(z, delta, self.windows.controls.shape[1])
+
+    def _simulate(self, z: Array, delta: Array, steps: int) -> tuple[Tape, Mask]:
+        """The first steps of `simulate`."""
         if self._stop is not None and self._stop.is_set():
             raise CancelledError
         contexts, count = delta.shape[:2]
         (qpos, qvel), act = self._starts(z, delta), self._activations(z, delta)
         simulator = self._simulator(contexts * count)
-        rollout = simulator.replay(z, qpos, qvel, self._commanded(delta), self._past, self._history, act)
+        controls = self._commanded(delta)[..., :steps, :]
+        rollout = simulator.replay(z, qpos, qvel, controls, self._past, self._history, act)
         shape = (contexts, count)
         tape = Tape(
             rollout.qpos.reshape(*shape, *rollout.qpos.shape[1:]),
@@ -198,22 +207,33 @@ class Replay:
             return self._controls
         return missing.added(self._controls, delta[..., self.nstate - missing.column.shape[1] :])
 
-    def _require_margin(self) -> None:
-        """WindowSamples that one effect reads early or late must still lie within the simulation.
+    def _reaches(self) -> list[float]:
+        """How early or late in s each effect reads outputs, at its bounds.
 
-        Where two effects together reach farther, at their bounds, the motion rests beyond its ends.
+        Raises:
+            DataError: one reads them where nothing is simulated. Where two effects together reach farther, the motion
+                rests beyond its ends.
         """
-        begin, longest = self.windows.begin[:, None], 0.0
+        begin, names = self.windows.begin[:, None], [samples.channel.name for samples in self.windows.samples]
+        found = []
         for effect in self.model.effects:
             alone = replace(self.model, effects=(effect,))
             bounds = np.stack([alone.space.low, alone.space.high])
-            for name in (samples.channel.name for samples in self.windows.samples):
-                longest = max(longest, reach(partial(alone.reading, bounds, name, begin=begin)))
+            reaches = [reach(partial(alone.reading, bounds, name, begin=begin)) for name in names]
+            found.append(max(reaches, default=0.0))
+        longest = max(found, default=0.0)
         if longest > self.windows.margin + _ROUNDING:
             raise DataError(
                 f"Outputs of model {self.model.name!r} may be {longest:g} s late, but windows.margin is "
                 f"{self.windows.margin:g} s. Set windows.margin to at least {longest:g}, or lower the effect's bound."
             )
+        return found
+
+    def _read_steps(self, reaches: Sequence[float]) -> int:
+        """How many steps the residuals are read from: up to the last sample, as late as effects read it."""
+        times = [float(s.time[s.fitted | s.scored].max(initial=0.0)) for s in self.windows.samples]
+        last = max(times, default=0.0) + sum(reaches)
+        return min(int(last / self.windows.step + _ROUNDING) + _BESIDE, self.windows.controls.shape[1])
 
     def _require_past(self) -> None:
         """A delayed actuator must find the commands of before the start."""

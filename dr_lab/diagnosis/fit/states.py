@@ -11,6 +11,7 @@ from dr_lab.diagnosis.fit.point import Point, better_start, take, window_costs
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import differences
 from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
@@ -62,6 +63,22 @@ def fit_states(
         return replay, found
     residuals, infeasible = replay.residuals(z[None], found.delta[None])
     return replay, replace(found, residuals=residuals[0], infeasible=infeasible[0])
+
+
+def fit_roughly(
+    model: Model, z: Array, windows: Windows, solver: SolverSettings, threads: int | None = None
+) -> tuple[Replay, StateFit, Tape]:
+    """The same, roughly, and what the model does from these states, to the windows' ends.
+
+    A rough fit keeps the slopes at its start as long as its steps gain, and ends at the rough tolerance.
+    """
+    replay = Replay(model, windows, threads)
+    most, tolerance = solver.start_iterations, solver.rough_tolerance
+    rough = replace(solver, state_tolerance=tolerance, refresh=1.0, iterations=most)
+    found = _Search(replay.until_known(), rough, z).run(None)
+    tape, lost = replay.simulate(z[None], found.delta[None])
+    residuals, infeasible = replay.compared(z[None], tape, lost)
+    return replay, replace(found, residuals=residuals[0], infeasible=infeasible[0]), tape
 
 
 def polished(

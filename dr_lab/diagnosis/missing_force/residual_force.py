@@ -10,6 +10,7 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import differences
 from dr_lab.diagnosis.fit.states import StateFit
 from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.trajectory import Array
 
 
@@ -30,7 +31,9 @@ class ResidualForce:
     noise: Array
 
 
-def residual_forces(replay: Replay, fit: StateFit, solver: SolverSettings) -> dict[str, ResidualForce]:
+def residual_forces(
+    replay: Replay, fit: StateFit, solver: SolverSettings, tape: Tape | None = None
+) -> dict[str, ResidualForce]:
     """Missing forces by joint whose position is measured, taken as constant within a window.
 
     An acceleration Δa that is missing from a window's start on shows as r(t) = S(t) δ + Δa ∫₀ᵗ S_v(τ) dτ, where S are
@@ -43,9 +46,11 @@ def residual_forces(replay: Replay, fit: StateFit, solver: SolverSettings) -> di
         replay: short windows.
         fit: fit of their starts.
         solver: sizes of the steps by which slopes are taken.
+        tape: what the model does from the fitted starts, if that is known.
     """
     model = replay.model.compile(fit.z)
-    tape, _ = replay.simulate(fit.z[None], fit.delta[None])
+    if tape is None:
+        tape, _ = replay.simulate(fit.z[None], fit.delta[None])
     measured = [s.channel for s in replay.windows.samples if s.channel.kind == "position"]
     if not measured:
         return {}

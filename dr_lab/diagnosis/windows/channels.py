@@ -1,7 +1,7 @@
 """Measured channels as functions of a rollout: joint states and any MuJoCo sensor, at any time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -89,6 +89,11 @@ class Tape:
     start: Array
     controls: Array
     step: float
+
+    def pick(self, rows: Index) -> "Tape":
+        """The rollouts of some windows."""
+        names = ("qpos", "qvel", "sensordata", "start", "controls")
+        return replace(self, **{name: getattr(self, name)[:, rows] for name in names})
 
     def read(self, channel: Channel, time: Array) -> Array:
         """Values of a channel at times after the start, shape (c or 1, w, m) → (c, w, m, size of the raw value).

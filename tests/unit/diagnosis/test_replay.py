@@ -15,6 +15,7 @@ from diagnosis_machines import (
     windows_settings,
 )
 from effect_machines import placed
+from mujoco.batch import Batch
 
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.errors import DataError
@@ -178,3 +179,41 @@ def test_an_offset_behind_a_low_pass_may_reach_beyond_the_margin() -> None:
     residuals, infeasible = replay.residuals(model.space.high[None], np.zeros((1, len(windows), replay.nstate)))
     assert np.isfinite(residuals).all()
     assert not infeasible.any()
+
+
+@pytest.mark.parametrize("effects", [(), ("sensor_time_offset",), ("sensor_time_offset", "sensor_low_pass")])
+@pytest.mark.parametrize("end", ["low", "high"])
+def test_residuals_need_no_step_behind_what_is_read(effects: tuple[str, ...], end: str) -> None:
+    model = pendulum()
+    for name in effects:
+        model = model.with_effect(placed(model, name, "hinge"))
+    log, _ = own_log(pendulum())
+    windows = windows_of(model, [log])
+    replay, z, still = Replay(model, windows, 1), getattr(model.space, end)[None], np.zeros((1, len(windows), 2))
+    found, _ = replay.residuals(z, still)
+    whole, _ = replay.simulate(z, still)
+    assert whole.qpos.shape[2] == windows.controls.shape[1] + 1
+    for samples, columns in zip(windows.samples, replay.channels, strict=True):
+        read = replay.reading(z, whole, samples.channel)(samples.time[None])[0]
+        there = np.where(samples.scored[..., None], (samples.value - read) / samples.std, 0.0)
+        np.testing.assert_array_equal(found[0][:, columns], there.reshape(len(windows), -1))
+
+
+def test_steps_that_no_sample_shows_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    taken: list[int] = []
+    rollout = Batch.rollout
+
+    def counted(self: Batch, nstep: int, controls: Array, *, record: tuple[str, ...]) -> dict[str, Array]:
+        taken.append(nstep)
+        return rollout(self, nstep, controls, record=record)
+
+    monkeypatch.setattr(Batch, "rollout", counted)
+    model = pendulum()
+    late = model.with_effect(placed(model, "sensor_time_offset", "hinge"))
+    log, _ = own_log(model)
+    windows = windows_of(model, [log])
+    for each in (model, late):
+        Replay(each, windows, 1).residuals(each.space.nominal[None], np.zeros((1, len(windows), 2)))
+    reading, every = round((windows.margin + windows.length) / STEP), windows.controls.shape[1]
+    assert reading < taken[0] <= reading + 2
+    assert every - 2 <= taken[1] <= every

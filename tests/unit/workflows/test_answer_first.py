@@ -72,16 +72,17 @@ def test_states_are_fitted_once_and_those_of_some_windows_are_among_those_of_all
     def counted(*arguments: Any) -> Any:  # noqa: ANN401 (whatever it is)
         nonlocal count
         count += 1
-        return fit_states(*arguments)
+        return fit_roughly(*arguments)
 
-    fit_states = state_fits.fit_states
-    monkeypatch.setattr(state_fits, "fit_states", counted)
+    fit_roughly = state_fits.fit_roughly
+    monkeypatch.setattr(state_fits, "fit_roughly", counted)
     fits, alone = (StateFits(study.bench.solver, 1) for _ in range(2))
-    replay, every = fits(model, TRUTH, study.short)
-    assert fits(model, TRUTH, study.short)[1] is every
+    replay, every, tape = fits.rough(model, TRUTH, study.short)
+    assert fits.rough(model, TRUTH, study.short)[1] is every
     among = fits.forces(model, TRUTH, study.short, few)["hinge"]
     assert count == 1
-    fits(model, TRUTH + 0.01, study.short)
+    np.testing.assert_array_equal(among.velocity, tape.qvel[0][few].mean(1)[:, 0])
+    fits.rough(model, TRUTH + 0.01, study.short)
     assert count == 2
     again = alone.forces(model, TRUTH, study.short, few)["hinge"].force
     np.testing.assert_allclose(among.force, again, atol=1e-4 * float(np.abs(again).max()))
