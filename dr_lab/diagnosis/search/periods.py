@@ -149,25 +149,35 @@ class _Spectrum:
         return np.einsum("wmd,wd->wm", self.fit.slopes.state[..., nv : 2 * nv], velocities)
 
     def _gains(self, joint: str, shown: Array) -> tuple[Array, Array]:
-        """By how much each pair lowers the cost, shape (numbers,), and its best amplitudes, shape (numbers, 2)."""
-        fit, count = self.fit, shown.shape[3]
+        """By how much each pair lowers the cost, shape (numbers,), and its best amplitudes, shape (numbers, 2).
+
+        Pairs are never fitted together, so that of their products only those within a pair are formed.
+        """
+        fit = self.fit
         every = np.arange(fit.residuals.shape[1])
         columns = np.concatenate([every[columns] for _, columns in self._showing(joint)])
-        weight = self.replay.weights(fit.residuals, fit.infeasible, self.huber)
-        free = fit.slopes.parameter[:, columns]
-        prior = np.append(fit.equations.prior, np.full(2 * count, _NO_PRIOR))
+        weight = self.replay.weights(fit.residuals, fit.infeasible, self.huber)[:, columns]
+        residual, state, free = (x[:, columns] for x in (fit.residuals, fit.slopes.state, fit.slopes.parameter))
         linear = NormalEquations.build(
-            residual=fit.residuals[:, columns],
-            state_jacobian=fit.slopes.state[:, columns],
-            parameter_jacobian=np.concatenate([free, shown.reshape(*shown.shape[:2], -1)], axis=2),
-            weight=weight[:, columns],
+            residual=residual,
+            state_jacobian=state,
+            parameter_jacobian=free,
+            weight=weight,
             delta=fit.delta,
             state_precision=self.replay.windows.prior.std**-2.0,
-            prior=prior,
-            prior_gradient=np.zeros_like(prior),
+            prior=fit.equations.prior,
+            prior_gradient=np.zeros_like(fit.equations.prior),
         )
+        weighted = shown * weight[..., None, None]
+        mixed = np.einsum("wms,wman->wsan", state, weighted, optimize=True)
+        taken = np.linalg.solve(linear.state, mixed.reshape(*mixed.shape[:2], -1)).reshape(mixed.shape)
+        within = np.einsum("wman,wmbn->nab", weighted, shown) - np.einsum("wsan,wsbn->nab", mixed, taken)
+        beside = np.concatenate([free, residual[..., None]], axis=2)
+        follows = np.concatenate([linear.mixed, linear.state_gradient[..., None]], axis=2)
+        across = np.einsum("wmf,wman->fan", beside, weighted, optimize=True)
+        across -= np.einsum("wsf,wsan->fan", follows, taken, optimize=True)
         information, gradient = (rows.sum(0) for rows in linear.window_information())
-        return _of_pairs(information + np.diag(prior), gradient, free.shape[2])
+        return _of_pairs(within, across, information + np.diag(linear.prior), gradient)
 
 
 def _waves(position: Array, numbers: Array) -> Array:
@@ -189,15 +199,19 @@ def _after_a_push(time: Array, slope: Array, pushed: Array, *, velocity: bool) -
     return np.where(after > 0, shown, 0.0)
 
 
-def _of_pairs(information: Array, gradient: Array, free: int) -> tuple[Array, Array]:
-    """Gain and step of each pair of columns, sines first, behind the free ones, which are regressed out."""
-    mixed = information[:free, free:]
-    taken = np.linalg.solve(information[:free, :free], np.column_stack([mixed, gradient[:free]]))
-    left = information[free:, free:] - mixed.T @ taken[:, :-1]
-    slope = gradient[free:] - mixed.T @ taken[:, -1]
-    count = len(slope) // 2
-    pair = np.arange(count)[:, None] + [0, count]
-    blocks, slopes = left[pair[:, :, None], pair[:, None, :]], slope[pair]
+def _of_pairs(within: Array, across: Array, information: Array, gradient: Array) -> tuple[Array, Array]:
+    """Gain and step of each pair of columns once the free columns are regressed out.
+
+    Args:
+        within: products of each pair's columns, shape (numbers, 2, 2).
+        across: those with the free columns, and with the residuals in the last row, shape (free + 1, 2, numbers).
+        information: products of the free columns, shape (free, free).
+        gradient: those with the residuals, shape (free,).
+    """
+    mixed, columns = across[:-1], 2 * len(within)
+    taken = np.linalg.solve(information, mixed.reshape(-1, columns)).reshape(mixed.shape)
+    blocks = within + _NO_PRIOR * np.eye(2) - np.einsum("fan,fbn->nab", mixed, taken)
+    slopes = (across[-1] - np.einsum("fan,f->an", taken, gradient)).T
     steps = -np.linalg.solve(blocks, slopes[..., None])[..., 0]
     return np.asarray(-(slopes * steps).sum(1)), np.asarray(steps, dtype=np.float64)
 
