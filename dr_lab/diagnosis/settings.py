@@ -98,6 +98,7 @@ class SolverSettings:
 
     Attributes:
         iterations: accepted or rejected steps after which a descent begins anew; not where a fit ends.
+        crawl: the same number of steps in a row that together lower the cost by less than the tolerance.
         tolerance: a fit has converged when a full linear step would lower the cost by less than this share.
         state_tolerance: the states of a window alone are found when a step lowers its cost by less than this share.
         rough_tolerance: the same as `tolerance` for fits that only decide which candidates are fitted again.
@@ -127,6 +128,7 @@ class SolverSettings:
     """
 
     iterations: Count
+    crawl: Count
     tolerance: NotNegative
     state_tolerance: NotNegative
     rough_tolerance: NotNegative

@@ -6,6 +6,7 @@ smoothed measurement (multiple shooting, MAP). The cost is
 All columns of the Jacobian are one batch of simulations; the states are eliminated by a Schur complement.
 """
 
+from collections import deque
 from dataclasses import replace
 
 import numpy as np
@@ -59,9 +60,10 @@ class Fitter:
 
         The certificate is that a full linear step within the bounds, with fresh slopes by the parameters, would lower
         the cost by less than `settings.tolerance` of it (for each inertial parameter, where bodies are free as a
-        whole). A descent that ends without it, because only steps shorter and shorter help, begins anew from its end,
-        with states taken anew and slopes too, as long as that gains. Windows that diverge at the start are left out;
-        those that the result can simulate come back. Either happens `settings.restarts` times at most.
+        whole). A descent that ends without it, because only steps shorter and shorter help or because it crawls,
+        begins anew from its end, with states taken anew and slopes too, as long as that gains. Windows that diverge at
+        the start are left out; those that the result can simulate come back. Either happens `settings.restarts` times
+        at most.
 
         Args:
             z: start, shape (n,).
@@ -75,7 +77,13 @@ class Fitter:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
         if iterations is not None:
             return self._descend(self._point(z, delta), known, iterations, goal)
-        start = self._point(z, delta)
+        return self._from(self._point(z, delta), known, goal)
+
+    def go_on(self, there: Fit, goal: float = np.inf) -> Fit:
+        """Fit from where the model was linearised, whose residuals and slopes are known; `goal` as in `run`."""
+        return self._from(Point(there.z, there.delta, there.residuals, np.inf, there.infeasible), there.slopes, goal)
+
+    def _from(self, start: Point, known: Slopes | None, goal: float) -> Fit:
         if self._bodies.any() and self.replay.model.effects:
             start, known = self._effects_first(start, known)
         return self._certified(start, known, goal)
@@ -131,12 +139,14 @@ class Fitter:
         settings, slopes, fresh = self.settings, self._first_slopes(best, known), known is None
         best, weight, linear = self._linear(best, slopes)
         first, damping, taken, converged = linear, settings.damping, 0, False
+        gains = deque[float](maxlen=settings.crawl)
         while True:
             predicted = linear.decrease(self._movable(best, linear), self._room(best))
             least = self._tolerance * max(best.cost, self._noise)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (fresh or taken == 0)  # where nothing moved, given slopes are those of the start
             short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
+            short |= len(gains) == settings.crawl and sum(gains) < least
             if converged or taken >= most or (short and not done) or self._misses(best, predicted, goal):
                 break
             if done:
@@ -148,6 +158,7 @@ class Fitter:
             if best.cost - trial.cost < settings.hindered * predicted:
                 trial, nearby = self._mended(best, trial, slopes, weight)
             gain = best.cost - trial.cost
+            gains.append(max(gain, 0.0))
             if gain >= 0:
                 near = gain <= settings.refresh * best.cost
                 best, damping, fresh = trial, damping / settings.damping_down, gain < settings.foretold * predicted

@@ -15,6 +15,7 @@ from diagnosis_machines import (
     windows_of,
     windows_settings,
 )
+from numpy.typing import NDArray
 
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.fit.fit import Fit
@@ -232,6 +233,28 @@ def test_linear_models_of_one_batch_are_those_of_single_runs() -> None:
         np.testing.assert_allclose(
             found.slopes.parameter, alone.slopes.parameter, atol=1e-3 * np.abs(alone.slopes.parameter).max()
         )
+
+
+def test_a_fit_goes_on_from_a_linear_model_as_from_its_context(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = pendulum()
+    fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1), solver_settings())
+    nominal = model.space.nominal
+    there = fitter.run(nominal, iterations=0)
+    replayed: list[int] = []
+    residuals = Replay.residuals
+
+    def counted(self: Replay, z: Array, delta: Array) -> tuple[Array, NDArray[np.bool_]]:
+        replayed.append(len(z))
+        return residuals(self, z, delta)
+
+    monkeypatch.setattr(Replay, "residuals", counted)
+    alone = fitter.run(nominal)
+    needed = sum(replayed)
+    replayed.clear()
+    found = fitter.go_on(there)
+    np.testing.assert_allclose(found.z, alone.z, rtol=1e-9)
+    assert found.converged
+    assert sum(replayed) == needed - 1 - there.slopes.state.shape[2] - len(nominal)
 
 
 def test_a_fit_that_cannot_reach_its_goal_ends() -> None:
