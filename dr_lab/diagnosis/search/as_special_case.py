@@ -1,6 +1,6 @@
 """A richer effect where it acts as its special case does: what could its further parameters gain from there?"""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -80,6 +80,28 @@ def further(fitter: Fitter, richer: PlacedEffect, poorer: PlacedEffect, fit: Fit
     held = np.array([name in names for name in fitter.space.names])
     found = [Further(each, _gain(fitter, each, held)) for each in fitter.outlooks(contexts, fit.delta, known)]
     return max(found, key=lambda each: each.gain)
+
+
+def in_the_limit(
+    richer: PlacedEffect,
+    limit: PlacedEffect,
+    space: ContextSpace,
+    own: Mapping[str, float],
+    values: Mapping[str, float],
+) -> Array:
+    """The context of a fit with an effect's limit, the effect's further parameters being its own, shape (n,).
+
+    Args:
+        richer: the effect.
+        limit: what it is like in the limit.
+        space: of the model with the effect.
+        own: a context with the effect, by name.
+        values: the context with the limit, by name.
+    """
+    case = richer.effect.holds[limit.effect.name]
+    shared = {name: value for name, value in values.items() if name in space.names}
+    alike = {f"{richer.label}.{name}": values[f"{limit.label}.{to}"] for name, to in case.same.items()}
+    return space.clip(space.vector({**own, **shared, **alike}))
 
 
 def _gain(fitter: Fitter, fit: Fit, held: Mask) -> float:

@@ -2,17 +2,19 @@
 
 import functools
 from dataclasses import replace
+from functools import cached_property
 from threading import Event
 
 import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_alone, scored
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, supported
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.search.as_special_case import further, reaching
+from dr_lab.diagnosis.fit.slopes import Slopes
+from dr_lab.diagnosis.search.as_special_case import further, in_the_limit, reaching
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
 from dr_lab.diagnosis.search.wider import widened
@@ -67,7 +69,7 @@ class CandidateFits:
         A short run shows whether a start away from absent is worth going on from.
         """
         base, fitter = self.start, self._fitter(self.thin, effect)
-        fits = [fitter.run(first.absent.z, base.delta, base.slopes)]
+        fits = [fitter.go_on(first.absent)]
         steps = self.bench.solver.start_iterations * effect.effect.patience
         for z in first.starts:
             start = fitter.begin(z, base.delta)
@@ -85,7 +87,7 @@ class CandidateFits:
         if self.whole or not supported(poorer.gain, len(case.parameters), settings):
             return self.fitted(effect, first)
         fitter, (there, more) = self._fitter(self.thin, effect), self._further(self.thin, effect, poorer)
-        found = fitter.run(there.z, there.delta, there.slopes) if more else there
+        found = fitter.go_on(there) if more else there
         return self._rough_candidate(fitter, effect, found, first)
 
     def farther(self, candidate: Candidate) -> Candidate | None:
@@ -111,20 +113,49 @@ class CandidateFits:
 
         An effect that acts at once and promises little begins at absent, where the base's slopes are known.
         """
-        effect, base, fit = candidate.effect, self.base.fit, candidate.fitted_model.fit
+        effect, base = candidate.effect, self.base.fit
         fitter, goal = self._fitter(self.bench, effect), self.bench.hoped(base)
-        nominal = np.append(base.z, [p.nominal for p in effect.parameters])
-        (absent,) = fitter.outlooks(nominal[None], base.delta, base.slopes, base)
-        if not effect.starts and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
-            again = fitter.run(nominal, base.delta, absent.slopes, goal=goal)
+        absent = None if effect.starts else self._absent(fitter, effect)
+        if absent and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
+            again = fitter.go_on(absent, goal)
         else:
-            delta = base.delta.copy()
-            delta[self.bench.screened] = fit.delta
-            again = fitter.rerun(fitter.begin(fit.z, delta), goal)
+            again = self._gone_on(fitter, candidate, goal)
         if again.cost > goal:
-            absent = replace(absent, slopes=base.slopes)  # to save memory
+            absent = replace(absent or self._absent(fitter, effect), slopes=base.slopes)  # to save memory
             return self._at_absent(effect, absent, candidate.identifiability, candidate.predicted)
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
+
+    def refitted_beyond(self, candidate: Candidate, limit: Candidate) -> Candidate:
+        """The same for an effect of which a standing one is the limit, where its fit begins if it may gain from there.
+
+        On few windows it may lead because its fit went on farther. One that is foretold to stay above is left.
+        """
+        if not limit.final:
+            return self.refitted(candidate)
+        effect, poorer = candidate.effect, limit.fitted_model
+        fitter, goal = self._fitter(self.bench, effect), self.bench.cost_at(poorer.fit, 0.0)
+        z = in_the_limit(effect, limit.effect, fitter.space, candidate.fitted_model.values(), poorer.values())
+        slopes = poorer.fit.slopes
+        known = Slopes(slopes.state, slopes.parameter[..., : len(self.base.fit.z)])
+        (there,) = fitter.outlooks(z[None], poorer.fit.delta, known)
+        lost = (there.infeasible & ~poorer.fit.infeasible).any()
+        begins = not lost and linear_gain(fitter, there, poorer.fit) > 0
+        again = fitter.go_on(there, goal) if begins else self._gone_on(fitter, candidate, goal)
+        if again.cost > goal:
+            return candidate
+        return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
+
+    def _gone_on(self, fitter: Fitter, candidate: Candidate, goal: float) -> Fit:
+        """A fit to all windows from where that to few of them ended."""
+        fit, delta = candidate.fitted_model.fit, self.base.fit.delta.copy()
+        delta[self.bench.screened] = fit.delta
+        return fitter.rerun(fitter.begin(fit.z, delta), goal)
+
+    def _absent(self, fitter: Fitter, effect: PlacedEffect) -> Fit:
+        """An effect linearised at absent on all windows."""
+        base = self.base.fit
+        nominal = np.append(base.z, [p.nominal for p in effect.parameters])
+        return fitter.outlooks(nominal[None], base.delta, base.slopes, base)[0]
 
     def refitted_beside(self, candidate: Candidate, poorer: Candidate) -> Candidate:
         """The same for an effect whose special case stands: the fit begins there, if that promises and gains enough."""
@@ -136,7 +167,7 @@ class CandidateFits:
             return candidate
         fitter, beside = self._fitter(self.bench, effect), self.bench.beside(poorer.fitted_model)
         goal = beside.hoped(poorer.fitted_model.fit)
-        again = fitter.run(there.z, there.delta, there.slopes, goal=goal)
+        again = fitter.go_on(there, goal)
         if again.cost > goal:
             return candidate
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
@@ -175,8 +206,12 @@ class CandidateFits:
         """A candidate that stays absent and so equals the base."""
         base = self.base
         fitted_model = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
-        gain = paired_gain(base.held_out, base.held_out, self.bench.evidence)
-        return Candidate(effect, fitted_model, gain, known, predicted, False, False)
+        return Candidate(effect, fitted_model, self._nothing, known, predicted, False, False)
+
+    @cached_property
+    def _nothing(self) -> Gain:
+        """What the base gains over itself."""
+        return paired_gain(self.base.held_out, self.base.held_out, self.bench.evidence)
 
     def _fitter(self, bench: Bench, effect: PlacedEffect) -> Fitter:
         rough = bench is self.thin and not self.whole  # those that stand will be fitted again

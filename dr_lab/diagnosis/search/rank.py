@@ -143,7 +143,10 @@ class _Contest:
         if not self.fits.whole:
             standing = self._standing(tried)
             cases = self._special_cases(standing, standing)
-            self._do([k for k in standing if k not in cases], lambda k: self.fits.refitted(tried[k]), tried)
+            limits = {k: j for k in standing for j in standing if k not in cases and self._holds(k, j)}
+            alone = [k for k in standing if k not in cases and k not in limits]
+            self._do(alone, lambda k: self.fits.refitted(tried[k]), tried)
+            self._do([*limits], lambda k: self.fits.refitted_beyond(tried[k], tried[limits[k]]), tried)
             self._do([*cases], lambda k: self.fits.refitted_beside(tried[k], tried[cases[k]]), tried)
         return _ordered(tried.values())
 
