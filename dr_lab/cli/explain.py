@@ -223,7 +223,8 @@ def _group_of_others(key: str, folders: Sequence[Path]) -> str | None:
     having = [option for option, path in options(parent, folders).items() if name in subgroups(path)] if parent else []
     if not having:
         return None
-    return f"The chosen {parent} has no group {key!r}. Choose one that has, or leave it out. Available: {', '.join(having)}."
+    available = ", ".join(having)
+    return f"The chosen {parent} has no group {key!r}. Choose one that has, or leave it out. Available: {available}."
 
 
 def _omegaconf(error: OmegaConfBaseException) -> str:

@@ -104,7 +104,7 @@ def _learned(played: Mapping[str, Played], forces: Forces) -> dict[str, tuple[Le
 def _seen(study: Study, forces: Forces, of_log: NDArray[np.bool_]) -> Seen:
     """The states in the middle of a log's short windows, at the model's pose where nothing is known of a joint."""
     model, windows = study.compiled, study.short.pick(study.few)
-    seen = seen_in_the_middle(model, next(iter(reversed(forces.values())), {}), windows.controls.mean(1))
+    seen = seen_in_the_middle(model, [{}, *forces.values()][-1], windows.controls.mean(1))
     return Seen(*(values[of_log] for values in seen))
 
 

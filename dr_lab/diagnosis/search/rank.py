@@ -49,7 +49,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        promised, a second wave is fitted of those that promise about as much as the first gained. In the end those that
        hold the best one as a special case are, too: other kinds may have crowded out what it is a limit of.
     3. The best one and those that it does not beat there are fitted to all windows and scored on the held-out ones,
-       except those that hardly explain more than a special case of theirs.
+       except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
+       that is their limit.
     4. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
        better than the base, it becomes the base, and candidates get no credit for it.
 

@@ -9,7 +9,7 @@ from effect_machines import catalogue_effect, scales_of
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.search.as_special_case import further, reaching, special_case
+from dr_lab.diagnosis.search.as_special_case import further, in_the_limit, reaching, special_case
 from dr_lab.effects.effect import PlacedEffect, place
 
 NAMES = ("coulomb_friction", "asymmetric_friction", "position_dependent_friction", "hysteresis")
@@ -74,3 +74,15 @@ def test_a_richer_effect_acts_as_a_special_case_whose_bound_was_moved() -> None:
     fitter = Fitter(Replay(model.with_effect(reached), windows, 1), solver_settings())
     there = further(fitter, reached, wide, fit, simple.space.mapping(fit.z))
     assert there.fit.cost == pytest.approx(fit.cost, rel=1e-3)
+
+
+def test_in_the_limit_an_effect_keeps_its_further_parameters_and_takes_over_the_others() -> None:
+    model, every = pendulum(), placed()
+    limit, richer = every["coulomb_friction"], every["hysteresis"]
+    space = model.with_effect(richer).space
+    own = space.mapping(space.low + 0.25 * space.span)
+    values = {"rod.mass": 0.6, "hinge.damping": 0.07, "coulomb_friction@hinge.torque": TORQUE}
+    found = space.mapping(in_the_limit(richer, limit, space, own, values))
+    assert found["hysteresis@hinge.torque"] == TORQUE
+    assert found["hysteresis@hinge.displacement"] == own["hysteresis@hinge.displacement"]
+    assert (found["rod.mass"], found["hinge.damping"]) == (0.6, 0.07)

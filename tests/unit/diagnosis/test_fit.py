@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis_machines import (
@@ -20,6 +22,7 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.physics.model import Model
@@ -219,6 +222,25 @@ def test_a_fit_without_iterations_is_not_converged() -> None:
     fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1), solver_settings())
     assert fitter.run(model.space.nominal).converged
     assert not fitter.run(model.space.nominal, iterations=0).converged
+
+
+@pytest.mark.parametrize("crawl", [3, 10])
+def test_a_descent_that_crawls_begins_anew_and_then_ends(crawl: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each step gains a billionth of the cost, though a linear step foretells much."""
+
+    def crawling(self: Fitter, best: Point, *_: object) -> Point:
+        return replace(best, cost=(1 - 1e-9) * best.cost)
+
+    def left(self: Fitter, best: Point, trial: Point, slopes: Slopes, weight: Array) -> tuple[Point, Slopes]:
+        return trial, slopes
+
+    monkeypatch.setattr(Fitter, "_trial", crawling)
+    monkeypatch.setattr(Fitter, "_mended", left)
+    model = pendulum()
+    replay = Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1)
+    fit = Fitter(replay, solver_settings(crawl=crawl)).run(model.space.nominal)
+    assert not fit.converged
+    assert fit.iterations == 2 * crawl
 
 
 def test_linear_models_of_one_batch_are_those_of_single_runs() -> None:
