@@ -11,12 +11,12 @@ from dr_lab.trajectory import Array
 
 @dataclass(frozen=True)
 class EncoderEccentricity(HiddenEffect):
-    """reading = q + sine sin(periods q) + cosine cos(periods q).
+    """The disc turns by φ = periods q and shows φ + sine sin φ + cosine cos φ, which is read as the joint's position.
 
     Attributes:
         site: the joint whose disc is off.
-        sine: rad or m.
-        cosine: rad or m.
+        sine: rad of the disc.
+        cosine: rad of the disc.
         periods: in a turn of the joint; of a slide 2π over the lead, rad/m.
     """
 
@@ -29,5 +29,7 @@ class EncoderEccentricity(HiddenEffect):
     def reading(self, joint: str, time: Array, position: Array) -> Array:
         """The disc's angle."""
         del time
+        if joint != self.site:
+            return position
         turn = self.periods * position
-        return position + (joint == self.site) * (self.sine * np.sin(turn) + self.cosine * np.cos(turn))
+        return (turn + self.sine * np.sin(turn) + self.cosine * np.cos(turn)) / self.periods

@@ -133,6 +133,9 @@ def test_readings_commands_and_forces_follow_their_formulas() -> None:
     eccentric = EncoderEccentricity("arm", 0.02, -0.01)
     np.testing.assert_allclose(eccentric.reading("arm", time, q), q + 0.02 * np.sin(q) - 0.01 * np.cos(q))
     assert eccentric.reading("pole", time, q) == pytest.approx(q)
+    geared = EncoderEccentricity("arm", 0.02, -0.01, periods=6.0)
+    error = 0.02 * np.sin(6 * q) - 0.01 * np.cos(6 * q)  # of a disc that turns six times as far
+    np.testing.assert_allclose(geared.reading("arm", time, q), q + error / 6, rtol=1e-12)
     both = Several({"a": SensorScale("arm", 0.1), "b": SensorDrift("arm", 0.3)})
     np.testing.assert_allclose(both.reading("arm", time, q), 1.1 * q + 0.3 * time)
     assert both.label == "sensor_scale@arm + sensor_drift@arm"
