@@ -8,13 +8,15 @@ from threading import Event
 import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_alone, scored
+from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, supported
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes
-from dr_lab.diagnosis.search.as_special_case import further, in_the_limit, reaching
+from dr_lab.diagnosis.search import as_special_case
+from dr_lab.diagnosis.search.as_special_case import in_the_limit, reaching
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
 from dr_lab.diagnosis.search.wider import widened
@@ -82,11 +84,19 @@ class CandidateFits:
         return self._rough_candidate(fitter, effect, fit, first)
 
     def fitted_beside(self, effect: PlacedEffect, first: FirstLook, poorer: Candidate) -> Candidate:
-        """Fit a candidate from its special case if that explains much; go on only if a linear step promises more."""
+        """Fit a candidate from its special case if that explains much; go on only if a linear step promises more.
+
+        One that does not act there as the special case does is fitted from its own starts, unless noise is all that is
+        left to explain.
+        """
         case, settings = poorer.effect, self.bench.evidence
         if self.whole or not supported(poorer.gain, len(case.parameters), settings):
             return self.fitted(effect, first)
-        fitter, (there, more) = self._fitter(self.thin, effect), self._further(self.thin, effect, poorer)
+        further = self._further(self.thin, effect, poorer)
+        if further is None:
+            noise = at_floor(poorer.fitted_model.held_out, settings)
+            return self.unfitted(effect, first) if noise else self.fitted(effect, first)
+        fitter, (there, more) = self._fitter(self.thin, effect), further
         found = fitter.go_on(there) if more else there
         return self._rough_candidate(fitter, effect, found, first)
 
@@ -162,7 +172,10 @@ class CandidateFits:
         if not poorer.final:
             return self.refitted(candidate)
         effect = reaching(candidate.effect, poorer.effect)
-        there, more = self._further(self.bench, effect, poorer)
+        further = self._further(self.bench, effect, poorer)
+        if further is None:
+            return self.refitted_beyond(candidate, poorer)
+        there, more = further
         if not more:
             return candidate
         fitter, beside = self._fitter(self.bench, effect), self.bench.beside(poorer.fitted_model)
@@ -183,11 +196,18 @@ class CandidateFits:
         part = self.base.fit.pick(self.bench.screened)
         return Fitter(self._replay(self.thin), self.bench.solver).run(part.z, part.delta, part.slopes)
 
-    def _further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool]:
-        """An effect at the fit of its special case, and whether a linear step from there promises enough."""
+    def _further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool] | None:
+        """An effect at the fit of its special case, and whether a linear step from there promises enough.
+
+        None where it explains less there than the special case: that it holds it is true only nearly.
+        """
         fit, extra = poorer.fitted_model.fit, len(effect.parameters) - len(poorer.effect.parameters)
-        there = further(self._fitter(bench, effect), effect, poorer.effect, fit, poorer.fitted_model.values())
+        there = as_special_case.further(
+            self._fitter(bench, effect), effect, poorer.effect, fit, poorer.fitted_model.values()
+        )
         beside = self.bench.beside(poorer.fitted_model)
+        if beside.promise(there.fit.cost - fit.cost, there.fit) >= beside.hope:
+            return None
         return there.fit, beside.promise(there.gain, fit, extra) >= beside.hope
 
     def _rough_candidate(self, fitter: Fitter, effect: PlacedEffect, fit: Fit, first: FirstLook) -> Candidate:

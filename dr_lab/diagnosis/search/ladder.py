@@ -19,7 +19,8 @@ from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import Verdict, decide
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases, candidates
-from dr_lab.effects.effect import Effect, Scales
+from dr_lab.effects.effect import Effect, PlacedEffect, Scales
+from dr_lab.physics.model import Model
 
 RankingWatch = Callable[[int], Callable[[str], None]]
 
@@ -160,6 +161,7 @@ def climb(
     4. An effect that holds a special case is put back to that for good, unless its further parameters are beyond doubt.
        This is decided once another effect stands beside it, and when the climb is over.
     5. If this leaves a model that was not judged before, the climb goes on from there.
+    6. Beside a model that leaves noise, richer kinds of what it holds are not tried: they were weighed against it.
 
     Args:
         bench: data and settings.
@@ -174,11 +176,19 @@ def climb(
     while True:
         found = candidates(ladder.models[-1].model, effects, scales, compiled, bench.fit.channels)
         placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
+        if at_floor(ladder.models[-1].held_out, bench.evidence):
+            placed = [effect for effect in placed if not _richer(effect, ladder.models[-1].model)]
         ranking = rank(bench, ladder.models[-1], placed, watch(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
+
+
+def _richer(effect: PlacedEffect, model: Model) -> bool:
+    """Whether a model has a special case of the effect, which was weighed against it when it was added."""
+    added = (each for each in model.effects if isinstance(each, PlacedEffect) and each.site == effect.site)
+    return any(each.effect.name in effect.effect.holds for each in added)
 
 
 def _with_rung(
