@@ -28,9 +28,19 @@ def evaluate_page(report: EvaluateReport, told: str) -> Page:
         Section("figures", "Figures", table(["figure", "value"], figures)),
         Section("rows", "Table", f"{table(header, cells)}{more}"),
     ]
-    first = _in_short(figures[:_FIRST])
+    first = _in_short(_with_intervals(figures)[:_FIRST])
     lead = f"**{first[:1].upper()}{first[1:]}.** {told}" if first else told
     return Page(f"What {Path(report.trained).name} on {report.env} returns", lead, sections)
+
+
+def _with_intervals(figures: Sequence[Sequence[str]]) -> list[Sequence[str]]:
+    """A figure that has a lower and an upper end, such as ``real.low``, as one: its value, then its interval."""
+    value = {name: told for name, told in figures}  # noqa: C416 (pairs of any sequence)
+    ends = {name: (f"{name}.low", f"{name}.high") for name in value}
+    told = {name: pair for name, pair in ends.items() if pair[0] in value and pair[1] in value}
+    inner = {end for pair in told.values() for end in pair}
+    said = {name: f"{value[name]} ({value[low]} … {value[high]})" for name, (low, high) in told.items()}
+    return [(name, said.get(name, each)) for name, each in figures if name not in inner]
 
 
 def _in_short(figures: Sequence[Sequence[str]]) -> str:

@@ -1,5 +1,6 @@
 """The recording of a training run in the real viewer: curves, distribution, returns over contexts, episodes."""
 
+import time
 from pathlib import Path
 
 import mujoco
@@ -89,8 +90,23 @@ def test_every_page_shows_what_it_says(viewer: ViewerClient, recording: Path, lo
     require_pages(viewer, expected)
 
 
-def test_episodes_have_a_time_of_their_own(viewer: ViewerClient, recording: Path, look: Look) -> None:
+def test_machines_are_there_on_either_timeline(viewer: ViewerClient, recording: Path, look: Look) -> None:
     show(viewer, recording, AT)
+    views = next(views for page, views in pages(viewer) if page.startswith("Episodes"))
+    for turn in (lambda: None, lambda: viewer.set_time(ITERATIONS, sequence=int(ITERATION[-1]))):
+        turn()
+        time.sleep(1.0)  # s: until it is drawn
+        assert count(pixels_of(viewer, SCENE, views), look.colour("after")) > 50
+
+
+def test_episodes_alone_have_their_rewards_and_actions(
+    viewer: ViewerClient, tmp_path: Path, look: Look, episode: Episode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RERUN_STRICT", "1")
+    write_training_review(
+        tmp_path / "review.rrd", TrainingRecord("run", pages={"Report": "# Report"}, episodes=[episode]), look
+    )
+    show(viewer, tmp_path / "review.rrd", AT)
     views = next(views for page, views in pages(viewer) if page.startswith("Episodes"))
     for view, colour in ((SCENE, "after"), ("reward of each step", "after"), ("action", "after")):
         assert count(pixels_of(viewer, view, views), look.colour(colour)) > 50, view

@@ -1,0 +1,26 @@
+"""The first sentence of an evaluation: what the figures come to, in words that can be read aloud."""
+
+import pytest
+
+from dr_lab.reports.evaluate import SCHEMA, EvaluateReport
+from dr_lab.reports.evaluate_page import evaluate_page
+
+
+@pytest.mark.parametrize(
+    ("figures", "said"),
+    [
+        ({"mean_return": 281.0, "best_return": 309.0}, "Mean return 281, best return 309"),
+        ({"uniform.iqm": 283.5, "uniform.worst_decile": 247.0}, "Uniform: iqm 283.5, worst decile 247"),
+        ({"a.iqm": 1.0, "b.iqm": 2.0}, "A.iqm 1, b.iqm 2"),
+        ({"real": 280.0, "real.low": 269.0, "real.high": 285.0, "infeasible": 0.0}, "Real 280 (269 … 285), infeasible 0"),
+        ({"return_after_0": 279.0, "gain_1": 2.5}, "Return after 0: 279, gain 1: 2.5"),
+        ({"iqm": 3.0, "low": 2.0, "high": 4.0}, "Iqm 3, low 2, high 4"),
+    ],
+)  # fmt: skip
+def test_the_first_sentence(figures: dict[str, float], said: str) -> None:
+    report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "returns", figures, (), "run")
+    page = evaluate_page(report, "Told.")
+    assert page.lead == f"**{said}.** Told."
+    assert page.title == "What swing on hopper returns"
+    table = page.sections[0].body
+    assert all(name.replace("_", " ") in table for name in figures)
