@@ -12,7 +12,7 @@ from dr_lab.reports.evaluate_page import evaluate_page
         ({"mean_return": 281.0, "best_return": 309.0}, "Mean return 281, best return 309"),
         ({"uniform.iqm": 283.5, "uniform.worst_decile": 247.0}, "Uniform: iqm 283.5, worst decile 247"),
         ({"a.iqm": 1.0, "b.iqm": 2.0}, "A.iqm 1, b.iqm 2"),
-        ({"real": 280.0, "real.low": 269.0, "real.high": 285.0, "infeasible": 0.0}, "Real 280 (269 … 285), infeasible 0"),
+        ({"real": 280.0, "real.low": 269.0, "real.high": 285.0, "solved": 1.0}, "Real 280 (269 … 285), solved 1"),
         ({"return_after_0": 279.0, "gain_1": 2.5}, "Return after 0: 279, gain 1: 2.5"),
         ({"iqm": 3.0, "low": 2.0, "high": 4.0}, "Iqm 3, low 2, high 4"),
     ],
