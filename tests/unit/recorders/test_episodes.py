@@ -138,14 +138,14 @@ def test_a_machine_without_visible_shapes_has_its_rewards_and_actions(
 
 def test_many_episodes_stand_in_tabs_of_a_few(look: Look) -> None:
     page = episodes_page([episode(0.1, f"episode_{k + 1}") for k in range(10)], look)
-    tabs = page.contents[0]
+    tabs = next(iter(page.contents))
     assert isinstance(tabs, rrb.Tabs)
     assert [part.name for part in tabs.contents] == [
         "episode 1 … episode 4",
         "episode 5 … episode 8",
         "episode 9 … episode 10",
     ]
-    assert isinstance(episodes_page([episode(0.1)], look).contents[0], rrb.Horizontal)
+    assert isinstance(next(iter(episodes_page([episode(0.1)], look).contents)), rrb.Horizontal)
 
 
 def test_beside_a_timeline_that_counts_there_are_machines_alone(look: Look) -> None:
