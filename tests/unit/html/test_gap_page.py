@@ -163,10 +163,10 @@ def test_a_learned_force_is_a_map_with_the_place_of_the_log(
     tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, look: Look
 ) -> None:
     force = np.array([[0.1, np.nan], [-0.3, 0.2]])
-    axes = [
+    position, velocity = (
         ContextAxis(name, unit, np.array([0.0, 1.0])) for name, unit in (("position", "rad"), ("velocity", "rad/s"))
-    ]
-    shown = ForceMap("N·m", *axes, force, np.array([[0.5, 0.2], [0.6, 0.1]]))
+    )
+    shown = ForceMap("N·m", position, velocity, force, np.array([[0.5, 0.2], [0.6, 0.1]]))
     arguments = {joint: {"velocity": speed} for joint, (speed, _) in overlay.residual_velocity.items()}
     learned = dataclasses.replace(overlay, force_maps={"arm": shown}, arguments=arguments)
     write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [learned], look)

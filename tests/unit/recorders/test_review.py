@@ -65,8 +65,8 @@ def test_close_recording_has_everything_on_its_clock(
 def test_a_learned_force_and_the_windows_are_in_the_recording(
     tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, furuta: mujoco.MjModel, look: Look
 ) -> None:
-    axes = [ContextAxis(name, "1", np.array([0.0, 1.0])) for name in ("position", "velocity")]
-    shown = ForceMap("N·m", *axes, np.eye(2), np.array([[0.5, 0.2]]))
+    position, velocity = (ContextAxis(name, "1", np.array([0.0, 1.0])) for name in ("position", "velocity"))
+    shown = ForceMap("N·m", position, velocity, np.eye(2), np.array([[0.5, 0.2]]))
     cut = dataclasses.replace(overlay, force_maps={"arm": shown}, starts=np.arange(6.0))
     write_review(tmp_path / "a.rrd", gap(close_report), "", [cut], furuta, look)
     found = read_recording(tmp_path / "a.rrd")
