@@ -97,6 +97,7 @@ class Log:
         commands: command channels by actuator name; what they do between samples says `Signal.between`.
         notes: what the data contract found and did.
         clocks: how each channel's clock was aligned, by channel name.
+        loaded: whether a load may have been attached; False where the measurements name others that were loaded.
     """
 
     name: str
@@ -104,6 +105,7 @@ class Log:
     commands: Mapping[str, Signal]
     notes: tuple[Note, ...] = ()
     clocks: Mapping[str, ClockFit] = field(default_factory=dict)
+    loaded: bool = True
 
 
 @dataclass(frozen=True)

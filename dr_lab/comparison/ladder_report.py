@@ -127,7 +127,8 @@ def _ladder_notes(study: Study, ladder: Ladder) -> list[NoteEntry]:
         *notes.searched_periods(ladder),
         *notes.moved_bounds(ladder),
     ]
-    return [*notes.few_blocks(study.bench), *notes.refused(ladder.refused), *changed]
+    shared = notes.shared_loads(study.bench, ladder.models[-1])
+    return [*notes.few_blocks(study.bench), *shared, *notes.refused(ladder.refused), *changed]
 
 
 def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:

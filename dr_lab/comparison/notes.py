@@ -67,6 +67,19 @@ def few_blocks(bench: Bench) -> list[NoteEntry]:
     return [NoteEntry(message, "few_blocks", count=count)]
 
 
+def shared_loads(bench: Bench, last: FittedModel) -> list[NoteEntry]:
+    """Notes on loads that no log tells from the links that carry them."""
+    model = last.model
+    if not model.inertials or not bench.fit.loaded.all():
+        return []
+    told = (
+        "acts in all logs, and the inertia of its link is free: the motion shows their sum alone, which only the weak "
+        "prior of the links shares out. Record some logs without the load, and name the others in measurements.loaded: "
+        "then it is told by what differs."
+    )
+    return [NoteEntry(f"{effect.label} {told}", "shared_load") for effect in model.effects if effect.attached]
+
+
 def refused(reasons: Mapping[str, str]) -> list[NoteEntry]:
     """Notes on effects that were not tried, one for each reason.
 

@@ -15,11 +15,10 @@ from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.checks.numerical_floor import NumericalFloor, numerical_floor
 from dr_lab.diagnosis.checks.refinement import Refinement, refine, unneeded
 from dr_lab.diagnosis.checks.self_test import require_own_logs_explained
-from dr_lab.diagnosis.evidence.bench import Bench
+from dr_lab.diagnosis.evidence.bench import Bench, fitted
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
-from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
-from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.scales import machine_scales, with_replay
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.localise import LocaliseSettings
@@ -164,15 +163,25 @@ def _refined(comparison: Comparison, floor: NumericalFloor, wait: float) -> Refi
 def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
     """Whether the model, calibrated, leaves no more than noise on the scored windows.
 
-    The calibration ends where it is foretold to leave far more in the windows that it sees.
+    It is given up where it is foretold to leave far more in the windows that it sees.
     """
-    fitter = Fitter(Replay(model, bench.fit, bench.threads), bench.solver)
-    hopeless = check.hopeless * float(fitter.replay.fitted.sum())
-    fit = fitter.run(model.space.nominal, goal=hopeless)
-    if fit.cost > hopeless:
+    few = bench.screening()
+    if (
+        model.inertials and few is not bench and _hopeful(model, few, check) is None
+    ):  # all windows are dear with many unknowns
+        return False
+    fit = _hopeful(model, bench, check)
+    if fit is None:
         return False
     score = score_of(*fit_states(model, fit.z, bench.held_out, bench.solver, bench.threads))
     return score.chi2 <= check.most_chi2(score.freedom)
+
+
+def _hopeful(model: Model, bench: Bench, check: ModelCheckSettings) -> Fit | None:
+    """The model's calibration; None where it is foretold to leave far more than noise in the windows that it sees."""
+    hopeless = check.hopeless * bench.samples
+    fit = fitted(bench, model, model.space.nominal, goal=hopeless)
+    return fit if fit.cost <= hopeless else None
 
 
 def _short(predicted: WindowSettings, localise: LocaliseSettings) -> WindowSettings:

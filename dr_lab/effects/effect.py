@@ -81,6 +81,8 @@ class Effect(ABC):
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
         argument: what the law is a function of, if a free law of the same argument can check it: ``command`` of the
             actuator, ``position`` of the joint, ``inertia`` of the body and of those beyond it; otherwise empty.
+        attached: whether somebody attaches it to the machine: it is absent from logs that were recorded without, where
+            the measurements tell which these are.
         patience: factor on the number of iterations after which a start away from absent is judged.
     """
 
@@ -94,6 +96,7 @@ class Effect(ABC):
     limited: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[str] = ""
     argument: ClassVar[str] = ""
+    attached: ClassVar[bool] = False
     patience: ClassVar[int] = 1
 
     @abstractmethod
@@ -159,6 +162,11 @@ class PlacedEffect:
     def label(self) -> str:
         """``effect@site``."""
         return f"{self.effect.name}@{self.site}"
+
+    @property
+    def attached(self) -> bool:
+        """Whether it is absent from logs that were recorded without a load."""
+        return self.effect.attached
 
     @property
     def absent(self) -> dict[str, float]:

@@ -25,6 +25,26 @@ def loaded(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsBody)
     return body_of(spec, name)
 
 
+def mounted(spec: mujoco.MjSpec, body: str, name: str, origin: Array, axes: Array) -> None:
+    """Fix a body without mass to another one.
+
+    Args:
+        spec: the caller's own.
+        body: name of what carries it.
+        name: its own name.
+        origin: of its frame in the other's, shape (3,), m.
+        axes: of its frame in the other's, as columns, shape (3, 3).
+
+    Raises:
+        UnknownNameError: there is no such body.
+        ModelError: the compiler would overwrite its inertia.
+    """
+    turned = np.zeros(4)
+    mujoco.mju_mat2Quat(turned, axes.flatten())
+    load = loaded(spec, body).add_body(name=name, pos=origin, quat=turned)
+    load.explicitinertial, load.mass, load.ipos, load.inertia = True, 0.0, np.zeros(3), np.zeros(3)
+
+
 def load_frame(model: mujoco.MjModel, body: int) -> tuple[Array, Array, float]:
     """Anchor, axes and length of a link: anchor of its last joint (3,), columns (3, 3), and m.
 

@@ -9,26 +9,27 @@ import numpy as np
 
 from dr_lab.effects.body_effect import moving_bodies
 from dr_lab.effects.effect import Effect, Scales
-from dr_lab.effects.load_frame import lever_of, load_frame, loaded
-from dr_lab.physics.effect_parts import SpecEdit
+from dr_lab.effects.load_frame import lever_of, load_frame, loaded, mounted
+from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 
 _SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
 
 
 @dataclass(frozen=True)
-class Payload(Effect, SpecEdit):
+class Payload(Effect, SpecPreparation, SpecEdit):
     """A point mass fixed to a moving body, on the line from the body's joint to its centre of mass.
 
     It is a body of its own (``payload@<body>``, without joint, inertia zero about itself) at
     anchor + distance · e, with e the unit vector, across the joint's axis, from the joint's anchor to the body's
-    centre. Where the centre lies on the axis, e is some direction across the axis; without joint the anchor is the
-    body's origin. The body is compiled in at every mass.
+    centre as the model file has it. Where the centre lies on the axis, e is some direction across the axis; without
+    joint the anchor is the body's origin. The body is compiled in at every mass.
 
     Parameters (nominal = absent): mass m ≥ 0 [kg]; distance [m] ≥ 0, which acts only where m > 0 (fits start away from
     absent) and is left out where the body never turns.
     Limits: if the link's mass, centre and inertia are free too, only the sums of m, m·distance and m·distance² over
-    link and payload can be told; models that let MuJoCo ignore <inertial> are refused.
+    link and payload can be told, unless the measurements name which logs were recorded with the load (`loaded`);
+    models that let MuJoCo ignore <inertial> are refused.
     Raises: ModelError if the model's compiler has inertiafromgeom="true".
     Source: parallel-axis theorem; MuJoCo body/inertial.
 
@@ -50,6 +51,7 @@ class Payload(Effect, SpecEdit):
     fingerprint: ClassVar[str] = "force residual with both weight and acceleration; frequencies shift"
     confused_with: ClassVar[tuple[str, ...]] = ("armature", "torque_scale")
     argument: ClassVar[str] = "inertia"
+    attached: ClassVar[bool] = True
     shapes: ClassVar[tuple[str, ...]] = ("distance",)
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
@@ -67,15 +69,20 @@ class Payload(Effect, SpecEdit):
         length = max(centre, float(np.sqrt(body.inertia.max() / body.mass[0])))
         return (mass, Parameter("distance", "m", centre or length, 0.0, self.reach * length))
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Attach the body."""
-        body = loaded(spec, site)
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
+        """Attach the body without mass."""
+        loaded(spec, site)
         compiled = spec.copy().compile()
         anchor, axes, length = load_frame(compiled, compiled.body(site).id)
-        load = body.add_body(name=f"{self.name}@{site}", pos=anchor + values.get("distance", length) * axes[:, 0])
-        load.explicitinertial = True
+        mounted(spec, site, f"{self.name}@{site}", anchor, axes)
+        spec.body(f"{self.name}@{site}").ipos = [length, 0.0, 0.0]
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Give it its mass and place."""
+        load = spec.body(f"{self.name}@{site}")
         load.mass = values["mass"]
-        load.ipos, load.iquat, load.inertia = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+        if "distance" in values:
+            load.ipos = [values["distance"], 0.0, 0.0]
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """A small mass at several distances."""

@@ -10,18 +10,18 @@ import numpy as np
 from dr_lab.effects.body_effect import moving_bodies
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.felt_inertia import felt
-from dr_lab.effects.load_frame import load_frame, loaded
+from dr_lab.effects.load_frame import load_frame, loaded, mounted
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.errors import UnknownNameError
-from dr_lab.physics.effect_parts import SpecEdit
+from dr_lab.physics.effect_parts import AddedBody, SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.pseudo_inertia import principal
+from dr_lab.physics.pseudo_inertia import Rooted, principal
 from dr_lab.trajectory import Array
 
 _PLACE = ("distance", "side", "along")
 _SPREAD = ("spread_x", "spread_y", "spread_z")
 _SKEW = ("skew_xy", "skew_yz", "skew_xz")
-_SKEWS = ((0, 1), (1, 2), (0, 2))
+_ROOT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # where spreads and skews stand in R
 _FURTHER = (*_PLACE[1:], *_SPREAD, *_SKEW)
 
 
@@ -44,19 +44,22 @@ class _Mount(NamedTuple):
 
 
 @dataclass(frozen=True)
-class RigidPayload(Effect, SpecEdit):
+class RigidPayload(Effect, AddedBody, SpecPreparation, SpecEdit):
     """A rigid body fixed to a moving one: ten inertial parameters, all of which a body can have.
 
     It is a body of its own (``rigid_payload@<site>``, without joint) whose centre is at anchor + distance e₁ + side e₂
-    + along e₃. e₁ leads from the joint's anchor across its axis to the link's centre of mass, e₃ is the joint's axis,
-    e₂ = e₃ × e₁; at a MuJoCo <site> of `flanges` the anchor and the axes are the site's. Its second moments about its
-    centre are m R Rᵀ with R upper triangular, the spreads on its diagonal and the skews above, in the axes e₁, e₂, e₃;
-    so they are positive for every value, and a body of mass m can have them. All spreads and skews 0: a point mass.
+    + along e₃. e₁ leads from the joint's anchor across its axis to the link's centre of mass as the model file has it,
+    e₃ is the joint's axis, e₂ = e₃ × e₁; at a MuJoCo <site> of `flanges` the anchor and the axes are the site's. Its
+    second moments about its centre are m R Rᵀ with R upper triangular, the spreads on its diagonal and the skews above,
+    in the axes e₁, e₂, e₃; so they are positive for every value, and a body of mass m can have them. All spreads and
+    skews 0: a point mass.
 
     Parameters (nominal = absent): mass m ≥ 0 [kg]; distance, side, along [m]; spread_x, _y, _z ≥ 0 and skew_xy, _yz,
     _xz [m], radii of gyration. All but the mass act only where m > 0 (fits start away from absent).
     Limits: sites where the joints feel each of the ten, as from the third joint of an arm on; elsewhere `payload`. If
-    the link's own inertia is free too, only sums over link and payload can be told, and the priors share them out.
+    the link's own inertia is free too, only sums over link and payload can be told, and the priors share them out:
+    at a Panda's flange, whose links are known to 20 %, the mass is then told to 0.3 kg. It is told by itself where the
+    measurements name which logs were recorded with the load (`loaded`) and others are there.
     Raises: ModelError if the model's compiler has inertiafromgeom="true"; UnknownNameError if there is no such flange.
     Source: Newton–Euler equations; Wensing, Kim and Slotine, IEEE RA-L 3 (2018) 60 (second moments); MuJoCo
     body/inertial.
@@ -93,6 +96,7 @@ class RigidPayload(Effect, SpecEdit):
         "payload": SpecialCase(_FURTHER, {"mass": "mass", "distance": "distance"})
     }
     argument: ClassVar[str] = "inertia"
+    attached: ClassVar[bool] = True
     shapes: ClassVar[tuple[str, ...]] = (*_PLACE, *_SPREAD, *_SKEW)
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
@@ -121,19 +125,33 @@ class RigidPayload(Effect, SpecEdit):
             *(Parameter(name, "m", 0.0, -spread, spread) for name in _SKEW),
         )
 
-    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Attach the body."""
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
+        """Attach the body without mass."""
+        if site not in self.flanges:
+            loaded(spec, site)
         model = spec.copy().compile()
         mount = self._mount(model, site)
-        body = loaded(spec, model.body(mount.body).name)
-        load = body.add_body(name=f"{self.name}@{site}")
-        load.explicitinertial, load.mass = True, values["mass"]
-        load.ipos = mount.origin + mount.axes @ [values[name] for name in _PLACE]
-        root = np.diag([values[name] for name in _SPREAD])
-        for place, name in zip(_SKEWS, _SKEW, strict=True):
-            root[place] = values[name]
-        root = mount.axes @ root
-        load.inertia, load.iquat = principal(values["mass"] * root @ root.T)
+        mounted(spec, model.body(mount.body).name, f"{self.name}@{site}", mount.origin, mount.axes)
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Give it its mass, place and inertia."""
+        load, body = spec.body(f"{self.name}@{site}"), self.added({name: np.array([v]) for name, v in values.items()})
+        load.mass, load.ipos = values["mass"], body.centre[0]
+        load.inertia, load.iquat = principal(body.second[0])
+
+    def added(self, values: Mapping[str, Array]) -> Rooted:
+        """The bodies at n values each."""
+        mass = values["mass"]
+        root = np.zeros((len(mass), 3, 3))
+        for place, name in zip(_ROOT, (*_SPREAD, *_SKEW), strict=True):
+            root[:, *place] = values[name]
+        return Rooted(mass, np.stack([values[name] for name in _PLACE], axis=1), root)
+
+    def values_of(self, body: Rooted) -> dict[str, Array]:
+        """Their values."""
+        places = dict(zip(_PLACE, body.centre.T, strict=True))
+        roots = {name: body.root[:, *place] for place, name in zip(_ROOT, (*_SPREAD, *_SKEW), strict=True)}
+        return {"mass": body.mass, **places, **roots}
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """A small body at several distances."""

@@ -1,6 +1,7 @@
 """A ``measurements`` configuration to a `MeasurementSet`."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from dr_lab.errors import ConfigError
@@ -13,7 +14,7 @@ from dr_lab.measurements.noise import estimate_noise
 from dr_lab.measurements.raw_log import RawLog, TimeAxis, read_raw
 from dr_lab.measurements.recordings import Recording, recordings
 from dr_lab.measurements.signal_map import ChannelMap, channel_maps
-from dr_lab.measurements.split import Part, find_files, split
+from dr_lab.measurements.split import Part, find_files, named, split
 from dr_lab.trajectory import Log, MeasurementSet, Noise
 
 Entries = Mapping[str, Mapping[str, Any]]
@@ -30,6 +31,7 @@ def read(
     clock: str | None = None,
     time: Mapping[str, Any] | None = None,
     group: str | None = None,
+    loaded: Sequence[str] | None = None,
 ) -> MeasurementSet:
     """Read all logs of one machine.
 
@@ -45,6 +47,8 @@ def read(
         clock: default clock of all channels, ``header``, ``publish``, ``log`` or ``column``; None takes the file's own.
         time: for tables ``column``, ``unit`` and ``scale`` of the time, and for any log ``start`` and ``stop`` in s.
         group: column of tables that hold several logs each, called ``stem/value``; see `recordings.recordings`.
+        loaded: logs during which a load was attached that the others lack, wildcards as for `fit`; what effects attach
+            to the machine is absent from the others. None: that is not known, and they act in all logs.
 
     Returns:
         The logs; per channel one noise std pooled over all logs and the longest wait that is not a gap. Velocities that
@@ -58,8 +62,10 @@ def read(
     measured, sent = _channels(name, outputs, clock), channel_maps(commands or {}, clock or "")
     known = recordings(find_files(logs), group)
     fitted, scored = split(known, fit, held_out)
-    loaded = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
-    fit_logs, held_out_logs = mark_faults(loaded[: len(fitted)], loaded[len(fitted) :], contract)
+    carrying = frozenset(known) if loaded is None else named(loaded, known)
+    parts = _load((*fitted, *scored), known, measured, sent, _time_axis(name, time or {}), contract)
+    every = [replace(log, loaded=part.log in carrying) for log, part in zip(parts, (*fitted, *scored), strict=True)]
+    fit_logs, held_out_logs = mark_faults(every[: len(fitted)], every[len(fitted) :], contract)
     noise, waits = _pooled(measured, sent, fit_logs + held_out_logs, contract)
     return _without_derived(MeasurementSet(name, fit_logs, held_out_logs, noise, waits), contract)
 

@@ -85,6 +85,15 @@ def split(
     return fitted, scored
 
 
+def named(names: Sequence[str], logs: Collection[str]) -> frozenset[str]:
+    """The whole logs that names or wildcards stand for.
+
+    Raises:
+        UnknownNameError: no such log.
+    """
+    return frozenset(part.log for part in _all_parts(names, logs))
+
+
 def _expand(pattern: str) -> list[Path]:
     unset = _VARIABLE.search(pattern)
     if unset:

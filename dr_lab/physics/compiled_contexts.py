@@ -7,6 +7,7 @@ import numpy as np
 from mujoco.batch import MODEL_FIELDS, Batch
 from numpy.typing import NDArray
 
+from dr_lab.physics.body_contexts import BodyContexts, field_of
 from dr_lab.physics.stepper import CHANGED
 from dr_lab.trajectory import Array
 
@@ -21,24 +22,35 @@ class CompiledContexts:
     Args:
         batch: the simulations.
         compiled: the batch's model.
+        bodies: what is written beside the models, which then have these bodies as in the file; None where they are
+            compiled as well.
     """
 
-    def __init__(self, batch: Batch, compiled: mujoco.MjModel) -> None:
+    def __init__(self, batch: Batch, compiled: mujoco.MjModel, bodies: BodyContexts | None) -> None:
+        self.bodies = bodies
         self._batch = batch
         self._compiled = compiled
         self._expanded = set(CHANGED)
         self._unchanged: dict[str, Array] = {}
 
-    def write(self, models: Sequence[mujoco.MjModel], rows: NDArray[np.intp]) -> None:
-        """Write the models of some simulations, one for each row; the same model may stand for many."""
+    def write(self, models: Sequence[mujoco.MjModel], rows: NDArray[np.intp], z: Array) -> None:
+        """Write the models of some simulations, one for each row; the same model may stand for many.
+
+        Args:
+            models: of the rows.
+            rows: places of the simulations.
+            z: their contexts, shape (len(rows), parameters), from which `bodies` are written.
+        """
         for name, values in self._unchanged.items():
             self._batch.expand(name)[:] = values
         unique, which = distinct(models)
         for name in MODEL_FIELDS:
-            values = np.array([_field(model, name) for model in unique])
-            if name in self._expanded or (values != _field(self._compiled, name)).any():
+            values = np.array([field_of(model, name) for model in unique])
+            if name in self._expanded or (values != field_of(self._compiled, name)).any():
                 self._expanded.add(name)
                 self._batch.expand(name)[rows] = values[which]
+        if self.bodies is not None:
+            self.bodies.write(self._batch, z, rows)
         self._unchanged = {name: self._batch.expand(name).copy() for name in CHANGED}
 
 
@@ -47,7 +59,3 @@ def distinct(models: Sequence[mujoco.MjModel]) -> tuple[list[mujoco.MjModel], ND
     unique = list({id(model): model for model in models}.values())
     row = {id(model): k for k, model in enumerate(unique)}
     return unique, np.array([row[id(model)] for model in models])
-
-
-def _field(model: mujoco.MjModel, name: str) -> Array:
-    return np.asarray(getattr(model.opt, name[4:]) if name.startswith("opt.") else getattr(model, name))

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import mujoco
 
 from dr_lab.physics.law import Law
+from dr_lab.physics.pseudo_inertia import Rooted
 from dr_lab.physics.signal import Reading
 from dr_lab.trajectory import Array
 
@@ -37,6 +38,22 @@ class SpecEdit(ABC):
         Raises:
             ModelError: the effect cannot act at this site of this model, at no value, absent included.
         """
+
+
+class AddedBody(ABC):
+    """A body that a `SpecEdit` adds under the effect's label, whose mass, centre and inertia are its parameters."""
+
+    @abstractmethod
+    def added(self, values: Mapping[str, Array]) -> Rooted:
+        """The bodies at n values each, in a frame that no parameter moves.
+
+        Args:
+            values: by short parameter name, shape (n,).
+        """
+
+    @abstractmethod
+    def values_of(self, body: Rooted) -> dict[str, Array]:
+        """The values at which it is these bodies, as for `added`."""
 
 
 class SensorTransform(ABC):

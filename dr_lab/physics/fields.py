@@ -104,8 +104,7 @@ class FieldContexts:
         self._turn(batch, placed, ids)
         values = self._model.values(z) if self._bodies else {}
         for row, body in self._bodies:
-            found = body.at(values)
-            for name, value in zip(FIELDS, (found.mass, found.centre, found.axes, found.moments), strict=True):
+            for name, value in body.fields(values).items():
                 batch.expand(name)[ids, row] = value
 
     def _turn(self, batch: Batch, placed: Array, ids: NDArray[np.intp]) -> None:

@@ -67,6 +67,11 @@ class BodyInertial:
         """The body in n contexts, given as parameter name → values of shape (n,)."""
         return self.shape.at(np.stack([values[p.name] for p in self.parameters], axis=1))
 
+    def fields(self, values: Mapping[str, Array]) -> dict[str, Array]:
+        """The entries of the `FIELDS` of the body in n contexts, by the field's name; arguments as `at`."""
+        found = self.at(values)
+        return dict(zip(FIELDS, (found.mass, found.centre, found.axes, found.moments), strict=True))
+
     def write(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
         """Set it in a fresh spec (the caller's copy)."""
         found = self.at({p.name: np.array([values[p.name]]) for p in self.parameters})

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from dr_lab.errors import ModelError
 from dr_lab.physics.actuator_attributes import require_ends_apart
+from dr_lab.physics.body_contexts import apart
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.derived import Derived
@@ -94,15 +96,21 @@ class Model:
     def spec_at(self, z: Array) -> mujoco.MjSpec:
         """Fresh spec with the context z written into it; z shape (n,)."""
         values = self.space.mapping(z)
-        spec = self.spec.copy()
-        for effect, part in self.having(SpecPreparation):
-            part.prepare(spec, effect.site)
+        spec = self._prepared.copy()
         for place, value in zip(self.places, self.placed(z[None])[0].tolist(), strict=True):
             place.write(spec, value)
         for body in self.inertials:
             body.write(spec, values)
         for effect, part in self.having(SpecEdit):
             part.edit(spec, effect.site, effect.local(values))
+        return spec
+
+    @cached_property
+    def _prepared(self) -> mujoco.MjSpec:
+        """The nominal spec with what the effects need in every context."""
+        spec = self.spec.copy()
+        for effect, part in self.having(SpecPreparation):
+            part.prepare(spec, effect.site)
         return spec
 
     def compile(self, z: Array) -> mujoco.MjModel:
@@ -116,6 +124,11 @@ class Model:
         except ValueError as error:
             values = ", ".join(f"{n}={v:.6g}" for n, v in self.space.mapping(z).items())
             raise ModelError(f"Model {self.name!r} does not compile at {values}: {error}") from error
+
+    @cached_property
+    def bodies_apart(self) -> bool:
+        """Whether the free bodies' inertias can be written into fields of a model that is compiled without them."""
+        return bool(self.effects and self.inertials) and apart(self.space, self.inertials, self.compile)
 
     def nominal(self) -> mujoco.MjModel:
         """Compiled model at the nominal context."""

@@ -32,6 +32,11 @@ class ModelEffect(Protocol):
         """The effect's parameters, nominal = absent."""
         ...
 
+    @property
+    def attached(self) -> bool:
+        """Whether it is absent from logs that were recorded without a load."""
+        ...
+
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """The effect's own values out of a whole context's, by the names that its parts know them by."""
         ...

@@ -15,6 +15,7 @@ SHORT = (
 )  # fmt: skip
 _SHEARS = ((0, 1), (1, 2), (0, 2))
 _THIN = 1e-8  # share of the largest second moment that a rod's or a sheet's thickness counts as
+_POINT = 1e-12  # m², above which a second moment over the mass is no rounding
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,68 @@ class Inertial:
         """Inertia about the centre in the body's frame, shape (n, 3, 3), kg·m²."""
         turned = _rotation(self.axes).as_matrix()
         return (turned * self.moments[:, None, :]) @ turned.transpose(0, 2, 1)
+
+
+@dataclass(frozen=True)
+class Rooted:
+    """n bodies by a root of their second moments, from which no body follows that cannot exist.
+
+    Attributes:
+        mass: at least 0, shape (n,), kg.
+        centre: of mass in some frame, shape (n, 3), m.
+        root: R, upper triangular, shape (n, 3, 3), m; the second moments about the centre are m R Rᵀ.
+    """
+
+    mass: Array
+    centre: Array
+    root: Array
+
+    @property
+    def second(self) -> Array:
+        """Second moments about the centre, shape (n, 3, 3), kg·m²."""
+        return self.mass[:, None, None] * (self.root @ self.root.transpose(0, 2, 1))
+
+    @property
+    def pseudo(self) -> Array:
+        """Pseudo-inertia [[Σ + m c cᵀ, m c], [m cᵀ, m]], in which equations of motion are linear, shape (n, 4, 4)."""
+        columns = np.zeros((len(self.mass), 4, 4))
+        columns[:, :3, :3], columns[:, :3, 3], columns[:, 3, 3] = self.root, self.centre, 1.0
+        return self.mass[:, None, None] * (columns @ columns.transpose(0, 2, 1))
+
+    @classmethod
+    def of(cls, pseudo: Array) -> "Rooted | None":
+        """The body of a pseudo-inertia, shape (4, 4); None where no body with a mass and a size has it."""
+        found = _parts(pseudo)
+        if found is None or found[2][0] <= _THIN * found[2][-1]:
+            return None
+        mass, centre, values, axes = found
+        return cls(np.array([mass]), centre[None], upper_root((axes * values) @ axes.T)[None])
+
+    @classmethod
+    def nearest(cls, pseudo: Array) -> "Rooted | None":
+        """The same, with second moments that no body has taken to the nearest that one can have; None without mass."""
+        found = _parts(pseudo)
+        if found is None:
+            return None
+        mass, centre, values, axes = found
+        thick = np.maximum(values, _THIN * max(values[-1], float(centre @ centre), _POINT))
+        return cls(np.array([mass]), centre[None], upper_root((axes * thick) @ axes.T)[None])
+
+
+def _parts(pseudo: Array) -> tuple[float, Array, Array, Array] | None:
+    """Mass, centre, and second moments over the mass with their axes; None without mass."""
+    mass = float(pseudo[3, 3])
+    if not mass > 0:
+        return None
+    centre = pseudo[:3, 3] / mass
+    values, axes = np.linalg.eigh(pseudo[:3, :3] / mass - np.outer(centre, centre))
+    return mass, centre, values, axes
+
+
+def upper_root(matrix: Array) -> Array:
+    """R, upper triangular, with R Rᵀ a positive definite matrix of shape (3, 3)."""
+    flip = np.eye(3)[::-1]
+    return flip @ np.linalg.cholesky(flip @ matrix @ flip) @ flip
 
 
 def second_moments(tensor: Array) -> Array:
@@ -86,21 +149,33 @@ class LogCholesky:
         """The ten numbers' frame of a nominal body with a mass and a size; the tensor about its centre."""
         values, axes = np.linalg.eigh(second_moments(tensor) / mass)
         thick = np.maximum(values, _THIN * values[-1])
-        flip = np.eye(3)[::-1]
-        lower = np.linalg.cholesky(flip @ (axes * thick) @ axes.T @ flip)
-        return cls(mass, centre, flip @ lower @ flip)
+        return cls(mass, centre, upper_root((axes * thick) @ axes.T))
 
     def at(self, theta: Array) -> Inertial:
         """The bodies at ten numbers each, in the order of `SHORT`; shape (n, 10)."""
+        body = self.rooted(theta)
+        moments, axes = principal(body.second)
+        return Inertial(body.mass, body.centre, moments, axes)
+
+    def rooted(self, theta: Array) -> Rooted:
+        """The same bodies by a root of their second moments."""
         mass, shift, stretch, shear = np.split(theta, (1, 4, 7), axis=1)
         deformed = np.zeros((len(theta), 3, 3))
         deformed[:, range(3), range(3)] = np.exp(stretch)
         for column, place in enumerate(_SHEARS):
             deformed[:, *place] = shear[:, column]
-        root = self.root @ deformed
-        weight = self.mass * np.exp(mass[:, 0])
-        moments, axes = principal(weight[:, None, None] * (root @ root.transpose(0, 2, 1)))
-        return Inertial(weight, self.centre + shift @ self.root.T, moments, axes)
+        return Rooted(self.mass * np.exp(mass[:, 0]), self.centre + shift @ self.root.T, self.root @ deformed)
+
+    def numbers(self, body: Rooted) -> Array:
+        """The ten numbers of bodies with a mass and a size, shape (n, 10)."""
+        deformed, shift = (
+            np.linalg.solve(self.root, body.root),
+            np.linalg.solve(self.root, (body.centre - self.centre).T),
+        )
+        stretch = np.log(np.diagonal(deformed, axis1=1, axis2=2))
+        shear = np.stack([deformed[:, *place] for place in _SHEARS], axis=1)
+        mass = np.log(body.mass / self.mass)
+        return np.concatenate([mass[:, None], shift.T, stretch, shear], axis=1, dtype=np.float64)
 
 
 _LAST = [3, 0, 1, 2]  # SciPy's scalar comes last

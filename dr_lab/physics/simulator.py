@@ -10,6 +10,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from dr_lab.errors import ConfigError, ModelError
+from dr_lab.physics.body_contexts import BodyContexts
 from dr_lab.physics.compiled_contexts import CompiledContexts
 from dr_lab.physics.contact import skip_idle_collisions
 from dr_lab.physics.few import in_calls
@@ -70,9 +71,10 @@ def thread_count(threads: int | None) -> int:
 class Simulator:
     """`nsim` simulations of one model, each with its own context z.
 
-    Contexts enter as per-simulation fields where every parameter is one, else as recompiled models; both start from
-    the nominal model, so nothing accumulates. Where effects act through laws, steps are taken one by one. A context
-    that does not compile, or would not, or a simulation that diverges, is marked infeasible and never stops the others.
+    Contexts enter as per-simulation fields where every parameter is one, else as recompiled models, but for the inertia
+    of bodies that are free as a whole; all start from the nominal model, so nothing accumulates. Where effects act
+    through laws, steps are taken one by one. A context that does not compile, or would not, or a simulation that
+    diverges, is marked infeasible and never stops the others.
 
     Args:
         model: the model with its effects.
@@ -89,14 +91,16 @@ class Simulator:
         self.compiled = _lean(model.nominal())
         self.batch = Batch(self.compiled, nsim, thread_count(threads), persistent)
         self._fields = FieldContexts(model, self.compiled) if FieldContexts.possible(model, self.compiled) else None
+        bodies = BodyContexts(model.space, model.inertials, self.compiled) if model.bodies_apart else None
         self._models: list[mujoco.MjModel] = [self.compiled] * nsim
         self._uncompiled = np.zeros(nsim, bool)
         nominal = np.tile(model.space.nominal, (nsim, 1))
         self._lawful = bool(model.laws(nominal, self._models))
-        self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled)
+        self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled, bodies)
         self._stepper: Stepper | None = None
-        # Fields are copied from compiled models with laws alone, so that only then all need the same pictures.
-        self._source = model if self._lawful else replace(model, spec=without_pictures(model.spec))
+        # Only models whose fields are copied need the same pictures.
+        alike = self._lawful or bodies is not None
+        self._source = model if alike else replace(model, spec=without_pictures(model.spec))
         self.batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._default = self.batch.state.copy()
         self._ctrl = self.batch.bind("ctrl")
@@ -117,15 +121,18 @@ class Simulator:
         if self._fields is not None:
             self._uncompiled[rows] = self._fields.write(self.batch, z, rows)
             return
-        unique, which = np.unique(z, axis=0, return_inverse=True)
+        bodies = self._written.bodies
+        unique, which = np.unique(z if bodies is None else bodies.rest(z), axis=0, return_inverse=True)
         compiled = [self._compile(row) for row in unique]
         for row, k in zip(rows, which.ravel(), strict=True):
             self._models[row] = compiled[k] or self.compiled
             self._uncompiled[row] = compiled[k] is None
-        if not self._lawful:
+        if not self._lawful and bodies is None:
             self.batch.set_models(self._models)
             return
-        self._written.write([self._models[row] for row in rows], rows)
+        self._written.write([self._models[row] for row in rows], rows, z)
+        if not self._lawful:
+            return
         self._contexts[rows] = z
         before = self._stepper
         self._stepper = Stepper(self.batch, self.compiled, self.model.laws(self._contexts, self._models))
@@ -179,7 +186,7 @@ class Simulator:
         """Simulate every (context, window) pair from its start under the windows' controls, in one call.
 
         Args:
-            z: contexts, shape (c, n).
+            z: contexts, shape (c, n), or (c, w, n) where windows differ in the effects that are attached.
             qpos: start positions, shape (c, w, nq), with c · w = nsim.
             qvel: start velocities, shape (c, w, nv).
             controls: control of each step, shape (w, s, nu), or (c, w, s, nu).
@@ -191,6 +198,7 @@ class Simulator:
             The rollout; simulation i = context · w + window.
         """
         contexts = self._begin(z, qpos, qvel, act)
+        z = z if z.ndim == 2 else z[:, 0]  # nobody attaches a command filter
         before, (nstep, ncontrol) = past.shape[1], controls.shape[-2:]
         earlier = np.broadcast_to(past, (*controls.shape[:-3], *past.shape))
         known = self._commanded(z, np.concatenate([earlier, controls], axis=-2))
@@ -214,7 +222,7 @@ class Simulator:
             raise ModelError(
                 f"Replay of {contexts}×{windows} needs as many simulations; this simulator has {self.nsim}."
             )
-        self.set_contexts(np.repeat(z, windows, axis=0))
+        self.set_contexts(np.repeat(z, windows, axis=0) if z.ndim == 2 else z.reshape(self.nsim, -1))
         self.reset()
         self.batch.bind("qpos")[:] = qpos.reshape(self.nsim, -1)
         self.batch.bind("qvel")[:] = qvel.reshape(self.nsim, -1)

@@ -22,6 +22,7 @@ from dr_lab.trajectory import Array
 Rows = NDArray[np.intp]
 _MOST = 1.0 - 1e-9  # share of a cost that can be gained; its logarithm is finite
 _LEAST = 1e-9
+_FAR = 2.0  # times the squares that noise leaves, above which a model lacks something
 
 
 @dataclass(frozen=True)
@@ -156,8 +157,20 @@ def fit_and_score(
 
 
 def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf) -> Fit:
-    """Fit a model as `fit_and_score` does."""
-    return Fitter(Replay(model, bench.fit, bench.threads), bench.solver).run(start, delta, goal=goal)
+    """Fit a model as `fit_and_score` does.
+
+    Where bodies are free as a whole, whose slopes are dear, it is fitted to few windows before all. Where it leaves far
+    more than noise there, `solver.rough_tolerance` ends the fit to all: its bodies creep along their bounds to make up
+    for what it lacks.
+    """
+    replay, few = Replay(model, bench.fit, bench.threads), bench.screening()
+    if not model.inertials or few is bench or delta is not None:
+        return Fitter(replay, bench.solver).run(start, delta, goal=goal)
+    part = Fitter(Replay(model, few.fit, bench.threads), bench.solver, rough=True).run(start)
+    states = np.zeros((len(bench.fit), replay.nstate))
+    states[bench.screened] = part.delta
+    fitter = Fitter(replay, bench.solver, rough=part.cost > _FAR * few.samples)
+    return fitter.rerun(fitter.begin(part.z, states), goal)
 
 
 def beyond_doubt(bench: Bench, fitted_model: FittedModel) -> float:

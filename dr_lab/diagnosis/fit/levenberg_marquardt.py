@@ -20,9 +20,13 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes, around, differences
 from dr_lab.diagnosis.fit.states import polished
 from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.physics.straight import Straight
 from dr_lab.trajectory import Array
 
-_HELD = 1e12  # precision of a prior that lets nothing move, in widths of the bounds
+_NONE, _MOST, _ALL = range(3)  # slopes that were taken where a fit is: none, all but those by bodies, all
+_WHOLE = np.ones(1)
+_FAR = 0.5  # of a step; where less of it fits best, damping grows
+_SHARES = 0.5 ** np.arange(5)  # of a step of bodies that are free as a whole, which are tried at once
 
 
 class Fitter:
@@ -44,9 +48,10 @@ class Fitter:
         self._precision = replay.windows.prior.std**-2.0
         self._noise = float(replay.fitted.sum())  # the cost that noise alone leaves
         self._prior_precision = prior_precision(self.space, settings)
-        # Parameters with priors of their own are many that stand for few combinations: the tolerance is that of each.
+        ways = Straight.of(replay.model)
+        self._straight = ways if replay.windows.loaded.all() else ways.apart()
         self._bodies = np.array([p.prior is not None for p in self.space.parameters], bool)
-        self._tolerance = self.settings.tolerance * (1 if rough else max(int(self._bodies.sum()), 1))
+        self._needed = _MOST if rough else _ALL  # for the certificate
 
     def run(
         self,
@@ -59,11 +64,10 @@ class Fitter:
         """Fit from a start until the certificate of convergence holds.
 
         The certificate is that a full linear step within the bounds, with fresh slopes by the parameters, would lower
-        the cost by less than `settings.tolerance` of it (for each inertial parameter, where bodies are free as a
-        whole). A descent that ends without it, because only steps shorter and shorter help or because it crawls,
-        begins anew from its end, with states taken anew and slopes too, as long as that gains. Windows that diverge at
-        the start are left out; those that the result can simulate come back. Either happens `settings.restarts` times
-        at most.
+        the cost by less than `settings.tolerance` of it. A descent that ends without it, because only steps shorter
+        and shorter help or because it crawls, begins anew from its end, with states taken anew and slopes too, as long
+        as that gains. Windows that diverge at the start are left out; those that the result can simulate come back.
+        Either happens `settings.restarts` times at most.
 
         Args:
             z: start, shape (n,).
@@ -77,31 +81,12 @@ class Fitter:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
         if iterations is not None:
             return self._descend(self._point(z, delta), known, iterations, goal)
-        return self._from(self._point(z, delta), known, goal)
+        return self._certified(self._point(z, delta), known, goal)
 
     def go_on(self, there: Fit, goal: float = np.inf) -> Fit:
         """Fit from where the model was linearised, whose residuals and slopes are known; `goal` as in `run`."""
-        return self._from(Point(there.z, there.delta, there.residuals, np.inf, there.infeasible), there.slopes, goal)
-
-    def _from(self, start: Point, known: Slopes | None, goal: float) -> Fit:
-        if self._bodies.any() and self.replay.model.effects:
-            start, known = self._effects_first(start, known)
-        return self._certified(start, known, goal)
-
-    def _effects_first(self, start: Point, known: Slopes | None) -> tuple[Point, Slopes | None]:
-        """A start at which effects explain what they can with the bodies as in the model file, if it fits better.
-
-        A load and the inertia of what carries it are one to the logs; only the prior tells them apart, along a valley
-        so flat that a fit ends on the side from which it comes.
-        """
-        held = Fitter(self.replay, self.settings, rough=True)
-        held._prior_precision = np.where(self._bodies, _HELD, self._prior_precision)
-        z = np.where(self._bodies, self.space.nominal, start.z)
-        found = held._descend(held._point(z, start.delta), None, self.settings.iterations)
-        first, given = self.begin(found.z, found.delta), self.begin(start.z, start.delta)
-        if (int(first.infeasible.sum()), first.cost) < (int(given.infeasible.sum()), given.cost):
-            return first, None
-        return start, known
+        start = Point(there.z, there.delta, there.residuals, np.inf, there.infeasible)
+        return self._certified(start, there.slopes, goal)
 
     def rerun(self, start: Point, goal: float = np.inf) -> Fit:
         """Fit from a context where the states were fitted at another one, as `begin` gives it; `goal` as in `run`."""
@@ -110,12 +95,13 @@ class Fitter:
 
     def _certified(self, start: Point, known: Slopes | None, goal: float) -> Fit:
         fit, left = self._descend(start, known, self.settings.iterations, goal), self.settings.restarts
+        left = 0 if self._rough and self._bodies.any() else left  # what is found among bodies' bounds decides nothing
         while anew := self._anew(fit, goal):
             if not left:
                 return replace(fit, converged=False)
             again, left = self._descend(anew, None, self.settings.iterations, goal), left - 1
             taken = fit.iterations + again.iterations
-            gains = again.below(fit) > self._tolerance * fit.cost
+            gains = again.below(fit) > self.settings.tolerance * fit.cost
             if not (again.infeasible.sum() < fit.infeasible.sum() or gains):
                 return replace(fit, iterations=taken)
             fit = replace(again, first=fit.first, iterations=taken)
@@ -136,36 +122,36 @@ class Fitter:
 
     def _descend(self, best: Point, known: Slopes | None, most: int, goal: float = np.inf) -> Fit:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
-        settings, slopes, fresh = self.settings, self._first_slopes(best, known), known is None
+        settings, slopes, fresh = self.settings, self._first_slopes(best, known), _ALL if known is None else _NONE
         best, weight, linear = self._linear(best, slopes)
         first, damping, taken, converged = linear, settings.damping, 0, False
         gains = deque[float](maxlen=settings.crawl)
         while True:
             predicted = linear.decrease(self._movable(best, linear), self._room(best))
-            least = self._tolerance * max(best.cost, self._noise)
+            least = settings.tolerance * max(best.cost, self._noise)
             done = predicted <= least and not best.infeasible.all()
-            converged = done and (fresh or taken == 0)  # where nothing moved, given slopes are those of the start
+            converged = done and (fresh >= self._needed or taken == 0)  # given slopes are those of the start
             short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
             short |= len(gains) == settings.crawl and sum(gains) < least
             if converged or taken >= most or (short and not done) or self._misses(best, predicted, goal):
                 break
             if done:
-                slopes, fresh = self._slopes(best, state=slopes.state), True
+                slopes, fresh = self._renewed(best, slopes, states=False), _ALL
                 best, weight, linear = self._linear(best, slopes)
                 continue
             taken += 1
-            trial, nearby = self._trial(best, linear, damping, weight), slopes
+            (trial, share), nearby = self._trial(best, linear, damping, weight), slopes
             if best.cost - trial.cost < settings.hindered * predicted:
                 trial, nearby = self._mended(best, trial, slopes, weight)
             gain = best.cost - trial.cost
             gains.append(max(gain, 0.0))
             if gain >= 0:
                 near = gain <= settings.refresh * best.cost
-                best, damping, fresh = trial, damping / settings.damping_down, gain < settings.foretold * predicted
-                renew = fresh and taken < most  # after the last step of a rough fit nobody asks for slopes
-                slopes = self._slopes(best, state=nearby.state if near else None) if renew else nearby
-            elif not fresh:
-                slopes, fresh = self._slopes(best), True
+                damping *= settings.damping_up if share < _FAR else 1.0 / settings.damping_down
+                best, fresh = trial, self._asked(gain, predicted) if taken < most else _NONE  # nobody asks at the end
+                slopes = self._renewed(best, nearby, fresh, states=not near) if fresh else nearby
+            elif fresh < _ALL:
+                slopes, fresh = self._renewed(best, slopes), _ALL
             else:
                 damping *= settings.damping_up
                 continue
@@ -222,19 +208,29 @@ class Fitter:
 
     def _first_slopes(self, point: Point, known: Slopes | None) -> Slopes:
         if known is None:
-            return self._slopes(point)
+            columns = self._differences(point, states=True, columns=self._columns)
+            return Slopes(columns[..., : self.replay.nstate], columns[..., self.replay.nstate :])
         given = known.parameter.shape[2]
         rest = self._differences(point, states=False, columns=self._columns[given:])
         return Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
 
-    def _slopes(self, point: Point, state: Array | None = None, parameter: Array | None = None) -> Slopes:
-        """Slopes at a point; given may be those of the states from nearby, or of the parameters from the same point."""
-        wanted = self._columns if parameter is None else self._columns[:0]
-        columns = self._differences(point, states=state is None, columns=wanted)
-        count = self.replay.nstate if state is None else 0
-        return Slopes(
-            columns[..., :count] if state is None else state, columns[..., count:] if parameter is None else parameter
-        )
+    def _asked(self, gain: float, predicted: float) -> int:
+        """Which slopes must be taken anew after a step that gains so much: `_NONE`, `_MOST` or `_ALL`.
+
+        Beside an effect, which bends more, slopes by the many parameters of bodies hold for a while.
+        """
+        if gain >= self.settings.foretold * predicted:
+            return _NONE
+        lazy = self._bodies.any() and self.replay.model.effects and gain >= self.settings.foreseen * predicted
+        return _MOST if lazy else _ALL
+
+    def _renewed(self, point: Point, near: Slopes, which: int = _ALL, *, states: bool = True) -> Slopes:
+        """Slopes at a point by all parameters or by `_MOST`, and maybe by the states; the others as they are nearby."""
+        columns = self._columns if which == _ALL else self._columns[~self._bodies]
+        found, count = self._differences(point, states=states, columns=columns), self.replay.nstate if states else 0
+        parameter = near.parameter.copy()
+        parameter[..., columns] = found[..., count:]
+        return Slopes(found[..., :count] if states else near.state, parameter)
 
     def _differences(self, point: Point, *, states: bool, columns: NDArray[np.intp]) -> Array:
         return differences(self.replay, self.settings, point, states=states, columns=columns)
@@ -278,10 +274,26 @@ class Fitter:
         unit = self.space.to_unit(point.z)
         return np.minimum(-unit, 0.0), np.maximum(1.0 - unit, 0.0)
 
-    def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> Point:
+    def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> tuple[Point, float]:
+        """The point after a damped step, and the share of it that this is: 1, or with bodies that which fits best.
+
+        Ways of bodies bend among their bounds, within which only a share may lie; few simulations more tell which.
+        """
         move, state_move = linear.step(damping, self._movable(best, linear), self._room(best))
-        unit = np.clip(self.space.to_unit(best.z) + move, 0, 1)
-        trial = self._point(self.space.from_unit(unit), best.delta + state_move)
-        if (trial.infeasible & ~best.infeasible).any():
-            return trial
-        return replace(trial, cost=self._cost(trial, weight), infeasible=best.infeasible | trial.infeasible)
+        shares = _WHOLE if self._straight.plain else _SHARES
+        z = np.stack([self._end(best, share * move) for share in shares])
+        delta = best.delta + shares[:, None, None] * state_move
+        found = list[tuple[Point, float]]()
+        for each, share in zip(zip(z, delta, *self.replay.residuals(z, delta), strict=True), shares, strict=True):
+            trial = Point(*each[:3], np.inf, each[3])
+            if not (trial.infeasible & ~best.infeasible).any():
+                cost, lost = self._cost(trial, weight), best.infeasible | trial.infeasible
+                trial = replace(trial, cost=cost, infeasible=lost)
+            found.append((trial, float(share)))
+        return min(found, key=lambda each: each[0].cost)
+
+    def _end(self, point: Point, move: Array) -> Array:
+        """The context to which a move in the unit cube leads, bodies along their straight ways, within the bounds."""
+        if self._straight.plain:
+            return self.space.from_unit(np.clip(self.space.to_unit(point.z) + move, 0, 1))
+        return self.space.clip(self._straight.end(point.z, self.space.span * move))

@@ -53,6 +53,7 @@ class Replay:
         self._threads = threads
         self._stop = stop
         self._simulators: dict[int, Simulator] = {}
+        self._absent = _absent(model, windows)
         compiled = model.nominal()
         self._compiled = compiled
         self._controls = _widen(windows.controls, compiled.nu)
@@ -155,8 +156,9 @@ class Replay:
         contexts, count = delta.shape[:2]
         (qpos, qvel), act = self._starts(z, delta), self._activations(z, delta)
         simulator = self._simulator(contexts * count)
+        each = z if self._absent is None else np.where(self._absent, self.model.space.nominal, z[:, None])
         controls = self._commanded(delta)[..., :steps, :]
-        rollout = simulator.replay(z, qpos, qvel, controls, self._past, self._history, act)
+        rollout = simulator.replay(each, qpos, qvel, controls, self._past, self._history, act)
         shape = (contexts, count)
         tape = Tape(
             rollout.qpos.reshape(*shape, *rollout.qpos.shape[1:]),
@@ -254,6 +256,14 @@ class Replay:
     def _mask(self, which: str) -> Mask:
         masks = [np.repeat(getattr(s, which), s.channel.size, axis=1) for s in self.windows.samples]
         return np.concatenate(masks, axis=1)
+
+
+def _absent(model: Model, windows: Windows) -> Mask | None:
+    """Parameters that are nominal in a window, since their effect was not attached, (w, n); None where all act."""
+    attached = [effect.attached for effect in model.effects for _ in effect.parameters]
+    columns = np.array([False] * len(model.declared) + attached)
+    rows = ~windows.loaded
+    return rows[:, None] & columns if rows.any() and columns.any() else None
 
 
 def _widen(controls: Array, nu: int) -> Array:

@@ -1,6 +1,7 @@
 """Fits of the candidates beside one model: on a part of the windows at first, on all of them where they stand there."""
 
 import functools
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from threading import Event
@@ -22,6 +23,7 @@ from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
 from dr_lab.diagnosis.search.wider import widened
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
 
 
 class CandidateFits:
@@ -65,23 +67,53 @@ class CandidateFits:
         (there,) = fitter.outlooks(z[None], base.delta, base.slopes, base if absent else None)
         return self.bench.promise(linear_gain(fitter, there, base), base, count)
 
-    def fitted(self, effect: PlacedEffect, first: FirstLook) -> Candidate:
+    def goal(self, found: Sequence[Candidate]) -> float:
+        """Cost on the part of the windows above which a candidate is beaten without a doubt; no bodies free: ∞."""
+        if not self.base.model.inertials or not found:
+            return np.inf
+        best = min((candidate.fitted_model.fit for candidate in found), key=lambda fit: fit.order)
+        return self.thin.cost_at(best, self.bench.enough)
+
+    def fitted(self, effect: PlacedEffect, first: FirstLook, goal: float = np.inf) -> Candidate:
         """Fit one candidate from the base's solution and from its further starts.
 
-        A short run shows whether a start away from absent is worth going on from.
+        A short run shows whether a start away from absent is worth going on from. Bodies that are free as a whole begin
+        as in the model file: those of the base have gone far to make up for what it lacks, along ways that bend. Of a
+        `goal` see `Fitter.run`.
         """
-        base, fitter = self.start, self._fitter(self.thin, effect)
-        fits = [fitter.go_on(first.absent)]
+        fitter = self._fitter(self.thin, effect)
+        fits = self._of_bodies if self.base.model.inertials else self._of_starts
+        fit = fits(fitter, effect, first, goal)
+        if self.whole:
+            return self._candidate(effect, fit, first.identifiability, first.gain / self.start.cost)
+        return self._rough_candidate(fitter, effect, fit, first)
+
+    def _of_starts(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float) -> Fit:
+        base = self.start
+        fits = [fitter.go_on(first.absent, goal)]
         steps = self.bench.solver.start_iterations * effect.effect.patience
         for z in first.starts:
             start = fitter.begin(z, base.delta)
             rough = fitter.run(z, start.delta, base.slopes, steps)
             if rough.order < min(f.order for f in fits):
-                fits.append(fitter.run(rough.z, rough.delta))
-        fit = min(fits, key=lambda f: f.order)
-        if self.whole:
-            return self._candidate(effect, fit, first.identifiability, first.gain / base.cost)
-        return self._rough_candidate(fitter, effect, fit, first)
+                fits.append(fitter.run(rough.z, rough.delta, goal=goal))
+        return min(fits, key=lambda f: f.order)
+
+    def _of_bodies(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float) -> Fit:
+        """The best of all starts after few steps, gone on with: where bodies are free, all starts are far away."""
+        steps = self.bench.solver.start_iterations * effect.effect.patience
+        begun = (fitter.begin(self._as_filed(z), self.start.delta) for z in (first.absent.z, *first.starts))
+        rough = min(
+            (fitter.run(each.z, each.delta, iterations=steps, goal=goal) for each in begun), key=lambda f: f.order
+        )
+        return fitter.run(rough.z, rough.delta, rough.slopes, goal=goal)
+
+    def _as_filed(self, z: Array) -> Array:
+        """A context of the base and an effect, with free bodies as in the model file."""
+        space, filed = self.base.model.space, z.copy()
+        for name in (p.name for body in self.base.model.inertials for p in body.parameters):
+            filed[space.index(name)] = space.nominal[space.index(name)]
+        return filed
 
     def fitted_beside(self, effect: PlacedEffect, first: FirstLook, poorer: Candidate) -> Candidate:
         """Fit a candidate from its special case if that explains much; go on only if a linear step promises more.

@@ -33,6 +33,11 @@ class FreeLaw:
         """Itself: it is made for its site."""
         return self
 
+    @property
+    def attached(self) -> bool:
+        """It acts in all logs."""
+        return False
+
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """Its own values out of a context's, by full name."""
         return {p.name: values[p.name] for p in self.parameters}

@@ -118,7 +118,14 @@ class _Contest:
         cases = self._special_cases(wave, sorted({*wave, *found}))
         fits, placed = self.fits, self.placed
         alone = [k for k in wave if k not in cases]
-        self._do(alone, lambda k: self._told(fits.fitted(placed[k], looks[k])), found)
+        if (
+            self.base.model.inertials and alone
+        ):  # dear fits; what the first leaves tells which others are worth their end
+            first = max(alone, key=lambda k: looks[k].gain)
+            self._do([first], lambda k: self._told(fits.fitted(placed[k], looks[k])), found)
+            alone.remove(first)
+        goal = fits.goal(list(found.values()))
+        self._do(alone, lambda k: self._told(fits.fitted(placed[k], looks[k], goal)), found)
         self._do([*cases], lambda k: self._told(fits.fitted_beside(placed[k], looks[k], found[cases[k]])), found)
 
     def _widen(self, found: dict[int, Candidate]) -> None:

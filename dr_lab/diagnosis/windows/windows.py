@@ -52,6 +52,7 @@ class Windows:
     Attributes:
         log: index of each window's log in `logs`, shape (w,).
         logs: names of the logs that hold a window.
+        loaded: whether a load may have been attached, shape (w,).
         begin: time on the log's clock at which the simulation of the window starts, shape (w,).
         samples: the channels' samples.
         controls: control of each step in the nominal model's ctrl layout, shape (w, s, nu).
@@ -68,6 +69,7 @@ class Windows:
 
     log: NDArray[np.intp]
     logs: tuple[str, ...]
+    loaded: Mask
     begin: Array
     samples: tuple[WindowSamples, ...]
     controls: Array
@@ -95,6 +97,7 @@ class Windows:
         return replace(
             self,
             log=self.log[rows],
+            loaded=self.loaded[rows],
             begin=self.begin[rows],
             samples=tuple(samples.pick(rows) for samples in self.samples),
             controls=self.controls[rows],
@@ -149,6 +152,7 @@ def windows_at(
     return Windows(
         log=np.repeat(np.arange(len(logs)), [len(b) for b in begins]),
         logs=tuple(log.name for log in logs),
+        loaded=np.repeat([log.loaded for log in logs], [len(b) for b in begins]),
         begin=np.concatenate(begins),
         samples=samples,
         controls=steps[:, first:],

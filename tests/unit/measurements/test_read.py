@@ -135,6 +135,19 @@ def test_fit_null_takes_what_is_not_held_out(folder: Path, contract: DataContrac
     assert found.fit[0].commands == {}
 
 
+def test_which_logs_were_loaded(folder: Path, contract: DataContract) -> None:
+    logs = [str(folder / "*.mcap")]
+    found = read("bench", logs, OUTPUTS, contract, held_out=["log_1"], clock="header", loaded=["log_[12]"])
+    assert {log.name: log.loaded for log in (*found.fit, *found.held_out)} == {
+        "log_0": False,
+        "log_1": True,
+        "log_2": True,
+    }
+    assert all(log.loaded for log in read("bench", logs, OUTPUTS, contract, clock="header").fit)
+    with pytest.raises(UnknownNameError, match="log_3"):
+        read("bench", logs, OUTPUTS, contract, clock="header", loaded=["log_3"])
+
+
 def test_no_overlap_names_both_spans(tmp_path: Path, contract: DataContract) -> None:
     record(tmp_path / "a.mcap", command_delay=100.0)
     with pytest.raises(
