@@ -228,8 +228,8 @@ def test_a_fit_without_iterations_is_not_converged() -> None:
 def test_a_descent_that_crawls_begins_anew_and_then_ends(crawl: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each step gains a billionth of the cost, though a linear step foretells much."""
 
-    def crawling(self: Fitter, best: Point, *_: object) -> Point:
-        return replace(best, cost=(1 - 1e-9) * best.cost)
+    def crawling(self: Fitter, best: Point, *_: object) -> tuple[Point, float]:
+        return replace(best, cost=(1 - 1e-9) * best.cost), 1.0
 
     def left(self: Fitter, best: Point, trial: Point, slopes: Slopes, weight: Array) -> tuple[Point, Slopes]:
         return trial, slopes
