@@ -21,6 +21,7 @@ from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
+from dr_lab.reports.quantity import number
 
 
 def test_the_one_effect_that_closes_the_gap_is_named() -> None:
@@ -41,7 +42,8 @@ def test_the_reason_prints_what_decides_and_where_it_is_from() -> None:
     reason = decide(base, [found], SETTINGS, "fit logs").reason
     assert found.fitted_model.held_out.chi2 > base.held_out.chi2  # one wild window, which the mean alone follows
     assert f"closes {100 * found.gain.gap:.3g} % of a typical window's gap" in reason
-    assert f"evidence Δχ² {found.gain.total:.4g} (99 % interval from {found.gain.total_low:.4g}, 27 needed)" in reason
+    evidence, low = (number(value, 4) for value in (found.gain.total, found.gain.total_low))
+    assert f"evidence Δχ² {evidence} (99 % interval from {low}, 27 needed)" in reason
     assert f"mean χ² {base.held_out.chi2:.3f} before and {found.fitted_model.held_out.chi2:.3f} after" in reason
     assert "on the fit logs" in reason
     assert "lowers" not in reason
