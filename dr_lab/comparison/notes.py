@@ -77,7 +77,9 @@ def shared_loads(bench: Bench, last: FittedModel) -> list[NoteEntry]:
         "prior of the links shares out. Record some logs without the load, and name the others in measurements.loaded: "
         "then it is told by what differs."
     )
-    return [NoteEntry(f"{effect.label} {told}", "shared_load") for effect in model.effects if effect.attached]
+    free = {body.body for body in model.inertials}
+    loads = [effect for effect in model.effects if effect.attached and effect.site in free]
+    return [NoteEntry(f"{effect.label} {told}", "shared_load") for effect in loads]
 
 
 def refused(reasons: Mapping[str, str]) -> list[NoteEntry]:

@@ -166,9 +166,8 @@ def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
     It is given up where it is foretold to leave far more in the windows that it sees.
     """
     few = bench.screening()
-    if (
-        model.inertials and few is not bench and _hopeful(model, few, check) is None
-    ):  # all windows are dear with many unknowns
+    dear = bool(model.inertials) and few is not bench
+    if dear and _hopeful(model, few, check) is None:
         return False
     fit = _hopeful(model, bench, check)
     if fit is None:

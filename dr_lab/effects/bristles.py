@@ -44,7 +44,8 @@ class Bristles(InternalState):
         bend = self.of(len(moment.qvel))
         speed, step = moment.qvel[:, self.dof], moment.step
         steady, slope = self.settled(speed)
-        slipped = np.where(np.abs(steady) > _TINY, speed / np.where(steady == 0.0, 1.0, steady), self.creep)
+        fast = np.abs(speed) / np.maximum(np.abs(steady), _TINY)  # large where nothing holds them at high speed
+        slipped = np.where(speed == 0.0, self.creep, fast)
         way = np.maximum(self.way, _TINY)
         turns = slipped * step / way  # time constants in a step
         left = np.exp(-turns)

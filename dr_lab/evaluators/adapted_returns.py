@@ -76,7 +76,7 @@ class AdaptedReturns:
 
     def _gain(self, index: int, value: Array, low: Array, high: Array) -> Gain:
         shaped = (each.reshape(self._shape) for each in (value, low, high))
-        return Gain(f"of {_counted(index + 1)}", self.axes, *shaped)
+        return Gain(f"of {counted(index + 1, 'update')}", self.axes, *shaped)
 
     @property
     def _shape(self) -> tuple[int, ...]:
@@ -93,11 +93,7 @@ def _over_updates(mean: Array) -> Grid:
 
 
 def _after(updates: int) -> str:
-    return f"after {_counted(updates)}" if updates else "before the first update"
-
-
-def _counted(updates: int) -> str:
-    return counted(updates, "update")
+    return f"after {counted(updates, 'update')}" if updates else "before the first update"
 
 
 def _mean(values: Array) -> float:

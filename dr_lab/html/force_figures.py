@@ -71,7 +71,7 @@ def _map(joint: str, shown: ForceMap, look: Look) -> Plot:
     figure = chart()
     grid = {"x": shown.position.values, "y": shown.velocity.values, "z": numbers(shown.force.T)}
     figure.add_trace(go.Heatmap(**grid, name="learned force", hovertemplate=said, **scale))
-    place = shown.place[:: max(1, -(-len(shown.place) // look.scatter_points))]
+    place = shown.places(look.scatter_points)
     dots = {"mode": "markers", "marker": {"color": ROLES[MEASURED], "size": 3}, "hoverinfo": "skip"}
     figure.add_trace(go.Scatter(x=numbers(place[:, 0]), y=numbers(place[:, 1]), name="the log", **dots))
     figure.update_layout(showlegend=False)

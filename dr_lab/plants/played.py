@@ -14,7 +14,8 @@ from dr_lab.trajectory import Array
 class Played:
     """Row i of the file is sent from time[i] until time[i + 1]; the last one stays. What is wished counts nothing.
 
-    Before the first command acts, the machine is held by the first row.
+    A command is sent at the instant that is nearest to its time, so that jitter skips no row. Before the first one acts
+    the machine is held by the first row.
 
     Attributes:
         time: s after the start, increasing, shape (r,).
@@ -27,7 +28,8 @@ class Played:
     def operate(self, experiment: Experiment, wish: Array) -> tuple[Array, Array]:
         """Send at each instant the row that is due."""
         del wish
-        rows = np.clip(np.searchsorted(self.time, experiment.issued, side="right") - 1, 0, None)
+        early = np.ptp(experiment.issued) / max(len(experiment.issued) - 1, 1) / 2
+        rows = np.clip(np.searchsorted(self.time, experiment.issued + early, side="right") - 1, 0, None)
         sent, acts = self.commands[rows], experiment.issued + experiment.latency
         states = simulate(
             experiment.machine,

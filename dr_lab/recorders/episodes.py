@@ -51,15 +51,15 @@ def log_episodes(root: Branch, episodes: Sequence[Episode], look: Look, counting
             is counted.
     """
     for episode in _drawn(episodes):
-        place = root / episode.name
-        _log_machine(place / "world", episode, look)
+        place, shot = root / episode.name, _shot(episode, look)
+        _log_machine(place / "world", episode, shot, look)
         shown = episode.time[:-1] <= look.longest
         _log_steps(place / "reward", episode.time[1:][shown], episode.reward[shown, None], ["reward"], look)
         actuators = [episode.geometry.actuator(i).name or f"action {i}" for i in range(episode.geometry.nu)]
         _log_steps(place / "action", episode.time[:-1][shown], episode.action[shown], actuators, look)
         if counting is not None:
-            send_start(place / "world" / "machine", episode.geometry, _shot(episode, look).pose, counting)
-    told = f"{_PLAYED.format(counting)}\n\n" if counting is not None else ""
+            send_start(place / "world" / "machine", episode.geometry, shot.pose, counting)
+    told = f"{_PLAYED.format(counting)}\n\n" if counting is not None and anything_drawn(episodes) else ""
     text = f"{told}{episodes_table(episodes)}"
     (root / "table").static(rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN))
 
@@ -86,10 +86,11 @@ def episodes_page(episodes: Sequence[Episode], look: Look, counting: str | None 
 
     Reward and actions have no place on a timeline that counts: there they would be empty.
     """
-    shown = _drawn(episodes)
+    shots = [(episode, _shot(episode, look)) for episode in _drawn(episodes)]
     if counting is not None:
-        shown = [episode for episode in shown if len(_shot(episode, look).points)]
-    columns = [_column(episode, look) if counting is None else _scene(episode, look) for episode in shown]
+        shots = [(episode, shot) for episode, shot in shots if len(shot.points)]
+    draw = _column if counting is None else _scene
+    shown, columns = [episode for episode, _ in shots], [draw(episode, shot, look) for episode, shot in shots]
     text = rrb.TextDocumentView(origin=entity_path(ROOT, "table"), name="Episodes of the trained policy")
     rows = [_side_by_side(shown, columns), text] if columns else [text]
     return rrb.Vertical(*rows, row_shares=[4, 1][-len(rows) :], name="Episodes (timeline t)" if columns else "Episodes")
@@ -116,9 +117,9 @@ def _spoken(episode: Episode) -> str:
     return episode.name.replace("_", " ")
 
 
-def _column(episode: Episode, look: Look) -> rrb.Container:
+def _column(episode: Episode, shot: "_Shot", look: Look) -> rrb.Container:
     """A machine of which nothing is to be seen, such as bodies of inertia alone, leaves its place to the plots."""
-    scene = [_scene(episode, look)] if len(_shot(episode, look).points) else []
+    scene = [_scene(episode, shot, look)] if len(shot.points) else []
     plots = [_plot(episode, "reward", "reward of each step"), _plot(episode, "action", "action")]
     return rrb.Vertical(*scene, *plots, row_shares=[*[4] * len(scene), 1, 1])
 
@@ -128,8 +129,8 @@ def _drawn(episodes: Sequence[Episode]) -> list[Episode]:
     return [episode for episode in episodes if episode.ended != "infeasible"]
 
 
-def _log_machine(world: Branch, episode: Episode, look: Look) -> None:
-    model, shot = episode.geometry, _shot(episode, look)
+def _log_machine(world: Branch, episode: Episode, shot: "_Shot", look: Look) -> None:
+    model = episode.geometry
     world.static(rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     log_surroundings(world / "fixed", model, look.colour("ground"), look.colour("fixed"))
     log_bodies(world / "machine", model, Paint(look.colour("after")))
@@ -183,9 +184,9 @@ def _shot(episode: Episode, look: Look) -> _Shot:
     return _Shot(episode.time[kept], (position, orientation), way, points)
 
 
-def _scene(episode: Episode, look: Look) -> rrb.Spatial3DView:
+def _scene(episode: Episode, shot: _Shot, look: Look) -> rrb.Spatial3DView:
     """The machine, framed in all of its poses."""
-    world, shot = [ROOT, episode.name, "world"], _shot(episode, look)
+    world = [ROOT, episode.name, "world"]
     followed = entity_path(*world, _FOLLOWED) if shot.way.any() else None
     return rrb.Spatial3DView(
         origin=entity_path(*world),

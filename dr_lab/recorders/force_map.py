@@ -29,6 +29,10 @@ class ForceMap:
     force: Array
     place: Array
 
+    def places(self, most: int) -> Array:
+        """At most so many of the log's states, evenly spread over it, shape (k, 2)."""
+        return self.place[:: max(1, -(-len(self.place) // most))]
+
     def reach(self) -> float:
         """Largest size of the force; 1 where there is none."""
         known = np.abs(self.force[np.isfinite(self.force)])
@@ -45,5 +49,5 @@ def log_force_map(root: Branch, shown: ForceMap, look: Look) -> None:
     """
     reach = shown.reach()
     chart = log_map(root, [shown.position, shown.velocity], shown.force, ColourScale(-reach, reach, DOUBLE), look)
-    place = shown.place[:: max(1, -(-len(shown.place) // look.scatter_points))]
+    place = shown.places(look.scatter_points)
     chart.dots("states", place[:, 0], place[:, 1], look.colour("measured"), look.measured_width)

@@ -23,7 +23,8 @@ def free_corner(curves: Sequence[tuple[Array, Array]]) -> rrb.Corner2D:
     Args:
         curves: times (n,) and values (n,) or (n, k), NaN where there is a gap; shown from the lowest to the highest.
     """
-    pieces = [(time, column) for time, value in curves for column in np.reshape(value, (len(time), -1)).T]
+    full = [(time, value) for time, value in curves if len(time)]
+    pieces = [(time, column) for time, value in full for column in np.reshape(value, (len(time), -1)).T]
     x, y = (np.concatenate([np.empty(0), *parts]) for parts in zip(*pieces, strict=True)) if pieces else ([], [])
     known = np.isfinite(x) & np.isfinite(y)
     if not known.any():

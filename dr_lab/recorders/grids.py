@@ -41,11 +41,12 @@ def return_span(grids: Sequence[Grid]) -> tuple[float, float]:
     return (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
 
 
-def told(grid: Grid) -> str:
-    """What a title says of how it is drawn."""
-    if len(grid.axes) > 1:
+def told(grids: Sequence[Grid]) -> str:
+    """What a title says of how grids over the same parameters are drawn."""
+    if len(grids[0].axes) > 1:
         return ""
-    return " (thin: ± std of episodes" + ("" if np.isfinite(grid.mean).all() else ", hatched: infeasible") + ")"
+    hatched = not all(np.isfinite(grid.mean).all() for grid in grids)
+    return f" (thin: ± std of episodes{', hatched: infeasible' * hatched})"
 
 
 def log_lines(

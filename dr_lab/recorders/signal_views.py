@@ -93,7 +93,8 @@ def _residual(overlay: Overlay, channel: str) -> list[_Plot]:
 
 
 def _after_alone(overlay: Overlay, channel: str) -> list[_Plot]:
-    if any(channel not in overlay.simulated.get(role, {}) for role in SIMULATED):
+    missing = any(channel not in overlay.simulated.get(role, {}) for role in SIMULATED)
+    if missing or not len(overlay.measured[channel].time):
         return []
     std, (time, value) = overlay.noise.get(channel), _left(overlay, channel, AFTER)
     title = f"after alone [{overlay.measured[channel].unit}]"

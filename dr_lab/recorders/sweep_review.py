@@ -168,7 +168,10 @@ def _learned(record: SweepRecord) -> list[rrb.View]:
 
 
 def _maps(record: SweepRecord) -> list[rrb.View]:
-    lines = [grids.CANVAS.view([_RETURNS, name], f"returns over {name}") for name in record.lines]
+    lines = [
+        grids.CANVAS.view([_RETURNS, name], f"returns over {name}{grids.told([*each.values()])}")
+        for name, each in record.lines.items()
+    ]
     every = [violin for each in record.violins.values() for violin in each]
     return [
         *violins.views(every),

@@ -50,11 +50,6 @@ class Marginal:
     probability: Array
 
     @property
-    def varies(self) -> bool:
-        """Whether it has more than one value: of one that is fixed there is nothing to draw."""
-        return bool(((self.probability > 0.0).sum(1) > 1).any() or self.learned)
-
-    @property
     def learned(self) -> bool:
         """Whether it changed while training went on."""
         return len(self.iteration) > 1

@@ -218,7 +218,7 @@ def _compared(record: TrainingRecord) -> list[rrb.View]:
 
 def _maps(record: TrainingRecord) -> list[rrb.View]:
     maps = [
-        grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}{grids.told(grid)}") for grid in record.grids
+        grids.CANVAS.view(["grid", grid.title], f"returns, {grid.title}{grids.told([grid])}") for grid in record.grids
     ]
     return [*violins.views(record.samples), *maps]
 

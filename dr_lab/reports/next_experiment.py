@@ -38,8 +38,8 @@ def _separates(proposal: ExperimentEntry) -> str:
         return (
             f"No command that was tried separates {pair}: `{proposal.command_file}` comes farthest, with {apart}. "
             "To these sensors they may be the same; then a further channel would tell them apart. Or the motion is "
-            f"too small: it takes {percent(proposal.taken)} of what is allowed, which is hardly more than the logs "
-            "show. If the machine may do more, look again with a larger `next_experiment.safety.margin`, such as 2."
+            "too small: where the model declares no limit, hardly more is allowed than the logs show. If the machine "
+            "may do more, look again with a larger `next_experiment.safety.margin`, such as 2."
         )
     return f"Play `{proposal.command_file}`: it separates {pair} by {apart}."
 

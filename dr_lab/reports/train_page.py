@@ -1,7 +1,7 @@
 """What a training run came to, for a person."""
 
 from dr_lab.reports.page import Page, Section
-from dr_lab.reports.quantity import number, uncertain
+from dr_lab.reports.quantity import counted, number, uncertain
 from dr_lab.reports.tables import table
 from dr_lab.reports.train import TrainReport
 
@@ -25,7 +25,7 @@ def _trained(report: TrainReport) -> str:
     taken = f"Trained for {report.frames} control steps in {report.seconds:.0f} s, {report.iterations} iterations."
     if report.adapted_returns:
         first, *others = map(number, report.adapted_returns)
-        after = ", ".join(f"{value} after {k} update{'s' * (k > 1)}" for k, value in enumerate(others, start=1))
+        after = ", ".join(f"{value} after {counted(k, 'update')}" for k, value in enumerate(others, start=1))
         return f"Mean return in the last tasks: {first} before an update, {after}. {taken}"
     value = report.final_return
     returns = _NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."

@@ -81,7 +81,7 @@ def _proposed(folder: Path) -> ExperimentEntry:
     if entry.reason:
         raise ConfigError(
             f"The report of run={folder} proposes no experiment: the gentlest that was tried would leave "
-            f"{entry.reason}. Widen next_experiment.safety.margin in that run if the machine allows more."
+            f"{entry.reason}. Its report.md says what may help."
         )
     return entry
 

@@ -17,6 +17,7 @@ from dr_lab.summaries.uniformity import Uniformity, uniformity
 from dr_lab.trajectory import Array
 
 _FRAMES = "frames"
+_REACHED = 1e-4  # probability of a bin
 
 
 @dataclass(frozen=True)
@@ -114,12 +115,13 @@ def _columns(run: Run) -> Mapping[str, Array]:
 def _range(entry: ContextEntry, drawn: Array) -> tuple[float, float]:
     """Where the distribution reached that training began with.
 
-    Its histogram tells that to a bin, which is exact at the parameter's bounds; elsewhere the draws tell more.
+    Its histogram tells that to a bin, which is exact at the parameter's bounds; elsewhere the draws tell more. A bin
+    counts where one draw in the first ten thousand falls: an exact normal density is nowhere zero.
     """
     known = entry.histogram
     if known is None:
         return float(drawn.min()), float(drawn.max())
-    likely = np.flatnonzero(np.array(known.initial))
+    likely = np.flatnonzero(np.array(known.initial) > _REACHED)
     low, high = known.edges[likely[0]], known.edges[likely[-1] + 1]
     inside = drawn[(drawn >= low) & (drawn <= high)]
     if not len(inside):

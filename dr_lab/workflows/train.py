@@ -93,8 +93,8 @@ def _noted(training: Training, choice: Choice) -> tuple[Snapshots, PolicySnapsho
 
 
 def _record(training: Training, snapshots: Snapshots, report: TrainReport) -> TrainingRecord:
-    """What the recording shows of training itself; of a distribution that did not change no ellipses."""
-    marginals = [each for each in snapshots.marginals() if each.varies]
+    """What the recording shows of training itself: no fixed values, and ellipses only of what was learned."""
+    marginals = [each for each in snapshots.marginals() if each.learned or report.context[each.name].std]
     return TrainingRecord(
         report.env,
         curves(training.trainer.history),

@@ -22,7 +22,6 @@ from dr_lab.trajectory import Array
 Rows = NDArray[np.intp]
 _MOST = 1.0 - 1e-9  # share of a cost that can be gained; its logarithm is finite
 _LEAST = 1e-9
-_FAR = 2.0  # times the squares that noise leaves, above which a model lacks something
 
 
 @dataclass(frozen=True)
@@ -104,11 +103,12 @@ class Bench:
 
     @property
     def screened(self) -> Rows:
-        """Fit windows on which candidates are looked at and tried, evenly spread over the logs."""
+        """Fit windows on which candidates are looked at and tried, evenly spread over logs with and without a load."""
         count = len(self.fit)
         asked = round(self.evidence.screen_seconds / self.fit.length)
         most = min(count, max(asked, self.evidence.screen_windows))
-        return np.unique(np.linspace(0, count - 1, most).round().astype(np.intp))
+        every = np.argsort(self.fit.loaded, kind="stable")
+        return np.unique(every[np.linspace(0, count - 1, most).round().astype(np.intp)])
 
     def promise(self, gain: float, base: Fit, extra: int = 0) -> float:
         """Evidence on all fit windows that a lower cost foretells, −n ln(1 − share), less the penalty of chance.
@@ -157,19 +157,14 @@ def fit_and_score(
 
 
 def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None, goal: float = np.inf) -> Fit:
-    """Fit a model as `fit_and_score` does.
-
-    Where bodies are free as a whole, whose slopes are dear, it is fitted to few windows before all. Where it leaves far
-    more than noise there, `solver.rough_tolerance` ends the fit to all: its bodies creep along their bounds to make up
-    for what it lacks.
-    """
+    """Fit a model as `fit_and_score` does; to few windows first where bodies, whose slopes are dear, are free."""
     replay, few = Replay(model, bench.fit, bench.threads), bench.screening()
     if not model.inertials or few is bench or delta is not None:
         return Fitter(replay, bench.solver).run(start, delta, goal=goal)
     part = Fitter(Replay(model, few.fit, bench.threads), bench.solver, rough=True).run(start)
     states = np.zeros((len(bench.fit), replay.nstate))
     states[bench.screened] = part.delta
-    fitter = Fitter(replay, bench.solver, rough=part.cost > _FAR * few.samples)
+    fitter = Fitter(replay, bench.solver)
     return fitter.rerun(fitter.begin(part.z, states), goal)
 
 

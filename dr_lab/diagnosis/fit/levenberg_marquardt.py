@@ -95,7 +95,7 @@ class Fitter:
 
     def _certified(self, start: Point, known: Slopes | None, goal: float) -> Fit:
         fit, left = self._descend(start, known, self.settings.iterations, goal), self.settings.restarts
-        left = 0 if self._rough and self._bodies.any() else left  # what is found among bodies' bounds decides nothing
+        left = 0 if self._rough and self._bodies.any() else left  # a descent among bodies' bounds is dear, and goes on
         while anew := self._anew(fit, goal):
             if not left:
                 return replace(fit, converged=False)

@@ -106,7 +106,7 @@ class CandidateFits:
         rough = min(
             (fitter.run(each.z, each.delta, iterations=steps, goal=goal) for each in begun), key=lambda f: f.order
         )
-        return fitter.run(rough.z, rough.delta, rough.slopes, goal=goal)
+        return fitter.run(rough.z, rough.delta, goal=goal)
 
     def _as_filed(self, z: Array) -> Array:
         """A context of the base and an effect, with free bodies as in the model file."""
@@ -174,7 +174,7 @@ class CandidateFits:
         """
         if not limit.final:
             return self.refitted(candidate)
-        effect, poorer = candidate.effect, limit.fitted_model
+        effect, poorer = reaching(candidate.effect, limit.effect), limit.fitted_model
         fitter, goal = self._fitter(self.bench, effect), self.bench.cost_at(poorer.fit, 0.0)
         z = in_the_limit(effect, limit.effect, fitter.space, candidate.fitted_model.values(), poorer.values())
         slopes = poorer.fit.slopes

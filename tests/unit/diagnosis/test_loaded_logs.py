@@ -67,10 +67,22 @@ def test_where_that_is_not_told_it_acts_in_all_logs() -> None:
         assert acts == expected
 
 
+def test_what_is_looked_at_first_holds_a_load_that_one_log_had() -> None:
+    one = bench(told=True)
+    windows = replace(one.fit, loaded=one.fit.log == 1)
+    few = replace(one, fit=windows, evidence=evidence_settings(screen_windows=2, screen_seconds=1e-3))
+    assert sorted(windows.loaded[few.screened].tolist()) == [False, True]
+
+
 def test_a_load_that_no_log_tells_from_its_link_is_said_to_be() -> None:
     plain = from_spec("pendulum", mujoco.MjSpec.from_string(PENDULUM), {})
     known = plain.with_effect(placed(plain, "payload", "rod"))
-    for machine, told, expected in ((model(), False, ["shared_load"]), (model(), True, []), (known, False, [])):
+    more = "</body><body name='other'><joint/><geom size='.1'/></body></worldbody>"
+    link = PENDULUM.replace("</body></worldbody>", more)
+    other = from_spec("two", mujoco.MjSpec.from_string(link), {"inertial": ["other"]})
+    other = other.with_effect(placed(other, "payload", "rod"))
+    cases = ((model(), False, ["shared_load"]), (model(), True, []), (known, False, []), (other, False, []))
+    for machine, told, expected in cases:
         last = SimpleNamespace(model=machine)
         assert [note.kind for note in shared_loads(bench(told=told), cast(Any, last))] == expected
 

@@ -68,6 +68,16 @@ def test_it_slides_steadily_as_stribeck_says() -> None:
     np.testing.assert_allclose(influence.force[:, 0], expected, rtol=1e-6)
 
 
+def test_bristles_that_nothing_holds_at_high_speed_let_go() -> None:
+    """Without kinetic friction Stribeck's curve ends at 0, there beyond what a number can hold."""
+    values = {name: np.full(1, value) for name, value in NOTHING_KINETIC.items()}
+    law, influence = catalogue().force_law("rail", values, [block().nominal()]), still(np.zeros(1))
+    for speed in (0.2 * SPEED, 8 * SPEED, 8 * SPEED):
+        influence = still(np.array([speed]))
+        law.act(moment(np.array([speed])), influence)
+    assert abs(influence.force[0, 0]) < 1e-6 * EXCESS
+
+
 def test_bristles_that_do_not_bend_leave_stribeck_friction() -> None:
     stribeck = placed(block(), "stribeck_friction", "rail", scales_of(block(), position=10.0, speed=20.0))
     model, place = block().with_effect(stribeck), np.zeros((1, 1, 1))
@@ -98,6 +108,7 @@ def test_without_any_friction_it_does_nothing() -> None:
     np.testing.assert_allclose(rollout.qvel[0, :, 0], 3.0 / MASS * STEP * np.arange(101), atol=1e-9)
 
 
+NOTHING_KINETIC = {"kinetic": 0.0, "excess": EXCESS, "speed": SPEED, "displacement": 1e-3, "retardation": 0.0}
 VALUES = tuple(np.full(4, value) for value in (KINETIC, EXCESS, SPEED, 0.01, 0.01))
 
 

@@ -239,7 +239,6 @@ def test_an_experiment_that_decides_nothing_is_not_recommended(close_report: dic
     text = page(close_report)
     assert "Play `next_experiment.csv`" not in text
     assert "No command that was tried separates `coulomb_friction@arm` from `stribeck_friction@arm`" in text
-    assert "it takes 99 % of what is allowed" in text
     assert "`next_experiment.safety.margin`" in text
 
 

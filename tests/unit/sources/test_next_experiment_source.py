@@ -45,8 +45,16 @@ def recordings(played: NextExperimentSource, seed: int = 3) -> list[RigRecording
 def test_rows_are_sent_at_their_times_from_the_pose(run: Path) -> None:
     (log,) = recordings(source(run))
     assert log.name == "next_1"
-    np.testing.assert_allclose(log.command[:, 0], [1.5, 1.5, -2.0, -2.0, 0.25, 0.25][: len(log.command)])
+    np.testing.assert_allclose(log.command[:, 0], [1.5, -2.0, -2.0, 0.25, 0.25])  # from 0.01 s on, every 0.01 s
     np.testing.assert_allclose(log.position[0], [0.5, -0.2], atol=1e-3)
+
+
+def test_jitter_skips_no_row(run: Path) -> None:
+    rows = [f"{0.01 * k:.2f},{0.01 * k:.2f}" for k in range(100)]
+    (run / "next_experiment.csv").write_text("\n".join(["time_s,motor", *rows, ""]), "utf-8")
+    propose(run, json.loads((run / "report.json").read_text("utf-8")), duration=1.0)
+    (log,) = recordings(source(run, "plant/instruments=encoders"))
+    np.testing.assert_allclose(log.command[:, 0], 0.01 * np.arange(1, 100), atol=1e-9)  # the first one held before
 
 
 def test_the_machine_is_held_by_the_first_row(run: Path) -> None:
