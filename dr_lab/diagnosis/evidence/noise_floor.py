@@ -28,6 +28,14 @@ def at_floor(score: Score, settings: EvidenceSettings) -> bool:
     return bool(score.channels) and all(channel_at_floor(channel, settings) for channel in score.channels.values())
 
 
+def alone_at_floor(model: Score, other: Score, settings: EvidenceSettings) -> bool:
+    """Whether of two models only the first leaves what passes for noise.
+
+    Then it is no wrong model whose errors scatter from log to log, and the likelihood says all.
+    """
+    return at_floor(model, settings) and not at_floor(other, settings)
+
+
 def channel_at_floor(channel: ChannelScore, settings: EvidenceSettings) -> bool:
     """The same of one channel."""
     floor = noise_floor(float(channel.window_count.sum()) / channel.colour, settings)

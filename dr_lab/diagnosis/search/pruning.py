@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
-from dr_lab.diagnosis.evidence.noise_floor import at_floor
+from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported, supported_within_logs
 from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.as_special_case import reaching
@@ -158,8 +158,7 @@ def simplify(
     1. The windows that score support it over the poorer one, and its further parameters differ from zero beyond doubt,
        given the scatter between logs. Where they do so even by F, which knows how few the logs are, the windows need
        not gain alike in all logs: a log that hardly excites the parameters gains little.
-    2. It leaves noise where the poorer one leaves more. Then it is no wrong model whose errors scatter from log to log,
-       and the likelihood of the windows that score says all.
+    2. It leaves noise where the poorer one leaves more, and gains enough by the likelihood of the windows.
     3. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
        whether one is.
 
@@ -189,7 +188,7 @@ def simplify(
 def _asked_for(poorer: FittedModel, richer: FittedModel, back: PutBack, extra: int, settings: EvidenceSettings) -> bool:
     """Whether the windows that score ask for the richer of two models, which has so many parameters more."""
     gain = paired_gain(poorer.held_out, richer.held_out, settings)
-    if at_floor(richer.held_out, settings) and not at_floor(poorer.held_out, settings):
+    if alone_at_floor(richer.held_out, poorer.held_out, settings):
         return sizeable(gain, extra, settings)
     enough = supported_within_logs if back.certain else supported
     return not back.compatible and enough(gain, extra, settings)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import isnan
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
-from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
+from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, at_floor, noise_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, sizeable, supported, worth_a_trial
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -191,10 +191,14 @@ def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSetti
     1. A richer effect displaces a poorer one if it is more likely on the fitted and on the held-out logs. An effect
        that holds the truth gains on both; a fit that ended early, or a start that was not found, shows on one of them.
     2. Any other effect displaces one if it is more likely on both kinds of logs together.
+    3. An effect that leaves noise displaces one that leaves more if window by window it is more likely on all together.
     """
-    excess = _excess(candidate, other)
-    needed = settings.threshold + settings.penalty * (len(other.effect.parameters) - len(candidate.effect.parameters))
-    return (min(excess) if _richer(other, candidate) else sum(excess)) > needed
+    excess, extra = _excess(candidate, other), len(other.effect.parameters) - len(candidate.effect.parameters)
+    if (min(excess) if extra > 0 else sum(excess)) > settings.threshold + settings.penalty * extra:
+        return True
+    scores = candidate.fitted_model.held_out, other.fitted_model.held_out
+    alone = alone_at_floor(scores[1], scores[0], settings)
+    return alone and sizeable(paired_gain(*scores, settings), extra, settings)
 
 
 def _excess(candidate: Candidate, other: Candidate) -> tuple[float, ...]:

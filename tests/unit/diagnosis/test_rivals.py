@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pretended_rankings import CLEAR, COUNT, SETTINGS, WINDOWS, candidate, judged, model, score
 
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.search.verdict import Verdict, decide
 
@@ -64,6 +65,22 @@ def test_at_the_noise_floor_a_richer_effect_must_be_more_likely_on_fitted_and_he
         candidate(base, "stribeck_friction", best, CLEAR, 9000.0),
         candidate(base, "coulomb_friction", worse, CLEAR, 9000.0 + fitted),
     ]
+    assert decide(base, ranking, SETTINGS).effects == (f"{'stribeck' if rich else 'coulomb'}_friction@rail",)
+
+
+@pytest.mark.parametrize(("level", "rich"), [(1.0, True), (1.2, False)])
+def test_a_richer_effect_that_alone_leaves_noise_stands_although_windows_gain_unequally(
+    level: float, *, rich: bool
+) -> None:
+    """Three windows gain all that Stribeck friction gains, so that the scatter between blocks leaves it in doubt."""
+    base, best = model(20.0), score(level)
+    behind = np.where(np.arange(WINDOWS) < 3, 3.0 * COUNT, -3.0)
+    worse = replace(best, window_sum=best.window_sum + behind, chi2=best.chi2 + float(behind.mean()) / COUNT)
+    ranking = [
+        candidate(base, "stribeck_friction", best, CLEAR, 9000.0),
+        candidate(base, "coulomb_friction", worse, CLEAR, 9000.0),  # on the logs that were fitted no less likely
+    ]
+    assert paired_gain(worse, best, SETTINGS).total_low < 0
     assert decide(base, ranking, SETTINGS).effects == (f"{'stribeck' if rich else 'coulomb'}_friction@rail",)
 
 
