@@ -107,6 +107,7 @@ def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(restack, "_on", machine.on)
     monkeypatch.setattr(Deletions, "_as_good_as_it_can", lambda _, base, fewer, *__: (fewer, base))
     monkeypatch.setattr(pruning, "beyond_doubt", lambda *_: np.inf)
+    monkeypatch.setattr(pruning, "hidden_by_step", lambda *_: False)
     monkeypatch.setattr(pruning, "known_of", machine.known_of)
     monkeypatch.setattr(SpecialCases, "of", lambda _, richer, model: machine.special_cases(richer, model))
     monkeypatch.setattr(

@@ -27,9 +27,10 @@ class Gain:
             of fitted ones as fits to the others foretell them; χ² of a typical window is exp(mean ln(1 + χ²_w)) − 1.
         low: lower end of its interval.
         high: upper end.
-        error: share of the worse model's χ² that is more than noise, in a typical one of these windows.
-        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes in a typical window of
-            those that score; 1 where the worse one is at the floor.
+        error: share of the worse model's χ² that is more than noise, in a typical one of these windows; noise is a χ²
+            of 1, or all that the better model leaves in a channel if that is the instruments' own.
+        gap: share of the worse model's χ² above that noise that the better one closes in a typical window of those that
+            score; 1 where the worse one is not above it.
         channels: that share by channel.
         place: the channel in which the evidence of the windows that score is most.
         total: Σ (D worse − D better) over channels and windows, those that score and those that were fitted, these as
@@ -93,8 +94,8 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         share=share,
         low=low,
         high=float(np.minimum(high, 1.0)),
-        error=max(1 - 1 / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
-        gap=_gap(theirs, ours, worse.window_count[both]),
+        error=max(1 - better.noise / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
+        gap=_gap(theirs, ours, worse.window_count[both], better.noise),
         channels={name: found[1] for name, found in each.items()},
         place=max(each, key=lambda name: float(each[name][0].sum())),
         total=float(every.rows[3].sum()),
@@ -225,13 +226,14 @@ def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.boo
     """
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     least = better if better.chi2 <= worse.chi2 else worse
-    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, _gap(theirs, ours, count)
+    gap = _gap(theirs, ours, count, better.noise)
+    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, gap
 
 
-def _gap(worse: Array, better: Array, count: Array) -> float:
-    """Share of the gap of a typical window that closes, from the sums of its squares."""
+def _gap(worse: Array, better: Array, count: Array, noise: float) -> float:
+    """Share of a typical window's χ² above the noise's that goes, from the sums of its squares."""
     before, after = _typical(worse, count), _typical(better, count)
-    return min((before - after) / (before - 1), 1.0) if before > 1 else 1.0
+    return min((before - after) / (before - noise), 1.0) if before > noise else 1.0
 
 
 def _deviance(sums: Array, count: Array) -> Array:

@@ -39,6 +39,11 @@ class ChannelScore:
         """Σ residual² over the degrees of freedom; 0 where there are none."""
         return float(self.window_sum.sum() / max(self.window_count.sum(), 1.0))
 
+    @property
+    def noise(self) -> float:
+        """χ² of what is the instruments' own: 1, or all of it if no force made it."""
+        return max(self.chi2, 1.0) if self.instrumental else 1.0
+
 
 @dataclass(frozen=True)
 class Score:
@@ -78,6 +83,13 @@ class Score:
         """Residuals that tell as much as one independent one does, over all channels."""
         independent = sum(float(c.window_count.sum()) / c.colour for c in self.channels.values())
         return self.freedom / independent if independent > 0 else 1.0
+
+    @property
+    def noise(self) -> float:
+        """χ² of what is the instruments' own, over all channels."""
+        counted = [(c.noise, float(c.window_count.sum())) for c in self.channels.values()]
+        total = sum(count for _, count in counted)
+        return sum(noise * count for noise, count in counted) / total if total > 0 else 1.0
 
     @property
     def freedom(self) -> float:

@@ -23,6 +23,7 @@ class Fit(Point):
         iterations: steps taken.
         converged: whether the certificate holds: a full linear step would lower the cost by less than the tolerance;
             else only short steps lower the cost, or none.
+        late: whether it was given up because at its pace it would not have reached its goal.
     """
 
     equations: NormalEquations
@@ -31,6 +32,7 @@ class Fit(Point):
     slopes: Slopes
     iterations: int
     converged: bool
+    late: bool = False
 
     @property
     def order(self) -> tuple[int, float]:

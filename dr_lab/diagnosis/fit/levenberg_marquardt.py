@@ -75,7 +75,8 @@ class Fitter:
             known: slopes at the start for the states and the first parameters, which need no simulation then.
             iterations: most steps of a rough fit, which is not gone on with; None goes on to the certificate, 0 only
                 linearises.
-            goal: a cost; a fit ends, without the certificate, where a linear step foretells that it would stay above.
+            goal: a cost; a fit ends, without the certificate, where a linear step foretells that it would stay above,
+                or where at its pace it would not get there in the steps that it has left.
         """
         if delta is None:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
@@ -110,7 +111,7 @@ class Fitter:
     def _anew(self, fit: Fit, goal: float) -> Point | None:
         """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done."""
         predicted = fit.equations.decrease(self._movable(fit, fit.equations), self._room(fit))
-        if self._misses(fit, predicted, goal) or (fit.converged and not fit.infeasible.any()):
+        if fit.late or self._misses(fit, predicted, goal) or (fit.converged and not fit.infeasible.any()):
             return None
         start = self.begin(fit.z, fit.delta)
         returned = bool((fit.infeasible & ~start.infeasible).any())
@@ -124,7 +125,7 @@ class Fitter:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
         settings, slopes, fresh = self.settings, self._first_slopes(best, known), _ALL if known is None else _NONE
         best, weight, linear = self._linear(best, slopes)
-        first, damping, taken, converged = linear, settings.damping, 0, False
+        first, damping, taken, converged, late = linear, settings.damping, 0, False, False
         gains = deque[float](maxlen=settings.crawl)
         while True:
             predicted = linear.decrease(self._movable(best, linear), self._room(best))
@@ -133,7 +134,8 @@ class Fitter:
             converged = done and (fresh >= self._needed or taken == 0)  # given slopes are those of the start
             short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
             short |= len(gains) == settings.crawl and sum(gains) < least
-            if converged or taken >= most or (short and not done) or self._misses(best, predicted, goal):
+            late = len(gains) == settings.crawl and best.cost - sum(gains) / len(gains) * (most - taken) > goal
+            if converged or taken >= most or (short and not done) or late or self._misses(best, predicted, goal):
                 break
             if done:
                 slopes, fresh = self._renewed(best, slopes, states=False), _ALL
@@ -159,7 +161,7 @@ class Fitter:
             if self._rough and 0 <= gain <= least:
                 break
         costs = np.where(best.infeasible, 0.0, window_costs(best, weight, self._precision))
-        ended = (linear, first, costs, slopes, taken, converged)
+        ended = (linear, first, costs, slopes, taken, converged, late)
         return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
 
     def outlooks(self, z: Array, delta: Array, known: Slopes, first: Point | None = None) -> list[Fit]:

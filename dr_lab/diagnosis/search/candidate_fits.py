@@ -68,8 +68,8 @@ class CandidateFits:
         return self.bench.promise(linear_gain(fitter, there, base), base, count)
 
     def goal(self, found: Sequence[Candidate]) -> float:
-        """Cost on the part of the windows above which a candidate is beaten without a doubt; no bodies free: ∞."""
-        if not self.base.model.inertials or not found:
+        """Cost on the part of the windows above which a candidate is beaten without a doubt; ∞ if none is fitted."""
+        if not found:
             return np.inf
         best = min((candidate.fitted_model.fit for candidate in found), key=lambda fit: fit.order)
         return self.thin.cost_at(best, self.bench.enough)

@@ -15,6 +15,7 @@ from dr_lab.diagnosis.search.as_special_case import reaching
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.step import AddedEffect
+from dr_lab.diagnosis.search.step_error import hidden_by_step
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
@@ -37,6 +38,7 @@ class PutBack:
         compatible: whether these are compatible with zero, given the scatter between logs. Otherwise the effect was put
             back because the logs that score do not ask for them.
         certain: whether they differ from zero beyond doubt although few logs show their scatter badly.
+        hidden: whether what they change is no more than what the time step of the model does.
     """
 
     richer: str
@@ -44,6 +46,7 @@ class PutBack:
     further: Mapping[str, tuple[float, float]]
     compatible: bool
     certain: bool
+    hidden: bool = False
 
 
 @dataclass(frozen=True)
@@ -162,6 +165,8 @@ def simplify(
     3. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
        whether one is.
 
+    In the first two cases, moreover, it must change more than the time step of the poorer one does (`hidden_by_step`).
+
     Returns:
         The steps with the poorer effect in its place, refitted, and what was put back; None where all stand.
     """
@@ -173,7 +178,9 @@ def simplify(
             goal = np.inf if back.compatible else beyond_doubt(bench, whole)
             simpler = swap.made(bench, base, whole, goal)
             extra = len(step.effect.parameters) - len(poorer.parameters)
-            if not _asked_for(simpler, whole, back, extra, bench.evidence):
+            asked = _asked_for(simpler, whole, back, extra, bench.evidence)
+            back = replace(back, hidden=asked and hidden_by_step(bench, simpler, whole))
+            if not asked or back.hidden:
                 if _ended_early(simpler, goal):
                     simpler = swap.made(bench, base, whole)
                 if not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):

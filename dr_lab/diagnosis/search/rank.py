@@ -118,8 +118,7 @@ class _Contest:
         cases = self._special_cases(wave, sorted({*wave, *found}))
         fits, placed = self.fits, self.placed
         alone = [k for k in wave if k not in cases]
-        if self.base.model.inertials and alone:
-            # Fits are dear; what the first leaves tells which others are worth their end.
+        if alone:  # what the most promising one leaves tells which others are worth their end
             first = max(alone, key=lambda k: looks[k].gain)
             self._do([first], lambda k: self._told(fits.fitted(placed[k], looks[k])), found)
             alone.remove(first)

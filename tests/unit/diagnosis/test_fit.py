@@ -288,3 +288,17 @@ def test_a_fit_that_cannot_reach_its_goal_ends() -> None:
     assert early.cost > 0.5 * whole.cost
     assert late.converged
     assert late.cost == pytest.approx(whole.cost)
+
+
+@pytest.mark.parametrize(("iterations", "late"), [(15, True), (60, False)])
+def test_a_fit_that_at_its_pace_would_not_reach_its_goal_in_time_ends(iterations: int, *, late: bool) -> None:
+    """Damping that never falls keeps the steps short, whatever a full step foretells: some 6 % of the cost each."""
+    model = pendulum()
+    replay = Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1)
+    slow = solver_settings(iterations=iterations, damping=30.0, damping_down=1.0, crawl=5, restarts=0)
+    fitter = Fitter(replay, slow)
+    goal = 0.1 * fitter.run(model.space.nominal, iterations=0).cost
+    found = fitter.run(model.space.nominal, goal=goal)
+    assert found.late == late
+    assert (found.iterations < iterations) == late
+    assert (found.cost > goal) == late

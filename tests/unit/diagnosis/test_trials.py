@@ -243,9 +243,11 @@ def test_rivals_that_are_richer_kinds_of_what_is_put_back_are_none_any_more(monk
 
 def test_a_report_tells_what_was_put_back_and_why() -> None:
     found = PutBack(SKEW.label, SIMPLE.label, {"asymmetry": (0.0004, 0.0054)}, compatible=True, certain=False)
-    told, other = (note.message for note in put_back([found, replace(found, compatible=False)]))
+    unasked = replace(found, compatible=False)
+    told, other, coarse = (note.message for note in put_back([found, unasked, replace(unasked, hidden=True)]))
     assert told == (
         "asymmetric_friction@rail was put back to coulomb_friction@rail: its further parameters are compatible with "
         "nothing (asymmetry 0.0004 ± 0.0054)."
     )
     assert "explain no more" in other
+    assert "change no more than the time step does" in coarse

@@ -1,0 +1,45 @@
+"""What the time step does to a fitted model, beside what a richer law would change."""
+
+import numpy as np
+
+from dr_lab.diagnosis.checks.numerical_floor import in_parts
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
+from dr_lab.diagnosis.fit.replay import Mask, Replay
+from dr_lab.diagnosis.windows.finer import finer
+from dr_lab.trajectory import Array
+
+_PARTS = 2
+
+
+def hidden_by_step(bench: Bench, poorer: FittedModel, richer: FittedModel) -> bool:
+    """Whether a richer law changes the poorer one's readings by no more than the time step does.
+
+    Σ (r − r')² ≤ Σ e² over the windows that score, r and r' being residuals of the two, and e the error of the poorer
+    one's step (`_step_error`).
+    """
+    replay = Replay(poorer.model, bench.held_out, bench.threads)
+    error, diverged = _step_error(replay, poorer, bench)
+    used = replay.scored & ~(diverged | poorer.states.infeasible | richer.states.infeasible)[:, None]
+    change = poorer.states.residuals - richer.states.residuals
+    return bool(np.square(change[used]).sum() <= np.square(error[used]).sum())
+
+
+def _step_error(replay: Replay, fitted_model: FittedModel, bench: Bench) -> tuple[Array, Mask]:
+    """Error of the step h in residuals (w, m), without what other starts take up; and which windows diverge (w,).
+
+    A force that jumps, as dry friction does, leaves an error that falls as h does. So two halves tell all of it:
+    2 (r(h) − r(h/2)). What the starts take up is, to first order, S (SᵀS + P)⁻¹ Sᵀ of it, S being the slopes of the
+    fitted residuals by the states, P the precision of their prior.
+
+    Source: Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, 1993, section II.4 (extrapolation).
+    """
+    fine = Replay(in_parts(fitted_model.model, _PARTS), finer(bench.held_out, _PARTS), bench.threads)
+    fine.begin_like(replay)
+    states = fitted_model.states
+    residuals, diverged = fine.residuals(fitted_model.fit.z[None], states.delta[None])
+    error = _PARTS / (_PARTS - 1) * (states.residuals - residuals[0])
+    slopes = np.where(replay.fitted[..., None], states.slopes, 0.0)
+    pull = slopes.transpose(0, 2, 1) @ np.where(replay.fitted, error, 0.0)[..., None]
+    hessian = slopes.transpose(0, 2, 1) @ slopes + np.diag(bench.held_out.prior.std**-2.0)
+    taken = states.slopes @ np.linalg.solve(hessian, pull)
+    return error - taken[..., 0], diverged[0]

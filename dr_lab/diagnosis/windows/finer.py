@@ -1,0 +1,25 @@
+"""Windows for the same model at a finer time step."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from dr_lab.diagnosis.windows.start import Before
+from dr_lab.diagnosis.windows.windows import Windows
+
+
+def finer(windows: Windows, parts: int) -> Windows:
+    """The same windows at a step of which `parts` make one; over these, commands and the motion before are held.
+
+    So only the integration differs: every part of a step sees what the whole step saw.
+    """
+    before, missing = windows.before, windows.unlogged
+    held = (np.repeat(each, parts, axis=1) for each in (before.qpos, before.qvel, before.controls))
+    return replace(
+        windows,
+        controls=np.repeat(windows.controls, parts, axis=1),
+        past=np.repeat(windows.past, parts, axis=1),
+        before=Before(*held),
+        unlogged=missing and replace(missing, size=np.repeat(missing.size, parts, axis=2)),
+        step=windows.step / parts,
+    )
