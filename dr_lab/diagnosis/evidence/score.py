@@ -41,9 +41,9 @@ class ChannelScore:
         return float(self.window_sum.sum() / max(self.window_count.sum(), 1.0))
 
     @property
-    def noise(self) -> float:
-        """χ² of what is the instruments' own: 1, or all of it if no force made it."""
-        return max(self.chi2, 1.0) if self.instrumental else 1.0
+    def window_noise(self) -> Array:
+        """Σ residual² that the instruments alone leave in each window: its count, or all of it if `instrumental`."""
+        return self.window_sum if self.instrumental else self.window_count
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,10 @@ class Score:
         return self.freedom / independent if independent > 0 else 1.0
 
     @property
-    def noise(self) -> float:
-        """χ² of what is the instruments' own, over all channels."""
-        counted = [(c.noise, float(c.window_count.sum())) for c in self.channels.values()]
-        total = sum(count for _, count in counted)
-        return sum(noise * count for noise, count in counted) / total if total > 0 else 1.0
+    def window_noise(self) -> Array:
+        """Σ residual² that the instruments alone leave in each window, over all channels, shape (w,)."""
+        each = [channel.window_noise for channel in self.channels.values()]
+        return np.sum(each, axis=0) if each else self.window_count
 
     @property
     def freedom(self) -> float:

@@ -44,6 +44,8 @@ def colour(channels: Iterable[tuple[Array, Mask]]) -> float:
     """
     counted = list[tuple[float, float]]()
     for residual, used in channels:
+        if not residual.size:
+            continue
         rows, exists = (np.moveaxis(x, 1, 2).reshape(-1, x.shape[1]) for x in (residual, used.astype(float)))
         counted.append((float(exists.sum()), correlation_time(autocorrelation(rows, exists > 0))))
     independent = sum(count / time for count, time in counted)

@@ -23,7 +23,7 @@ class Fit(Point):
         iterations: steps taken.
         converged: whether the certificate holds: a full linear step would lower the cost by less than the tolerance;
             else only short steps lower the cost, or none.
-        late: whether it was given up because at its pace it would not have reached its goal.
+        late: whether it ended because at its pace it would not have reached its goal.
     """
 
     equations: NormalEquations

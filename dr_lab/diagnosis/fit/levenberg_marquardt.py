@@ -6,7 +6,6 @@ smoothed measurement (multiple shooting, MAP). The cost is
 All columns of the Jacobian are one batch of simulations; the states are eliminated by a Schur complement.
 """
 
-from collections import deque
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations, Room
+from dr_lab.diagnosis.fit.pace import Pace
 from dr_lab.diagnosis.fit.point import Point, better_start, window_costs
 from dr_lab.diagnosis.fit.prior import prior_precision
 from dr_lab.diagnosis.fit.replay import Replay
@@ -74,8 +74,8 @@ class Fitter:
             known: slopes at the start for the states and the first parameters, which need no simulation then.
             iterations: most steps of a rough fit, which is not gone on with; None goes on to the certificate, 0 only
                 linearises.
-            goal: a cost; a fit ends, without the certificate, where a linear step foretells that it would stay above,
-                or where at its pace it would not get there in the steps that it has left.
+            goal: a cost; a fit ends, without the certificate, where a linear step foretells that it would stay above.
+                It begins anew only once where at its pace it would not get there in the steps that it has left.
         """
         if delta is None:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
@@ -97,6 +97,7 @@ class Fitter:
         fit, left = self._descend(start, known, self.settings.iterations, goal), self.settings.restarts
         left = 0 if self._rough and self._bodies.any() else left  # a descent among bodies' bounds is dear, and goes on
         while anew := self._anew(fit, goal):
+            left = min(left, 1) if fit.late else left
             if not left:
                 return replace(fit, converged=False)
             again, left = self._descend(anew, None, self.settings.iterations, goal), left - 1
@@ -110,7 +111,7 @@ class Fitter:
     def _anew(self, fit: Fit, goal: float) -> Point | None:
         """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done."""
         predicted = fit.equations.decrease(self._movable(fit, fit.equations), self._room(fit))
-        if fit.late or self._misses(fit, predicted, goal) or (fit.converged and not fit.infeasible.any()):
+        if self._misses(fit, predicted, goal) or (fit.converged and not fit.infeasible.any()):
             return None
         start = self.begin(fit.z, fit.delta)
         returned = bool((fit.infeasible & ~start.infeasible).any())
@@ -124,16 +125,16 @@ class Fitter:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
         settings, slopes, fresh = self.settings, self._first_slopes(best, known), _ALL if known is None else _NONE
         best, weight, linear = self._linear(best, slopes)
-        first, damping, taken, converged, late = linear, settings.damping, 0, False, False
-        gains = deque[float](maxlen=settings.crawl)
+        first, damping, taken, pace = linear, settings.damping, 0, Pace(settings.crawl)
         while True:
             predicted = linear.decrease(self._movable(best, linear), self._room(best))
             least = self._tolerance.least(best)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (fresh >= self._needed or taken == 0)  # given slopes are those of the start
             short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
-            short |= len(gains) == settings.crawl and sum(gains) < least
-            late = len(gains) == settings.crawl and best.cost - sum(gains) / len(gains) * (most - taken) > goal
+            short |= pace.crawls(least)
+            late = not converged and pace.too_slow(best.cost - goal, settings.iterations - taken)
+            late &= not best.infeasible.any()
             if converged or taken >= most or (short and not done) or late or self._misses(best, predicted, goal):
                 break
             if done:
@@ -145,7 +146,7 @@ class Fitter:
             if best.cost - trial.cost < settings.hindered * predicted:
                 trial, nearby = self._mended(best, trial, slopes, weight)
             gain = best.cost - trial.cost
-            gains.append(max(gain, 0.0))
+            pace.add(gain)
             if gain >= 0:
                 near = gain <= settings.refresh * best.cost
                 damping *= settings.damping_up if share < _FAR else 1.0 / settings.damping_down

@@ -8,7 +8,8 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
-from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor
+from dr_lab.diagnosis.evidence.likelihood import less_likely
+from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported, supported_within_logs
 from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.as_special_case import reaching
@@ -156,16 +157,12 @@ def simplify(
 ) -> tuple[tuple[AddedEffect, ...], PutBack] | None:
     """Put one effect back to a special case of it: the earliest effect that is needlessly rich.
 
-    The richer effect stands in three cases:
+    The richer effect stands in two cases:
 
-    1. The windows that score support it over the poorer one, and its further parameters differ from zero beyond doubt,
-       given the scatter between logs. Where they do so even by F, which knows how few the logs are, the windows need
-       not gain alike in all logs: a log that hardly excites the parameters gains little.
-    2. It leaves noise where the poorer one leaves more, and gains enough by the likelihood of the windows.
-    3. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
+    1. The logs ask for it (`_asked_for`), and it changes more than the time step of the poorer one does
+       (`hidden_by_step`).
+    2. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
        whether one is.
-
-    In the first two cases, moreover, it must change more than the time step of the poorer one does (`hidden_by_step`).
 
     Returns:
         The steps with the poorer effect in its place, refitted, and what was put back; None where all stand.
@@ -174,30 +171,39 @@ def simplify(
     for place, step in enumerate(steps):
         for poorer in cases.of(step.effect, whole.model):
             swap = _Swap(step.effect, reaching(poorer, step.effect))
-            back = swap.put_back(bench, whole)
-            goal = np.inf if back.compatible else beyond_doubt(bench, whole)
-            simpler = swap.made(bench, base, whole, goal)
-            extra = len(step.effect.parameters) - len(poorer.parameters)
-            asked = _asked_for(simpler, whole, back, extra, bench.evidence)
-            back = replace(back, hidden=asked and hidden_by_step(bench, simpler, whole))
-            if not asked or back.hidden:
-                if _ended_early(simpler, goal):
-                    simpler = swap.made(bench, base, whole)
-                if not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):
-                    continue
-                between = (replace(s, fitted_model=swap.made(bench, base, s.fitted_model)) for s in steps[place:-1])
-                above = [*between, replace(steps[-1], fitted_model=simpler)]
-                above[0] = replace(above[0], rivals=swap.rivals(step))
-                return (*steps[:place], *above), back
+            simpler, back = _weighed(swap, bench, base, whole)
+            if back is None or not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):
+                continue
+            between = (replace(s, fitted_model=swap.made(bench, base, s.fitted_model)) for s in steps[place:-1])
+            above = [*between, replace(steps[-1], fitted_model=simpler)]
+            above[0] = replace(above[0], rivals=swap.rivals(step))
+            return (*steps[:place], *above), back
     return None
 
 
+def _weighed(swap: "_Swap", bench: Bench, base: FittedModel, whole: FittedModel) -> tuple[FittedModel, PutBack | None]:
+    """The model with the poorer effect, and what is put back; None where the logs ask for the richer effect."""
+    back, extra = swap.put_back(bench, whole), len(swap.richer.parameters) - len(swap.poorer.parameters)
+    simpler = swap.made(bench, base, whole)
+    asked = _asked_for(simpler, whole, back, extra, bench.evidence)
+    hidden = asked and hidden_by_step(bench, simpler, whole)
+    return simpler, replace(back, hidden=hidden) if hidden or not asked else None
+
+
 def _asked_for(poorer: FittedModel, richer: FittedModel, back: PutBack, extra: int, settings: EvidenceSettings) -> bool:
-    """Whether the windows that score ask for the richer of two models, which has so many parameters more."""
-    gain = paired_gain(poorer.held_out, richer.held_out, settings)
-    if alone_at_floor(richer.held_out, poorer.held_out, settings):
-        return sizeable(gain, extra, settings)
-    enough = supported_within_logs if back.certain else supported
+    """Whether the logs ask for the richer of two models, which has so many parameters more.
+
+    1. The windows that score support it, and its further parameters differ from zero beyond doubt, given the scatter
+       between logs. Where they do so even by F, which knows how few the logs are, the windows need not gain alike in
+       all logs: a log that hardly excites the parameters gains little.
+    2. It leaves noise, and the poorer one is less likely. Then it is no wrong model whose errors scatter from log to
+       log. Where the poorer one leaves noise as well, the further parameters must also differ from zero as above.
+    """
+    if at_floor(richer.held_out, settings) and less_likely(poorer, richer, extra, settings):
+        return not back.compatible or not at_floor(poorer.held_out, settings)
+    gain, enough = paired_gain(poorer.held_out, richer.held_out, settings), supported
+    if back.certain:
+        enough = supported_within_logs
     return not back.compatible and enough(gain, extra, settings)
 
 
@@ -255,13 +261,13 @@ class _Swap:
         further = dict(zip(names.values(), values, strict=True))
         return PutBack(self.richer.label, self.poorer.label, further, compatible, not uncertain)
 
-    def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel, goal: float = np.inf) -> FittedModel:
-        """The model with the poorer effect, fitted from where the richer one's fit ended; see `fit_and_score`."""
+    def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel) -> FittedModel:
+        """The model with the poorer effect, fitted from where the richer one's fit ended."""
         added = fitted_model.model.effects[len(base.model.effects) :]
         swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
         model = functools.reduce(Model.with_effect, swapped, base.model)
         starts, delta = self._starts(model.space, fitted_model.values()), fitted_model.fit.delta
-        found = (fit_and_score(bench, model, z, delta, goal) for z in starts)
+        found = (fit_and_score(bench, model, z, delta) for z in starts)
         return min(found, key=lambda each: each.fit.order)
 
     def _starts(self, space: ContextSpace, values: Mapping[str, float]) -> Sequence[Array]:

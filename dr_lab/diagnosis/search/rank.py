@@ -45,7 +45,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
     """Rank candidates beside a fitted model; `done` is told each label.
 
     1. Each is linearised at absent and at its further starts, on a part of the windows (`Bench.screening`).
-    2. Those that promise enough are fitted there, half of them with a single parameter. If these gain less than
+    2. Those that promise enough are fitted there, half of them with a single parameter, the most promising one first:
+       others are given up where they are foretold to stay behind it beyond doubt. If these gain less than
        promised, a second wave is fitted of those that promise about as much as the first gained. In the end those that
        hold the best one as a special case are, too: other kinds may have crowded out what it is a limit of.
     3. The best one and those that it does not beat there are fitted to all windows and scored on the held-out ones,
@@ -118,7 +119,7 @@ class _Contest:
         cases = self._special_cases(wave, sorted({*wave, *found}))
         fits, placed = self.fits, self.placed
         alone = [k for k in wave if k not in cases]
-        if alone:  # what the most promising one leaves tells which others are worth their end
+        if alone and not found:  # what the most promising one leaves tells which others are worth their end
             first = max(alone, key=lambda k: looks[k].gain)
             self._do([first], lambda k: self._told(fits.fitted(placed[k], looks[k])), found)
             alone.remove(first)

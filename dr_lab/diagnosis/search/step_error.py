@@ -12,24 +12,25 @@ _PARTS = 2
 
 
 def hidden_by_step(bench: Bench, poorer: FittedModel, richer: FittedModel) -> bool:
-    """Whether a richer law changes the poorer one's readings by no more than the time step does.
+    """Whether the time step does at least half of what a richer law changes.
 
-    Σ (r − r')² ≤ Σ e² over the windows that score, r and r' being residuals of the two, and e the error of the poorer
-    one's step (`_step_error`).
+    c·e ≥ c·c / 2 over the windows that score and that both simulate, c = r − r' being the difference of the two
+    models' residuals, and e the error of the poorer one's step (`_step_error`): so the step explains half of c, if not
+    more, the way that c goes. What the step does besides, parameters may take up.
     """
     replay = Replay(poorer.model, bench.held_out, bench.threads)
     error, diverged = _step_error(replay, poorer, bench)
     used = replay.scored & ~(diverged | poorer.states.infeasible | richer.states.infeasible)[:, None]
-    change = poorer.states.residuals - richer.states.residuals
-    return bool(np.square(change[used]).sum() <= np.square(error[used]).sum())
+    change, error = (poorer.states.residuals - richer.states.residuals)[used], error[used]
+    return bool(used.any() and change @ error >= change @ change / 2)
 
 
 def _step_error(replay: Replay, fitted_model: FittedModel, bench: Bench) -> tuple[Array, Mask]:
     """Error of the step h in residuals (w, m), without what other starts take up; and which windows diverge (w,).
 
     A force that jumps, as dry friction does, leaves an error that falls as h does. So two halves tell all of it:
-    2 (r(h) − r(h/2)). What the starts take up is, to first order, S (SᵀS + P)⁻¹ Sᵀ of it, S being the slopes of the
-    fitted residuals by the states, P the precision of their prior.
+    2 (r(h) − r(h/2)), which is too much where it falls faster. What the starts take up is, to first order,
+    S (SᵀS + P)⁻¹ Sᵀ of it, S being the slopes of the fitted residuals by the states, P the precision of their prior.
 
     Source: Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, 1993, section II.4 (extrapolation).
     """

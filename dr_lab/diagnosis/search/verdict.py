@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from math import isnan
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
-from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, at_floor, noise_floor
+from dr_lab.diagnosis.evidence.likelihood import less_likely
+from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, sizeable, supported, worth_a_trial
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -186,33 +187,8 @@ def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candi
 
 
 def _less_likely(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
-    """Whether all logs together make a candidate less likely than another one.
-
-    1. A richer effect displaces a poorer one if it is more likely on the fitted and on the held-out logs. An effect
-       that holds the truth gains on both; a fit that ended early, or a start that was not found, shows on one of them.
-    2. Any other effect displaces one if it is more likely on both kinds of logs together.
-    3. An effect that leaves noise displaces one that leaves more if window by window it is more likely on all together.
-    """
-    excess, extra = _excess(candidate, other), len(other.effect.parameters) - len(candidate.effect.parameters)
-    if (min(excess) if extra > 0 else sum(excess)) > settings.threshold + settings.penalty * extra:
-        return True
-    scores = candidate.fitted_model.held_out, other.fitted_model.held_out
-    alone = alone_at_floor(scores[1], scores[0], settings)
-    return alone and sizeable(paired_gain(*scores, settings), extra, settings)
-
-
-def _excess(candidate: Candidate, other: Candidate) -> tuple[float, ...]:
-    """How much larger a candidate's χ² is than another one's: on the held-out logs, and on the fitted ones.
-
-    Only windows that both simulate count. The unit is the noise that the other one leaves, per independent residual.
-    Without held-out logs the scored ones are the fitted ones, which then count once.
-    """
-    ours, theirs = candidate.fitted_model.held_out, other.fitted_model.held_out
-    both = (ours.window_count > 0) & (theirs.window_count > 0)
-    unit = max(theirs.chi2, 1.0) * theirs.colour
-    held_out = float((ours.window_sum - theirs.window_sum)[both].sum()) / unit
-    fitted = other.fitted_model.fit.below(candidate.fitted_model.fit) / unit
-    return (held_out, fitted) if candidate.fitted_model.apart else (held_out,)
+    extra = len(other.effect.parameters) - len(candidate.effect.parameters)
+    return less_likely(candidate.fitted_model, other.fitted_model, extra, settings)
 
 
 def _nearness(candidate: Candidate) -> tuple[int, float]:

@@ -11,7 +11,8 @@ from dr_lab.diagnosis.windows.windows import Windows
 def finer(windows: Windows, parts: int) -> Windows:
     """The same windows at a step of which `parts` make one; over these, commands and the motion before are held.
 
-    So only the integration differs: every part of a step sees what the whole step saw.
+    Every part of a step sees what the whole step saw, so that only the integration differs; a delay that interpolates
+    between steps reads a command or a reading up to half a step later.
     """
     before, missing = windows.before, windows.unlogged
     held = (np.repeat(each, parts, axis=1) for each in (before.qpos, before.qvel, before.controls))

@@ -34,4 +34,20 @@ def test_noise_of_one_channel_is_no_excuse_for_another() -> None:
     channels = {"a": one.channels["hinge.position"], "b": other.channels["hinge.position"]}
     sums, counts = (one.window_sum + other.window_sum, one.window_count + other.window_count)
     both = Score(12.0, {}, {}, {}, sums, counts, one.log, 0, channels)
-    assert both.noise == pytest.approx((19.0 + 1.0) / 2)
+    np.testing.assert_allclose(both.window_noise, (19.0 + 1.0) * COUNT)
+
+
+@pytest.mark.parametrize("freedom", [2, 8, 30])
+def test_scatter_between_windows_makes_no_gap_of_a_trifle(freedom: int) -> None:
+    """One channel is instruments' noise, another one comes down from 2 to 1.9: all windows differ by chance."""
+    rng = np.random.default_rng(freedom)
+    coloured, white = (rng.chisquare(freedom, WINDOWS) / freedom * COUNT for _ in range(2))
+
+    def model(left: float) -> Score:
+        sums, counts = np.stack([19 * coloured, left * white]), np.full(WINDOWS, COUNT)
+        channels = {n: ChannelScore(s, counts, 1.0, n == "a") for n, s in zip("ab", sums, strict=True)}
+        both, log = sums.sum(0), np.arange(WINDOWS) // 5
+        return Score(float(both.mean() / 2 / COUNT), {}, {}, {}, both, 2 * counts, log, 0, channels)
+
+    assert paired_gain(model(2.0), model(1.9), SETTINGS).gap < 0.25
+    assert paired_gain(model(1.9), model(2.0), SETTINGS).gap <= 0.0

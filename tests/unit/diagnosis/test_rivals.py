@@ -84,6 +84,18 @@ def test_a_richer_effect_that_alone_leaves_noise_stands_although_windows_gain_un
     assert decide(base, ranking, SETTINGS).effects == (f"{'stribeck' if rich else 'coulomb'}_friction@rail",)
 
 
+def test_a_richer_effect_that_diverges_in_some_windows_displaces_none() -> None:
+    """It leaves noise in all windows but the two that it cannot simulate."""
+    base, best, lost = model(20.0), score(1.0), np.arange(WINDOWS) < 2
+    sums, counts = (np.where(lost, 0.0, each) for each in (best.window_sum, best.window_count))
+    part = replace(best, window_sum=sums, window_count=counts, chi2=float(sums.sum() / counts.sum()), infeasible=2)
+    ranking = [
+        candidate(base, "stribeck_friction", part, CLEAR, 9000.0),
+        candidate(base, "coulomb_friction", score(3.0), CLEAR, 9000.0),
+    ]
+    assert decide(base, ranking, SETTINGS).effects == ("coulomb_friction@rail",)
+
+
 def test_above_the_noise_floor_the_fitted_logs_do_not_decide() -> None:
     assert rivals(2.0, 500.0).kind == "equivalent"
 

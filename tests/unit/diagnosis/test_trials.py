@@ -168,6 +168,21 @@ def test_a_richer_effect_stands_if_the_scatter_between_logs_lets_it_or_noise_is_
     assert [back.compatible for back in climbed.put_back] == ([True] if stays is SIMPLE else [])
 
 
+def test_a_richer_effect_that_changes_no_more_than_the_time_step_is_put_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        return np.repeat(1.0 if SKEW in effects else 3.0 if SIMPLE in effects else 20.0, BLOCKS)
+
+    machine = Machine((SIMPLE, SKEW), left, {ASYMMETRY: (0.2, 0.01)})
+    prepare(machine, monkeypatch)
+    steps, cases = (AddedEffect(machine.explain((SKEW,)), ()),), SpecialCases({}, NOTHING, NOTHING)
+    assert pruning.simplify(Deletions(BENCH), machine.explain(()), steps, cases) is None
+    monkeypatch.setattr(pruning, "hidden_by_step", lambda *_: True)
+    found = pruning.simplify(Deletions(BENCH), machine.explain(()), steps, cases)
+    assert found is not None
+    assert [step.effect.label for step in found[0]] == [SIMPLE.label]
+    assert found[1].hidden
+
+
 class Uneven(Machine):
     """A machine whose five held-out logs ask for the richer effect unequally; in the last window it does harm."""
 
