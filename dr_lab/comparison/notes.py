@@ -156,7 +156,7 @@ def put_back(found: Sequence[PutBack]) -> list[NoteEntry]:
 def _put_back(one: PutBack) -> str:
     values = ", ".join(f"{name} {value:.2g} ± {std:.2g}" for name, (value, std) in one.further.items())
     held = "are compatible with nothing" if one.compatible else "explain no more of the logs that score, beyond doubt"
-    held = "change no more than the time step does; a finer one in the MJCF would tell" if one.hidden else held
+    held = "change little beside what the time step does; a finer one in the MJCF would tell" if one.hidden else held
     return f"{one.richer} was put back to {one.poorer}: its further parameters {held} ({values})."
 
 

@@ -99,8 +99,7 @@ class SolverSettings:
     Attributes:
         iterations: accepted or rejected steps after which a descent begins anew; not where a fit ends.
         crawl: the same number of steps in a row that together lower the cost by less than the tolerance.
-        tolerance: a fit has converged when a full linear step would lower the cost by less than this share; of coloured
-            residuals by as many times more as one independent one stands for, up to `rough_tolerance`.
+        tolerance: a fit has converged when a full linear step would lower the cost by less than this share.
         state_tolerance: the states of a window alone are found when a step lowers its cost by less than this share.
         rough_tolerance: the same as `tolerance` for fits that only decide which candidates are fitted again.
         refresh: share of the cost that a step must gain for the slopes by the start states to be taken anew.

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.evidence.colour import instrumental
-from dr_lab.diagnosis.fit.autocorrelation import autocorrelation, correlation_time
+from dr_lab.diagnosis.evidence.colour import autocorrelation, correlation_time, instrumental
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit

@@ -19,7 +19,6 @@ from dr_lab.diagnosis.fit.prior import prior_precision
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes, around, differences
 from dr_lab.diagnosis.fit.states import polished
-from dr_lab.diagnosis.fit.tolerance import Tolerance
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.physics.straight import Straight
 from dr_lab.trajectory import Array
@@ -36,14 +35,14 @@ class Fitter:
     Args:
         replay: windows and model.
         settings: step sizes and stopping rule.
-        rough: whether the fits only decide which candidates are fitted again: then a descent that crawls on in steps
-            that gain less than the (rough) tolerance ends.
+        rough: whether the fits only decide which candidates are fitted again: then their tolerance is
+            `settings.rough_tolerance`, and a descent that crawls on in steps that gain less than this share ends.
     """
 
     def __init__(self, replay: Replay, settings: SolverSettings, *, rough: bool = False) -> None:
-        self.replay, self.settings, self._rough = replay, settings, rough
-        self._tolerance = Tolerance(replay, settings, rough=rough)
-        self.space = replay.model.space
+        self.replay, self._rough, self.space = replay, rough, replay.model.space
+        self.settings = replace(settings, tolerance=settings.rough_tolerance) if rough else settings
+        self._noise = float(replay.fitted.sum())  # the cost that noise alone leaves
         self._columns = np.arange(len(self.space.parameters))
         self._precision = replay.windows.prior.std**-2.0
         self._prior_precision = prior_precision(self.space, settings)
@@ -63,10 +62,10 @@ class Fitter:
         """Fit from a start until the certificate of convergence holds.
 
         The certificate is that a full linear step within the bounds, with fresh slopes by the parameters, would lower
-        the cost by less than `Tolerance.least`. A descent that ends without it, because only steps shorter and shorter
-        help or because it crawls, begins anew from its end, with states taken anew and slopes too, as long as that
-        gains. Windows that diverge at the start are left out; those that the result can simulate come back. Either
-        happens `settings.restarts` times at most.
+        the cost by less than `settings.tolerance` of it. A descent that ends without it, because only steps shorter
+        and shorter help or because it crawls, begins anew from its end, with states and slopes taken anew, as long as
+        that gains. Windows that diverge at the start are left out; those that the result can simulate come back.
+        Either happens `settings.restarts` times at most.
 
         Args:
             z: start, shape (n,).
@@ -102,7 +101,7 @@ class Fitter:
                 return replace(fit, converged=False)
             again, left = self._descend(anew, None, self.settings.iterations, goal), left - 1
             taken = fit.iterations + again.iterations
-            gains = again.below(fit) > self._tolerance.least(fit)
+            gains = again.below(fit) > self.settings.tolerance * fit.cost
             if not (again.infeasible.sum() < fit.infeasible.sum() or gains):
                 return replace(fit, iterations=taken)
             fit = replace(again, first=fit.first, iterations=taken)
@@ -128,13 +127,13 @@ class Fitter:
         first, damping, taken, pace = linear, settings.damping, 0, Pace(settings.crawl)
         while True:
             predicted = linear.decrease(self._movable(best, linear), self._room(best))
-            least = self._tolerance.least(best)
+            least = settings.tolerance * max(best.cost, self._noise)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (fresh >= self._needed or taken == 0)  # given slopes are those of the start
             short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
             short |= pace.crawls(least)
-            late = not converged and pace.too_slow(best.cost - goal, settings.iterations - taken)
-            late &= not best.infeasible.any()
+            late = pace.too_slow(best.cost - goal, settings.iterations - taken)
+            late &= not (converged or best.infeasible.any())
             if converged or taken >= most or (short and not done) or late or self._misses(best, predicted, goal):
                 break
             if done:

@@ -39,7 +39,7 @@ class PutBack:
         compatible: whether these are compatible with zero, given the scatter between logs. Otherwise the effect was put
             back because the logs that score do not ask for them.
         certain: whether they differ from zero beyond doubt although few logs show their scatter badly.
-        hidden: whether what they change is no more than what the time step of the model does.
+        hidden: whether the time step of the model does much of what they change.
     """
 
     richer: str
@@ -159,7 +159,7 @@ def simplify(
 
     The richer effect stands in two cases:
 
-    1. The logs ask for it (`_asked_for`), and it changes more than the time step of the poorer one does
+    1. The logs ask for it (`_asked_for`), and the time step of the poorer one does little of what it changes
        (`hidden_by_step`).
     2. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
        whether one is.

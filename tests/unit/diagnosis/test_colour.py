@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfilt
 
-from dr_lab.diagnosis.evidence.colour import instrumental
-from dr_lab.diagnosis.fit.autocorrelation import autocorrelation, colour, correlation_time, variance_time
+from dr_lab.diagnosis.evidence.colour import autocorrelation, correlation_time, instrumental, variance_time
 from dr_lab.trajectory import Array
 
 WINDOWS, SAMPLES, STEP = 24, 150, 0.002  # 0.3 s each
@@ -58,14 +57,6 @@ def test_the_correlation_time_is_that_of_the_process(time: float) -> None:
 def test_white_noise_has_no_colour() -> None:
     rows = random(0).standard_normal((WINDOWS, SAMPLES))
     assert correlation_time(autocorrelation(rows, every(rows))) == pytest.approx(1.0, abs=0.2)
-
-
-def test_the_colour_of_channels_is_that_of_all_their_residuals_together() -> None:
-    """2 n residuals, n white and n of which 4 tell as much as one: n + n/4 are independent. Axes are windows apart."""
-    white, slow = random(0).standard_normal((60, 400, 2)), np.repeat(random(1).standard_normal((60, 200, 1)), 4, axis=1)
-    one, both = ([(x, every(x)) for x in channels] for channels in ((white,), (white, slow)))
-    assert colour(one) == pytest.approx(1.0, abs=0.1)
-    assert colour(both) == pytest.approx(2 / (1 + 1 / 4), rel=0.1)
 
 
 def test_samples_that_do_not_exist_have_no_say() -> None:

@@ -13,15 +13,13 @@ from dr_lab.diagnosis.windows.blocks import blocks, logs
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 
-STRICT = solver_settings(rough_tolerance=1e-5)  # to the optimum, whatever the colour of the residuals
-
 
 def fitted(model: Model, masses: list[float], seconds: float = 2.0) -> tuple[Windows, Fit]:
     recorded = [
         swinging(f"log_{k}", model.compile(np.array([mass, 0.08])), k, seconds=seconds) for k, mass in enumerate(masses)
     ]
     windows = windows_of(model, recorded)
-    return windows, Fitter(Replay(model, windows, 1), STRICT).run(model.space.nominal)
+    return windows, Fitter(Replay(model, windows, 1), solver_settings()).run(model.space.nominal)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +33,7 @@ def test_windows_are_foretold_as_a_fit_to_all_others_foretells_them(masses: list
     parts = blocks(windows.log, settings.block, settings.least_blocks) if len(masses) == 2 else logs(windows.log)
     rows = parts[place]
     rest = windows.pick(np.setdiff1d(np.arange(len(windows)), rows))
-    others = Fitter(Replay(model, rest, 1), STRICT).run(fit.z)
+    others = Fitter(Replay(model, rest, 1), solver_settings()).run(fit.z)
     _, alone = fit_states(model, others.z, windows.pick(rows), solver_settings(), 1)
     foretold = left_out(Replay(model, windows, 1), fit, solver_settings(), settings).residuals[rows]
     ours, theirs, seen = (float(np.square(r).sum()) for r in (foretold, alone.residuals, fit.residuals[rows]))

@@ -265,4 +265,4 @@ def test_a_report_tells_what_was_put_back_and_why() -> None:
         "nothing (asymmetry 0.0004 ± 0.0054)."
     )
     assert "explain no more" in other
-    assert "change no more than the time step does" in coarse
+    assert "change little beside what the time step does" in coarse
