@@ -27,9 +27,9 @@ class Gain:
             of fitted ones as fits to the others foretell them; χ² of a typical window is exp(mean ln(1 + χ²_w)) − 1.
         low: lower end of its interval.
         high: upper end.
-        error: share of the worse model's χ² that is more than noise, in a typical one of these windows; noise is a χ²
-            of 1, or all that the better model leaves in a channel if that is the instruments' own.
-        gap: share of the worse model's χ² above noise that the better one closes in a typical window that scores.
+        error: share of the worse model's χ² that is more than noise, in a typical one of these windows.
+        gap: share of the worse model's χ² above the noise floor of 1 that the better one closes in a typical window of
+            those that score; 1 where the worse one is at the floor.
         channels: that share by channel.
         place: the channel in which the evidence of the windows that score is most.
         total: Σ (D worse − D better) over channels and windows, those that score and those that were fitted, these as
@@ -42,7 +42,8 @@ class Gain:
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
         blocks_low: as `total_low`, by the scatter between blocks alone, whatever that between logs is.
         wins: share of the windows that score in which the χ² is lower.
-        clear: whether each of these gains, no window diverges that did not, and the worse model is above the floor.
+        clear: whether each of these gains, no window diverges that did not, and the worse model is above the noise
+            floor.
     """
 
     share: float
@@ -87,19 +88,19 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     drawn, n = resampled(every.rows, every.log, settings), block_count(every.log, settings)
     share = float(_removed(every.rows.sum(1)))
     low, high = interval(share, _removed(drawn), n, (1 - settings.confidence) / 2, settings)
-    total_low, trial_low, blocks_low = _bounds(every, drawn[3], (worse, better), settings)
+    bounds = _bounds(every, drawn[3], (worse, better), settings)
     return Gain(
         share=share,
         low=low,
         high=float(np.minimum(high, 1.0)),
-        error=_error(every.rows.sum(1)),
-        gap=_gap(theirs, ours, worse.window_count[both], better.window_noise[both]),
+        error=max(1 - 1 / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
+        gap=_gap(theirs, ours, worse.window_count[both]),
         channels={name: found[1] for name, found in each.items()},
         place=max(each, key=lambda name: float(each[name][0].sum())),
         total=float(every.rows[3].sum()),
-        total_low=total_low,
-        trial_low=trial_low,
-        blocks_low=blocks_low,
+        total_low=bounds.total,
+        trial_low=bounds.trial,
+        blocks_low=bounds.blocks,
         wins=float((theirs > ours).mean()),
         clear=bool((theirs > ours).all() and not _diverges(worse, better) and not at_floor(worse, settings)),
     )
@@ -117,8 +118,7 @@ class _Every(NamedTuple):
     """All windows, those that score before those that were fitted.
 
     Attributes:
-        rows: n ln(1 + χ²) of the worse and the better model, n, the evidence, and n ln(1 + χ²) of noise alone, of each
-            window, shape (5, w).
+        rows: Σ n ln(1 + χ²) of the worse and the better model, n and the evidence of each window, shape (4, w).
         log: index of each window's log, shape (w,).
     """
 
@@ -138,18 +138,21 @@ def _everywhere(evidence: Array, worse: Score, better: Score, both: NDArray[np.b
     return _Every(rows, np.append(log, before.log[known] + log.max(initial=0) + 1))
 
 
-def _bounds(
-    every: _Every, drawn: Array, scores: tuple[Score, Score], settings: EvidenceSettings
-) -> tuple[float, float, float]:
-    """Lower bounds of the evidence: of all, of a trial, and of all by the scatter between blocks alone.
+class _Bounds(NamedTuple):
+    """Lower bounds of the evidence: of all, of a trial, and of all by the scatter between blocks alone."""
 
-    They are −∞ where the better model lets windows diverge that the worse one simulates.
-    """
+    total: float
+    trial: float
+    blocks: float
+
+
+def _bounds(every: _Every, drawn: Array, scores: tuple[Score, Score], settings: EvidenceSettings) -> _Bounds:
+    """The bounds; −∞ where the better model lets windows diverge that the worse one simulates."""
     if _diverges(*scores):
-        return -np.inf, -np.inf, -np.inf
+        return _Bounds(-np.inf, -np.inf, -np.inf)
     blocks, total = _lowest(every, drawn, 1 - settings.confidence, scores, settings)
     _, trial = _lowest(every, drawn, 1 - settings.trial_confidence, scores, settings)
-    return total, trial, blocks
+    return _Bounds(total, trial, blocks)
 
 
 def _lowest(
@@ -186,26 +189,19 @@ def _loss(worse: Score, better: Score, tail: float) -> float:
 
 
 def _rows(evidence: Array, worse: Score, better: Score, both: NDArray[np.bool_]) -> Array:
-    count, sums = worse.window_count[both], (worse.window_sum, better.window_sum, better.window_noise)
-    theirs, ours, noise = (_logs(each[both], count) for each in sums)
-    return np.stack([theirs, ours, count, evidence, noise])
+    count = worse.window_count[both]
+    return np.stack([*(_logs(score.window_sum[both], count) for score in (worse, better)), count, evidence])
 
 
 def _removed(sums: Array) -> Array:
     """Share of a typical window's χ² that the better model removes, from sums of rows of `_Every`."""
-    before, after, _ = _typical_of(sums)
+    before, after = _typical_of(sums)
     return 1 - after / np.maximum(before, _LEAST)
 
 
-def _error(sums: Array) -> float:
-    """Share of the worse model's χ² in a typical window that is more than noise, from sums of rows of `_Every`."""
-    before, _, noise = _typical_of(sums)
-    return float(np.maximum(1 - noise / np.maximum(before, _LEAST), 0.0))
-
-
 def _typical_of(sums: Array) -> Array:
-    """χ² of both models and of the noise in a typical window, from sums of rows of `_Every`."""
-    return np.expm1(sums[[0, 1, 4]] / np.maximum(sums[2], _LEAST))
+    """χ² of both models in a typical window, from sums of rows of `_Every`."""
+    return np.expm1(sums[:2] / np.maximum(sums[2], _LEAST))
 
 
 def block_count(log: Indices, settings: EvidenceSettings) -> int:
@@ -229,14 +225,13 @@ def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.boo
     """
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     least = better if better.chi2 <= worse.chi2 else worse
-    gap = _gap(theirs, ours, count, better.window_noise[both])
-    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, gap
+    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, _gap(theirs, ours, count)
 
 
-def _gap(worse: Array, better: Array, count: Array, noise: Array) -> float:
-    """Share of a typical window's χ² above the noise's that the better model removes, from the sums of squares."""
-    before, after, least = (_typical(sums, count) for sums in (worse, better, noise))
-    return min((before - after) / (before - least), 1.0) if before > least else float(after <= before)
+def _gap(worse: Array, better: Array, count: Array) -> float:
+    """Share of the gap of a typical window that closes, from the sums of its squares."""
+    before, after = _typical(worse, count), _typical(better, count)
+    return min((before - after) / (before - 1), 1.0) if before > 1 else 1.0
 
 
 def _deviance(sums: Array, count: Array) -> Array:

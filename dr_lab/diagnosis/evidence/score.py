@@ -39,11 +39,6 @@ class ChannelScore:
         """Σ residual² over the degrees of freedom; 0 where there are none."""
         return float(self.window_sum.sum() / max(self.window_count.sum(), 1.0))
 
-    @property
-    def window_noise(self) -> Array:
-        """Σ residual² that the instruments alone leave in each window: its count, or all of it if `instrumental`."""
-        return self.window_sum if self.instrumental else self.window_count
-
 
 @dataclass(frozen=True)
 class Score:
@@ -83,12 +78,6 @@ class Score:
         """Residuals that tell as much as one independent one does, over all channels."""
         independent = sum(float(c.window_count.sum()) / c.colour for c in self.channels.values())
         return self.freedom / independent if independent > 0 else 1.0
-
-    @property
-    def window_noise(self) -> Array:
-        """Σ residual² that the instruments alone leave in each window, over all channels, shape (w,)."""
-        each = [channel.window_noise for channel in self.channels.values()]
-        return np.sum(each, axis=0) if each else self.window_count
 
     @property
     def freedom(self) -> float:

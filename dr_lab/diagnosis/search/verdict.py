@@ -57,8 +57,7 @@ def decide(
         settings: when a gain counts.
         scored: the logs that the scores are from, in words.
     """
-    # Far above the noise floor many effects help a little.
-    helpful = [c for c in ranking if c.final and c.resolved and largest_gap(c.gain) >= settings.least_explained]
+    helpful = [c for c in ranking if c.final and c.resolved and _explains_enough(c, settings)]
     group = _inseparable([c for c in helpful if _passes(supported, c, settings)], settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}
@@ -68,6 +67,17 @@ def decide(
     trial = _inseparable(doubtful, settings)
     reason = _reason(kind, base, group, status, settings, scored) + _prospect(trial, settings)
     return Verdict(kind, labels, status, tuple(c.effect.label for c in trial), absorbed, reason)
+
+
+def _explains_enough(candidate: Candidate, settings: EvidenceSettings) -> bool:
+    """Whether a candidate explains a fair part of the gap: far above the noise floor many effects help a little.
+
+    Coloured noise of the instruments is no gap, of which an effect could explain a part. Where nothing else is left in
+    the channel with the most evidence, the evidence decides alone.
+    """
+    channel = candidate.fitted_model.held_out.channels.get(candidate.gain.place)
+    coloured = channel is not None and channel.instrumental and channel.chi2 > settings.floor
+    return coloured or largest_gap(candidate.gain) >= settings.least_explained
 
 
 def _passes(

@@ -1,5 +1,7 @@
 """The verdict on rankings of which only the scores are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pretended_rankings import (
@@ -17,7 +19,7 @@ from pretended_rankings import (
     wild,
 )
 
-from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
@@ -82,6 +84,18 @@ def test_what_leaves_only_noise_is_named_however_small_the_gap_was() -> None:
     ladder = Ladder((), base, (AddedEffect(last, ()),))
     assert ladder.closed(SETTINGS) < SETTINGS.least_named
     assert ladder.verdict(SETTINGS) == "named"
+
+
+@pytest.mark.parametrize(("noise", "kind"), [(False, "unexplained"), (True, "named")])
+def test_what_leaves_coloured_noise_of_the_instruments_need_not_explain_a_part_of_it(noise: bool, kind: str) -> None:
+    """A χ² of 20 falls to 17, of which an effect could take nothing more away if that is noise."""
+    base, left = model(with_channel(score(20.0), noise=False)), with_channel(score(17.0), noise=noise)
+    assert decide(base, [candidate(base, "coulomb_friction", left, CLEAR)], SETTINGS).kind == kind
+
+
+def with_channel(whole: Score, *, noise: bool) -> Score:
+    channel = ChannelScore(whole.window_sum, whole.window_count, 1.0, instrumental=noise)
+    return replace(whole, channels={"rail.position": channel})
 
 
 def test_the_first_step_is_what_the_first_rung_names() -> None:
