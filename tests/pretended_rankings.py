@@ -60,7 +60,7 @@ def candidate(
     fitted_model = model(level, cost)
     gain = paired_gain(base.held_out, fitted_model.held_out, SETTINGS)
     site = "drive" if name in ("actuator_delay", "saturation", "torque_scale") else "rail"
-    return Candidate(placed(block(), name, site), fitted_model, gain, known, predicted=1.0)
+    return Candidate(placed(block(), name, site), fitted_model, gain, known, 1.0, cast(Any, None))
 
 
 def judged(level: float | Score, *levels: tuple[str, float | Score], **known: Identifiability) -> Verdict:

@@ -91,7 +91,7 @@ def candidate(base: FittedModel, found: FittedModel) -> Candidate:
     """One whose place the free parameters can take, once there is an effect."""
     gain = paired_gain(base.held_out, found.held_out, SETTINGS)
     known = Identifiability(alone=1e6, beside=1.0) if effects_of(base) else Identifiability(alone=1e4, beside=1e3)
-    return Candidate(effects_of(found)[-1], found, gain, known, 1.0)
+    return Candidate(effects_of(found)[-1], found, gain, known, 1.0, cast(Any, None))
 
 
 def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Ladder:

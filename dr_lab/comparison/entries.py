@@ -219,9 +219,8 @@ def _own(candidate: Candidate, study: Study) -> Parameters:
     """The effect's fitted parameters; none where it was not fitted."""
     if not candidate.fitted:
         return {}
-    fitted_model, bench = candidate.fitted_model, study.bench
-    windows = bench.fit if candidate.final else bench.screening().fit
-    table = _marked(estimate(fitted_model.model.space, fitted_model.fit, windows, bench.evidence))
+    fitted_model, evidence = candidate.fitted_model, study.bench.evidence
+    table = _marked(estimate(fitted_model.model.space, fitted_model.fit, candidate.windows, evidence))
     return {p.name: table[p.name] for p in candidate.effect.parameters}
 
 

@@ -101,13 +101,21 @@ class Bench:
         """Evidence on the fit windows that a linear step must promise."""
         return self.evidence.least_hope * self.evidence.threshold
 
-    @property
-    def screened(self) -> Rows:
-        """Fit windows on which candidates are looked at and tried, evenly spread over logs with and without a load."""
+    def screened(self, base: Fit | None = None) -> Rows:
+        """Fit windows on which candidates are looked at and tried.
+
+        They are spread evenly over the windows, in order of the cost that a model leaves in each, the worst one among
+        them; without a model in order of time. So an effect is seen that acts in few windows, as an end stop does. Logs
+        with a load and without it have their shares.
+
+        Args:
+            base: the model's fit to all windows.
+        """
         count = len(self.fit)
         asked = round(self.evidence.screen_seconds / self.fit.length)
         most = min(count, max(asked, self.evidence.screen_windows))
-        every = np.argsort(self.fit.loaded, kind="stable")
+        left = np.zeros(count) if base is None else base.window_costs
+        every = np.lexsort((left, self.fit.loaded))
         return np.unique(every[np.linspace(0, count - 1, most).round().astype(np.intp)])
 
     def promise(self, gain: float, base: Fit, extra: int = 0) -> float:
@@ -144,9 +152,10 @@ class Bench:
         share = cast(float, brentq(lambda share: self._evidence(share, level) - self.hope, 0.0, _MOST))
         return base.cost * (1 - share)
 
-    def screening(self) -> "Bench":
-        """The bench with fewer windows to fit; itself where there are no more."""
-        return self if len(self.screened) == len(self.fit) else replace(self, fit=self.fit.pick(self.screened))
+    def screening(self, base: Fit | None = None) -> "Bench":
+        """The bench with the windows of `screened` to fit; itself where there are no more."""
+        rows = self.screened(base)
+        return self if len(rows) == len(self.fit) else replace(self, fit=self.fit.pick(rows))
 
 
 def fit_and_score(
@@ -163,7 +172,7 @@ def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None,
         return Fitter(replay, bench.solver).run(start, delta, goal=goal)
     part = Fitter(Replay(model, few.fit, bench.threads), bench.solver, rough=True).run(start)
     states = np.zeros((len(bench.fit), replay.nstate))
-    states[bench.screened] = part.delta
+    states[bench.screened()] = part.delta
     fitter = Fitter(replay, bench.solver)
     return fitter.rerun(fitter.begin(part.z, states), goal)
 

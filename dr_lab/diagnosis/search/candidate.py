@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain
 from dr_lab.diagnosis.fit.identifiability import Identifiability
+from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.effects.effect import PlacedEffect
 
 
@@ -19,6 +20,7 @@ class Candidate:
         gain: paired gain over the model without it, on the windows that score it.
         identifiability: what the data can say of it.
         predicted: share of the cost on the fit windows that a linear step could remove.
+        windows: to which it was fitted, all of the fit windows or a part of them.
         fitted: whether the effect was fitted; else it stayed absent, as its prediction was too small.
         final: whether it was fitted to all windows; else another candidate had beaten it on a part of them, or
             explained as much with fewer parameters.
@@ -31,6 +33,7 @@ class Candidate:
     gain: Gain
     identifiability: Identifiability
     predicted: float
+    windows: Windows
     fitted: bool = True
     final: bool = True
     resolved: bool = True

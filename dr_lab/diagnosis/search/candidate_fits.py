@@ -42,7 +42,7 @@ class CandidateFits:
     def __init__(self, bench: Bench, base: FittedModel) -> None:
         self.bench, self.base = bench, base
         self.stop = Event()
-        self.thin = bench.screening()
+        self.thin = bench.screening(base.fit)
         self.start = base.fit if self.whole else self._thinned()
         self._ground = base if self.whole else fitted_alone(self._replay(self.thin), self.start)
 
@@ -190,7 +190,7 @@ class CandidateFits:
     def _gone_on(self, fitter: Fitter, candidate: Candidate, goal: float) -> Fit:
         """A fit to all windows from where that to few of them ended."""
         fit, delta = candidate.fitted_model.fit, self.base.fit.delta.copy()
-        delta[self.bench.screened] = fit.delta
+        delta[self.bench.screened(self.base.fit)] = fit.delta
         return fitter.rerun(fitter.begin(fit.z, delta), goal)
 
     def _absent(self, fitter: Fitter, effect: PlacedEffect) -> Fit:
@@ -225,7 +225,7 @@ class CandidateFits:
         return fitter.rerun(fitter.begin(fit.z[: len(self.base.fit.z)], fit.delta), self.base.fit.cost)
 
     def _thinned(self) -> Fit:
-        part = self.base.fit.pick(self.bench.screened)
+        part = self.base.fit.pick(self.bench.screened(self.base.fit))
         return Fitter(self._replay(self.thin), self.bench.solver).run(part.z, part.delta, part.slopes)
 
     def _further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool] | None:
@@ -245,20 +245,21 @@ class CandidateFits:
     def _rough_candidate(self, fitter: Fitter, effect: PlacedEffect, fit: Fit, first: FirstLook) -> Candidate:
         fitted_model = fitted_alone(fitter.replay, fit)
         gain = paired_gain(self._ground.held_out, fitted_model.held_out, self.bench.evidence)
-        return Candidate(effect, fitted_model, gain, first.identifiability, first.gain / self.start.cost, final=False)
+        predicted, seen = first.gain / self.start.cost, self.thin.fit
+        return Candidate(effect, fitted_model, gain, first.identifiability, predicted, seen, final=False)
 
     def _candidate(self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float) -> Candidate:
         model = self.base.model.with_effect(effect)
         fitted_model = scored(self.bench, model, fit, 1, self.base.states, self.stop)
         gain = paired_gain(self.base.held_out, fitted_model.held_out, self.bench.evidence)
         seen = resolved(effect, fitted_model.values(), self.bench.timing_resolution)
-        return Candidate(effect, fitted_model, gain, known, predicted, resolved=seen)
+        return Candidate(effect, fitted_model, gain, known, predicted, self.bench.fit, resolved=seen)
 
     def _at_absent(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
         """A candidate that stays absent and so equals the base."""
         base = self.base
         fitted_model = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
-        return Candidate(effect, fitted_model, self._nothing, known, predicted, False, False)
+        return Candidate(effect, fitted_model, self._nothing, known, predicted, self.bench.fit, False, False)
 
     @cached_property
     def _nothing(self) -> Gain:

@@ -71,7 +71,7 @@ def test_what_is_looked_at_first_holds_a_load_that_one_log_had() -> None:
     one = bench(told=True)
     windows = replace(one.fit, loaded=one.fit.log == 1)
     few = replace(one, fit=windows, evidence=evidence_settings(screen_windows=2, screen_seconds=1e-3))
-    assert sorted(windows.loaded[few.screened].tolist()) == [False, True]
+    assert sorted(windows.loaded[few.screened()].tolist()) == [False, True]
 
 
 def test_a_load_that_no_log_tells_from_its_link_is_said_to_be() -> None:

@@ -48,6 +48,17 @@ def bench_of(force: Callable[[mujoco.MjData], None] = push, **evidence: float) -
     return bench, fit_and_score(bench, model, model.space.nominal)
 
 
+def test_a_window_in_which_the_model_fails_is_looked_at() -> None:
+    """As one is in which a joint runs into a stop."""
+    bench, base = bench_of(screen_seconds=1.0, screen_windows=3)
+    missed = next(k for k in range(len(bench.fit)) if k not in bench.screened())
+    costs = np.ones(len(bench.fit))
+    costs[missed] = 1e6
+    rows = bench.screened(replace(base.fit, window_costs=costs))
+    assert missed in rows
+    assert len(rows) == len(bench.screened()) < len(bench.fit)
+
+
 def looked(bench: Bench, base: FittedModel, name: str, site: str) -> FirstLook:
     model = pendulum()
     effect = place(catalogue_effect(name), model.nominal(), site, scales_of(model, torque=0.5))
