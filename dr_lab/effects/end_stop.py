@@ -16,32 +16,39 @@ from dr_lab.physics.parameter import Parameter
 
 @dataclass(frozen=True)
 class EndStop(JointEffect, SpecEdit):
-    """A bumper, a cable or a housing that ends the joint's travel sooner than the model says.
+    """A bumper, a cable or a housing that ends the joint's travel sooner than the model says, hard or soft.
 
-    lower ≤ q ≤ upper: MuJoCo's joint limit, with the stiffness and damping of the joint's ``solreflimit``. At nominal
-    the stops lie a little beyond the measured travel, where nothing runs into them.
+    lower ≤ q ≤ upper: MuJoCo's joint limit. Behind a stop, the depth r behaves as r'' + 2 ζ r'/τ + r/τ² = 0
+    (``solreflimit`` with time constant τ/ζ and damping ratio ζ): undamped it swings with the period 2π τ, and ζ = 1
+    throws nothing back. At nominal the stops lie a little beyond the measured travel, where nothing runs into them.
 
-    Parameters (nominal = absent): upper and lower [rad, slide: m], places of the stops. No slope at absent (fits start
-    with a stop just inside the travel); stops that have passed one another are infeasible.
-    Limits: hinge and slide joints without a limit, which are measured and move in the logs.
-    Source: MuJoCo 4.0, XML reference, joint/range and joint/solreflimit.
+    Parameters (nominal = absent): upper and lower [rad, slide: m], places of the stops; time_constant τ [s] and
+    damping_ratio ζ [1], those of the joint's own limit. No slope at absent (fits start with a stop just inside the
+    travel); stops that have passed one another are infeasible.
+    Limits: hinge and slide joints without a limit, which are measured and move in the logs; τ is at least two time
+    steps (MuJoCo).
+    Source: MuJoCo 4.0, modeling chapter ("Solver parameters"), XML reference, joint/range and joint/solreflimit.
 
     Attributes:
         beyond: distance of the nominal stops from the ends of the travel, share of the travel.
         deepest: largest distance of a stop from the nominal one, share of the travel.
         start: distances of (upper, lower) from the nominal stops in the fits that start away from absent, shares of the
             travel.
+        softest: largest time constant, s.
+        liveliest: smallest damping ratio.
     """
 
     beyond: float
     deepest: float
     start: tuple[tuple[float, float], ...]
+    softest: float
+    liveliest: float
 
     name: ClassVar[str] = "end_stop"
     family: ClassVar[str] = "transmission"
     law: ClassVar[str] = "lower <= q <= upper"
     fingerprint: ClassVar[str] = "the joint turns back hard at one place, where the model goes on"
-    limited: ClassVar[tuple[str, ...]] = ("upper", "lower")
+    limited: ClassVar[tuple[str, ...]] = ("upper", "lower", "time_constant", "damping_ratio")
     confused_with: ClassVar[tuple[str, ...]] = ("spring",)
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
@@ -55,10 +62,13 @@ class EndStop(JointEffect, SpecEdit):
             raise ModelError("An end stop shows only at a joint that is measured and moves in the logs.")
         unit = "m" if slides(model, site) else "rad"
         top, bottom = scales.highest[site] + self.beyond * travel, scales.lowest[site] - self.beyond * travel
-        deep = self.deepest * travel
+        deep, (constant, ratio) = self.deepest * travel, _own(model, site)
+        hardest = min(2 * float(model.opt.timestep), constant)
         return (
             Parameter("upper", unit, top, top - deep, top),
             Parameter("lower", unit, bottom, bottom, bottom + deep),
+            Parameter("time_constant", "s", constant, hardest, max(self.softest, constant)),
+            Parameter("damping_ratio", "1", ratio, min(self.liveliest, ratio), ratio),
         )
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -68,12 +78,22 @@ class EndStop(JointEffect, SpecEdit):
         places = np.array([values["lower"], values["upper"]])
         joint.range = np.degrees(places) if hinge_in_degrees else places
         joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+        joint.solref_limit = [values["time_constant"] / values["damping_ratio"], values["damping_ratio"]]
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Stops just inside the travel."""
-        upper, lower = parameters
+        upper, lower, *_ = parameters
         share = upper.span / self.deepest
         return tuple(
             {"upper": upper.nominal - above * share, "lower": lower.nominal + below * share}
             for above, below in self.start
         )
+
+
+def _own(model: mujoco.MjModel, site: str) -> tuple[float, float]:
+    """Time constant τ in s and damping ratio of the joint's own limit, in either form of ``solreflimit``."""
+    first, second = map(float, model.jnt_solref[model.joint(site).id])
+    if first > 0:
+        return first * second, second
+    root = float(np.sqrt(-first))
+    return 1 / root, -second / (2 * root)

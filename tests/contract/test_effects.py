@@ -113,6 +113,20 @@ def vectors(model: Model, one: PlacedEffect) -> Array:
     return np.array([model.space.nominal, *(model.space.vector(start) for start in one.starts)])
 
 
+def at_ends(model: Model) -> Array:
+    """Absent but for one parameter at its farther bound, one after the other, shape (n, n)."""
+    space = model.space
+    far = np.where(space.high - space.nominal >= space.nominal - space.low, space.high, space.low)
+    return np.where(np.eye(len(far), dtype=bool), far, space.nominal)
+
+
+def shows(model: Model, index: int, begins: Array) -> bool:
+    """Whether a parameter's bounds look different from anywhere."""
+    lower, upper = begins.copy(), begins.copy()
+    lower[:, index], upper[:, index] = model.space.low[index], model.space.high[index]
+    return signals(model, lower) != signals(model, upper)
+
+
 def probe(time: Array) -> Array:
     """A motion of which every sensor transform shows."""
     return (0.3 + np.sin(9.0 * time) + 0.2 * time)[..., None]
@@ -198,13 +212,10 @@ def test_layout_is_the_same_at_every_value(model: str, effect: str, site: str) -
 
 @PLACES
 def test_every_parameter_is_seen(model: str, effect: str, site: str) -> None:
-    """From absent, or where a parameter only shapes the effect, from a start away from absent."""
+    """From absent or a start, or where a parameter only shapes the effect, from where another one is at its end."""
     extended, one = put(model, effect, site)
     for index, parameter in enumerate(one.parameters):
-        corners = np.repeat(vectors(extended, one), 2, axis=0)
-        corners[0::2, index], corners[1::2, index] = parameter.low, parameter.high
-        seen = signals(extended, corners)
-        changes = any(low != high for low, high in zip(seen[0::2], seen[1::2], strict=True))
+        changes = any(shows(extended, index, z) for z in (vectors(extended, one), at_ends(extended)))
         assert changes != ((model, effect, site) in UNSEEN), parameter.name
 
 

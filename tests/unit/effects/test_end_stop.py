@@ -18,11 +18,25 @@ def test_a_block_turns_back_at_the_stop_and_goes_on_without_one() -> None:
     np.testing.assert_allclose(free[:, 1], free[:, 0], atol=1e-12)
 
 
+@pytest.mark.parametrize(("ratio", "constant"), [(0.1, 0.02), (0.3, 0.05)])
+def test_a_soft_stop_gives_way_and_throws_back_what_its_damping_leaves(ratio: float, constant: float) -> None:
+    """A spring and a damper that only push: Schwager and Pöschel, Granular Matter 9 (2007) 465."""
+    values = {"upper": 0.1, "time_constant": constant, "damping_ratio": ratio}
+    stopped = motion(with_effect(block(), "end_stop", "rail", **values), 0.5, qvel=1.0)
+    damped = np.sqrt(1 - ratio**2)
+    swing = np.pi - np.arctan(2 * ratio * damped / (1 - 2 * ratio**2))
+    assert stopped[-1, 2] == pytest.approx(-np.exp(-ratio / damped * swing), rel=0.03)
+    deepest = constant * np.exp(-ratio / damped * np.arctan(damped / ratio))
+    assert stopped[:, 1].max() - 0.1 == pytest.approx(deepest, rel=0.03)
+
+
 def test_stops_begin_outside_the_travel_and_start_inside() -> None:
     effect = placed(block(), "end_stop", "rail", scales_of(block(), position=2.0))
-    upper, lower = effect.parameters
+    upper, lower, constant, ratio = effect.parameters
     assert upper.nominal == upper.high > 1.0
     assert lower.nominal == lower.low < -1.0
+    assert (constant.nominal, ratio.nominal) == (0.02, 1.0)  # MuJoCo's own
+    assert constant.low <= constant.nominal < constant.high
     assert all(start["end_stop@rail.lower"] > -1.0 or start["end_stop@rail.upper"] < 1.0 for start in effect.starts)
 
 
