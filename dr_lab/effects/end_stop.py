@@ -20,7 +20,8 @@ class EndStop(JointEffect, SpecEdit):
 
     lower ≤ q ≤ upper: MuJoCo's joint limit. Behind a stop, the depth r behaves as r'' + 2 ζ r'/τ + r/τ² = 0
     (``solreflimit`` with time constant τ/ζ and damping ratio ζ): undamped it swings with the period 2π τ, and ζ = 1
-    throws nothing back. At nominal the stops lie a little beyond the measured travel, where nothing runs into them.
+    throws nothing back. At nominal the stops lie far beyond the travel of the fitted logs, so that no other log runs
+    into them.
 
     Parameters (nominal = absent): upper and lower [rad, slide: m], places of the stops; time_constant τ [s] and
     damping_ratio ζ [1], those of the joint's own limit. No slope at absent (fits start with a stop just inside the
@@ -31,16 +32,16 @@ class EndStop(JointEffect, SpecEdit):
 
     Attributes:
         beyond: distance of the nominal stops from the ends of the travel, share of the travel.
-        deepest: largest distance of a stop from the nominal one, share of the travel.
-        start: distances of (upper, lower) from the nominal stops in the fits that start away from absent, shares of the
-            travel.
+        deepest: largest distance of a stop from the end of the travel, share of the travel.
+        start: distances of (upper, lower) from the ends of the travel in the fits that start away from absent, shares
+            of the travel; None leaves that stop at nominal.
         softest: largest time constant, s.
         liveliest: smallest damping ratio.
     """
 
     beyond: float
     deepest: float
-    start: tuple[tuple[float, float], ...]
+    start: tuple[tuple[float | None, float | None], ...]
     softest: float
     liveliest: float
 
@@ -62,7 +63,7 @@ class EndStop(JointEffect, SpecEdit):
             raise ModelError("An end stop shows only at a joint that is measured and moves in the logs.")
         unit = "m" if slides(model, site) else "rad"
         top, bottom = scales.highest[site] + self.beyond * travel, scales.lowest[site] - self.beyond * travel
-        deep, (constant, ratio) = self.deepest * travel, _own(model, site)
+        deep, (constant, ratio) = (self.beyond + self.deepest) * travel, _own(model, site)
         hardest = min(2 * float(model.opt.timestep), constant)
         return (
             Parameter("upper", unit, top, top - deep, top),
@@ -83,9 +84,13 @@ class EndStop(JointEffect, SpecEdit):
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Stops just inside the travel."""
         upper, lower, *_ = parameters
-        share = upper.span / self.deepest
+        travel = upper.span / (self.beyond + self.deepest)
+        top, bottom = upper.nominal - self.beyond * travel, lower.nominal + self.beyond * travel
         return tuple(
-            {"upper": upper.nominal - above * share, "lower": lower.nominal + below * share}
+            {
+                "upper": upper.nominal if above is None else top - above * travel,
+                "lower": lower.nominal if below is None else bottom + below * travel,
+            }
             for above, below in self.start
         )
 
