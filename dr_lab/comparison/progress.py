@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Lock
 from typing import Protocol
 
 from rich.console import Console
@@ -61,16 +62,17 @@ class _Lines:
     def ranking(self, count: int) -> Callable[[str], None]:
         self.phase(_trying(count))
         tried, told, began = 0, 0, time.monotonic()
-        last = began
+        last, lock = began, Lock()
 
         def done(label: str) -> None:
             nonlocal tried, told, last
-            tried += 1
-            due = tried * _PARTS // count > told * _PARTS // count or time.monotonic() - last >= _LONGEST
-            if due and count > 1:
-                told, last = tried, time.monotonic()
-                left = (last - began) * (count - tried) / tried if tried * _PARTS >= count else 0.0
-                self._line(f"  {tried} of {count} tried, the last {label}{_left(left)}")
+            with lock:  # candidates are tried side by side
+                tried += 1
+                due = tried * _PARTS // count > told * _PARTS // count or time.monotonic() - last >= _LONGEST
+                if due and count > 1:
+                    told, last = tried, time.monotonic()
+                    left = (last - began) * (count - tried) / tried if tried * _PARTS >= count else 0.0
+                    self._line(f"  {tried} of {count} tried, the last {label}{_left(left)}")
 
         return done
 
