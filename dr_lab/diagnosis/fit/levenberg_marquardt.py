@@ -123,8 +123,8 @@ class Fitter:
     def _descend(self, best: Point, known: Slopes | None, most: int, goal: float = np.inf) -> Fit:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
         settings, slopes, fresh = self.settings, self._first_slopes(best, known), _ALL if known is None else _NONE
-        best, weight, linear = self._linear(best, slopes)
-        first, damping, taken, pace = linear, settings.damping, 0, Pace(settings.crawl)
+        best, weight, first = self._linear(best, slopes)
+        linear, damping, taken, pace = first, settings.damping, 0, Pace(settings.crawl)
         while True:
             predicted = linear.decrease(self._movable(best, linear), self._room(best))
             least = settings.tolerance * max(best.cost, self._noise)

@@ -1,6 +1,6 @@
 """The ladder of models: add the effect the data name, refit all, repeat until nothing more is supported."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import mujoco
@@ -175,14 +175,18 @@ def climb(
     ladder, cases, deletions = Ladder((), base, ()), SpecialCases(effects, scales, compiled), Deletions(bench)
     while True:
         found = candidates(ladder.models[-1].model, effects, scales, compiled, bench.fit.channels)
-        placed = [effect for effect in found.placed if effect.label not in ladder.refuted]
-        if at_floor(ladder.models[-1].held_out, bench.evidence):
-            placed = [effect for effect in placed if not _richer(effect, ladder.models[-1].model)]
+        placed = _to_try(ladder, found.placed, bench.evidence)
         ranking = rank(bench, ladder.models[-1], placed, watch(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
+
+
+def _to_try(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSettings) -> list[PlacedEffect]:
+    """Those of the placed effects that a rung tries beside the ladder's last model."""
+    last, new = ladder.models[-1], [effect for effect in placed if effect.label not in ladder.refuted]
+    return [effect for effect in new if not _richer(effect, last.model)] if at_floor(last.held_out, settings) else new
 
 
 def _richer(effect: PlacedEffect, model: Model) -> bool:
