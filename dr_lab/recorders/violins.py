@@ -20,6 +20,7 @@ _ROW, _ALL = 20.0, 80.0
 _MIDDLE, _HALF = 0.35, 0.3
 _THIN = 0.005  # of its largest width, below which the outline begins and ends
 _POINTS = 200  # of an outline
+_FEW = 10  # returns, which are dots: a density of so few is no more than their bandwidth
 _LEAST = 0.01  # bandwidth in widths of the axis: equal returns are a spike, not a line without width
 
 
@@ -32,7 +33,7 @@ def log_violins(root: Branch, samples: Sequence[Sample], colours: Sequence[Colou
     """Draw Gaussian kernel densities of returns, each with its quartiles as a thick line and its median as a dot.
 
     Bandwidth: s k^(−1/5) of k returns with standard deviation s (Scott 1992, Multivariate Density Estimation). All are
-    equally wide where they are widest.
+    equally wide where they are widest. Ten returns or fewer are dots, for a density would tell nothing more.
 
     Args:
         root: where to.
@@ -58,9 +59,14 @@ def _log_violin(chart: Chart, name: str, returns: Array, bottom: float, colour: 
     """Draw one; gives its quartiles in words."""
     middle = bottom + _MIDDLE
     first, median, third = np.quantile(returns, [0.25, 0.5, 0.75]).tolist()
-    at, width = _outline(returns, chart.x)
-    across, up = np.concatenate([at, at[::-1], at[:1]]), np.concatenate([width, -width[::-1], width[:1]])
-    chart.line(f"{name}_outline", across, middle + _HALF * up, colour, look.line_width / 2)
+    if len(returns) > _FEW:
+        at, width = _outline(returns, chart.x)
+        across, up = np.concatenate([at, at[::-1], at[:1]]), np.concatenate([width, -width[::-1], width[:1]])
+        chart.line(f"{name}_outline", across, middle + _HALF * up, colour, look.line_width / 2)
+    else:
+        chart.dots(
+            f"{name}_returns", returns, np.full(len(returns), middle + _HALF / 2), colour, 1.5 * look.measured_width
+        )
     chart.line(f"{name}_quartiles", [first, third], [middle] * 2, colour, look.measured_width)
     chart.dots(f"{name}_median", [median], [middle], look.colour("measured"), 2 * look.measured_width)
     return f"median {number(median)} · quartiles {number(first)}, {number(third)}"

@@ -201,12 +201,15 @@ def test_gains_and_ways_are_drawn_with_what_is_in_doubt(
 
 
 def test_violins_stand_below_one_another_with_their_medians(tmp_path: Path, look: Look) -> None:
-    drawn = [Sample("unseen", np.array([0.0, 10.0, 20.0])), Sample("teachers", np.append(np.full(5, 20.0), np.nan))]
+    drawn = [Sample("unseen", np.array([0.0, 10.0, 20.0])), Sample("teachers", np.append(np.full(11, 20.0), np.nan))]
     write_training_review(tmp_path / "review.rrd", TrainingRecord("violins", samples=drawn), look)
     found = read_recording(tmp_path / "review.rrd")
     medians = [found[f"/violins/violin_0{k}_median"]["Points2D:positions"][0][0] for k in (0, 1)]
     # 10 and 20 on an axis from -1 to 21
     np.testing.assert_allclose([at[0] / 130.0 for at in medians], [11 / 22, 21 / 22], rtol=1e-6)
     assert medians[0][1] < medians[1][1]
+    dots = np.array(found["/violins/violin_00_returns"]["Points2D:positions"]).reshape(-1, 2)
+    np.testing.assert_allclose(dots[:, 0] / 130.0, [1 / 22, 11 / 22, 21 / 22], rtol=1e-6)  # few have no outline
+    assert "/violins/violin_00_outline" not in found
     outline = np.array(found["/violins/violin_01_outline"]["LineStrips2D:strips"][0]).reshape(-1, 2)
     assert outline[np.argmin(outline[:, 1]), 0] == pytest.approx(medians[1][0], abs=1.0)  # widest where all returns are
