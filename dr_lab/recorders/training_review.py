@@ -149,9 +149,11 @@ def _log_learned(root: Branch, record: TrainingRecord, look: Look) -> None:
 
 def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     text = [rrb.TextDocumentView(origin=rr.new_entity_path(["pages", title]), name=title) for title in record.pages]
-    # A view stands in one place only: the overview has its own.
-    shown = _learned(record) or _adapted(record) or _maps(record) or _matrices(record)
-    columns = [[*text[:1], *_curves(record)[:1]], shown[:1]]
+    # A view stands in one place only: the overview has its own, and a page of it alone would say the same again.
+    pictures = next((find for find in (_learned, _adapted, _maps, _matrices) if find(record)), _maps)
+    first = [find(record) for find in (_curves, pictures)]
+    columns = [[*text[:1], *first[0][:1]], first[1][:1]]
+    alone = {views[0].name for views in first if len(views) == 1}
     overview = rrb.Horizontal(*(rrb.Vertical(*views) for views in columns if views), name="Overview")
     sheets = {
         "Curves": _curves(record),
@@ -164,7 +166,7 @@ def _blueprint(record: TrainingRecord, look: Look) -> rrb.Blueprint:
     }
     pages: list[rrb.Container | rrb.View] = [
         *([overview] if any(columns) else []),
-        *(sheet(name, views) for name, views in sheets.items() if views),
+        *(sheet(name, views) for name, views in sheets.items() if {view.name for view in views} - alone),
         *([episodes_page(record.episodes, look, _counting(record))] if record.episodes else []),
         *text[1:],
     ]
