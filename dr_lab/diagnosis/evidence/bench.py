@@ -114,7 +114,7 @@ class Bench:
         count = len(self.fit)
         asked = round(self.evidence.screen_seconds / self.fit.length)
         most = min(count, max(asked, self.evidence.screen_windows))
-        left = np.zeros(count) if base is None else base.window_costs
+        left = np.zeros(count) if base is None else _left(base)
         every = np.lexsort((left, self.fit.loaded))
         return np.unique(every[np.linspace(0, count - 1, most).round().astype(np.intp)])
 
@@ -205,6 +205,12 @@ def scored(
         others = replace(_states(fit), residuals=found.residuals, infeasible=found.infeasible)
         score = replace(score, foretold=score_of(fitted, others))
     return FittedModel(model, fit, states, score, bench.apart)
+
+
+def _left(fit: Fit) -> Array:
+    """Cost of each window; of those that diverge, of which it is not known, that of the median window."""
+    known = ~fit.infeasible
+    return np.where(known, fit.window_costs, np.median(fit.window_costs[known]) if known.any() else 0.0)
 
 
 def _states(fit: Fit) -> StateFit:

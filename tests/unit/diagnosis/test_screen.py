@@ -57,6 +57,10 @@ def test_a_window_in_which_the_model_fails_is_looked_at() -> None:
     rows = bench.screened(replace(base.fit, window_costs=costs))
     assert missed in rows
     assert len(rows) == len(bench.screened()) < len(bench.fit)
+    diverges = np.arange(len(bench.fit)) == missed
+    cost = np.where(diverges, 0.0, np.arange(len(bench.fit)))  # of a window that diverges none is known
+    rows = bench.screened(replace(base.fit, window_costs=cost, infeasible=diverges))
+    assert {0, len(bench.fit) - 1} <= set(rows.tolist())  # the best and the worst of those that are
 
 
 def looked(bench: Bench, base: FittedModel, name: str, site: str) -> FirstLook:
