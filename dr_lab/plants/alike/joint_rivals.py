@@ -58,14 +58,14 @@ def _frictions(course: Course, grids: Grids, load: Array, row: int, joint: str) 
 
 
 def _creeping(course: Course, grids: Grids, row: int, joint: str) -> Rival:
-    """Friction that gives way before it slides and creeps."""
+    """Friction that gives way before it slides and creeps; damping of its bristles is left out."""
     q, v, count = course.position[:, row], course.velocity[:, row], course.position.shape[1]
     choices = []
     for way in np.ptp(q) * np.asarray(grids.ways):
         slow = np.abs(v).max() * np.asarray(grids.creeps)
         bends = [gripped(v, course.step, way, np.tanh(v / creep), creep) for creep in slow]
         choices += mixed([pushing(-bend, row, count) for bend in bends])
-    return Rival(f"presliding_friction@{joint}", 3, tuple(choices))
+    return Rival(f"presliding_friction@{joint}", 4, tuple(choices))
 
 
 def _falling(course: Course, grids: Grids, row: int, joint: str) -> Rival:

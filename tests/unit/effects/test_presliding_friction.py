@@ -19,12 +19,17 @@ def effect() -> PlacedEffect:
 
 
 def moved(
-    way: float, creep: float, command: float | Array, start: float = 0.0, history: History | None = None
+    way: float,
+    creep: float,
+    command: float | Array,
+    start: float = 0.0,
+    history: History | None = None,
+    retardation: float = 0.0,
 ) -> tuple[Array, Array]:
     """Positions and speeds of the block, pushed by `command` in N and begun at a speed in m/s."""
     model = block().with_effect(effect())
     controls = (np.zeros(250) + command)[None, :, None]
-    z, place = np.array([[TORQUE, way, creep]]), np.zeros((1, 1, 1))
+    z, place = np.array([[TORQUE, way, creep, retardation]]), np.zeros((1, 1, 1))
     rollout = Simulator(model, 1, threads=1).replay(z, place, place + start, controls, controls[:, :1], history)
     return rollout.qpos[0, :, 0], rollout.qvel[0, :, 0]
 
@@ -78,9 +83,20 @@ def test_what_was_measured_before_has_bent_the_bristles() -> None:
     assert found[1] == pytest.approx(-STEP * TORQUE * bend / MASS, rel=0.05)
 
 
+def test_bristles_that_bend_are_damped() -> None:
+    """A first step at a speed v bends them by 1 − e^(−v h / x), which costs T times that over h beside their mean."""
+    way, speed, retardation = 0.2, 0.5, 0.01
+    turns = speed * STEP / way
+    _, found = moved(way, 0.01, 0.0, start=speed, retardation=retardation)
+    bent = 1 - np.exp(-turns)
+    pull = TORQUE * (1 - bent / turns + retardation * bent / STEP)
+    assert found[1] - found[0] == pytest.approx(-STEP * pull / MASS, rel=0.01)
+
+
 def test_bounds_follow_the_machine() -> None:
-    torque, displacement, creep = placed(block(), "presliding_friction", "rail").parameters
-    assert (torque.unit, displacement.unit, creep.unit) == ("N", "m", "m/s")
+    torque, displacement, creep, retardation = placed(block(), "presliding_friction", "rail").parameters
+    assert (torque.unit, displacement.unit, creep.unit, retardation.unit) == ("N", "m", "m/s", "s")
     assert (torque.low, torque.high) == (0.0, 10.0)
     assert (displacement.low, displacement.high) == (0.0, 0.005)  # of a range of 1 m
     assert creep.low > 0.0
+    assert retardation.low == retardation.nominal == 0.0
