@@ -62,6 +62,7 @@ def test_logs_and_model_compose(name: str) -> None:
     assert cfg.measurements.outputs["a.position"].noise_std == 0.1
 
 
+@functools.cache
 def cases_of(preset: str) -> tuple[Case, ...]:
     return compose_arguments("benchmark", [f"benchmark={preset}"], (shipped(),))["plan"].chosen()
 
