@@ -84,8 +84,15 @@ def left_by(process: subprocess.Popen[str], folder: Path, sent: tuple[signal.Sig
     return {path.name for path in left}
 
 
-@pytest.mark.parametrize("moment", ["open", "os.rename"])
-@pytest.mark.parametrize("part", ["report", "review"])
+@pytest.mark.parametrize(
+    ("part", "moment"),
+    [
+        ("report", "open"),
+        ("review", "os.rename"),
+        pytest.param("report", "os.rename", marks=pytest.mark.slow),
+        pytest.param("review", "open", marks=pytest.mark.slow),
+    ],
+)
 def test_while_a_file_is_written(tmp_path: Path, part: str, moment: str) -> None:
     """The run presses Ctrl-C itself, just as it makes the temporary file and just before that takes its name."""
     folder = tmp_path / "run"
