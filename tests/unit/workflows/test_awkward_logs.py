@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,7 @@ BLIND = """<mujoco model="blind"><compiler angle="radian"/><option timestep="0.0
 DAMPING = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 0.5}}
 
 
+@cache
 def look(*overrides: str) -> Look:
     return instantiate(compose("fit", list(overrides)).recorder)
 
