@@ -62,8 +62,8 @@ def test_too_little_to_be_seen_is_of_the_class_of_the_base() -> None:
     "truth",
     [
         hidden("command_power", "site=motor", "full=0.5"),
-        hidden("warming", "site=wheel", "cold=0.02", "constant=0.5"),
-        hidden("creeping_friction", "site=wheel", "torque=0.04", "creep=0.2"),
+        pytest.param(hidden("warming", "site=wheel", "cold=0.02", "constant=0.5"), marks=pytest.mark.slow),
+        pytest.param(hidden("creeping_friction", "site=wheel", "torque=0.04", "creep=0.2"), marks=pytest.mark.slow),
         hidden("bending_friction", "site=wheel", "torque=0.04", "stiffness=4.0"),
     ],
 )
@@ -93,7 +93,9 @@ def test_a_wrong_zero_is_a_leaning_base_to_a_wheel() -> None:
     ("late", "shown"),
     [
         (hidden("actuator_delay", "site=motor", "delay=0.008"), "sensor_time_offset@wheel"),
-        (hidden("actuator_lag", "site=motor", "constant=0.004"), "sensor_low_pass@wheel"),
+        pytest.param(
+            hidden("actuator_lag", "site=motor", "constant=0.004"), "sensor_low_pass@wheel", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_with_one_command_a_late_command_is_a_late_reading(late: list[str], shown: str) -> None:

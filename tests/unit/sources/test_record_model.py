@@ -1,6 +1,7 @@
 """Recorded models: plain MuJoCo moves the same, effects act, and the logs read back."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import mujoco
@@ -33,6 +34,7 @@ VALVE = """<mujoco>
 </mujoco>"""
 
 
+@cache
 def source(*overrides: str, model: str = "furuta") -> ModelSource:
     short = ["source=model", f"model={model}", "duration=1.0", "shares=[1.0,0.8,0.6]"]
     return instantiate(compose("record", [*short, *overrides]).source, _convert_="all")
