@@ -109,9 +109,9 @@ def test_while_candidates_are_fitted(tmp_path: Path) -> None:
     def fitting() -> bool:
         if (folder / "config.yaml").is_file():
             started.append(time.monotonic())
-        return bool(started) and time.monotonic() - started[0] > 4.0
+        return bool(started) and time.monotonic() - started[0] > 2.5
 
-    assert interrupted(folder, "diagnose", *LOGS, when=fitting) == {"config.yaml"}
+    assert interrupted(folder, "diagnose", *SMALL, when=fitting) == {"config.yaml"}
 
 
 def test_sigterm_in_the_middle_of_the_work(tmp_path: Path) -> None:
@@ -126,7 +126,7 @@ def test_while_nothing_has_begun(tmp_path: Path) -> None:
 
 
 def test_candidates_stop_at_their_next_simulation() -> None:
-    cfg = compose("diagnose", [*LOGS, "windows.seconds=7.2", "threads=2"])
+    cfg = compose("diagnose", [*SMALL, "threads=2"])
     study = prepare(instantiate(cfg.comparison, _convert_="all"))
     base, effects = calibrate(study), instantiate(cfg.effects, _convert_="all")
     placed = candidates(study.model, effects, study.scales, study.compiled).placed

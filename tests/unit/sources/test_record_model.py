@@ -76,7 +76,12 @@ def test_plain_mujoco_moves_the_same(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "override"),
-    [("furuta", MOTOR), ("cartpole", MOTOR), ("emps", "peaks={force:50}"), ("multiarm", "start={arm1:1.2}")],
+    [
+        ("furuta", MOTOR),
+        pytest.param("cartpole", MOTOR, marks=pytest.mark.slow),
+        pytest.param("emps", "peaks={force:50}", marks=pytest.mark.slow),
+        ("multiarm", "start={arm1:1.2}"),
+    ],
 )
 def test_log_replays_in_its_own_model(tmp_path: Path, name: str, override: str) -> None:
     """With jitter and latencies: times are true to a nanosecond."""

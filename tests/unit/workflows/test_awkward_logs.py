@@ -75,7 +75,7 @@ CASES: dict[str, Callable[[], MeasurementSet]] = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [pytest.param("slow", marks=pytest.mark.slow), "short", "none held out"])
 def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> None:
     report = fitted(pendulum(), CASES[case](), tmp_path)
     assert 0.3 < (report.ladder[0].held_out.chi2 or 0.0) < 2.0
