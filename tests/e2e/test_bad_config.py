@@ -29,7 +29,8 @@ def test_one_clear_message(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(list(arguments)) == 2
-    require_one_message(*capsys.readouterr(), SAYS[arguments], tmp_path)
+    told = capsys.readouterr()
+    require_one_message(told.out, told.err, SAYS[arguments], tmp_path)
 
 
 @pytest.mark.parametrize("arguments", [("compare", "model=fruta"), ("compare", "seed=one")], ids=" ".join)
