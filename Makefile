@@ -9,7 +9,7 @@ UV := $(shell command -v uv 2>/dev/null)
 PYTHON ?= python3
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-slow test-daemons check format bench docs lock clean
+.PHONY: help install demo test test-slow test-viewer test-daemons check format bench docs lock clean
 
 help:  ## what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -43,11 +43,14 @@ demo: $(COMPARE)  ## find what the Furuta pendulum's model lacks, add it, and pr
 	@echo "To type dr-lab yourself: . $(BIN)/activate"
 	@test -e $(STAMP) || echo "To train policies, too: make install, which adds PyTorch and what goes with it (6 GB)"
 
-test: $(STAMP)  ## the tests, without those that take minutes or need daemons
+test: $(STAMP)  ## the tests, without those that take minutes, open the viewer or need daemons
 	$(BIN)/pytest --numprocesses auto --dist loadfile
 
 test-slow: $(STAMP)  ## the tests that take minutes
 	$(BIN)/pytest -m slow
+
+test-viewer: $(STAMP)  ## the tests that look at recordings in a headless Rerun viewer (Debian's libvulkan1, mesa-vulkan-drivers)
+	$(BIN)/pytest -m 'viewer and not slow'
 
 test-daemons: $(STAMP)  ## the tests that start a real SLURM (Debian's slurm-wlm, slurmdbd, munge, mariadb-server) or Ray
 	$(BIN)/pytest -m daemons

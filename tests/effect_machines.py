@@ -7,6 +7,7 @@ import hydra
 import mujoco
 import numpy as np
 from hydra.utils import instantiate
+from omegaconf import DictConfig
 
 from dr_lab.cli.groups import every
 from dr_lab.effects.effect import Effect, PlacedEffect, Scales, place
@@ -19,10 +20,16 @@ NAMES = tuple(every("effect", (CONF,)))
 
 
 @cache
+def _composed(names: str) -> DictConfig:
+    with hydra.initialize_config_dir(str(CONF), version_base=None):
+        return hydra.compose(overrides=[f"+effect=[{names}]"]).effects
+
+
+@cache
 def catalogue_effect(name: str) -> Effect:
     """The effect that conf/effect/<name>.yaml describes."""
-    with hydra.initialize_config_dir(str(CONF), version_base=None):
-        return instantiate(hydra.compose(overrides=[f"+effect=[{name}]"]).effects[name], _convert_="all")
+    composed = _composed(",".join(NAMES) if name in NAMES else name)
+    return instantiate(composed[name], _convert_="all")
 
 
 def block(actuator: str = '<motor name="drive" joint="rail"/>', joint: str = "", option: str = "") -> Model:

@@ -11,6 +11,7 @@ from dr_lab.cli.folders import shipped
 from dr_lab.envs.setting import Setting
 
 
+@cache
 def composed(*overrides: str) -> DictConfig:
     """The group ``env`` alone, e.g. of ``env=hopper``."""
     folder: Path = shipped()

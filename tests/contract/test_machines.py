@@ -2,6 +2,7 @@
 
 import collections
 import functools
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -62,6 +63,7 @@ def test_logs_and_model_compose(name: str) -> None:
     assert cfg.measurements.outputs["a.position"].noise_std == 0.1
 
 
+@functools.cache
 def cases_of(preset: str) -> tuple[Case, ...]:
     return compose_arguments("benchmark", [f"benchmark={preset}"], (shipped(),))["plan"].chosen()
 
@@ -175,7 +177,13 @@ def test_a_drawing_needs_instruments_and_a_spread() -> None:
         Redrawn("single", {}, 1, 1.5, [], [], [])
 
 
-@pytest.mark.parametrize("case", cases_of("strangers")[::9], ids=lambda case: case.name)
+def every_ninth() -> Iterator[object]:
+    """Of which two of three are left to the slow tests."""
+    for number, case in enumerate(cases_of("strangers")[::9]):
+        yield pytest.param(case, id=case.name, marks=[pytest.mark.slow] if number % 3 else [])
+
+
+@pytest.mark.parametrize("case", list(every_ninth()))
 def test_listed_cases_compose(case: Case) -> None:
     source = compose("record", case.recording(case.instruments)).source
     named = source.get("plant", {}).get("hidden", {})

@@ -1,10 +1,12 @@
-"""A wrong configuration, typed at the real command: one clear message, exit code 2, nothing left behind."""
+"""A wrong configuration: one clear message, exit code 2, nothing left behind."""
 
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from dr_lab.__main__ import main
 
 PROGRAM = Path(sys.executable).with_name("dr-lab")
 SAYS = {
@@ -22,10 +24,24 @@ SAYS = {
 
 
 @pytest.mark.parametrize("arguments", SAYS, ids=" ".join)
-def test_one_clear_message(arguments: tuple[str, ...], tmp_path: Path) -> None:
+def test_one_clear_message(
+    arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(list(arguments)) == 2
+    told = capsys.readouterr()
+    require_one_message(told.out, told.err, SAYS[arguments], tmp_path)
+
+
+@pytest.mark.parametrize("arguments", [("compare", "model=fruta"), ("compare", "seed=one")], ids=" ".join)
+def test_the_same_at_the_real_command(arguments: tuple[str, ...], tmp_path: Path) -> None:
     done = subprocess.run([PROGRAM, *arguments], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2, done.stderr
-    assert SAYS[arguments] in done.stderr
-    assert "Traceback" not in done.stderr
-    assert done.stdout == ""
-    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    require_one_message(done.stdout, done.stderr, SAYS[arguments], tmp_path)
+
+
+def require_one_message(out: str, error: str, said: str, folder: Path) -> None:
+    assert said in error
+    assert "Traceback" not in error
+    assert out == ""
+    assert [path for path in folder.rglob("*") if path.is_file()] == []

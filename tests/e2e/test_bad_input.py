@@ -186,7 +186,13 @@ NUMBERS = {
 }
 
 
-@pytest.mark.parametrize("override", NUMBERS)
+# More numbers out of their bounds, which other settings' bounds refuse alike.
+ALIKE = ("windows.longest=0", "windows.seconds=0", "localise.least=2", "recorder.pose_rate=0", "threads=-2")
+
+
+@pytest.mark.parametrize(
+    "override", [pytest.param(each, marks=[pytest.mark.slow] if each in ALIKE else []) for each in NUMBERS]
+)
 def test_values_that_cannot_be(refused: Refused, override: str) -> None:
     assert NUMBERS[override] in refused("compare", *SMALL, override)
 

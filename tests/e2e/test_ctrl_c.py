@@ -84,8 +84,15 @@ def left_by(process: subprocess.Popen[str], folder: Path, sent: tuple[signal.Sig
     return {path.name for path in left}
 
 
-@pytest.mark.parametrize("moment", ["open", "os.rename"])
-@pytest.mark.parametrize("part", ["report", "review"])
+@pytest.mark.parametrize(
+    ("part", "moment"),
+    [
+        ("report", "open"),
+        ("review", "os.rename"),
+        pytest.param("report", "os.rename", marks=pytest.mark.slow),
+        pytest.param("review", "open", marks=pytest.mark.slow),
+    ],
+)
 def test_while_a_file_is_written(tmp_path: Path, part: str, moment: str) -> None:
     """The run presses Ctrl-C itself, just as it makes the temporary file and just before that takes its name."""
     folder = tmp_path / "run"
@@ -102,9 +109,9 @@ def test_while_candidates_are_fitted(tmp_path: Path) -> None:
     def fitting() -> bool:
         if (folder / "config.yaml").is_file():
             started.append(time.monotonic())
-        return bool(started) and time.monotonic() - started[0] > 4.0
+        return bool(started) and time.monotonic() - started[0] > 2.5
 
-    assert interrupted(folder, "diagnose", *LOGS, when=fitting) == {"config.yaml"}
+    assert interrupted(folder, "diagnose", *SMALL, when=fitting) == {"config.yaml"}
 
 
 def test_sigterm_in_the_middle_of_the_work(tmp_path: Path) -> None:
@@ -119,7 +126,7 @@ def test_while_nothing_has_begun(tmp_path: Path) -> None:
 
 
 def test_candidates_stop_at_their_next_simulation() -> None:
-    cfg = compose("diagnose", [*LOGS, "windows.seconds=7.2", "threads=2"])
+    cfg = compose("diagnose", [*SMALL, "threads=2"])
     study = prepare(instantiate(cfg.comparison, _convert_="all"))
     base, effects = calibrate(study), instantiate(cfg.effects, _convert_="all")
     placed = candidates(study.model, effects, study.scales, study.compiled).placed

@@ -14,6 +14,7 @@ from PIL import Image
 from recorder_samples import Entities, read_recording
 from rerun.chunk import McapReader
 from rerun.experimental import ViewerClient
+from test_model_xml import EXACT, plain
 from viewer_pages import require_pages
 
 from dr_lab.recorders.look import Look
@@ -103,6 +104,12 @@ def test_the_model_is_plain_mjcf(demo_run: Path, report: dict[str, Any]) -> None
     assert model.body("pole").mass[0] == pytest.approx(found["pole.mass"], rel=1e-5)
     assert model.joint("pole").damping[0] == pytest.approx(found["pole.damping"], rel=1e-5)
     assert model.joint("arm").frictionloss[0] == pytest.approx(found["coulomb_friction@arm.torque"], rel=1e-5)
+
+
+def test_mujoco_alone_repeats_it(demo_run: Path) -> None:
+    position, velocity = plain(demo_run)[demo_run.name]
+    assert position < EXACT
+    assert velocity < 1e3 * EXACT
 
 
 SHOWN = ("measured", "sim_after")

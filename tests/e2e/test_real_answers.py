@@ -21,7 +21,12 @@ def answered(folder: Path, *words: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("ball", "effects"), [("bowling_ball", []), ("golf_ball", []), ("orange_whiffle_ball", ["viscous_friction@ball"])]
+    ("ball", "effects"),
+    [
+        pytest.param("bowling_ball", [], marks=pytest.mark.slow),
+        ("golf_ball", []),
+        ("orange_whiffle_ball", ["viscous_friction@ball"]),
+    ],
 )
 def test_light_balls_feel_the_air_and_heavy_ones_do_not(ball: str, effects: list[str], tmp_path: Path) -> None:
     assert answered(tmp_path / "run", "experiment=ball_drops", f"ball={ball}") == effects

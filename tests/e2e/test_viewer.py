@@ -28,8 +28,6 @@ from dr_lab.reports.gap import GapReport
 from dr_lab.reports.markdown import report_markdown
 from dr_lab.reports.plain import from_plain
 
-pytestmark = pytest.mark.viewer
-
 _AT = 1.8  # s, where the model before is far from the measured robot
 
 
@@ -49,6 +47,7 @@ def recording(
     return path
 
 
+@pytest.mark.viewer
 def test_every_page_shows_what_it_says(viewer: ViewerClient, recording: Path, look: Look) -> None:
     show(viewer, recording, _AT)
     measured, before, after, noise = (look.colour(role) for role in ("measured", "before", "after", "noise"))
@@ -71,6 +70,7 @@ def test_every_page_shows_what_it_says(viewer: ViewerClient, recording: Path, lo
     require_pages(viewer, expected)
 
 
+@pytest.mark.viewer
 def test_the_simulated_robot_departs_before_and_not_after(viewer: ViewerClient, recording: Path, look: Look) -> None:
     show(viewer, recording, _AT)
     _, views = next(pages(viewer))
@@ -80,6 +80,7 @@ def test_the_simulated_robot_departs_before_and_not_after(viewer: ViewerClient, 
     assert apart > 2 * hidden
 
 
+@pytest.mark.viewer
 @pytest.mark.usefixtures("viewer")
 def test_screenshot_is_a_picture_of_the_window(recording: Path) -> None:
     picture = recording.with_name("picture.png")
@@ -96,6 +97,7 @@ def test_a_machine_without_a_display_is_told_of_the_browser(recording: Path, mon
         open_viewer([recording])
 
 
+@pytest.mark.viewer
 def test_a_browser_finds_the_page_and_the_recording(viewer: ViewerClient, recording: Path) -> None:
     with served([recording]) as site, urlopen(site.url, timeout=10) as page:
         assert b"web viewer" in page.read()

@@ -50,8 +50,8 @@ def climbed(force: Force, *names: str) -> tuple[Bench, Ladder]:
 @pytest.mark.parametrize(
     ("force", "names", "found"),
     [
-        (sprung, ("spring",), {"spring@hinge"}),
-        (limited, ("saturation",), {"saturation@drive"}),
+        pytest.param(sprung, ("spring",), {"spring@hinge"}, marks=pytest.mark.slow),
+        pytest.param(limited, ("saturation",), {"saturation@drive"}, marks=pytest.mark.slow),
         (limited_and_sprung, ("spring", "saturation"), {"spring@hinge", "saturation@drive"}),
     ],
 )

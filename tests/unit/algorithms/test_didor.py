@@ -42,7 +42,7 @@ def teachers(count: int = 2) -> partial[Teachers]:
 
 def didor(seed: int = 0, **changes: Any) -> DiDoR:  # noqa: ANN401
     distillation = partial(Distillation, epochs=10, minibatch=60, rate=3e-3, adam_epsilon=1e-8)
-    own = {"teacher_frames": 20 * BATCH, "frames": 40 * BATCH, "batch_frames": BATCH} | changes
+    own = {"teacher_frames": 10 * BATCH, "frames": 20 * BATCH, "batch_frames": BATCH} | changes
     return DiDoR(INTERFACE, seed, teachers(), actor(), distillation, **own)
 
 
@@ -64,7 +64,7 @@ def test_reaches_the_optimum(made: Callable[[], Algorithm]) -> None:
     algorithm = made()
     assert mean_reward(algorithm.deployed) < mean_reward(best) - 0.2
     seen = experience(algorithm)
-    for _ in range(40):
+    for _ in range(20):
         algorithm.iterate(seen)
     assert mean_reward(algorithm.deployed) > mean_reward(best) - 0.03
 

@@ -5,10 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis_machines import measured, pendulum, short_comparison, swinging
-from hydra.utils import instantiate
+from diagnosis_machines import experiment_settings, measured, pendulum, short_comparison, swinging
 
-from dr_lab.cli.compose import compose
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.deciding import deciding_experiment
 from dr_lab.comparison.experiment_machine import experiment_machine
@@ -33,7 +31,7 @@ def ladder() -> Ladder:
 
 def settings(**changes: object) -> ExperimentSettings:
     small = {"population": 6, "generations": 1, "refitted": 1, "durations": [2.0], **changes}
-    return replace(instantiate(compose("diagnose", []).next_experiment, _convert_="all"), **small)
+    return experiment_settings(**small)
 
 
 def commands(folder: Path) -> Mapping[str, np.ndarray]:

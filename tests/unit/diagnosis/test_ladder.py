@@ -1,5 +1,5 @@
-from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -21,10 +21,11 @@ from dr_lab.effects.effect import Effect, place
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log
 
-DEFAULT: dict[str, float] = {}
+THREE = ("coulomb_friction", "constant_offset", "actuator_delay")
+FOUR = (*THREE, "quadratic_drag")
 SITES = {"asymmetric_friction": "hinge", "base_tilt": "world", "coulomb_friction": "hinge"}
 TOLERANCE = 1e-3  # of the cost; beside friction that is missing a fit creeps on from kink to kink at a thousandth
-SURE = {"confidence": 0.99999, "least_named": 1.0}  # beside friction a constant torque is then in doubt
+SURE = (("confidence", 0.99999), ("least_named", 1.0))  # beside friction a constant torque is then in doubt
 
 
 def rubbing(torque: float, offset: float) -> list[Log]:
@@ -41,9 +42,11 @@ def bench_of(logs: list[Log], model: Model, **asked: float) -> Bench:
     return Bench(*windows, solver_settings(tolerance=TOLERANCE), evidence_settings(**asked), 1)
 
 
-def climbed(logs: list[Log], *names: str, most: int = 3, asked: Mapping[str, float] = DEFAULT) -> Ladder:
-    model = pendulum()
-    bench, compiled = bench_of(logs, model, **asked), model.nominal()
+@cache
+def climbed(*names: str, most: int = 3, asked: tuple[tuple[str, float], ...] = ()) -> Ladder:
+    """The ladder of logs with friction and a constant torque."""
+    model, logs = pendulum(), rubbing(0.05, 0.1)
+    bench, compiled = bench_of(logs, model, **dict(asked)), model.nominal()
     base = fit_and_score(bench, model, model.space.nominal)
     effects: dict[str, Effect] = {name: catalogue_effect(name) for name in names}
     scales = machine_scales(compiled, logs[:2], 0.03)
@@ -55,7 +58,7 @@ def labels(ladder: Ladder) -> list[list[str]]:
 
 
 def test_two_missing_effects_are_two_rungs_and_the_third_stops() -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", "actuator_delay")
+    ladder = climbed(*THREE)
     assert labels(ladder)[0] == []
     assert set(labels(ladder)[-1]) == {"coulomb_friction@hinge", "constant_offset@hinge"}
     assert len(ladder.steps) == 2
@@ -69,7 +72,7 @@ def test_two_missing_effects_are_two_rungs_and_the_third_stops() -> None:
 
 
 def test_what_another_missing_effect_leaves_in_doubt_is_added_on_trial_and_stays() -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", asked=SURE)
+    ladder = climbed("coulomb_friction", "constant_offset", asked=SURE)
     first, second, _ = (rung.verdict for rung in ladder.rungs)
     assert (first.kind, first.effects, first.trial) == ("unexplained", (), ("constant_offset@hinge",))
     assert "constant_offset@hinge is worth a trial, which dr-lab close makes as far as `most` allows." in first.reason
@@ -81,7 +84,7 @@ def test_what_another_missing_effect_leaves_in_doubt_is_added_on_trial_and_stays
 
 @pytest.mark.parametrize("most", [1, 3])
 def test_what_stays_in_doubt_is_dropped_in_the_end(most: int) -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "constant_offset", most=most, asked=SURE)
+    ladder = climbed("constant_offset", most=most, asked=SURE)
     assert ladder.rungs[0].verdict.trial == ("constant_offset@hinge",)
     assert ladder.steps == ()
     assert ladder.dropped == ("constant_offset@hinge",)
@@ -89,7 +92,7 @@ def test_what_stays_in_doubt_is_dropped_in_the_end(most: int) -> None:
 
 
 def test_one_ranking_adds_nothing_on_trial() -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "constant_offset", most=0, asked=SURE).with_first_step()
+    ladder = climbed("constant_offset", most=0, asked=SURE).with_first_step()
     assert ladder.steps == ()
     assert ladder.verdict(evidence_settings()) == "unexplained"
 
@@ -106,13 +109,13 @@ def test_where_the_fit_logs_score_no_model_has_logs_apart() -> None:
 
 
 def test_no_more_effects_are_added_than_allowed() -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset", most=1)
+    ladder = climbed(*FOUR, most=1)
     assert len(ladder.steps) == 1
     assert len(ladder.rungs) == 2
 
 
 def test_a_rival_that_is_added_later_is_no_rival_any_more() -> None:
-    ladder = climbed(rubbing(0.05, 0.1), "coulomb_friction", "constant_offset")
+    ladder = climbed(*THREE)
     first, second = ladder.steps
     added = second.fitted_model.model.effects[-1].label
     rival = next(c for c in ladder.rungs[0].ranking if c.effect.label == added)
@@ -124,9 +127,7 @@ def test_a_rival_that_is_added_later_is_no_rival_any_more() -> None:
 
 
 def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
-    names = ("coulomb_friction", "constant_offset", "quadratic_drag", "actuator_delay")
-    logs = rubbing(0.05, 0.1)
-    bench, ladder = bench_of(logs, pendulum()), climbed(logs, *names, most=1)
+    bench, ladder = bench_of(rubbing(0.05, 0.1), pendulum()), climbed(*FOUR, most=1)
     ranking = (replace(c, fitted_model=explain_on(bench, ladder.base, c)) for c in ladder.rungs[0].ranking)
     found = {c.effect.effect.name: c for c in ranking}
     kept, wrong, right = (found[name] for name in ("constant_offset", "quadratic_drag", "coulomb_friction"))
@@ -149,9 +150,7 @@ def explain_on(bench: Bench, below: FittedModel, candidate: Candidate) -> Fitted
 
 
 def test_what_later_effects_made_superfluous_is_dropped() -> None:
-    names = ("coulomb_friction", "constant_offset", "quadratic_drag")
-    logs = rubbing(0.05, 0.1)
-    bench, ladder = bench_of(logs, pendulum()), climbed(logs, *names, most=0)
+    bench, ladder = bench_of(rubbing(0.05, 0.1), pendulum()), climbed(*FOUR, most=1)
     drag, friction, offset = (
         next(c for c in ladder.rungs[0].ranking if c.effect.effect.name == name)
         for name in ("quadratic_drag", "coulomb_friction", "constant_offset")

@@ -1,12 +1,11 @@
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
-from diagnosis_machines import NOISE, solver_settings, windows_settings
+from diagnosis_machines import NOISE, experiment_settings, solver_settings, windows_settings
 from effect_machines import block, placed
-from hydra.utils import instantiate
 
-from dr_lab.cli.compose import compose
 from dr_lab.diagnosis.experiment import play, readings
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
@@ -59,7 +58,7 @@ def machine(model: Contender, way: float = 0.5, speed: float = 2.0, low: float =
 
 def settings(**changes: object) -> ExperimentSettings:
     small = {"population": 6, "generations": 1, "simulations": 200, "durations": [3.0], **changes}
-    return replace(instantiate(compose("diagnose", []).next_experiment, _convert_="all"), **small)
+    return experiment_settings(**small)
 
 
 COULOMB, VISCOUS = contender("coulomb_friction", 1.0), contender("viscous_friction", 0.8)
@@ -70,9 +69,13 @@ def proposed(found: object) -> Proposal:
     return found
 
 
+@cache
+def deciding() -> Proposal:
+    return proposed(separate(COULOMB, VISCOUS, machine(COULOMB), settings()))
+
+
 def test_the_proposed_experiment_decides() -> None:
-    rail = machine(COULOMB)
-    found = proposed(separate(COULOMB, VISCOUS, rail, settings()))
+    rail, found = machine(COULOMB), deciding()
     assert found.sigma is not None
     time = np.arange(0.0, found.duration, 1 / 250)
     shown = readings(COULOMB.model, COULOMB.z, rail.start, found.commands, ["rail.position"], time)
@@ -89,8 +92,7 @@ def test_the_proposed_experiment_decides() -> None:
 
 
 def test_it_starts_and_ends_with_what_holds_the_machine_and_keeps_its_limits() -> None:
-    rail = machine(COULOMB)
-    found = proposed(separate(COULOMB, VISCOUS, rail, settings()))
+    rail, found = machine(COULOMB), deciding()
     command = found.commands["drive"]
     assert (command.value[0], command.value[-1]) == (0.0, 0.0)
     assert np.abs(command.value).max() <= LIMIT
@@ -114,8 +116,8 @@ def test_it_keeps_its_limits_in_contexts_that_the_fit_does_not_exclude() -> None
 
 
 def test_the_same_seed_proposes_the_same() -> None:
-    one, other = (proposed(separate(COULOMB, VISCOUS, machine(COULOMB), settings())) for _ in range(2))
-    assert np.array_equal(one.commands["drive"].value, other.commands["drive"].value)
+    again = proposed(separate(COULOMB, VISCOUS, machine(COULOMB), settings()))
+    assert np.array_equal(again.commands["drive"].value, deciding().commands["drive"].value)
 
 
 def test_what_is_the_same_to_every_experiment_is_not_separated() -> None:

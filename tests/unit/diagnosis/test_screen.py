@@ -119,7 +119,7 @@ def test_what_holds_the_best_one_is_fitted_although_others_promise_more() -> Non
     soft = catalogue_effect("presliding_friction")
     assert isinstance(soft, PreslidingFriction)
     misled = replace(soft, creeps=(2e-3, 0.5, 0.5), start_shapes=[(3e-3, 0.5)])  # looks where it creeps too fast
-    catalogue = {**{name: catalogue_effect(name) for name in DRY_FRICTIONS}, soft.name: misled}
+    catalogue = {**{name: catalogue_effect(name) for name in DRY_FRICTIONS[:3]}, soft.name: misled}
     placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
     ranking = rank(bench, base, placed, lambda _: None).candidates
     promised = {c.effect.effect.name: c.predicted for c in ranking}

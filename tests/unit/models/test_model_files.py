@@ -1,5 +1,6 @@
 """Every model file: loads in MuJoCo alone, conserves energy, weighs what is documented, declares live parameters."""
 
+from functools import cache
 from pathlib import Path
 
 import hydra
@@ -37,6 +38,7 @@ MASSES = {  # kg, sums of the documented values
 }
 
 
+@cache
 def loaded(name: str) -> Model:
     return hydra.utils.instantiate(compose("compare", [f"model={name}"]).model)
 

@@ -2,7 +2,7 @@
 
 import itertools
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -70,26 +70,37 @@ def nameless(motion: Motion) -> dict[str, Array]:
     return {"t": motion.time, "a": u2, "b": q2, "c": v1, "d": q1, "e": v2, "f": -u1}
 
 
-@pytest.mark.parametrize("robot", ["two.urdf", "two.xml"])
-@pytest.mark.parametrize(
-    ("columns", "outputs", "commands"),
-    [
-        (
-            plain,
-            [("shoulder_pos", "rad", 1), ("elbow_pos", "rad", 1)],
-            [("shoulder_torque", "N·m", 1), ("elbow_torque", "N·m", 1)],
-        ),
-        (
-            permuted,
-            [("shoulder_angle", "deg", 1), ("elbow_angle", "deg", 1)],
-            [("shoulder_torque", "mN·m", 1), ("elbow_torque", "mN·m", -1)],
-        ),
-        (nameless, [("d", "rad", 1), ("b", "rad", 1)], [("f", "N·m", -1), ("a", "N·m", 1)]),
-    ],
-    ids=["plain", "permuted, degrees, milli, a turned command", "nameless, a turned command"],
-)
+Rows = list[tuple[object, ...]]
+READINGS: dict[str, tuple[Columns, Rows, Rows]] = {
+    "plain": (
+        plain,
+        [("shoulder_pos", "rad", 1), ("elbow_pos", "rad", 1)],
+        [("shoulder_torque", "N·m", 1), ("elbow_torque", "N·m", 1)],
+    ),
+    "permuted, degrees, milli, a turned command": (
+        permuted,
+        [("shoulder_angle", "deg", 1), ("elbow_angle", "deg", 1)],
+        [("shoulder_torque", "mN·m", 1), ("elbow_torque", "mN·m", -1)],
+    ),
+    "nameless, a turned command": (
+        nameless,
+        [("d", "rad", 1), ("b", "rad", 1)],
+        [("f", "N·m", -1), ("a", "N·m", 1)],
+    ),
+}
+
+
+def robots_and_readings() -> Iterator[object]:
+    """Each table beside one robot; beside the other one it is left to the slow tests."""
+    for (name, reading), fast in zip(READINGS.items(), ("two.xml", "two.urdf", "two.xml"), strict=True):
+        for robot in ("two.urdf", "two.xml"):
+            marks = [] if robot == fast else [pytest.mark.slow]
+            yield pytest.param(robot, *reading, id=f"{name}-{robot}", marks=marks)
+
+
+@pytest.mark.parametrize(("robot", "columns", "outputs", "commands"), list(robots_and_readings()))
 def test_columns_units_and_signs_are_those_of_the_machine(
-    robot: str, columns: Columns, outputs: list[tuple[object, ...]], commands: list[tuple[object, ...]]
+    robot: str, columns: Columns, outputs: Rows, commands: Rows
 ) -> None:
     found = proposed(robot, write_logs(columns))
     assert [read_as(found["outputs"][f"{joint}.position"]) for joint in JOINTS] == outputs

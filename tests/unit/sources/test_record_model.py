@@ -1,6 +1,7 @@
 """Recorded models: plain MuJoCo moves the same, effects act, and the logs read back."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import mujoco
@@ -33,6 +34,7 @@ VALVE = """<mujoco>
 </mujoco>"""
 
 
+@cache
 def source(*overrides: str, model: str = "furuta") -> ModelSource:
     short = ["source=model", f"model={model}", "duration=1.0", "shares=[1.0,0.8,0.6]"]
     return instantiate(compose("record", [*short, *overrides]).source, _convert_="all")
@@ -74,7 +76,12 @@ def test_plain_mujoco_moves_the_same(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "override"),
-    [("furuta", MOTOR), ("cartpole", MOTOR), ("emps", "peaks={force:50}"), ("multiarm", "start={arm1:1.2}")],
+    [
+        ("furuta", MOTOR),
+        pytest.param("cartpole", MOTOR, marks=pytest.mark.slow),
+        pytest.param("emps", "peaks={force:50}", marks=pytest.mark.slow),
+        ("multiarm", "start={arm1:1.2}"),
+    ],
 )
 def test_log_replays_in_its_own_model(tmp_path: Path, name: str, override: str) -> None:
     """With jitter and latencies: times are true to a nanosecond."""

@@ -43,7 +43,13 @@ def test_the_same_command_finds_its_sweep_and_more_values_join(
 
 
 @pytest.mark.parametrize("place", ["hydra.sweep.dir={}/swept", "outputs={} hydra.sweep.dir='${{outputs}}/swept'"])
-@pytest.mark.parametrize("folder", ["beside/../there", "link/there", "link/../there", "{home}/link/../there"])
+@pytest.mark.parametrize(
+    "folder",
+    [
+        *(pytest.param(each, marks=pytest.mark.slow) for each in ("beside/../there", "link/there", "link/../there")),
+        "{home}/link/../there",
+    ],
+)
 def test_a_sweep_lies_where_the_system_finds_its_folder(
     sweeps: Sweeps, monkeypatch: pytest.MonkeyPatch, place: str, folder: str
 ) -> None:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,7 @@ BLIND = """<mujoco model="blind"><compiler angle="radian"/><option timestep="0.0
 DAMPING = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 0.5}}
 
 
+@cache
 def look(*overrides: str) -> Look:
     return instantiate(compose("fit", list(overrides)).recorder)
 
@@ -73,7 +75,7 @@ CASES: dict[str, Callable[[], MeasurementSet]] = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [pytest.param("slow", marks=pytest.mark.slow), "short", "none held out"])
 def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> None:
     report = fitted(pendulum(), CASES[case](), tmp_path)
     assert 0.3 < (report.ladder[0].held_out.chi2 or 0.0) < 2.0

@@ -4,8 +4,6 @@ import csv
 import functools
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +11,7 @@ import pytest
 import torch
 from test_train import OVERRIDES
 
+from dr_lab.__main__ import main
 from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
@@ -162,11 +161,11 @@ def test_contexts_that_are_all_the_same_are_not_trained_on_in_one_by_one(tmp_pat
         evaluated(tmp_path / "plain", tmp_path / "tuned", "evaluator=fine_tune")
 
 
-def test_the_command_line_evaluates_what_it_has_trained(run: Path, tmp_path: Path) -> None:
-    program = Path(sys.executable).with_name("dr-lab")
-    asked = [f"run={run}", "evaluator=returns", "evaluator.contexts=3", "hydra.run.dir=run"]
-    done = subprocess.run([program, "evaluate", *asked], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+def test_the_command_line_evaluates_what_it_has_trained(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["evaluate", f"run={run}", "evaluator=returns", "evaluator.contexts=3", "hydra.run.dir=run"]) == 0
     assert "uniform" in (tmp_path / "run" / "report.md").read_text(encoding="utf-8")
 
 
