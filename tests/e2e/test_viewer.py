@@ -121,12 +121,15 @@ def test_view_serves_until_ctrl_c(recording: Path) -> None:
     command = [sys.executable, "-m", "dr_lab", "view", f"run={recording}", "web=true", "page_port=0", "data_port=0"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=recording.parent)
     assert process.stdout is not None
-    said = [process.stdout.readline() for _ in range(5)]
-    assert "http://127.0.0.1:" in said[2]
-    assert "ssh -L" in said[3]
-    process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=10)[1] == ""
-    assert process.returncode == 0
+    try:
+        said = [process.stdout.readline() for _ in range(5)]
+        assert "http://127.0.0.1:" in said[2]
+        assert "ssh -L" in said[3]
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=10)[1] == ""
+        assert process.returncode == 0
+    finally:
+        process.kill()  # one that goes on would keep a core busy
 
 
 def test_missing_recordings_are_named(tmp_path: Path) -> None:
