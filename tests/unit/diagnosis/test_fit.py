@@ -277,28 +277,3 @@ def test_a_fit_goes_on_from_a_linear_model_as_from_its_context(monkeypatch: pyte
     np.testing.assert_allclose(found.z, alone.z, rtol=1e-9)
     assert found.converged
     assert sum(replayed) == needed - 1 - there.slopes.state.shape[2] - len(nominal)
-
-
-def test_a_fit_that_cannot_reach_its_goal_ends() -> None:
-    model = pendulum()
-    fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1), solver_settings())
-    whole = fitter.run(model.space.nominal)
-    early, late = (fitter.run(model.space.nominal, goal=share * whole.cost) for share in (0.5, 2.0))
-    assert not early.converged
-    assert early.cost > 0.5 * whole.cost
-    assert late.converged
-    assert late.cost == pytest.approx(whole.cost)
-
-
-@pytest.mark.parametrize(("iterations", "late"), [(15, True), (60, False)])
-def test_a_fit_that_at_its_pace_would_not_reach_its_goal_in_time_ends(iterations: int, *, late: bool) -> None:
-    """Damping that never falls keeps the steps short, whatever a full step foretells: some 6 % of the cost each."""
-    model = pendulum()
-    replay = Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1)
-    slow = solver_settings(iterations=iterations, damping=30.0, damping_down=1.0, crawl=5, restarts=0)
-    fitter = Fitter(replay, slow)
-    goal = 0.1 * fitter.run(model.space.nominal, iterations=0).cost
-    found = fitter.run(model.space.nominal, goal=goal)
-    assert found.late == late
-    assert (found.iterations < iterations) == late
-    assert (found.cost > goal) == late
