@@ -4,7 +4,7 @@ from functools import cache
 from pathlib import Path
 
 import hydra
-from omegaconf import DictConfig
+from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.compose import HYDRA_VERSION, prepare
 from dr_lab.cli.folders import shipped
@@ -13,12 +13,14 @@ from dr_lab.envs.setting import Setting
 
 @cache
 def composed(*overrides: str) -> DictConfig:
-    """The group ``env`` alone, e.g. of ``env=hopper``."""
+    """The group ``env`` alone, e.g. of ``env=hopper``; resolved, for other tests look for files in other folders."""
     folder: Path = shipped()
     prepare((folder,))
     with hydra.initialize_config_dir(version_base=HYDRA_VERSION, config_dir=str(folder)):
         name, *rest = overrides
-        return hydra.compose(overrides=[f"+{name}", *rest]).env
+        found = hydra.compose(overrides=[f"+{name}", *rest]).env
+        OmegaConf.resolve(found)
+        return found
 
 
 @cache
