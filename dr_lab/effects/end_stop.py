@@ -24,8 +24,8 @@ class EndStop(JointEffect, SpecEdit):
     into them.
 
     Parameters (nominal = absent): upper and lower [rad, slide: m], places of the stops; time_constant τ [s] and
-    damping_ratio ζ [1], those of the joint's own limit. No slope at absent (fits start with a stop just inside the
-    travel); stops that have passed one another are infeasible.
+    damping_ratio ζ [1]. No slope at absent (fits start with a stop just inside the travel); stops that have passed one
+    another are infeasible.
     Limits: hinge and slide joints without a limit, which are measured and move in the logs; τ is at least two time
     steps (MuJoCo).
     Source: MuJoCo 4.0, modeling chapter ("Solver parameters"), XML reference, joint/range and joint/solreflimit.
@@ -35,14 +35,14 @@ class EndStop(JointEffect, SpecEdit):
         deepest: largest distance of a stop from the end of the travel, share of the travel.
         start: distances of (upper, lower) from the ends of the travel in the fits that start away from absent, shares
             of the travel; None leaves that stop at nominal.
-        softest: largest time constant, s.
-        liveliest: smallest damping ratio.
+        time_constants: nominal and largest τ, s; a joint without a limit has none of its own.
+        liveliest: smallest ζ; nominal is 1.
     """
 
     beyond: float
     deepest: float
     start: tuple[tuple[float | None, float | None], ...]
-    softest: float
+    time_constants: tuple[float, float]
     liveliest: float
 
     name: ClassVar[str] = "end_stop"
@@ -57,19 +57,19 @@ class EndStop(JointEffect, SpecEdit):
         return tuple(joint for joint in super().sites(model) if not model.jnt_limited[model.joint(joint).id])
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
-        """The places of the stops."""
+        """The places of the stops, and how soft and lively they are."""
         travel = scales.position.get(site, 0.0)
         if travel <= 0 or site in scales.unmeasured:
             raise ModelError("An end stop shows only at a joint that is measured and moves in the logs.")
         unit = "m" if slides(model, site) else "rad"
         top, bottom = scales.highest[site] + self.beyond * travel, scales.lowest[site] - self.beyond * travel
-        deep, (constant, ratio) = (self.beyond + self.deepest) * travel, _own(model, site)
+        deep, (constant, softest) = (self.beyond + self.deepest) * travel, self.time_constants
         hardest = min(2 * float(model.opt.timestep), constant)
         return (
             Parameter("upper", unit, top, top - deep, top),
             Parameter("lower", unit, bottom, bottom, bottom + deep),
-            Parameter("time_constant", "s", constant, hardest, max(self.softest, constant)),
-            Parameter("damping_ratio", "1", ratio, min(self.liveliest, ratio), ratio),
+            Parameter("time_constant", "s", constant, hardest, softest),
+            Parameter("damping_ratio", "1", 1.0, self.liveliest, 1.0),
         )
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
@@ -93,12 +93,3 @@ class EndStop(JointEffect, SpecEdit):
             }
             for above, below in self.start
         )
-
-
-def _own(model: mujoco.MjModel, site: str) -> tuple[float, float]:
-    """Time constant τ in s and damping ratio of the joint's own limit, in either form of ``solreflimit``."""
-    first, second = map(float, model.jnt_solref[model.joint(site).id])
-    if first > 0:
-        return first * second, second
-    root = float(np.sqrt(-first))
-    return 1 / root, -second / (2 * root)

@@ -30,6 +30,12 @@ def test_a_soft_stop_gives_way_and_throws_back_what_its_damping_leaves(ratio: fl
     assert stopped[:, 1].max() - 0.1 == pytest.approx(deepest, rel=0.03)
 
 
+def test_what_a_joint_without_a_limit_says_of_one_means_nothing() -> None:
+    undamped = with_effect(block(joint='solreflimit="-1000 0"'), "end_stop", "rail", upper=0.1)
+    plain = with_effect(block(), "end_stop", "rail", upper=0.1)
+    np.testing.assert_array_equal(motion(undamped, 0.5, qvel=1.0), motion(plain, 0.5, qvel=1.0))
+
+
 def test_stops_begin_outside_the_travel_and_start_inside() -> None:
     effect = placed(block(), "end_stop", "rail", scales_of(block(), position=2.0))
     upper, lower, constant, ratio = effect.parameters
