@@ -98,12 +98,14 @@ class SolverSettings:
 
     Attributes:
         iterations: accepted or rejected steps after which a descent begins anew; not where a fit ends.
-        crawl: the same number of steps in a row that together lower the cost by less than the tolerance.
-        tolerance: a fit has converged when a full linear step would lower the cost by less than this share.
+        crawl: the same number of steps in a row that together lower the deviance by less than the tolerance.
+        tolerance: a fit has converged when a full linear step would lower the deviance n ln(cost) by less than this, n
+            residuals being independent.
         state_tolerance: the states of a window alone are found when a step lowers its cost by less than this share.
-        rough_tolerance: the same as `tolerance` for fits that only decide which candidates are fitted again.
+        rough_tolerance: share of the cost that is enough for fits that only decide which candidates are fitted again.
         refresh: share of the cost that a step must gain for the slopes by the start states to be taken anew.
-        foretold: share of the decrease that a linear step foretells above which the slopes are good for the next step.
+        foretold: share of the decrease that a linear step foretells above which the slopes, which follow the step
+            (`Slopes.secant`), are good for the next one.
         foreseen: share of what a fit gains that a linear step foretells, at least; a fit ends that cannot reach by that
             the cost that is asked for.
         hindered: share of the decrease that a linear step foretells below which states are fitted window by window.

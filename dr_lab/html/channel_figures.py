@@ -6,7 +6,7 @@ import numpy as np
 import plotly.graph_objects as go
 from scipy.stats import norm
 
-from dr_lab.diagnosis.evidence.colour import autocorrelation
+from dr_lab.diagnosis.fit.correlation import autocorrelation
 from dr_lab.html.figure import INK, NOISE, ROLES, Plot, band, chart, line, numbers, series
 from dr_lab.html.thinning import thinned
 from dr_lab.recorders.overlay import AFTER, MEASURED, SIMULATED, Overlay, components

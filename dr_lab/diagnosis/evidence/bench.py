@@ -138,6 +138,11 @@ class Bench:
         left = 1 - min(share / max(1 - 1 / max(level, 1.0), _LEAST), 1.0)
         return -self.samples / (1 + (self.colour - 1) * left) * float(np.log1p(-share))
 
+    @property
+    def negligible(self) -> float:
+        """Share of the cost of a fit of all windows by which the deviance falls by the solver's tolerance."""
+        return self.solver.tolerance * self.colour / self.samples
+
     def cost_at(self, fit: Fit, evidence: float) -> float:
         """Cost that is worse by so much evidence than that of a fit of all windows; ∞ if the fit leaves some out."""
         return np.inf if fit.infeasible.any() else fit.cost * float(np.exp(evidence * self.colour / self.samples))

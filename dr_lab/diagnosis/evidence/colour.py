@@ -1,4 +1,4 @@
-"""The colour of residuals: how many of them are independent, and whether a force or the instruments made them."""
+"""The colour of residuals above the noise floor: whether a force or the instruments made them."""
 
 import functools
 
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import polygamma
 from scipy.stats import chi2
 
+from dr_lab.diagnosis.fit.correlation import autocorrelation, variance_time
 from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
@@ -16,32 +17,6 @@ _DRAWS = 400  # references that a 99.9 % quantile is read from
 _CHANCE = 1e-5  # that stationary noise is taken for something else
 _FEWEST = 16  # samples in a window whose spectrum says anything
 _WINDOWS = 8  # of which the scatter says anything
-
-
-def autocorrelation(residual: Array, used: Mask) -> Array:
-    """Autocorrelation within windows at lags of 0, 1, … samples, ρ_k = Σ r_t r_{t+k} / Σ r_t², per pair; shape (m,).
-
-    Args:
-        residual: residuals of w windows, shape (w, m).
-        used: which of them exist, shape (w, m).
-    """
-    values, count = np.where(used, residual, 0.0), used.astype(np.float64)
-    products, pairs = (_lagged(rows) for rows in (values, count))
-    mean = np.divide(products, pairs, out=np.zeros_like(products), where=pairs > 0.5)
-    return mean / mean[0] if mean[0] > 0 else np.eye(1, len(mean))[0]
-
-
-def correlation_time(rho: Array) -> float:
-    """1 + 2 Σ ρ_k in samples, up to the first ρ_k that is not positive: so many residuals tell as much as one does.
-
-    Source: Geyer, Statistical Science 7 (1992) 473, section 3.3 (initial positive sequence).
-    """
-    return 1.0 + 2.0 * float(_positive(rho).sum())
-
-
-def variance_time(rho: Array) -> float:
-    """1 + 2 Σ ρ_k² in samples: so many squares tell as much of the variance as one does (Bartlett 1946)."""
-    return 1.0 + 2.0 * float((_positive(rho) ** 2).sum())
 
 
 def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
@@ -97,16 +72,3 @@ def _mean_frequency(residual: Array, white: float) -> float:
 def _detrended(residual: Array) -> Array:
     basis = np.linalg.qr(legvander(np.linspace(-1, 1, residual.shape[1]), _TERMS - 1))[0]
     return residual - residual @ basis @ basis.T
-
-
-def _lagged(rows: Array) -> Array:
-    """Σ over rows and t of x(t) x(t + k), shape (m,)."""
-    m = rows.shape[1]
-    return np.fft.irfft((np.abs(np.fft.rfft(rows, 2 * m)) ** 2).sum(0), 2 * m)[:m]
-
-
-def _positive(rho: Array) -> Array:
-    """The correlations at lags from 1 up to the first that is not positive; of the last half lags too few pairs are."""
-    tail = rho[1 : max(len(rho) // 2, 1)]
-    ends = np.flatnonzero(tail <= 0)
-    return tail[: ends[0]] if len(ends) else tail

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.evidence.colour import autocorrelation, correlation_time, instrumental
+from dr_lab.diagnosis.evidence.colour import instrumental
+from dr_lab.diagnosis.fit.correlation import autocorrelation, by_component, correlation_time
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit
@@ -111,8 +112,7 @@ def _channels(replay: Replay, fit: StateFit, used: Mask, taken: Array) -> dict[s
     parts = zip(*(replay.by_channel(rows) for rows in (fit.residuals, used.astype(float), taken)), strict=True)
     for (samples, residual), (_, mask), (_, less) in parts:
         name, kind = samples.channel.name, samples.channel.kind
-        # Components of a vector are windows of their own.
-        rows, exists = (x.transpose(0, 2, 1).reshape(-1, x.shape[1]) for x in (residual, mask > 0))
+        rows, exists = by_component(residual), by_component(mask > 0)
         own = kind in _INTEGRALS and instrumental(rows[exists.any(1)], exists[exists.any(1)], _INTEGRALS[kind])
         found[name] = ChannelScore(
             window_sum=(mask * residual**2).sum((1, 2)),

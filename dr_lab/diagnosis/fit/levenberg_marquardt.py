@@ -1,9 +1,8 @@
 """Fit of a model's context to windows of measurements by Levenberg–Marquardt over batched simulations.
 
 Unknowns are the context z and, as nuisance, every window's initial state x_w with a Gaussian prior around its
-smoothed measurement (multiple shooting, MAP). The cost is
-Σ_w ‖(y − ŷ(z, x_w))/σ‖²_Huber + Σ_w ‖(x_w − x̄_w)/s‖² + ‖(z − z_nominal)/(k · span)‖².
-All columns of the Jacobian are one batch of simulations; the states are eliminated by a Schur complement.
+smoothed measurement (multiple shooting, MAP). `Objective` is the cost. All columns of the Jacobian are one batch of
+simulations; the states are eliminated by a Schur complement.
 """
 
 from dataclasses import replace
@@ -13,9 +12,9 @@ from numpy.typing import NDArray
 
 from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations, Room
+from dr_lab.diagnosis.fit.objective import Objective
 from dr_lab.diagnosis.fit.pace import Pace
-from dr_lab.diagnosis.fit.point import Point, better_start, window_costs
-from dr_lab.diagnosis.fit.prior import prior_precision
+from dr_lab.diagnosis.fit.point import Point, better_start
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes, around, differences
 from dr_lab.diagnosis.fit.states import polished
@@ -35,17 +34,15 @@ class Fitter:
     Args:
         replay: windows and model.
         settings: step sizes and stopping rule.
-        rough: whether the fits only decide which candidates are fitted again: then their tolerance is
-            `settings.rough_tolerance`, and a descent that crawls on in steps that gain less than this share ends.
+        rough: whether the fits only decide which candidates are fitted again: then `settings.rough_tolerance` is the
+            share of the cost that is not worth a step, and a descent that crawls on in such steps ends.
     """
 
     def __init__(self, replay: Replay, settings: SolverSettings, *, rough: bool = False) -> None:
         self.replay, self._rough, self.space = replay, rough, replay.model.space
-        self.settings = replace(settings, tolerance=settings.rough_tolerance) if rough else settings
-        self._noise = float(replay.fitted.sum())  # the cost that noise alone leaves
+        self.settings, self._objective = settings, Objective(replay, settings)
+        self._least = self._objective.rough if rough else self._objective.negligible
         self._columns = np.arange(len(self.space.parameters))
-        self._precision = replay.windows.prior.std**-2.0
-        self._prior_precision = prior_precision(self.space, settings)
         ways = Straight.of(replay.model)
         self._straight = ways if replay.windows.loaded.all() else ways.apart()
         self._bodies = np.array([p.prior is not None for p in self.space.parameters], bool)
@@ -62,10 +59,10 @@ class Fitter:
         """Fit from a start until the certificate of convergence holds.
 
         The certificate is that a full linear step within the bounds, with fresh slopes by the parameters, would lower
-        the cost by less than `settings.tolerance` of it. A descent that ends without it, because only steps shorter
-        and shorter help or because it crawls, begins anew from its end, with states and slopes taken anew, as long as
-        that gains. Windows that diverge at the start are left out; those that the result can simulate come back.
-        Either happens `settings.restarts` times at most.
+        the deviance by less than `settings.tolerance` (`Objective.negligible`). A descent that ends without it, because
+        only steps shorter and shorter help or because it crawls, begins anew from its end, with states and slopes taken
+        anew, as long as that gains. Windows that diverge at the start are left out; those that the result can simulate
+        come back. Either happens `settings.restarts` times at most.
 
         Args:
             z: start, shape (n,).
@@ -79,8 +76,8 @@ class Fitter:
         if delta is None:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
         if iterations is not None:
-            return self._descend(self._point(z, delta), known, iterations, goal)
-        return self._certified(self._point(z, delta), known, goal)
+            return self._descend(self._objective.point(z, delta), known, iterations, goal)
+        return self._certified(self._objective.point(z, delta), known, goal)
 
     def go_on(self, there: Fit, goal: float = np.inf) -> Fit:
         """Fit from where the model was linearised, whose residuals and slopes are known; `goal` as in `run`."""
@@ -101,7 +98,7 @@ class Fitter:
                 return replace(fit, converged=False)
             again, left = self._descend(anew, None, self.settings.iterations, goal), left - 1
             taken = fit.iterations + again.iterations
-            gains = again.below(fit) > self.settings.tolerance * fit.cost
+            gains = again.below(fit) > self._least(fit)
             if not (again.infeasible.sum() < fit.infeasible.sum() or gains):
                 return replace(fit, iterations=taken)
             fit = replace(again, first=fit.first, iterations=taken)
@@ -123,22 +120,21 @@ class Fitter:
     def _descend(self, best: Point, known: Slopes | None, most: int, goal: float = np.inf) -> Fit:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
         settings, slopes, fresh = self.settings, self._first_slopes(best, known), _ALL if known is None else _NONE
-        best, weight, first = self._linear(best, slopes)
+        best, weight, first = self._objective.linear(best, slopes)
         linear, damping, taken, pace = first, settings.damping, 0, Pace(settings.crawl)
         while True:
             predicted = linear.decrease(self._movable(best, linear), self._room(best))
-            least = settings.tolerance * max(best.cost, self._noise)
+            least = self._least(best)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (fresh >= self._needed or taken == 0)  # given slopes are those of the start
-            short = damping > settings.damping_max or 2 * predicted < least * damping  # no such step gains enough
-            short |= pace.crawls(least)
+            short = damping > settings.damping_max or 2 * predicted < least * damping or pace.crawls(least)
             late = pace.too_slow(best.cost - goal, settings.iterations - taken)
             late &= not (converged or best.infeasible.any())
             if converged or taken >= most or (short and not done) or late or self._misses(best, predicted, goal):
                 break
             if done:
                 slopes, fresh = self._renewed(best, slopes, states=False), _ALL
-                best, weight, linear = self._linear(best, slopes)
+                best, weight, linear = self._objective.linear(best, slopes)
                 continue
             taken += 1
             (trial, share), nearby = self._trial(best, linear, damping, weight), slopes
@@ -147,19 +143,18 @@ class Fitter:
             gain = best.cost - trial.cost
             pace.add(gain)
             if gain >= 0:
-                near = gain <= settings.refresh * best.cost
                 damping *= settings.damping_up if share < _FAR else 1.0 / settings.damping_down
-                best, fresh = trial, self._asked(gain, predicted) if taken < most else _NONE  # nobody asks at the end
-                slopes = self._renewed(best, nearby, fresh, states=not near) if fresh else nearby
+                fresh = self._asked(gain, predicted) if taken < most else _NONE  # nobody asks at the end
+                best, slopes = trial, self._after(best, trial, slopes, nearby, fresh)
             elif fresh < _ALL:
                 slopes, fresh = self._renewed(best, slopes), _ALL
             else:
                 damping *= settings.damping_up
                 continue
-            best, weight, linear = self._linear(best, slopes)
+            best, weight, linear = self._objective.linear(best, slopes)
             if self._rough and 0 <= gain <= least:
                 break
-        costs = np.where(best.infeasible, 0.0, window_costs(best, weight, self._precision))
+        costs = np.where(best.infeasible, 0.0, self._objective.window_costs(best, weight))
         ended = (linear, first, costs, slopes, taken, converged, late)
         return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
 
@@ -186,9 +181,11 @@ class Fitter:
             z: context, shape (n,).
             delta: state corrections that were fitted at another context, shape (w, nstate).
         """
-        mean = self._point(z, np.zeros_like(delta))
-        start = better_start(mean, self._point(z, delta), self._weights(mean), self._precision)
-        return replace(start, cost=self._cost(start, self._weights(start)))
+        mean = self._objective.point(z, np.zeros_like(delta))
+        start = better_start(
+            mean, self._objective.point(z, delta), self._objective.weights(mean), self._objective.states
+        )
+        return replace(start, cost=self._objective.cost(start, self._objective.weights(start)))
 
     def _polished(self, point: Point, slopes: Slopes) -> tuple[Point, Slopes]:
         found = polished(self.replay, self.settings, point, slopes.state, ~point.infeasible)
@@ -202,10 +199,10 @@ class Fitter:
         """
         if not np.isfinite(trial.cost):
             return trial, slopes
-        worse = window_costs(trial, weight, self._precision) > window_costs(best, weight, self._precision)
+        worse = self._objective.window_costs(trial, weight) > self._objective.window_costs(best, weight)
         found = polished(self.replay, self.settings, trial, slopes.state, worse & ~trial.infeasible)
         point = replace(trial, delta=found.delta, residuals=found.residuals)
-        return replace(point, cost=self._cost(point, weight)), Slopes(found.slopes, slopes.parameter)
+        return replace(point, cost=self._objective.cost(point, weight)), Slopes(found.slopes, slopes.parameter)
 
     def _first_slopes(self, point: Point, known: Slopes | None) -> Slopes:
         if known is None:
@@ -233,37 +230,18 @@ class Fitter:
         parameter[..., columns] = found[..., count:]
         return Slopes(found[..., :count] if states else near.state, parameter)
 
+    def _after(self, before: Point, after: Point, slopes: Slopes, nearby: Slopes, fresh: int) -> Slopes:
+        """Slopes after a step, as fresh as is asked; those before it follow it unless windows were mended, `nearby`."""
+        if fresh:
+            far = before.cost - after.cost > self.settings.refresh * before.cost
+            return self._renewed(after, nearby, fresh, states=far)
+        if nearby is not slopes:
+            return nearby
+        move = self.space.to_unit(after.z) - self.space.to_unit(before.z)
+        return slopes.secant(after.residuals - before.residuals, after.delta - before.delta, move)
+
     def _differences(self, point: Point, *, states: bool, columns: NDArray[np.intp]) -> Array:
         return differences(self.replay, self.settings, point, states=states, columns=columns)
-
-    def _linear(self, point: Point, slopes: Slopes) -> tuple[Point, Array, NormalEquations]:
-        """The point with its cost under fresh robust weights, the weights, and the normal equations there."""
-        weight = self._weights(point)
-        unit = self.space.to_unit(point.z) - self.space.to_unit(self.space.nominal)
-        equations = NormalEquations.build(
-            residual=point.residuals,
-            state_jacobian=slopes.state,
-            parameter_jacobian=slopes.parameter,
-            weight=weight,
-            delta=point.delta,
-            state_precision=self._precision,
-            prior=self._prior_precision,
-            prior_gradient=self._prior_precision * unit,
-        )
-        return replace(point, cost=self._cost(point, weight)), weight, equations
-
-    def _weights(self, point: Point) -> Array:
-        return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
-
-    def _point(self, z: Array, delta: Array) -> Point:
-        residuals, infeasible = self.replay.residuals(z[None], delta[None])
-        return Point(z, delta, residuals[0], np.inf, infeasible[0])
-
-    def _cost(self, point: Point, weight: Array) -> float:
-        offset = self.space.to_unit(point.z) - self.space.to_unit(self.space.nominal)
-        states = float((self._precision * point.delta**2).sum())
-        prior = float((self._prior_precision * offset**2).sum())
-        return float((weight * point.residuals**2).sum()) + states + prior
 
     def _movable(self, point: Point, linear: NormalEquations) -> NDArray[np.bool_]:
         """Parameters that no bound holds back."""
@@ -288,7 +266,7 @@ class Fitter:
         for each, share in zip(zip(z, delta, *self.replay.residuals(z, delta), strict=True), shares, strict=True):
             trial = Point(*each[:3], np.inf, each[3])
             if not (trial.infeasible & ~best.infeasible).any():
-                cost, lost = self._cost(trial, weight), best.infeasible | trial.infeasible
+                cost, lost = self._objective.cost(trial, weight), best.infeasible | trial.infeasible
                 trial = replace(trial, cost=cost, infeasible=lost)
             found.append((trial, float(share)))
         return min(found, key=lambda each: each[0].cost)

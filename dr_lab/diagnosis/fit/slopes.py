@@ -27,6 +27,27 @@ class Slopes:
         """The slopes of some windows."""
         return Slopes(self.state[rows], self.parameter[rows])
 
+    def secant(self, change: Array, state_move: Array, move: Array) -> "Slopes":
+        """The nearest slopes that foretell what a step changed, window by window.
+
+        J + (Δr − J s)(D² s)ᵀ / sᵀD²s with D the norms of the columns, so that no unit counts.
+
+        Source: Broyden, Mathematics of Computation 19 (1965) 577, method 1.
+
+        Args:
+            change: Δr, shape (w, m).
+            state_move: step of the states, shape (w, s).
+            move: step of the parameters in the unit cube, shape (p,).
+        """
+        slope = np.concatenate([self.state, self.parameter], axis=2)
+        step = np.concatenate([state_move, np.broadcast_to(move, (len(change), len(move)))], axis=1)
+        missed = change - (slope @ step[..., None])[..., 0]
+        along = (slope**2).sum(1) * step
+        length = (along * step).sum(1)[:, None]
+        share = np.divide(missed, length, out=np.zeros_like(missed), where=length > 0)
+        found, states = slope + share[..., None] * along[:, None], self.state.shape[2]
+        return Slopes(found[..., :states], found[..., states:])
+
 
 def differences(
     replay: Replay, settings: SolverSettings, point: Point, *, states: bool, columns: NDArray[np.intp]

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfilt
 
-from dr_lab.diagnosis.evidence.colour import autocorrelation, correlation_time, instrumental, variance_time
+from dr_lab.diagnosis.evidence.colour import instrumental
+from dr_lab.diagnosis.fit.correlation import autocorrelation, correlation_time, variance_time
 from dr_lab.trajectory import Array
 
 WINDOWS, SAMPLES, STEP = 24, 150, 0.002  # 0.3 s each
