@@ -1,5 +1,6 @@
 """Pinocchio, the second engine, and a MuJoCo model's tree of bodies in its terms."""
 
+import functools
 import importlib
 from types import ModuleType
 from typing import Any
@@ -13,8 +14,9 @@ from dr_lab.plants.inertia import tensor_of
 from dr_lab.trajectory import Array
 
 
+@functools.cache
 def pinocchio() -> ModuleType:
-    """The library.
+    """The library, looked for once: a machine asks for it at every instant.
 
     Raises:
         MissingLibraryError: it is not installed.
