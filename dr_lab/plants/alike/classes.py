@@ -1,5 +1,7 @@
 """The equivalence class of a hidden effect, by regression of what the base lacks on what rivals give."""
 
+import functools
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -58,18 +60,41 @@ class Classes:
         """The class of every effect that is hidden: ``effect@site`` → number of parameters, 0 for the base."""
         parts = bench.hidden.parts if isinstance(bench.hidden, Composite) else (bench.hidden,)
         labels = [part.label for part in parts]
-        std = _noise(bench)
-        rivals: tuple[Rival, ...] = ()
-        total, free = np.zeros(()), 0
-        for course in courses(bench, seed, self.settling, self.parts):
-            freed = [lacked(force) for force in _free(course, bench, seed)]
-            rivals, free = self._rivals(course), len(freed)
-            listed = [s for rival in rivals for choice in rival.choices for s in choice.signatures]
-            seen = response(course, std, bench.instruments.sample_rate)
-            window = max(round(self.window / float(np.median(course.step))), 1)
-            total = total + seen.gram([*(_truth(course, parts, part) for part in parts), *freed, *listed], window)
-        regression = Regression(total, len(parts), free, rivals)
+        regression = self._regression(bench, seed, parts, ())
+        if len(parts) > 1:
+            nearest = [regression.nearest(number) for number in range(len(parts))]
+            regression = self._regression(bench, seed, parts, nearest)
         return {label: regression.members(number, labels, self.threshold) for number, label in enumerate(labels)}
+
+    def _regression(
+        self, bench: Rig, seed: int, parts: Sequence[HiddenEffect], nearest: Sequence[int | None]
+    ) -> Regression:
+        """All courses in one regression.
+
+        Args:
+            bench: the machine with its instruments.
+            seed: of the courses.
+            parts: what is hidden.
+            nearest: place, among all choices, of the one that stands for each part while another is judged.
+        """
+        along = (
+            self._along(course, bench, seed, parts, nearest)
+            for course in courses(bench, seed, self.settling, self.parts)
+        )
+        return functools.reduce(Regression.__add__, along)
+
+    def _along(
+        self, course: Course, bench: Rig, seed: int, parts: Sequence[HiddenEffect], nearest: Sequence[int | None]
+    ) -> Regression:
+        """The regression of one course."""
+        freed, rivals = [lacked(force) for force in _free(course, bench, seed)], self._rivals(course)
+        choices = [choice for rival in rivals for choice in rival.choices]
+        beside = [() if place is None else choices[place].columns for place in nearest]
+        common = [*(_truth(course, parts, part) for part in parts), *freed, *itertools.chain(*beside)]
+        window = max(round(self.window / float(np.median(course.step))), 1)
+        seen = response(course, _noise(bench), bench.instruments.sample_rate)
+        products = seen.inner_products(common, [choice.signatures for choice in choices], window)
+        return Regression(products, len(parts), len(freed), rivals, [len(each) for each in beside])
 
     def _rivals(self, course: Course) -> tuple[Rival, ...]:
         command = course.mean_command(NoEffect())

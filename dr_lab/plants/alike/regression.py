@@ -1,12 +1,13 @@
 """How well each rival, with everything that is free refitted, gives what a truth gives."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from dr_lab.plants.alike.inner_products import InnerProducts
 from dr_lab.plants.alike.rival import Choice, Rival
 from dr_lab.trajectory import Array
 
@@ -22,16 +23,22 @@ class Regression:
     """Least squares on inner products alone.
 
     Attributes:
-        gram: of the truths, the free parameters and the rivals' signatures, in this order, in units of χ².
+        products: of the truths, the free parameters and what `beside` names, in this order, and of the rivals' choices.
         truths: number of truths.
         free: number of free parameters.
-        rivals: whose choices' signatures follow.
+        rivals: whose choices they are.
+        beside: numbers of columns that give what a rival near to each truth gives; these stay free for other truths.
     """
 
-    gram: Array
+    products: InnerProducts
     truths: int
     free: int
     rivals: Sequence[Rival]
+    beside: Sequence[int] = ()
+
+    def __add__(self, other: "Regression") -> "Regression":
+        """The regression on the rows of both, whose columns are the same."""
+        return replace(other, products=self.products + other.products)
 
     def members(self, number: int, labels: Sequence[str], threshold: float) -> dict[str, int]:
         """The class of a truth: label → number of parameters, 0 for the base.
@@ -44,16 +51,13 @@ class Regression:
             labels: of all truths; the others keep their sizes free, as do the parameters of their own effects.
             threshold: χ² by which a member may be worse than the truth's own effect of the catalogue.
         """
-        others = [self._best(other) for other in range(self.truths) if other != number]
-        freed = [k for k in range(self.truths + self.free) if k != number]
-        freed += [column for (place, choice) in others if choice is not None for column in _columns(place, choice)]
-        reduced = without(self.gram, freed)
-        left = self._left(reduced, number)
+        freed = self._freed(number)
+        left = self._left(number, freed)
         own = left.get(labels[number], np.inf)
         own = own if np.isfinite(own) else 0.0  # an effect whose shapes are not worked out gives what it gives
         known = {rival.label: rival.parameters for rival in self.rivals}
         count = known.get(labels[number], 1)
-        if reduced[number, number] < own + threshold:
+        if without(self.products.common, freed)[number, number] < own + threshold:
             return {labels[number]: count, BASE: 0}
         hidden = set(labels) - {labels[number]}
         alike = {
@@ -63,35 +67,33 @@ class Regression:
         }
         return {labels[number]: count, **alike}
 
-    def _left(self, reduced: Array, number: int) -> dict[str, float]:
-        """Least χ² that each rival leaves of a truth."""
-        left: dict[str, float] = {}
-        for rival, choices in self._placed:
-            tried = (remaining(reduced, number, place, choice) for place, choice in choices)
-            left[rival.label] = min(tried, default=np.inf)
-        return left
+    def nearest(self, number: int) -> int | None:
+        """Place, among all choices, of the one by which any rival comes nearest to a truth; None without any."""
+        left = [chi2 for each in self._tried(number, self._freed(number)) for chi2 in each]
+        return int(np.argmin(left)) if left else None
 
-    def _best(self, number: int) -> tuple[int, Choice | None]:
-        """Where the choice begins by which any rival comes nearest to a truth, and that choice."""
-        reduced = without(self.gram, [k for k in range(self.truths + self.free) if k != number])
-        everything = [pair for _, choices in self._placed for pair in choices]
-        return min(everything, key=lambda pair: remaining(reduced, number, *pair), default=(0, None))
+    def _freed(self, number: int) -> list[int]:
+        """Columns that are regressed out for a truth: all common ones but itself and what stands for it."""
+        ends = self.truths + self.free + np.cumsum([0, *self.beside])
+        own = range(ends[number], ends[number + 1]) if self.beside else range(0)
+        return [k for k in range(len(self.products.common)) if k != number and k not in own]
+
+    def _left(self, number: int, freed: Sequence[int]) -> dict[str, float]:
+        """Least χ² that each rival leaves of a truth."""
+        tried = self._tried(number, freed)
+        return {rival.label: min(each, default=np.inf) for rival, each in zip(self.rivals, tried, strict=True)}
+
+    def _tried(self, number: int, freed: Sequence[int]) -> list[list[float]]:
+        """χ² that each choice of each rival leaves of a truth."""
+        products, place = iter(self._products), len(self.products.common)
+        return [
+            [remaining(without(next(products), freed), number, place, choice) for choice in rival.choices]
+            for rival in self.rivals
+        ]
 
     @cached_property
-    def _placed(self) -> list[tuple[Rival, list[tuple[int, Choice]]]]:
-        """Each rival with its choices and where their signatures begin."""
-        place, placed = self.truths + self.free, []
-        for rival in self.rivals:
-            begins = []
-            for choice in rival.choices:
-                begins.append((place, choice))
-                place += len(choice.signatures)
-            placed.append((rival, begins))
-        return placed
-
-
-def _columns(place: int, choice: Choice) -> range:
-    return range(place + len(choice.signatures) - len(choice.columns), place + len(choice.signatures))
+    def _products(self) -> list[Array]:
+        return self.products.of_choices()
 
 
 def without(gram: Array, freed: Sequence[int]) -> Array:
@@ -112,7 +114,8 @@ def without(gram: Array, freed: Sequence[int]) -> Array:
 
 def remaining(gram: Array, number: int, place: int, choice: Choice) -> float:
     """Least |truth + fixed + Σ coefficient · column|² of a choice whose signatures begin at a place."""
-    columns = list(_columns(place, choice))
+    end = place + len(choice.signatures)
+    columns = list(range(end - len(choice.columns), end))
     offset = np.zeros(len(gram))
     offset[number] = 1.0
     if choice.fixed is not None:

@@ -1,11 +1,13 @@
 """How far a force that is missing, or a reading that is wrong, shows in logs cut into windows with free starts."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from dr_lab.plants.alike.course import Course
+from dr_lab.plants.alike.inner_products import InnerProducts
 from dr_lab.plants.phases import solve
 from dr_lab.trajectory import Array
 
@@ -43,29 +45,36 @@ class Response:
     pushed: Array
     information: Array
 
-    def gram(self, signatures: Sequence[Signature], window: int) -> Array:
+    def inner_products(
+        self, common: Sequence[Signature], choices: Sequence[Sequence[Signature]], window: int
+    ) -> InnerProducts:
         """Inner products, weighed by the noise, of what signatures make of the residuals; starts are regressed out.
 
         Args:
-            signatures: m of them.
+            common: signatures that stand beside any choice.
+            choices: signatures that stand there one choice at a time.
             window: intervals in a window; a rest that is shorter than half of one is left out.
 
         Returns:
-            Shape (m, m), in units of χ².
+            In units of χ².
         """
-        force = np.stack([s.force for s in signatures], axis=2)
-        reading = np.stack([s.reading for s in signatures], axis=2)
-        count, joints, many = force.shape
-        total = np.zeros((many, many))
+        listed, sizes = [*common, *itertools.chain(*choices)], [len(each) for each in choices]
+        count, joints = common[0].force.shape
+        total: InnerProducts | None = None
         for begin in range(0, count, window):
             stop = min(begin + window, count)
             if stop - begin < window / 2:
                 break
-            seen = self._seen(force[begin:stop], reading[begin:stop], begin)
+            force, reading = (
+                np.stack([getattr(s, part)[begin:stop] for s in listed], axis=2) for part in ("force", "reading")
+            )
+            seen = self._seen(force, reading, begin)
             starts, rest = seen[:, : 2 * joints], seen[:, 2 * joints :]
             basis, _ = np.linalg.qr(starts)
-            rest = rest - basis @ (basis.T @ rest)
-            total += rest.T @ rest
+            found = InnerProducts.of(rest - basis @ (basis.T @ rest), len(common), sizes)
+            total = found if total is None else total + found
+        if total is None:
+            return InnerProducts.of(np.zeros((0, len(listed))), len(common), sizes)
         return total
 
     def _seen(self, force: Array, reading: Array, begin: int) -> Array:
