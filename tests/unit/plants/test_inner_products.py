@@ -11,7 +11,7 @@ def test_each_choice_has_the_inner_products_of_all_columns() -> None:
     rng = np.random.default_rng(0)
     parts = [rng.standard_normal((count, COMMON + sum(SIZES))) for count in (40, 25)]
     one, other = (InnerProducts.of(rows, COMMON, SIZES) for rows in parts)
-    whole, place = sum(rows.T @ rows for rows in parts), COMMON
+    whole, place = parts[0].T @ parts[0] + parts[1].T @ parts[1], COMMON
     for size, found in zip(SIZES, (one + other).of_choices(), strict=True):
         columns = [*range(COMMON), *range(place, place + size)]
         np.testing.assert_allclose(found, whole[np.ix_(columns, columns)], rtol=1e-12, atol=1e-12)
