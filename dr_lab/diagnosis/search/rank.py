@@ -190,20 +190,25 @@ class _Contest:
     def _standing(self, tried: dict[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat.
 
-        The best one's special cases stand as well: a fit of hard friction ends early more often than one that softens
-        it, so a richer effect may lead on few windows only because its fit went on.
+        Others stand as well, for few windows flatter the best one:
+
+        1. Its special cases: a fit of hard friction ends early more often than one that softens it, so a richer effect
+           may lead only because its fit went on.
+        2. The best one of each smaller number of parameters: more of them bend to few windows more easily.
         """
         settings = self.bench.evidence
         order = sorted((k for k, c in tried.items() if c.fitted), key=lambda k: -tried[k].gain.total)
         if not order:
             return []
         standing: list[int] = []
-        held = [k for k in order if self._holds(order[0], k)]
-        for k in sorted(order, key=lambda k: len(tried[k].effect.parameters)):
+        counts = {k: len(tried[k].effect.parameters) for k in order}
+        leaner = {counts[k]: k for k in reversed(order) if counts[k] < counts[order[0]]}  # the best one comes last
+        kept = {*leaner.values(), *(k for k in order if self._holds(order[0], k))}
+        for k in sorted(order, key=counts.__getitem__):
             best = paired_gain(tried[k].fitted_model.held_out, tried[order[0]].fitted_model.held_out, settings)
             cases = [j for j in standing if self._special_cases([k], [j])]  # others may lead on few windows alone
             needless = any(self._needless(tried[k], tried[j]) for j in cases or standing)
-            if not needless and (k in held or not supported(best, 0, settings)):
+            if not needless and (k in kept or not supported(best, 0, settings)):
                 standing.append(k)
         return standing
 
