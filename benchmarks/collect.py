@@ -132,9 +132,8 @@ def untrained(of: Setting) -> Policy:
 
 def trained(run: Path) -> Policy:
     """The policy that a run chose, as it explores."""
-    algorithm = (
-        compose_arguments("train", [], (shipped(),), recorded=run, only=["plan"])["plan"].assemble(None).algorithm
-    )
+    recorded = compose_arguments("train", ["++plan.device=cpu"], (shipped(),), recorded=run, only=["plan"])
+    algorithm = recorded["plan"].assemble(None).algorithm
     RunState.load(run).restore(algorithm)
     return algorithm.policies["policy"]
 

@@ -8,6 +8,7 @@ import torch
 from point_mass import PointCollector, best
 from tensordict import TensorDict
 
+from dr_lab.collectors.boundary import Boundary
 from dr_lab.collectors.collector import Collector, Drive
 from dr_lab.collectors.experience import Experience
 from dr_lab.envs.slots import Starts
@@ -26,7 +27,7 @@ class PretendedExperience(Experience):
     ) -> None:
         self._returns, self._collector = returns, collector or PointCollector(best)
         self._listeners, self.policy, self.played, self.rollout_frames = [], best, 0, 0
-        self.deployed, self.source = best, source
+        self.deployed, self.source, self._boundary = best, source, Boundary()
 
     def play(self, drive: Drive, z: Array, starts: Starts | None = None) -> TensorDict:
         del drive, starts

@@ -13,6 +13,8 @@ from dr_lab.collectors.experience import Experience
 from dr_lab.seeding import derived_seed
 from dr_lab.trajectory import Array
 
+CPU = torch.device("cpu")
+
 
 @dataclass(frozen=True)
 class Interface:
@@ -22,15 +24,20 @@ class Interface:
         observation: width of an observation.
         low: lowest action, shape (nu,), in the actuators' unit.
         high: highest action, shape (nu,).
+        device: on which it is learnt; it acts on the CPU.
     """
 
     observation: int
     low: Array
     high: Array
+    device: torch.device = CPU
 
 
 class Algorithm(ABC):
-    """Learns from batches as a `Collector` gives them.
+    """Learns from batches as a `Collector` gives them, on the device of its interface.
+
+    Networks, optimisers and what else enters losses are made there, and batches come there. Random numbers are drawn on
+    the CPU and moved, so that a run sees the same on every device. States are loaded from tensors on any.
 
     Attributes:
         batch_frames: control steps, over all episodes, that one update wants.

@@ -8,6 +8,7 @@ import torch
 from tensordict import TensorDict
 from torch import Tensor
 
+from dr_lab.collectors.boundary import Boundary
 from dr_lab.collectors.collector import Collector, Drive, Policy
 from dr_lab.collectors.play import play
 from dr_lab.envs.slots import EpisodeSlots, Starts
@@ -21,12 +22,16 @@ class Experience:
 
     Both have slots of their own: what is played disturbs no episode that is being collected.
 
+    Everything is played on the CPU, and who listens hears of it there. Only what is collected crosses the boundary to
+    the device on which policies learn.
+
     Args:
         collector: collects with `policy`.
-        policy: the one that is trained, as it is then.
+        policy: the one that is trained, as it is then, on the CPU.
         episodes: slots of the whole episodes.
         source: p(z), from which a collector's new episodes draw; None for the nominal context.
         deployed: the same policy without exploration; None where it explores nothing.
+        boundary: between the CPU and that device; None where it is the CPU.
 
     Attributes:
         rollout_frames: control steps of the whole episodes that were played so far, beside those that were collected.
@@ -39,10 +44,12 @@ class Experience:
         episodes: EpisodeSlots,
         source: ContextSource | None = None,
         deployed: Policy | None = None,
+        boundary: Boundary | None = None,
     ) -> None:
         self.policy, self.source, self.deployed = policy, source, deployed or policy
         self.rollout_frames = 0
         self._collector, self._episodes = collector, episodes
+        self._boundary = boundary or Boundary()
         self._listeners: list[Callable[[TensorDict], None]] = []
 
     def listen(self, listener: Callable[[TensorDict], None]) -> None:
@@ -51,6 +58,7 @@ class Experience:
 
     def collect(self) -> TensorDict:
         """The next batch of the present policy, as `Collector` lays it out."""
+        self._boundary.renew()
         return self._told(next(self._collector))
 
     def collect_whole(self, z: Array, labels: Mapping[str, Keys] | None = None) -> TensorDict:
@@ -64,6 +72,7 @@ class Experience:
             A batch as `Collector` lays it out, of as many control steps as the longest first episode takes, and what
             else the collector makes at once. What goes on then is cut, and bootstraps, as by a time limit.
         """
+        self._boundary.renew()
         self.begin(z)
         parts, ended = list[TensorDict](), torch.zeros(len(z), dtype=torch.bool)
         while not ended.all():
@@ -86,8 +95,9 @@ class Experience:
         self._collector.begin(z)
 
     def play(self, drive: Drive, z: Array, starts: Starts | None = None) -> TensorDict:
-        """Whole episodes, one in each context; arguments and result as those of `collectors.play.play`."""
-        played = play(self._episodes, drive, z, starts)
+        """Whole episodes, one in each context; arguments and result as those of `collectors.play.play`, on the CPU."""
+        self._boundary.renew()
+        played = play(self._episodes, self._boundary.playing(drive), z, starts)
         self.rollout_frames += int(cast(Tensor, played["mask"]).sum())
         return played
 
@@ -133,4 +143,4 @@ class Experience:
         with torch.enable_grad():  # who collects may want no gradients, who listens may learn by them
             for listener in self._listeners:
                 listener(batch)
-        return batch
+        return self._boundary.across(batch)

@@ -21,6 +21,8 @@ from dr_lab.training.trainer import Trainer
 Compose = Callable[..., Mapping[str, Any]]
 """Gives the arguments of a verb, built from its name, overrides and the folder that records them."""
 
+_ON_CPU = "++plan.device=cpu"  # whatever device the run learnt on, which this machine may lack
+
 
 @dataclass(frozen=True)
 class TrainedRun:
@@ -69,7 +71,7 @@ def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:
     Raises:
         DataError: the checkpoint cannot be read, or is not of what the configuration beside it describes.
     """
-    recorded: Plan = compose("train", [], recorded=folder, only=["plan"])["plan"]
+    recorded: Plan = compose("train", [_ON_CPU], recorded=folder, only=["plan"])["plan"]
     plan = replace(recorded, threads=threads)
     training = plan.assemble(None)
     left, snapshots = _restored(training, folder)

@@ -19,7 +19,7 @@ _BACKWARD: dict[Activation, Callable[[Tensor, Tensor], Tensor]] = {
     "relu": lambda slope, h: torch.ops.aten.threshold_backward.default(slope, h, 0),
 }
 _STEEPNESS: dict[Activation, Callable[[Tensor], Tensor]] = {
-    "tanh": lambda h: torch.addcmul(torch.ones((), dtype=h.dtype), h, h, value=-1.0),
+    "tanh": lambda h: torch.addcmul(h.new_ones(()), h, h, value=-1.0),
     "relu": lambda h: (h > 0).to(h.dtype),
 }
 _BEND: dict[Activation, Callable[[Tensor], Tensor]] = {"tanh": lambda h: -2.0 * h, "relu": torch.zeros_like}

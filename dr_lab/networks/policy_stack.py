@@ -1,7 +1,7 @@
 """Many policies that act at once, each for its own share of the slots."""
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
 from typing import Any, Self, cast
 
@@ -107,6 +107,11 @@ class PolicyStack(nn.Module):
         loaded = super().load_state_dict(*args, **kwargs)
         self.refresh()
         return loaded
+
+    def _apply(self, fn: Callable[[Tensor], Tensor], recurse: bool = True) -> Self:
+        """As torch's, by which `to` moves tensors to a device: what acts goes along."""
+        self._together[0]._apply(fn, recurse)
+        return super()._apply(fn, recurse)
 
     @property
     def _members(self) -> Sequence[Actor]:

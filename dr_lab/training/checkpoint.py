@@ -48,7 +48,7 @@ def save(path: Path, state: Mapping[str, Any]) -> None:
 
 
 def load(path: Path) -> dict[str, Any]:
-    """Read what `save` wrote.
+    """Read what `save` wrote, on whatever device it was then; tensors are on the CPU.
 
     Raises:
         DataError: there is no such file, or it is no checkpoint.
@@ -77,7 +77,7 @@ def _read(file: BinaryIO) -> dict[str, Any]:
         raise EOFError(f"the checksum of {damaged} does not fit")
     file.seek(0)
     with torch.serialization.safe_globals(_ARRAYS):
-        return torch.load(file, weights_only=True)
+        return torch.load(file, map_location="cpu", weights_only=True)
 
 
 def not_finite(state: object, name: str) -> Iterator[str]:

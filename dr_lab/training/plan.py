@@ -7,6 +7,7 @@ from typing import Annotated
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.bounds import Count, above, at_most, require_bounds
+from dr_lab.collectors.boundary import boundary_to
 from dr_lab.collectors.collector import Collector
 from dr_lab.collectors.experience import Experience
 from dr_lab.distribution_learners.distribution_learner import DistributionLearner
@@ -15,6 +16,7 @@ from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.seeding import derived_seed
+from dr_lab.training.device import require_device
 from dr_lab.training.trainer import Stateful, Trainer
 
 CHECKPOINT = "checkpoint.pt"  # the last state, from which a run goes on
@@ -38,9 +40,10 @@ class Plan:
         seed: of every random draw.
         threads: C threads of the physics; None takes every core.
         final_share: share of the iterations whose episodes make up the final return, the last ones.
+        device: on which policies learn, as torch calls it; they act on the CPU, where the physics is.
 
     Raises:
-        ConfigError: a number is out of its range.
+        ConfigError: a number is out of its range, or there is no such device.
     """
 
     env: Environment
@@ -55,9 +58,11 @@ class Plan:
     seed: int
     threads: int | None
     final_share: Annotated[float, above(0.0), at_most(1.0)] = 1.0
+    device: str = "cpu"
 
     def __post_init__(self) -> None:
         require_bounds(self, "")
+        require_device(self.device)
 
     def assemble(self, checkpoint: Path | None) -> "Training":
         """Build everything.
@@ -72,17 +77,20 @@ class Plan:
         learner = self.distribution_learner(randomizer, self.seed)
         env = self.env.make(learner.source, self.episodes, self.seed, self.threads, staggered=True)
         slots = env.episodes
-        algorithm = self.algorithm(Interface(slots.observation.shape[1], slots.low, slots.high), self.seed)
+        device = require_device(self.device)
+        algorithm = self.algorithm(Interface(slots.observation.shape[1], slots.low, slots.high, device), self.seed)
         steps = algorithm.batch_frames // self.episodes
         if steps < 1:
             raise ConfigError(
                 f"algorithm.batch_frames is {algorithm.batch_frames}, less than one control step for each of "
                 f"{self.episodes} episodes. Raise it, or lower episodes."
             )
-        policy, collecting = algorithm.policies["policy"], algorithm.collecting
+        between = boundary_to(device)
+        learnt = (algorithm.policies["policy"], algorithm.collecting, algorithm.deployed)
+        policy, collecting, deployed = between.acting(learnt)
         played = self.env.make(None, self.rollout_episodes, self._seed_of_rollouts(), self.threads).episodes
-        collector, deployed = self.collector(env, collecting, steps), algorithm.deployed
-        experience = Experience(collector, policy, played, learner.source, deployed)
+        collector = self.collector(env, collecting, steps)
+        experience = Experience(collector, policy, played, learner.source, deployed, between)
         more: dict[str, Stateful] = {}
         trainer = Trainer(experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.time_limit)
         return Training(trainer, algorithm, experience, randomizer, learner, more)

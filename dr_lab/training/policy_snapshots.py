@@ -10,6 +10,7 @@ from torch import Tensor, nn
 
 from dr_lab.algorithms.algorithm import Algorithm
 from dr_lab.bounds import Count, require_bounds
+from dr_lab.collectors.boundary import on_cpu
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import outcomes, play
 from dr_lab.envs.environment import Environment
@@ -49,12 +50,12 @@ class PolicySnapshots:
         self.taken = [*self.taken, {"frames": frames, "policies": states(self._algorithm)}][-self._count :]
 
     def restored(self) -> list[PolicySnapshot]:
-        """The policies that are kept, oldest first, each a copy of its own; the algorithm's stay as they are."""
+        """The policies that are kept, oldest first, each a copy of its own on the CPU; the algorithm's stay."""
         present, found = states(self._algorithm), list[PolicySnapshot]()
         for each in self.taken:
             load_states(self._algorithm, each["policies"])
             pair = (self._algorithm.policies["policy"], self._algorithm.deployed)
-            found.append(PolicySnapshot(each["frames"], *copy.deepcopy(pair)))
+            found.append(PolicySnapshot(each["frames"], *on_cpu(pair)))
         load_states(self._algorithm, present)
         return found
 
@@ -68,8 +69,11 @@ class PolicySnapshots:
 
 
 def states(algorithm: Algorithm) -> dict[str, Any]:
-    """State of each policy by its name, a copy."""
-    return {name: copy.deepcopy(_module(policy).state_dict()) for name, policy in algorithm.policies.items()}
+    """State of each policy by its name, a copy on the CPU."""
+    found = {name: copy.deepcopy(_module(policy).state_dict()) for name, policy in algorithm.policies.items()}
+    for state in found.values():
+        state.update({key: value.cpu() for key, value in state.items()})
+    return found
 
 
 def load_states(algorithm: Algorithm, found: Mapping[str, Any]) -> None:

@@ -38,7 +38,7 @@ from dr_lab.training.trainer import BatchWatch
 
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 # Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.
-MAY_DIFFER = ("frames", "threads", "checkpoint_every", "recorder", "choice")
+MAY_DIFFER = ("frames", "threads", "device", "checkpoint_every", "recorder", "choice")
 NOTHING_LEARNT = Beginning(run=None, distribution=False)
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, cast
 import torch
 from tensordict import TensorDict
 from torch import Tensor, nn
-from torchrl.data import LazyTensorStorage, RandomSampler, TensorDictReplayBuffer
+from torchrl.data import LazyTensorStorage, TensorDictReplayBuffer
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.ddpg.loss import DDPGLoss, Transitions
@@ -77,20 +77,19 @@ class DDPG(Algorithm):
         self.actor_rate, self.critic_rate, self.tau = actor_rate, critic_rate, tau
         self.saturation_cost, self.average_steps = saturation_cost, average_steps
         require_bounds(self, "algorithm", DDPG)
-        self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
+        bounds, device = (interface.low, interface.high), interface.device
+        self.actor = actor(interface.observation, *bounds, derived_seed(seed, "actor")).to(device)
         self.explorer = UniformStart(self.actor)
         self.explorer.follows.fill_(learning_starts == 0)
         self.average = AveragedActor(self.actor, average_steps)
         width = interface.observation + len(interface.low)
-        self.critics = nn.ModuleList(critic(width, derived_seed(seed, name)) for name in self._CRITICS)
+        self.critics = nn.ModuleList(critic(width, derived_seed(seed, name)) for name in self._CRITICS).to(device)
         self.generator = torch.Generator().manual_seed(derived_seed(seed, "replay"))
         self.loss = self._made_loss(cast(Sequence[Critic], self.critics))
         self.actor_adam = Adam(self.loss.actor_parameters, _EPSILON)
         self.critic_adam = Adam(self.loss.critic_parameters, _EPSILON)
         self.buffer = TensorDictReplayBuffer(
-            storage=LazyTensorStorage(replay),
-            sampler=RandomSampler(),
-            generator=self.generator,
+            storage=LazyTensorStorage(replay, device=device),
         )
         self.frames = 0
 
@@ -139,7 +138,8 @@ class DDPG(Algorithm):
 
     def _samples(self, steps: int) -> Iterator[Transitions]:
         """A minibatch for each of so many steps; drawn at once, since a draw takes as long as a small network does."""
-        drawn, normaliser = self.buffer.sample(steps * self.minibatch), self.actor.normaliser
+        rows = torch.randint(len(self.buffer), (steps * self.minibatch,), generator=self.generator)
+        drawn, normaliser = self.buffer[rows.to(self.actor.reach.device)], self.actor.normaliser
         everything = Transitions(
             normaliser(drawn["observation"]),
             drawn["action"],
@@ -204,7 +204,7 @@ class DDPG(Algorithm):
         state = self.buffer.state_dict()
         if len(self.buffer):
             # A copy, as a file would hold all that a slice is cut from.
-            state["_storage"]["_storage"] = self.buffer.storage[:].clone().state_dict()
+            state["_storage"]["_storage"] = self.buffer.storage[:].clone().cpu().state_dict()
         return state
 
     def _hold(self, state: Mapping[str, Any]) -> None:

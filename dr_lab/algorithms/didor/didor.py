@@ -64,7 +64,7 @@ class DiDoR(Taught):
             )
         super().__init__(interface, seed, teachers)
         bounds = (interface.low, interface.high)
-        self.student = student(interface.observation, *bounds, derived_seed(seed, "student"))
+        self.student = student(interface.observation, *bounds, derived_seed(seed, "student")).to(interface.device)
         self.distillation = distillation(self.student, seed)
         self._turns = Turns(self.teachers.acting, self.student)
         self._count(0)
@@ -93,7 +93,7 @@ class DiDoR(Taught):
     def _count(self, frames: int) -> None:
         """Note how many control steps have been played, and whose turn it is."""
         self.frames = frames
-        self._turns.student_acts = frames >= self.teacher_frames
+        self._turns.student_acts.fill_(frames >= self.teacher_frames)
 
     def _distil(self, batch: TensorDict) -> Mapping[str, float]:
         feasible = ~cast(Tensor, batch["next", "infeasible"]).squeeze(-1)

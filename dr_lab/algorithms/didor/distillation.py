@@ -67,7 +67,8 @@ class Distillation:
         rows = self._student.normaliser(observation)
         before = self._divergence(rows, teacher)
         for _ in range(self.epochs):
-            for part in torch.randperm(len(rows), generator=self._generator).split(self.minibatch):
+            order = torch.randperm(len(rows), generator=self._generator).to(rows.device)
+            for part in order.split(self.minibatch):
                 self._step(rows[part], Gaussian(teacher.mean[part], teacher.log_std[part]))
         std = self._student.log_std.exp().mean().item()
         return {"distillation": before, "distillation_after": self._divergence(rows, teacher), "std": std}

@@ -17,14 +17,16 @@ class Turns(nn.Module):
 
     Attributes:
         students: the student, N times.
-        student_acts: whether it is the student's turn.
+        student_acts: whether it is the student's turn, of no dimension.
     """
+
+    student_acts: Tensor
 
     def __init__(self, teachers: GaussianPolicyStack, student: GaussianActor) -> None:
         super().__init__()
         self.teachers = teachers
         self.students = GaussianPolicyStack([student] * len(teachers.policies))
-        self.student_acts = False
+        self.register_buffer("student_acts", torch.zeros((), dtype=torch.bool), persistent=False)
 
     @property
     def now(self) -> GaussianPolicyStack:

@@ -10,6 +10,7 @@ from torch import Tensor, nn
 from torch.nn.functional import softplus
 from torchrl.objectives import GAILLoss
 
+from dr_lab.algorithms.algorithm import CPU
 from dr_lab.bounds import Count, NotNegative, Positive, require_bounds
 from dr_lab.experts.expert import Demonstrations
 from dr_lab.networks.mlp import MLP
@@ -59,6 +60,7 @@ class ImitationDiscriminator:
         epochs: minibatches of an update hold its control steps so many times.
         gradient_penalty: λ.
         clip: largest absolute value of an observation, in standard deviations.
+        device: where it learns, and the control steps are.
 
     Raises:
         ConfigError: a number is out of its range.
@@ -75,14 +77,16 @@ class ImitationDiscriminator:
         epochs: Positive,
         gradient_penalty: NotNegative,
         clip: Positive,
+        device: torch.device = CPU,
     ) -> None:
         self.learning_rate, self.minibatch, self.epochs = learning_rate, minibatch, epochs
         self.gradient_penalty, self.clip = gradient_penalty, clip
         require_bounds(self, "algorithm.discriminator", ImitationDiscriminator)
-        self.belief = Belief(observation, action, seed, hidden, clip)
+        self.belief = Belief(observation, action, seed, hidden, clip).to(device)
         network = TensorDictModule(self.belief, in_keys=["observation", "action"], out_keys=["d_logits"])
         self._loss = GAILLoss(network, use_grad_penalty=gradient_penalty > 0.0, gp_lambda=gradient_penalty)
         self._adam = torch.optim.Adam(self._loss.parameters(), lr=learning_rate)
+        self._device = device
         self._generator = torch.Generator().manual_seed(seed)
 
     @torch.no_grad()
@@ -105,7 +109,7 @@ class ImitationDiscriminator:
             observation: of the policy's steps.
             action: of the policy's steps, scaled to ±1.
         """
-        as_many = torch.randint(len(expert.observation), (len(observation),), generator=self._generator)
+        as_many = self._drawn(len(expert.observation), len(observation))
         self.belief.normaliser.update(torch.cat([expert.observation[as_many], observation]))
         count = max(1, round(self.epochs * len(observation) / self.minibatch))
         with torch.random.fork_rng():  # the loss draws the points of the penalty from torch's own stream
@@ -114,7 +118,7 @@ class ImitationDiscriminator:
         return sum(losses) / count
 
     def _step(self, expert: Demonstrations, observation: Tensor, action: Tensor) -> float:
-        theirs, ours = (self._drawn(len(side)) for side in (expert.observation, observation))
+        theirs, ours = (self._drawn(len(side), self.minibatch) for side in (expert.observation, observation))
         sides = {
             "observation": expert.observation[theirs],
             "action": expert.action[theirs],
@@ -127,8 +131,9 @@ class ImitationDiscriminator:
         self._adam.step()
         return loss.item()
 
-    def _drawn(self, count: int) -> Tensor:
-        return torch.randint(count, (self.minibatch,), generator=self._generator)
+    def _drawn(self, rows: int, count: int) -> Tensor:
+        """So many of some rows, one as likely as another."""
+        return torch.randint(rows, (count,), generator=self._generator).to(self._device)
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""

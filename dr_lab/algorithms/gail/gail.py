@@ -32,7 +32,7 @@ class GAIL(Algorithm):
         seed: of everything that is random.
         learner: makes the algorithm that learns the policy from batches, such as PPO or DDPG.
         expert: whom to imitate.
-        discriminator: makes D, from the widths of observation and action and a seed.
+        discriminator: makes D, from the widths of observation and action, a seed and a device.
 
     Raises:
         ConfigError: the algorithm collects in its own way, so that it cannot be given rewards.
@@ -44,7 +44,7 @@ class GAIL(Algorithm):
         seed: int,
         learner: Callable[[Interface, int], Algorithm],
         expert: Expert,
-        discriminator: Callable[[int, int, int], ImitationDiscriminator],
+        discriminator: Callable[..., ImitationDiscriminator],
     ) -> None:
         self.learner = learner(interface, seed)
         if type(self.learner).iterate is not Algorithm.iterate:
@@ -55,9 +55,10 @@ class GAIL(Algorithm):
             )
         self.batch_frames = self.learner.batch_frames
         self._expert, self._known = expert, None
-        self._low, self._high = (torch.from_numpy(each).float() for each in (interface.low, interface.high))
+        self._device, bounds = interface.device, (interface.low, interface.high)
+        self._low, self._high = (torch.from_numpy(each).float().to(self._device) for each in bounds)
         self._widths = (interface.observation, len(interface.low))
-        self.discriminator = discriminator(*self._widths, derived_seed(seed, "discriminator"))
+        self.discriminator = discriminator(*self._widths, derived_seed(seed, "discriminator"), device=self._device)
 
     @property
     def policies(self) -> Mapping[str, Policy]:
@@ -108,7 +109,8 @@ class GAIL(Algorithm):
         if self._known is None:
             found = self._expert.demonstrations()
             found.require_widths(*self._widths, "algorithm=gail")
-            self._known = replace(found, action=self._unit(found.action))
+            seen, done = found.observation.to(self._device), found.action.to(self._device)
+            self._known = replace(found, observation=seen, action=self._unit(done))
         return self._known
 
     def _unit(self, action: Tensor) -> Tensor:

@@ -38,9 +38,8 @@ class FixedRate(InnerRate):
         super().__init__()
         self.rate = rate
         require_bounds(self, "algorithm.adaptation.rate", FixedRate)
-        self._rates = dict.fromkeys(
-            dict(actor.named_parameters()), torch.tensor(float(rate), dtype=torch.float64)
-        )  # takes any's type
+        alpha = torch.tensor(float(rate), dtype=torch.float64, device=actor.log_std.device)  # takes any's type
+        self._rates = dict.fromkeys(dict(actor.named_parameters()), alpha)
 
     def of(self, own: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
         """The number."""
@@ -64,7 +63,8 @@ class LearnedRate(InnerRate):
         self.rate = rate
         require_bounds(self, "algorithm.adaptation.rate", LearnedRate)
         self._like = {name: value.detach() for name, value in actor.named_parameters()}
-        self.rates = nn.Parameter(torch.full((sum(value.numel() for value in self._like.values()),), float(rate)))
+        size = sum(value.numel() for value in self._like.values())
+        self.rates = nn.Parameter(torch.full((size,), float(rate), device=actor.log_std.device))
 
     def of(self, own: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
         """The parts of the vector."""

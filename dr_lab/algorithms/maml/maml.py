@@ -78,13 +78,12 @@ class MAML(MetaAlgorithm):
         self.gamma, self.lam = gamma, lam
         require_bounds(self, "algorithm", MAML)
         _require_shares(tasks, slots)
-        each = [
-            actor(interface.observation, interface.low, interface.high, derived_seed(seed, "task", k))
-            for k in range(tasks)
-        ]
-        self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
+        of, device = (interface.observation, interface.low, interface.high), interface.device
+        each = [actor(*of, derived_seed(seed, "task", k)).to(device) for k in range(tasks)]
+        self.actor = actor(*of, derived_seed(seed, "actor")).to(device)
         for one in each:
             one.normaliser = self.actor.normaliser
+        baseline.begin(device)
         self.adapted_policies = PolicyStack(each)
         self.adaptation = adaptation(self.actor)
         self._like = _learnt(self.actor, self.adaptation)

@@ -74,8 +74,9 @@ class PPO(Algorithm):
         self.anneal_frames, self.further_share = anneal_frames, further_share
         self.max_kl, self.max_gradient, self.adam_epsilon = max_kl, max_gradient, adam_epsilon
         require_bounds(self, "algorithm", PPO)
-        self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
-        self.critic = critic(interface.observation, derived_seed(seed, "critic"))
+        bounds, device = (interface.low, interface.high), interface.device
+        self.actor = actor(interface.observation, *bounds, derived_seed(seed, "actor")).to(device)
+        self.critic = critic(interface.observation, derived_seed(seed, "critic")).to(device)
         self.surrogate = surrogate(self.actor, self.critic)
         self.reward_scale = reward_scale(gamma)
         self.actor_adam = Adam(self.surrogate.actor_parameters, adam_epsilon)

@@ -102,6 +102,8 @@ class PPOStack:
         found = list[PolicySamples]()
         for member, each in zip(self.members, samples, strict=True):
             rows = len(each.target)
-            kept = slice(None) if rows == least else torch.randperm(rows, generator=member.generator)[:least]
-            found.append(PolicySamples(*(field[kept] for field in each)))
+            if rows > least:
+                kept = torch.randperm(rows, generator=member.generator)[:least].to(each.target.device)
+                each = PolicySamples(*(field[kept] for field in each))  # noqa: PLW2901 (fewer of the same)
+            found.append(each)
         return found

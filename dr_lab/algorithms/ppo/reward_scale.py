@@ -87,7 +87,7 @@ class RunningRewardScale(RewardScale):
 
     def __call__(self, reward: Tensor, done: Tensor, infeasible: Tensor) -> Tensor:
         """Scaled rewards of a batch (n, steps)."""
-        sums, running = torch.empty_like(reward), self._sum.expand(len(reward))
+        sums, running = torch.empty_like(reward), self._sum.to(reward.device).expand(len(reward))
         going = (~done).to(reward.dtype)
         for t in range(reward.shape[1]):
             sums[:, t] = self._gamma * running + reward[:, t]

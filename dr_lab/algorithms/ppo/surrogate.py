@@ -40,7 +40,7 @@ class PolicySamples(NamedTuple):
 
     def minibatches(self, size: int, generator: torch.Generator) -> Iterator["PolicySamples"]:
         """All of them once, in random order, `size` at a time; a remainder smaller than two is left out."""
-        order = torch.randperm(len(self.target), generator=generator)
+        order = torch.randperm(len(self.target), generator=generator).to(self.target.device)
         for parts in zip(*(field[order].split(size) for field in self), strict=True):
             if len(parts[0]) > 1:  # advantages are standardised within a minibatch
                 yield PolicySamples(*parts)

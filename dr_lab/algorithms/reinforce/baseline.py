@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
+import torch
 from torch import Tensor
 
 from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes
@@ -27,6 +28,9 @@ class Baseline(ABC):
             episodes: k, independent of one another.
             to_go: their returns-to-go, shape (k, t).
         """
+
+    def begin(self, device: torch.device) -> None:  # noqa: B027 (most learn nothing)
+        """Learn on this device, where the episodes will be; called once, before all else."""
 
     def learn(self, episodes: WholeEpisodes, to_go: Tensor) -> Mapping[str, float]:
         """Learn from a batch after it was used; most learn nothing. Gives figures to be recorded, by name.

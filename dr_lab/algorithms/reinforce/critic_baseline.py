@@ -6,6 +6,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from dr_lab.algorithms.algorithm import CPU
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.whole_episodes import WholeEpisodes
 from dr_lab.bounds import Count, NotNegative, Positive, require_bounds
@@ -45,6 +46,11 @@ class CriticBaseline(Baseline):
         self._make, self._seed = critic, seed
         self._generator = torch.Generator().manual_seed(seed)
         self._learner: _Learner | None = None
+        self._device = CPU
+
+    def begin(self, device: torch.device) -> None:
+        """Make the network there."""
+        self._device = device
 
     def __call__(self, episodes: WholeEpisodes, to_go: Tensor) -> Tensor:
         """The value of every step's observation."""
@@ -60,7 +66,7 @@ class CriticBaseline(Baseline):
         learner = self._made(observation.shape[-1], wanted)
         wanted, losses = (wanted - learner.shift) / learner.scale, list[Tensor]()
         for _ in range(self.epochs):
-            order = torch.randperm(len(wanted), generator=self._generator)
+            order = torch.randperm(len(wanted), generator=self._generator).to(self._device)
             losses += [self._step(learner, observation[rows], wanted[rows]) for rows in order.split(self.minibatch)]
         return {"critic_loss": float(torch.stack(losses).mean())} if losses else {}
 
@@ -79,14 +85,14 @@ class CriticBaseline(Baseline):
         self._generator.set_state(state["generator"])
         kept, self._learner = state["learner"], None
         if kept is not None:
-            learner = self._made(kept["size"], torch.zeros(0))
+            learner = self._made(kept["size"], torch.zeros(0, device=self._device))
             learner.flat.vector.copy_(kept["vector"])
             learner.adam.load_state_dict(kept["adam"])
-            learner.shift, learner.scale = kept["shift"].clone(), kept["scale"].clone()
+            learner.shift, learner.scale = (kept[name].clone().to(self._device) for name in ("shift", "scale"))
 
     def _made(self, size: int, wanted: Tensor) -> "_Learner":
         if self._learner is None:
-            self._learner = _Learner(self._make(size, self._seed), size, wanted, self.adam_epsilon)
+            self._learner = _Learner(self._make(size, self._seed).to(self._device), size, wanted, self.adam_epsilon)
         return self._learner
 
     def _step(self, learner: "_Learner", observation: Tensor, wanted: Tensor) -> Tensor:
@@ -104,5 +110,5 @@ class _Learner:
         self.flat = FlatParameters(critic.parameters())
         self.adam = Adam(self.flat, adam_epsilon)
         known = len(wanted) > 1
-        self.shift = wanted.mean() if known else torch.zeros(())
-        self.scale = wanted.std().clamp(min=1e-6) if known else torch.ones(())  # 1e-6: returns that are all the same
+        self.shift = wanted.mean() if known else wanted.new_zeros(())
+        self.scale = wanted.std().clamp(min=1e-6) if known else wanted.new_ones(())  # 1e-6: returns that are all alike

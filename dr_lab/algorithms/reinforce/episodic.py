@@ -47,7 +47,9 @@ class EpisodicAlgorithm(Algorithm):
     ) -> None:
         self.baseline, self.slots, self.batch_frames = baseline, slots, batch_frames
         self.gamma, self.lam = gamma, lam
-        self.actor = actor(interface.observation, interface.low, interface.high, derived_seed(seed, "actor"))
+        bounds = (interface.low, interface.high)
+        self.actor = actor(interface.observation, *bounds, derived_seed(seed, "actor")).to(interface.device)
+        baseline.begin(interface.device)
         self.rng = stream(seed, type(self).__name__.lower())
 
     @property

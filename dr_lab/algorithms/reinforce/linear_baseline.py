@@ -38,12 +38,13 @@ class LinearBaseline(Baseline):
         return result.to(to_go.dtype)
 
     def _features(self, observation: Tensor) -> Tensor:
-        time = torch.arange(observation.shape[1], dtype=observation.dtype) / self.horizon
+        steps = torch.arange(observation.shape[1], dtype=observation.dtype, device=observation.device)
+        time = steps / self.horizon
         powers = torch.stack([time, time**2, time**3, torch.ones_like(time)], -1)
         return torch.cat([observation, observation**2, powers.expand(len(observation), -1, -1)], -1)
 
     def _fitted(self, features: Tensor, wanted: Tensor, mask: Tensor) -> Tensor:
         rows, share = features.flatten(0, 1), (mask / mask.sum().clamp(min=1.0)).flatten()
         weighted = (rows * share[:, None]).T
-        ridge = self.ridge * torch.eye(rows.shape[1], dtype=rows.dtype)
+        ridge = self.ridge * torch.eye(rows.shape[1], dtype=rows.dtype, device=rows.device)
         return torch.linalg.solve(weighted @ rows + ridge, weighted @ torch.where(share > 0, wanted.flatten(), 0.0))

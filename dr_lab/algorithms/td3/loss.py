@@ -44,5 +44,5 @@ class TD3Loss(DDPGLoss):
 
     def _late_action(self, observation: Tensor) -> Tensor:
         action = super()._late_action(observation)
-        noise = torch.empty_like(action).normal_(0.0, self._noise, generator=self._generator)
-        return action.add_(noise.clamp_(-self._clip, self._clip)).clamp_(-1.0, 1.0)
+        noise = torch.empty(action.shape).normal_(0.0, self._noise, generator=self._generator)
+        return action.add_(noise.clamp_(-self._clip, self._clip).to(action.device)).clamp_(-1.0, 1.0)
