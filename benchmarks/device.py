@@ -5,8 +5,8 @@
 
 For each case and device the median seconds of an iteration, and of the part of it in which the policy learns: all but
 the collection of experience, moving the batch included. `threads` are torch's on the CPU; `dr-lab train` has it use 1.
-The first iteration is left out. The second table says how long one step of acting takes for 64 episodes: by a network on
-the CPU, and across the boundary, where observations go to the device and actions come back.
+The first iteration is left out. The second table says how long one step of acting takes for 64 episodes: by a network
+on the CPU, and across the boundary, where observations go to the device and actions come back.
 """
 
 import argparse
@@ -65,7 +65,7 @@ class Watched:
 
 
 def measured(case: str, device: str, threads: int, iterations: int) -> dict[str, Any]:
-    """Seconds of an iteration and of its learning, and the memory that this took on the device."""
+    """Seconds of an iteration and of its learning, and the memory that this took on the device [MiB]."""
     torch.set_num_threads(threads)
     if device != "cpu":
         torch.cuda.reset_peak_memory_stats()
@@ -82,9 +82,9 @@ def measured(case: str, device: str, threads: int, iterations: int) -> dict[str,
         whole.append(time.perf_counter() - begin)
         learning.append(whole[-1] - collecting.seconds)
     training.trainer.close()
-    memory = 0 if device == "cpu" else torch.cuda.max_memory_allocated()
+    memory = 0 if device == "cpu" else torch.cuda.max_memory_allocated() >> 20
     return {
-        **{"case": case, "device": device, "threads": threads, "memory": memory},
+        **{"case": case, "device": device, "threads": threads, "MiB": memory},
         **{"iteration": statistics.median(whole[1:]), "learning": statistics.median(learning[1:])},
     }
 
@@ -107,10 +107,10 @@ def shown(title: str, rows: Sequence[dict[str, Any]]) -> Table:
     """Rows as a table, seconds in milliseconds."""
     table = Table(title=title)
     for name in rows[0]:
-        table.add_column({"memory": "memory [MiB]"}.get(name, name), justify="right")
+        table.add_column(name, justify="right")
     for row in rows:
-        cells = {name: f"{1000 * value:.2f} ms" if isinstance(value, float) else value for name, value in row.items()}
-        table.add_row(*(str(v >> 20 if name == "memory" else v) for name, v in cells.items()))
+        cells = (f"{1000 * value:.2f} ms" if isinstance(value, float) else str(value) for value in row.values())
+        table.add_row(*cells)
     return table
 
 

@@ -4,6 +4,9 @@ import torch
 
 from dr_lab.errors import ConfigError
 
+# What torch raises for a device that is not there, each kind in its own way.
+_ABSENT = (AssertionError, ImportError, NotImplementedError, RuntimeError, TypeError)
+
 
 def require_device(name: str) -> torch.device:
     """The device of this name.
@@ -14,16 +17,10 @@ def require_device(name: str) -> torch.device:
     try:
         device = torch.device(name)
         torch.zeros((), dtype=torch.float64, device=device).item()
-    except (
-        AssertionError,
-        ImportError,
-        NotImplementedError,
-        RuntimeError,
-        TypeError,
-    ) as error:  # as each kind of device has it
+    except _ABSENT as error:
         raise ConfigError(
-            f"device is {name}, which torch cannot compute with here; expected one of {', '.join(_present())}: "
-            "device=cpu always is."
+            f"device is {name}, with which torch cannot compute here; available are {', '.join(_present())}: give one "
+            "of them, such as device=cpu."
         ) from error
     return device
 

@@ -6,6 +6,7 @@ import pytest
 import torch
 from small_runs import BATCH, RUNS, learnt, plan, resumed, tensors, trained
 
+from dr_lab.collectors.boundary import DeviceBoundary
 from dr_lab.training.plan import CHECKPOINT
 from dr_lab.training.policy_snapshots import PolicySnapshots
 
@@ -24,6 +25,15 @@ def test_a_resumed_run_equals_an_uninterrupted_one(run: str, device: str, tmp_pa
     found = learnt(on)
     for name, value in learnt(whole).items():
         assert torch.equal(value, found[name]), name
+
+
+@pytest.mark.parametrize("run", ["ppo", "ddpg", "didor", "maml", "lsdr"])
+def test_copies_act_as_the_policies_themselves_would(run: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = learnt(trained(run, "cpu", tmp_path / "plain", 3 * BATCH))
+    monkeypatch.setattr("dr_lab.training.plan.boundary_to", DeviceBoundary)
+    copied = learnt(trained(run, "cpu", tmp_path / "copied", 3 * BATCH))
+    for name, value in plain.items():
+        assert torch.equal(value, copied[name]), name
 
 
 @needs_cuda

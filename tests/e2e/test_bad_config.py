@@ -19,6 +19,7 @@ SAYS = {
     ("compare", "seed=one"): "seed is 'one'; expected a whole number.",
     ("compare", "model._target_=os.system"): "outside the trusted packages (dr_lab, ",
     ("compare", "model.parameters.arm.mass.lo=1"): "Did you mean 'model.parameters.arm.mass'?",
+    ("train", "device=cuda:99"): "device is cuda:99, with which torch cannot compute here; available are cpu",
     ("record", "plant/hidden=nothing"): "There is no plant/hidden 'nothing'",
 }
 

@@ -55,3 +55,10 @@ def test_whatever_is_damaged_is_refused(tmp_path: Path) -> None:
     path.write_bytes(damaged[40])
     with pytest.raises(DataError, match=r"it is damaged, .*checksum .* does not fit"):
         load(path)
+
+
+def test_what_a_device_has_written_is_read_without_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(torch.serialization, "location_tag", lambda storage: "cuda:0")
+    save(tmp_path / "there.pt", {"weights": torch.arange(3.0)})
+    monkeypatch.undo()
+    assert torch.equal(load(tmp_path / "there.pt")["weights"], torch.arange(3.0))

@@ -177,6 +177,15 @@ def test_a_run_is_evaluated_whatever_else_its_configuration_holds(run: Path, tmp
     assert subject.setting.name == "furuta"
 
 
+def test_a_run_is_evaluated_whatever_device_it_learnt_on(run: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(run, tmp_path / "run")
+    config = (folder / "config.yaml").read_text(encoding="utf-8")
+    assert "device: cpu" in config
+    (folder / "config.yaml").write_text(config.replace("device: cpu", "device: cuda:99"), encoding="utf-8")
+    subject = subject_of(folder, functools.partial(compose_arguments, folders=(shipped(),)), threads=1)
+    assert subject.setting.name == "furuta"
+
+
 def test_a_checkpoint_of_another_run_is_told(run: Path, tmp_path: Path) -> None:
     folder = shutil.copytree(run, tmp_path / "run")
     state = load(folder / "checkpoint.pt")
