@@ -23,6 +23,9 @@ EMPIRICAL = ["randomizer=empirical"]
 ADR = ["svpg.count=2", "svpg.proposals=2", "discriminator.hidden=[8]", "discriminator.minibatch=8"]
 ADR = [f"distribution_learner.{each}" for each in ADR]
 LSDR = ["randomizer=gaussian", "distribution_learner=lsdr", "distribution_learner.contexts=4", "rollout_episodes=4"]
+SIMOPT = ["rollouts=1", "samples=4", "updates=1", "warm_up=0", f"every={BATCH}"]
+SIMOPT = ["randomizer=gaussian", "distribution_learner=simopt", *(f"distribution_learner.{each}" for each in SIMOPT)]
+SIMOPT = ["env=furuta", "target@distribution_learner.target=model", *SIMOPT]
 OFF_POLICY = ["actor.hidden=[8]", "critic.hidden=[8]", "learning_starts=0", "minibatch=16", "steps_per_frame=0.1"]
 MAML = ["algorithm=maml", "algorithm.tasks=2", "algorithm.actor.hidden=[8]"]
 # What is overridden for each, of the algorithm unless it says more.
@@ -46,6 +49,7 @@ RUNS = {
         *(f"algorithm.learner.{each}" for each in [*PPO, f"batch_frames={BATCH}"]),
     ],
     "lsdr": ["algorithm=ppo", *(f"algorithm.{each}" for each in PPO), *LSDR],
+    "simopt": ["algorithm=ppo", *(f"algorithm.{each}" for each in PPO), *SIMOPT],
     "adr": ["algorithm=ppo", *(f"algorithm.{each}" for each in PPO), *EMPIRICAL, "distribution_learner=adr", *ADR],
     "meta_adr": [*MAML, *EMPIRICAL, "distribution_learner=meta_adr", *ADR],
 }

@@ -54,7 +54,7 @@ def test_networks_are_on_the_device_and_act_on_the_cpu(run: str, tmp_path: Path)
     snapshots = PolicySnapshots(training.algorithm, 1)
     snapshots.take(BATCH)
     assert {value.device.type for _, value in tensors(snapshots.state_dict())} == {"cpu"}
-    observation = torch.zeros(4, 2)
+    observation = torch.zeros(4, plan(run, "cpu").env.make(None, 1, 0).episodes.observation.shape[1])
     (restored,) = snapshots.restored()
     for policy in (training.experience.policy, restored.exploring, restored.deployed):
         assert policy(observation).device.type == "cpu"
