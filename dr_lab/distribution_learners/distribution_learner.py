@@ -15,8 +15,8 @@ from dr_lab.recorders.training import Comparison
 class DistributionLearner(ABC):
     """Changes the parameters φ of a randomizer while a policy is trained.
 
-    It computes on the CPU, on whatever device the policy learns: its few parameters and small networks gain nothing from
-    another, and what it learns from is played there.
+    It computes on the CPU, on whatever device the policy learns: its few parameters and small networks gain nothing
+    from another, and what it learns from is played there.
 
     Attributes:
         randomizer: p_φ(z), from which the environment draws.
