@@ -12,7 +12,7 @@ from dr_lab.training.policy_snapshots import PolicySnapshots
 
 CUDA = "cuda"
 needs_cuda = pytest.mark.skipif(not torch.cuda.is_available(), reason="torch sees no CUDA device here")
-# On the CPU alone, first weights that differ by 1e-7 of themselves move such a trust-region step by 7e-4, a tenth of it.
+# On the CPU alone, first weights that differ by a ten-millionth move such a trust-region step by 7e-4, a tenth of it.
 # `learned_rate` compares MAML's gradients, `trpo` such steps.
 SENSITIVE = ("maml", "meta_adr")
 DEVICES = ["cpu", pytest.param(CUDA, marks=needs_cuda)]
