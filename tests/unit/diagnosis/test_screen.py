@@ -8,6 +8,7 @@ from diagnosis_machines import evidence_settings, pendulum, solver_settings, swi
 from effect_machines import catalogue_effect, scales_of
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.rank import rank
@@ -31,6 +32,11 @@ def rub(data: mujoco.MjData) -> None:
 
 def creep(data: mujoco.MjData) -> None:
     data.qfrc_applied[0] = -OFFSET * np.tanh(data.qvel[0] / 0.3)
+
+
+def lopsided(data: mujoco.MjData) -> None:
+    rub(data)
+    data.qfrc_applied[0] *= 1.5 if data.qvel[0] > 0 else 0.5
 
 
 def drive(data: mujoco.MjData) -> None:
@@ -125,3 +131,16 @@ def test_what_holds_the_best_one_is_fitted_although_others_promise_more() -> Non
     promised = {c.effect.effect.name: c.predicted for c in ranking}
     assert promised["presliding_friction"] == min(promised.values())
     assert {c.effect.effect.name for c in ranking if c.fitted} >= {"presliding_friction", "coulomb_friction"}
+
+
+def test_the_best_with_fewer_parameters_is_fitted_to_all_windows_although_another_leads() -> None:
+    bench, base = bench_of(lopsided, screen_seconds=1.0, screen_windows=6)
+    model = pendulum()
+    catalogue = {name: catalogue_effect(name) for name in ("asymmetric_friction", "constant_offset")}
+    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
+    ranking = rank(bench, base, placed, lambda _: None).candidates
+    assert [len(c.effect.parameters) for c in ranking] == [2, 1]
+    leader, leaner = ranking
+    assert leaner.final
+    gain = paired_gain(leaner.fitted_model.held_out, leader.fitted_model.held_out, bench.evidence)
+    assert supported(gain, 1, bench.evidence)
