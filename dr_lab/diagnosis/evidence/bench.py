@@ -139,7 +139,7 @@ class Bench:
         return -self.samples / (1 + (self.colour - 1) * left) * float(np.log1p(-share))
 
     @property
-    def negligible(self) -> float:
+    def negligible_share(self) -> float:
         """Share of the cost of a fit of all windows by which the deviance falls by the solver's tolerance."""
         return self.solver.tolerance * self.colour / self.samples
 

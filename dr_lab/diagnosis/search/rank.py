@@ -174,7 +174,7 @@ class _Contest:
             return Ranking(self.base, found)
         back_from = leader.fitted_model.fit
         best = min(self.base.fit, self.fits.without(leader), key=lambda fit: fit.order)
-        if self.base.fit.cost - best.cost <= self.bench.negligible * best.cost:
+        if self.base.fit.cost - best.cost <= self.bench.negligible_share * best.cost:
             return Ranking(self.base, found, back_from)
         base = scored(self.bench, self.base.model, best, near=self.base.states)
         gains = (paired_gain(base.held_out, c.fitted_model.held_out, settings) if c.final else c.gain for c in found)
