@@ -86,8 +86,19 @@ class Fitter:
 
     def rerun(self, start: Point, goal: float = np.inf) -> Fit:
         """Fit from a context where the states were fitted at another one, as `begin` gives it; `goal` as in `run`."""
+        return self._certified(*self._settled(start), goal)
+
+    def better(self, there: Fit, start: Point, goal: float = np.inf) -> Fit:
+        """`go_on` from the one place or `rerun` from the other, whichever fits better once its states are fitted."""
+        here = self._settled(start)
+        ahead = (here[0].infeasible.sum(), here[0].cost) < there.order
+        return self._certified(*here, goal) if ahead else self.go_on(there, goal)
+
+    def _settled(self, start: Point) -> tuple[Point, Slopes]:
+        """A context with the states fitted there, and the slopes by these."""
         state = self._differences(start, states=True, columns=self._columns[:0])
-        return self._certified(*self._polished(start, Slopes(state, state[..., :0])), goal)
+        point, slopes = self._polished(start, Slopes(state, state[..., :0]))
+        return replace(point, cost=self._objective.cost(point, self._objective.weights(point))), slopes
 
     def _certified(self, start: Point, known: Slopes | None, goal: float) -> Fit:
         fit, left = self._descend(start, known, self.settings.iterations, goal), self.settings.restarts

@@ -14,6 +14,7 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, supported
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.diagnosis.search import as_special_case
@@ -161,14 +162,14 @@ class CandidateFits:
         if absent and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
             again = fitter.go_on(absent, goal)
         else:
-            again = self._gone_on(fitter, candidate, goal)
+            again = fitter.rerun(self._begun(fitter, candidate), goal)
         if again.cost > goal:
             absent = replace(absent or self._absent(fitter, effect), slopes=base.slopes)  # to save memory
             return self._at_absent(effect, absent, candidate.identifiability, candidate.predicted)
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
 
     def refitted_beyond(self, candidate: Candidate, limit: Candidate) -> Candidate:
-        """The same for an effect of which a standing one is the limit, where its fit begins if it may gain from there.
+        """The same for an effect of which a standing one is the limit, where its fit may begin as well.
 
         On few windows it may lead because its fit went on farther. One that is foretold to stay above is left.
         """
@@ -182,16 +183,17 @@ class CandidateFits:
         (there,) = fitter.outlooks(z[None], poorer.fit.delta, known)
         lost = (there.infeasible & ~poorer.fit.infeasible).any()
         begins = not lost and linear_gain(fitter, there, poorer.fit) > 0
-        again = fitter.go_on(there, goal) if begins else self._gone_on(fitter, candidate, goal)
+        begun = self._begun(fitter, candidate)
+        again = fitter.better(there, begun, goal) if begins else fitter.rerun(begun, goal)
         if again.cost > goal:
             return candidate
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
 
-    def _gone_on(self, fitter: Fitter, candidate: Candidate, goal: float) -> Fit:
-        """A fit to all windows from where that to few of them ended."""
+    def _begun(self, fitter: Fitter, candidate: Candidate) -> Point:
+        """The start of a fit to all windows where that to few of them ended."""
         fit, delta = candidate.fitted_model.fit, self.base.fit.delta.copy()
         delta[self.bench.screened(self.base.fit)] = fit.delta
-        return fitter.rerun(fitter.begin(fit.z, delta), goal)
+        return fitter.begin(fit.z, delta)
 
     def _absent(self, fitter: Fitter, effect: PlacedEffect) -> Fit:
         """An effect linearised at absent on all windows."""
@@ -200,7 +202,10 @@ class CandidateFits:
         return fitter.outlooks(nominal[None], base.delta, base.slopes, base)[0]
 
     def refitted_beside(self, candidate: Candidate, poorer: Candidate) -> Candidate:
-        """The same for an effect whose special case stands: the fit begins there, if that promises and gains enough."""
+        """The same for an effect whose special case stands, if a linear step from there promises enough.
+
+        The fit begins there or where that to few windows ended. One that gains too little is left.
+        """
         if not poorer.final:
             return self.refitted(candidate)
         effect = reaching(candidate.effect, poorer.effect)
@@ -212,7 +217,7 @@ class CandidateFits:
             return candidate
         fitter, beside = self._fitter(self.bench, effect), self.bench.beside(poorer.fitted_model)
         goal = beside.hoped(poorer.fitted_model.fit)
-        again = fitter.go_on(there, goal)
+        again = fitter.better(there, self._begun(fitter, candidate), goal)
         if again.cost > goal:
             return candidate
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)

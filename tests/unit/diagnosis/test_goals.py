@@ -37,3 +37,13 @@ def test_a_fit_that_at_its_pace_would_not_reach_its_goal_in_time_ends(iterations
     assert found.late == late
     assert (found.iterations < iterations) == late
     assert (found.cost > goal) == late
+
+
+@pytest.mark.parametrize("known", [TRUTH, 2.0 * TRUTH])
+def test_a_fit_with_two_starts_begins_where_the_states_let_it_fit_better(known: np.ndarray) -> None:
+    fitter = Fitter(replay(), solver_settings())
+    other = 3.0 * TRUTH - known
+    there = fitter.run(known, iterations=0)
+    found = fitter.better(there, fitter.begin(other, there.delta), -np.inf)  # of no step's reach
+    assert found.z == pytest.approx(TRUTH)
+    assert found.iterations == 0
