@@ -151,32 +151,40 @@ class CandidateFits:
         """An effect that promises too little to be fitted."""
         return self._at_absent(effect, first.absent, first.identifiability, first.gain / self.start.cost)
 
-    def refitted(self, candidate: Candidate) -> Candidate:
+    def beaten_by(self, candidate: Candidate) -> float:
+        """Cost on all windows above which a candidate beats others without a doubt; ∞ if it has no fit there."""
+        return self.bench.cost_at(candidate.fitted_model.fit, self.bench.enough) if candidate.final else np.inf
+
+    def refitted(self, candidate: Candidate, beaten: float = np.inf) -> Candidate:
         """A candidate fitted to all windows, or left absent if it does not gain enough there.
 
-        An effect that acts at once and promises little begins at absent, where the base's slopes are known.
+        An effect that acts at once and promises little begins at absent, where the base's slopes are known. One that is
+        foretold to stay above a cost at which it is `beaten` is left as it is.
         """
         effect, base = candidate.effect, self.base.fit
-        fitter, goal = self._fitter(self.bench, effect), self.bench.hoped(base)
+        hoped = self.bench.hoped(base)
+        fitter, goal = self._fitter(self.bench, effect), min(hoped, beaten)
         absent = None if effect.starts else self._absent(fitter, effect)
         if absent and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
             again = fitter.go_on(absent, goal)
         else:
             again = fitter.rerun(self._begun(fitter, candidate), goal)
+        if again.cost > goal and beaten < hoped:
+            return candidate
         if again.cost > goal:
             absent = replace(absent or self._absent(fitter, effect), slopes=base.slopes)  # to save memory
             return self._at_absent(effect, absent, candidate.identifiability, candidate.predicted)
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
 
-    def refitted_beyond(self, candidate: Candidate, limit: Candidate) -> Candidate:
+    def refitted_beyond(self, candidate: Candidate, limit: Candidate, beaten: float = np.inf) -> Candidate:
         """The same for an effect of which a standing one is the limit, where its fit may begin as well.
 
         On few windows it may lead because its fit went on farther. One that is foretold to stay above is left.
         """
         if not limit.final:
-            return self.refitted(candidate)
+            return self.refitted(candidate, beaten)
         effect, poorer = reaching(candidate.effect, limit.effect), limit.fitted_model
-        fitter, goal = self._fitter(self.bench, effect), self.bench.cost_at(poorer.fit, 0.0)
+        fitter, goal = self._fitter(self.bench, effect), min(self.bench.cost_at(poorer.fit, 0.0), beaten)
         z = in_the_limit(effect, limit.effect, fitter.space, candidate.fitted_model.values(), poorer.values())
         slopes = poorer.fit.slopes
         known = Slopes(slopes.state, slopes.parameter[..., : len(self.base.fit.z)])
@@ -201,22 +209,22 @@ class CandidateFits:
         nominal = np.append(base.z, [p.nominal for p in effect.parameters])
         return fitter.outlooks(nominal[None], base.delta, base.slopes, base)[0]
 
-    def refitted_beside(self, candidate: Candidate, poorer: Candidate) -> Candidate:
+    def refitted_beside(self, candidate: Candidate, poorer: Candidate, beaten: float = np.inf) -> Candidate:
         """The same for an effect whose special case stands, if a linear step from there promises enough.
 
         The fit begins there or where that to few windows ended. One that gains too little is left.
         """
         if not poorer.final:
-            return self.refitted(candidate)
+            return self.refitted(candidate, beaten)
         effect = reaching(candidate.effect, poorer.effect)
         further = self._further(self.bench, effect, poorer)
         if further is None:
-            return self.refitted_beyond(candidate, poorer)
+            return self.refitted_beyond(candidate, poorer, beaten)
         there, more = further
         if not more:
             return candidate
         fitter, beside = self._fitter(self.bench, effect), self.bench.beside(poorer.fitted_model)
-        goal = beside.hoped(poorer.fitted_model.fit)
+        goal = min(beside.hoped(poorer.fitted_model.fit), beaten)
         again = fitter.better(there, self._begun(fitter, candidate), goal)
         if again.cost > goal:
             return candidate

@@ -184,10 +184,15 @@ def simplify(
 def _weighed(swap: "_Swap", bench: Bench, base: FittedModel, whole: FittedModel) -> tuple[FittedModel, PutBack | None]:
     """The model with the poorer effect, and what is put back; None where the logs ask for the richer effect."""
     back, extra = swap.put_back(bench, whole), len(swap.richer.parameters) - len(swap.poorer.parameters)
-    simpler = swap.made(bench, base, whole)
+    goal = beyond_doubt(bench, whole)
+    simpler = swap.made(bench, base, whole, goal)
     asked = _asked_for(simpler, whole, back, extra, bench.evidence)
     hidden = asked and hidden_by_step(bench, simpler, whole)
-    return simpler, replace(back, hidden=hidden) if hidden or not asked else None
+    if asked and not hidden:
+        return simpler, None
+    if _ended_early(simpler, goal):
+        simpler = swap.made(bench, base, whole)
+    return simpler, replace(back, hidden=hidden)
 
 
 def _asked_for(poorer: FittedModel, richer: FittedModel, back: PutBack, extra: int, settings: EvidenceSettings) -> bool:
@@ -261,13 +266,13 @@ class _Swap:
         further = dict(zip(names.values(), values, strict=True))
         return PutBack(self.richer.label, self.poorer.label, further, compatible, not uncertain)
 
-    def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel) -> FittedModel:
-        """The model with the poorer effect, fitted from where the richer one's fit ended."""
+    def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel, goal: float = np.inf) -> FittedModel:
+        """The model with the poorer effect, fitted from where the richer one's ended; of a `goal` see `Fitter.run`."""
         added = fitted_model.model.effects[len(base.model.effects) :]
         swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
         model = functools.reduce(Model.with_effect, swapped, base.model)
         starts, delta = self._starts(model.space, fitted_model.values()), fitted_model.fit.delta
-        found = (fit_and_score(bench, model, z, delta) for z in starts)
+        found = (fit_and_score(bench, model, z, delta, goal) for z in starts)
         return min(found, key=lambda each: each.fit.order)
 
     def _starts(self, space: ContextSpace, values: Mapping[str, float]) -> Sequence[Array]:

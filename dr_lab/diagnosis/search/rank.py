@@ -51,7 +51,7 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        hold the best one as a special case are, too: other kinds may have crowded out what it is a limit of.
     3. The best one and those that it does not beat there are fitted to all windows and scored on the held-out ones,
        except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
-       that is their limit.
+       that is their limit, or to stay behind the first one fitted beyond doubt.
     4. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
        better than the base, it becomes the base, and candidates get no credit for it.
 
@@ -152,9 +152,12 @@ class _Contest:
             cases = self._special_cases(standing, standing)
             limits = {k: j for k in standing for j in standing if k not in cases and self._holds(k, j)}
             alone = [k for k in standing if k not in cases and k not in limits]
-            self._do(alone, lambda k: self.fits.refitted(tried[k]), tried)
-            self._do([*limits], lambda k: self.fits.refitted_beyond(tried[k], tried[limits[k]]), tried)
-            self._do([*cases], lambda k: self.fits.refitted_beside(tried[k], tried[cases[k]]), tried)
+            first, fits = max(alone, key=lambda k: tried[k].gain.total, default=None), self.fits
+            self._do([k for k in alone if k == first], lambda k: fits.refitted(tried[k]), tried)
+            beaten = np.inf if first is None else fits.beaten_by(tried[first])
+            self._do([k for k in alone if k != first], lambda k: fits.refitted(tried[k], beaten), tried)
+            self._do([*limits], lambda k: fits.refitted_beyond(tried[k], tried[limits[k]], beaten), tried)
+            self._do([*cases], lambda k: fits.refitted_beside(tried[k], tried[cases[k]], beaten), tried)
         return _ordered(tried.values())
 
     def _do(self, items: Sequence[int], work: Callable[[int], Candidate], found: dict[int, Candidate]) -> None:
