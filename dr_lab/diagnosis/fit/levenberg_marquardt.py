@@ -88,11 +88,11 @@ class Fitter:
         """Fit from a context where the states were fitted at another one, as `begin` gives it; `goal` as in `run`."""
         return self._certified(*self._settled(start), goal)
 
-    def better(self, there: Fit, start: Point, goal: float = np.inf) -> Fit:
-        """`go_on` from the one place or `rerun` from the other, whichever fits better once its states are fitted."""
+    def rerun_below(self, start: Point, there: Fit, below: float, goal: float = np.inf) -> Fit:
+        """`rerun` from a start whose cost is below so much once its states are fitted, else `go_on` from a fit."""
         here = self._settled(start)
-        ahead = (here[0].infeasible.sum(), here[0].cost) < there.order
-        return self._certified(*here, goal) if ahead else self.go_on(there, goal)
+        lost = (here[0].infeasible & ~there.infeasible).any()
+        return self.go_on(there, goal) if lost or here[0].cost >= below else self._certified(*here, goal)
 
     def _settled(self, start: Point) -> tuple[Point, Slopes]:
         """A context with the states fitted there, and the slopes by these."""

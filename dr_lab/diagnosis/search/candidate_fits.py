@@ -177,9 +177,10 @@ class CandidateFits:
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
 
     def refitted_beyond(self, candidate: Candidate, limit: Candidate, beaten: float = np.inf) -> Candidate:
-        """The same for an effect of which a standing one is the limit, where its fit may begin as well.
+        """The same for an effect of which a standing one is the limit, where its fit begins if it may gain from there.
 
-        On few windows it may lead because its fit went on farther. One that is foretold to stay above is left.
+        On few windows it may lead because its fit went on farther. It begins where that ended only if this is better by
+        enough to matter. One that is foretold to stay above is left.
         """
         if not limit.final:
             return self.refitted(candidate, beaten)
@@ -191,8 +192,8 @@ class CandidateFits:
         (there,) = fitter.outlooks(z[None], poorer.fit.delta, known)
         lost = (there.infeasible & ~poorer.fit.infeasible).any()
         begins = not lost and linear_gain(fitter, there, poorer.fit) > 0
-        begun = self._begun(fitter, candidate)
-        again = fitter.better(there, begun, goal) if begins else fitter.rerun(begun, goal)
+        begun, below = self._begun(fitter, candidate), self.bench.beside(poorer).hoped(poorer.fit)
+        again = fitter.rerun_below(begun, there, below, goal) if begins else fitter.rerun(begun, goal)
         if again.cost > goal:
             return candidate
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
@@ -212,7 +213,8 @@ class CandidateFits:
     def refitted_beside(self, candidate: Candidate, poorer: Candidate, beaten: float = np.inf) -> Candidate:
         """The same for an effect whose special case stands, if a linear step from there promises enough.
 
-        The fit begins there or where that to few windows ended. One that gains too little is left.
+        The fit begins there, or where that to few windows ended if this gains enough at once. One that gains too little
+        is left.
         """
         if not poorer.final:
             return self.refitted(candidate, beaten)
@@ -224,8 +226,9 @@ class CandidateFits:
         if not more:
             return candidate
         fitter, beside = self._fitter(self.bench, effect), self.bench.beside(poorer.fitted_model)
-        goal = min(beside.hoped(poorer.fitted_model.fit), beaten)
-        again = fitter.better(there, self._begun(fitter, candidate), goal)
+        below = beside.hoped(poorer.fitted_model.fit)
+        goal = min(below, beaten)
+        again = fitter.rerun_below(self._begun(fitter, candidate), there, below, goal)
         if again.cost > goal:
             return candidate
         return self._candidate(effect, again, candidate.identifiability, candidate.predicted)

@@ -39,11 +39,12 @@ def test_a_fit_that_at_its_pace_would_not_reach_its_goal_in_time_ends(iterations
     assert (found.cost > goal) == late
 
 
-@pytest.mark.parametrize("known", [TRUTH, 2.0 * TRUTH])
-def test_a_fit_with_two_starts_begins_where_the_states_let_it_fit_better(known: np.ndarray) -> None:
-    fitter = Fitter(replay(), solver_settings())
-    other = 3.0 * TRUTH - known
-    there = fitter.run(known, iterations=0)
-    found = fitter.better(there, fitter.begin(other, there.delta), -np.inf)  # of no step's reach
-    assert found.z == pytest.approx(TRUTH)
+@pytest.mark.parametrize("share", [0.5, 2.0])
+def test_a_fit_begins_at_a_start_only_where_its_states_let_it_fit_well_enough(share: float) -> None:
+    fitter, wrong = Fitter(replay(), solver_settings()), 2.0 * TRUTH
+    there = fitter.run(wrong, iterations=0)
+    start = fitter.begin(TRUTH, there.delta)
+    least = fitter.rerun(start, goal=-np.inf).cost  # a goal that no step reaches: it ends at once
+    found = fitter.rerun_below(start, there, least / share, goal=-np.inf)
     assert found.iterations == 0
+    assert found.z == pytest.approx(TRUTH if share < 1 else wrong)
