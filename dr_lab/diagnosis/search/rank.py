@@ -152,7 +152,7 @@ class _Contest:
             cases = self._special_cases(standing, standing)
             limits = {k: j for k in standing for j in standing if k not in cases and self._holds(k, j)}
             alone = [k for k in standing if k not in cases and k not in limits]
-            first, fits = max(alone, key=lambda k: tried[k].gain.total, default=None), self.fits
+            first, fits = min(alone, key=lambda k: tried[k].fitted_model.fit.order, default=None), self.fits
             self._do([k for k in alone if k == first], lambda k: fits.refitted(tried[k]), tried)
             beaten = np.inf if first is None else fits.beaten_by(tried[first])
             self._do([k for k in alone if k != first], lambda k: fits.refitted(tried[k], beaten), tried)
