@@ -86,16 +86,16 @@ class Fitter:
 
     def rerun(self, start: Point, goal: float = np.inf) -> Fit:
         """Fit from a context where the states were fitted at another one, as `begin` gives it; `goal` as in `run`."""
-        return self._certified(*self._settled(start), goal)
+        return self._certified(*self.settled(start), goal)
 
     def rerun_below(self, start: Point, there: Fit, below: float, goal: float = np.inf) -> Fit:
         """`rerun` from a start whose cost is below so much once its states are fitted, else `go_on` from a fit."""
-        here = self._settled(start)
+        here = self.settled(start)
         lost = (here[0].infeasible & ~there.infeasible).any()
         return self.go_on(there, goal) if lost or here[0].cost >= below else self._certified(*here, goal)
 
-    def _settled(self, start: Point) -> tuple[Point, Slopes]:
-        """A context with the states fitted there, and the slopes by these."""
+    def settled(self, start: Point) -> tuple[Point, Slopes]:
+        """A start with its states fitted, so that its cost tells something, and the slopes by these."""
         state = self._differences(start, states=True, columns=self._columns[:0])
         point, slopes = self._polished(start, Slopes(state, state[..., :0]))
         return replace(point, cost=self._objective.cost(point, self._objective.weights(point))), slopes

@@ -1,4 +1,4 @@
-"""Fits of the candidates beside one model: on a part of the windows at first, on all of them where they stand there."""
+"""Fits of the candidates beside one model to a part of the windows."""
 
 import functools
 from collections.abc import Sequence
@@ -14,11 +14,8 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, supported
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
-from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.diagnosis.search import as_special_case
-from dr_lab.diagnosis.search.as_special_case import in_the_limit, reaching
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
 from dr_lab.diagnosis.search.wider import widened
@@ -54,14 +51,14 @@ class CandidateFits:
 
     def look(self, effect: PlacedEffect) -> FirstLook:
         """An effect linearised on the part of the windows."""
-        return look(self._fitter(self.thin, effect), effect, self.start)
+        return look(self.fitter(self.thin, effect), effect, self.start)
 
     def promise_of_all(self, effect: PlacedEffect, first: FirstLook) -> float:
         """What a candidate promises on all windows, linearised at the point where it promised most on the few.
 
         Where that is absent, the base's residuals are known.
         """
-        fitter, base = self._fitter(self.bench, effect), self.base.fit
+        fitter, base = self.fitter(self.bench, effect), self.base.fit
         count = len(effect.parameters)
         z = np.append(base.z, first.best[-count:])
         absent = np.array_equal(first.best, first.absent.z)
@@ -82,11 +79,11 @@ class CandidateFits:
         as in the model file: those of the base have gone far to make up for what it lacks, along ways that bend. Of a
         `goal` see `Fitter.run`.
         """
-        fitter = self._fitter(self.thin, effect)
+        fitter = self.fitter(self.thin, effect)
         fits = self._of_bodies if self.base.model.inertials else self._of_starts
         fit = fits(fitter, effect, first, goal)
         if self.whole:
-            return self._candidate(effect, fit, first.identifiability, first.gain / self.start.cost)
+            return self.candidate(effect, fit, first.identifiability, first.gain / self.start.cost)
         return self._rough_candidate(fitter, effect, fit, first)
 
     def _of_starts(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float) -> Fit:
@@ -125,11 +122,11 @@ class CandidateFits:
         case, settings = poorer.effect, self.bench.evidence
         if self.whole or not supported(poorer.gain, len(case.parameters), settings):
             return self.fitted(effect, first)
-        further = self._further(self.thin, effect, poorer)
+        further = self.further(self.thin, effect, poorer)
         if further is None:
             noise = at_floor(poorer.fitted_model.held_out, settings)
             return self.unfitted(effect, first) if noise else self.fitted(effect, first)
-        fitter, (there, more) = self._fitter(self.thin, effect), further
+        fitter, (there, more) = self.fitter(self.thin, effect), further
         found = fitter.go_on(there) if more else there
         return self._rough_candidate(fitter, effect, found, first)
 
@@ -139,99 +136,17 @@ class CandidateFits:
         wide = widened(effect, fit.z[len(fit.z) - len(effect.parameters) :], self.thin.fit)
         if wide is None:
             return None
-        fitter = self._fitter(self.thin, wide)
+        fitter = self.fitter(self.thin, wide)
         found = fitter.run(fit.z, fit.delta)
         if self.whole:
-            return self._candidate(wide, found, candidate.identifiability, candidate.predicted)
+            return self.candidate(wide, found, candidate.identifiability, candidate.predicted)
         fitted_model = fitted_alone(fitter.replay, found)
         gain = paired_gain(self._ground.held_out, fitted_model.held_out, self.bench.evidence)
         return replace(candidate, effect=wide, fitted_model=fitted_model, gain=gain)
 
     def unfitted(self, effect: PlacedEffect, first: FirstLook) -> Candidate:
         """An effect that promises too little to be fitted."""
-        return self._at_absent(effect, first.absent, first.identifiability, first.gain / self.start.cost)
-
-    def beaten_by(self, candidate: Candidate) -> float:
-        """Cost on all windows above which a candidate beats others without a doubt; ∞ if it has no fit there."""
-        return self.bench.cost_at(candidate.fitted_model.fit, self.bench.enough) if candidate.final else np.inf
-
-    def refitted(self, candidate: Candidate, beaten: float = np.inf) -> Candidate:
-        """A candidate fitted to all windows, or left absent if it does not gain enough there.
-
-        An effect that acts at once and promises little begins at absent, where the base's slopes are known. One that is
-        foretold to stay above a cost at which it is `beaten` is left as it is.
-        """
-        effect, base = candidate.effect, self.base.fit
-        hoped = self.bench.hoped(base)
-        fitter, goal = self._fitter(self.bench, effect), min(hoped, beaten)
-        absent = None if effect.starts else self._absent(fitter, effect)
-        if absent and self.bench.promise(linear_gain(fitter, absent, base), base) < self.bench.enough:
-            again = fitter.go_on(absent, goal)
-        else:
-            again = fitter.rerun(self._begun(fitter, candidate), goal)
-        if again.cost > goal and beaten < hoped:
-            return candidate
-        if again.cost > goal:
-            absent = replace(absent or self._absent(fitter, effect), slopes=base.slopes)  # to save memory
-            return self._at_absent(effect, absent, candidate.identifiability, candidate.predicted)
-        return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
-
-    def refitted_beyond(self, candidate: Candidate, limit: Candidate, beaten: float = np.inf) -> Candidate:
-        """The same for an effect of which a standing one is the limit, where its fit begins if it may gain from there.
-
-        On few windows it may lead because its fit went on farther. It begins where that ended only if this is better by
-        enough to matter. One that is foretold to stay above is left.
-        """
-        if not limit.final:
-            return self.refitted(candidate, beaten)
-        effect, poorer = reaching(candidate.effect, limit.effect), limit.fitted_model
-        fitter, goal = self._fitter(self.bench, effect), min(self.bench.cost_at(poorer.fit, 0.0), beaten)
-        z = in_the_limit(effect, limit.effect, fitter.space, candidate.fitted_model.values(), poorer.values())
-        slopes = poorer.fit.slopes
-        known = Slopes(slopes.state, slopes.parameter[..., : len(self.base.fit.z)])
-        (there,) = fitter.outlooks(z[None], poorer.fit.delta, known)
-        lost = (there.infeasible & ~poorer.fit.infeasible).any()
-        begins = not lost and linear_gain(fitter, there, poorer.fit) > 0
-        begun, below = self._begun(fitter, candidate), self.bench.beside(poorer).hoped(poorer.fit)
-        again = fitter.rerun_below(begun, there, below, goal) if begins else fitter.rerun(begun, goal)
-        if again.cost > goal:
-            return candidate
-        return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
-
-    def _begun(self, fitter: Fitter, candidate: Candidate) -> Point:
-        """The start of a fit to all windows where that to few of them ended."""
-        fit, delta = candidate.fitted_model.fit, self.base.fit.delta.copy()
-        delta[self.bench.screened(self.base.fit)] = fit.delta
-        return fitter.begin(fit.z, delta)
-
-    def _absent(self, fitter: Fitter, effect: PlacedEffect) -> Fit:
-        """An effect linearised at absent on all windows."""
-        base = self.base.fit
-        nominal = np.append(base.z, [p.nominal for p in effect.parameters])
-        return fitter.outlooks(nominal[None], base.delta, base.slopes, base)[0]
-
-    def refitted_beside(self, candidate: Candidate, poorer: Candidate, beaten: float = np.inf) -> Candidate:
-        """The same for an effect whose special case stands, if a linear step from there promises enough.
-
-        The fit begins there, or where that to few windows ended if this gains enough at once. One that gains too little
-        is left.
-        """
-        if not poorer.final:
-            return self.refitted(candidate, beaten)
-        effect = reaching(candidate.effect, poorer.effect)
-        further = self._further(self.bench, effect, poorer)
-        if further is None:
-            return self.refitted_beyond(candidate, poorer, beaten)
-        there, more = further
-        if not more:
-            return candidate
-        fitter, beside = self._fitter(self.bench, effect), self.bench.beside(poorer.fitted_model)
-        below = beside.hoped(poorer.fitted_model.fit)
-        goal = min(below, beaten)
-        again = fitter.rerun_below(self._begun(fitter, candidate), there, below, goal)
-        if again.cost > goal:
-            return candidate
-        return self._candidate(effect, again, candidate.identifiability, candidate.predicted)
+        return self.at_absent(effect, first.absent, first.identifiability, first.gain / self.start.cost)
 
     def without(self, candidate: Candidate) -> Fit:
         """The model without an effect, fitted from where the fit with it ended."""
@@ -244,14 +159,14 @@ class CandidateFits:
         part = self.base.fit.pick(self.bench.screened(self.base.fit))
         return Fitter(self._replay(self.thin), self.bench.solver).run(part.z, part.delta, part.slopes)
 
-    def _further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool] | None:
+    def further(self, bench: Bench, effect: PlacedEffect, poorer: Candidate) -> tuple[Fit, bool] | None:
         """An effect at the fit of its special case, and whether a linear step from there promises enough.
 
         None where it explains less there than the special case: that it holds it is true only nearly.
         """
         fit, extra = poorer.fitted_model.fit, len(effect.parameters) - len(poorer.effect.parameters)
         there = as_special_case.further(
-            self._fitter(bench, effect), effect, poorer.effect, fit, poorer.fitted_model.values()
+            self.fitter(bench, effect), effect, poorer.effect, fit, poorer.fitted_model.values()
         )
         beside = self.bench.beside(poorer.fitted_model)
         if beside.promise(there.fit.cost - fit.cost, there.fit) >= beside.hope:
@@ -264,14 +179,15 @@ class CandidateFits:
         predicted, seen = first.gain / self.start.cost, self.thin.fit
         return Candidate(effect, fitted_model, gain, first.identifiability, predicted, seen, final=False)
 
-    def _candidate(self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float) -> Candidate:
+    def candidate(self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float) -> Candidate:
+        """A candidate that is fitted to all windows."""
         model = self.base.model.with_effect(effect)
         fitted_model = scored(self.bench, model, fit, 1, self.base.states, self.stop)
         gain = paired_gain(self.base.held_out, fitted_model.held_out, self.bench.evidence)
         seen = resolved(effect, fitted_model.values(), self.bench.timing_resolution)
         return Candidate(effect, fitted_model, gain, known, predicted, self.bench.fit, resolved=seen)
 
-    def _at_absent(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
+    def at_absent(self, effect: PlacedEffect, absent: Fit, known: Identifiability, predicted: float) -> Candidate:
         """A candidate that stays absent and so equals the base."""
         base = self.base
         fitted_model = FittedModel(base.model.with_effect(effect), absent, base.states, base.held_out, base.apart)
@@ -282,7 +198,8 @@ class CandidateFits:
         """What the base gains over itself."""
         return paired_gain(self.base.held_out, self.base.held_out, self.bench.evidence)
 
-    def _fitter(self, bench: Bench, effect: PlacedEffect) -> Fitter:
+    def fitter(self, bench: Bench, effect: PlacedEffect) -> Fitter:
+        """Of the model with an effect, to the windows of a bench; rough on the part of the windows."""
         rough = bench is self.thin and not self.whole  # those that stand will be fitted again
         return Fitter(self._replay(bench, effect), bench.solver, rough=rough)
 

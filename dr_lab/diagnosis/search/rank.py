@@ -17,6 +17,7 @@ from dr_lab.diagnosis.search.as_special_case import special_case
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.periods import with_periods
+from dr_lab.diagnosis.search.refits import Refits
 from dr_lab.diagnosis.search.screen import FirstLook
 from dr_lab.diagnosis.search.shortlist import shortlist
 from dr_lab.diagnosis.search.side_by_side import side_by_side
@@ -76,6 +77,7 @@ class _Contest:
     ) -> None:
         self.bench, self.base, self.done = bench.beside(base), base, done
         self.fits = CandidateFits(self.bench, base)
+        self.refits = Refits(self.fits)
         self.placed = with_periods(self.fits.thin, base.model, self.fits.start, placed)
 
     def ranking(self) -> Ranking:
@@ -152,13 +154,23 @@ class _Contest:
             cases = self._special_cases(standing, standing)
             limits = {k: j for k in standing for j in standing if k not in cases and self._holds(k, j)}
             alone = [k for k in standing if k not in cases and k not in limits]
-            first, fits = min(alone, key=lambda k: tried[k].fitted_model.fit.order, default=None), self.fits
-            self._do([k for k in alone if k == first], lambda k: fits.refitted(tried[k]), tried)
-            beaten = np.inf if first is None else fits.beaten_by(tried[first])
-            self._do([k for k in alone if k != first], lambda k: fits.refitted(tried[k], beaten), tried)
-            self._do([*limits], lambda k: fits.refitted_beyond(tried[k], tried[limits[k]], beaten), tried)
-            self._do([*cases], lambda k: fits.refitted_beside(tried[k], tried[cases[k]], beaten), tried)
+            beaten = self._refit_alone(alone, tried) if alone else np.inf
+            self._do([*limits], lambda k: self.refits.refitted_beyond(tried[k], tried[limits[k]], beaten), tried)
+            self._do([*cases], lambda k: self.refits.refitted_beside(tried[k], tried[cases[k]], beaten), tried)
         return _ordered(tried.values())
+
+    def _refit_alone(self, places: Sequence[int], tried: dict[int, Candidate]) -> float:
+        """Fit candidates to all windows, the one with the best start first; the cost above which that one beats others.
+
+        What it leaves tells which others are worth their end.
+        """
+        starts = self._side_by_side(places, lambda k: self.refits.begun(tried[k]))
+        begun = dict(zip(places, starts, strict=True))
+        first, *others = sorted(places, key=lambda k: begun[k].start.cost)
+        self._do([first], lambda k: self.refits.refitted(tried[k], begun[k]), tried)
+        beaten = self.refits.beaten_by(tried[first])
+        self._do(others, lambda k: self.refits.refitted(tried[k], begun[k], beaten), tried)
+        return beaten
 
     def _do(self, items: Sequence[int], work: Callable[[int], Candidate], found: dict[int, Candidate]) -> None:
         found |= dict(zip(items, self._side_by_side(items, work), strict=True))

@@ -1,0 +1,130 @@
+"""Fits of the candidates to all windows, where they stand on few of them."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.point import Point
+from dr_lab.diagnosis.fit.slopes import Slopes
+from dr_lab.diagnosis.search.as_special_case import in_the_limit, reaching
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.candidate_fits import CandidateFits
+from dr_lab.diagnosis.search.screen import linear_gain
+from dr_lab.effects.effect import PlacedEffect
+
+
+class Begun(NamedTuple):
+    """Where a fit to all windows begins.
+
+    Attributes:
+        start: the context and states there.
+        slopes: by the states and maybe by the first parameters.
+    """
+
+    start: Point
+    slopes: Slopes
+
+
+class Refits:
+    """How candidates are fitted to all windows, each on one thread.
+
+    Args:
+        fits: of the candidates to a part of the windows.
+    """
+
+    def __init__(self, fits: CandidateFits) -> None:
+        self._fits, self._bench, self._base = fits, fits.bench, fits.base
+
+    def beaten_by(self, candidate: Candidate) -> float:
+        """Cost on all windows above which a candidate beats others without a doubt; ∞ if it has no fit there."""
+        return self._bench.cost_at(candidate.fitted_model.fit, self._bench.enough) if candidate.final else np.inf
+
+    def begun(self, candidate: Candidate) -> Begun:
+        """Where a candidate's fit to all windows begins: where that to few windows ended, with the states fitted.
+
+        An effect that acts at once and promises little begins at absent, where the base's slopes are known.
+        """
+        effect, base = candidate.effect, self._base.fit
+        fitter = self._fits.fitter(self._bench, effect)
+        if not effect.starts:
+            absent = self._absent(fitter, effect)
+            if self._bench.promise(linear_gain(fitter, absent, base), base) < self._bench.enough:
+                return Begun(
+                    Point(absent.z, absent.delta, absent.residuals, absent.cost, absent.infeasible), base.slopes
+                )
+        return Begun(*fitter.settled(self._own_end(fitter, candidate)))
+
+    def refitted(self, candidate: Candidate, begun: Begun, beaten: float = np.inf) -> Candidate:
+        """A candidate fitted to all windows, or left absent if it does not gain enough there.
+
+        One that is foretold to stay above a cost at which it is `beaten` is left as it is.
+        """
+        effect, hoped = candidate.effect, self._bench.hoped(self._base.fit)
+        fitter, goal = self._fits.fitter(self._bench, effect), min(hoped, beaten)
+        again = fitter.run(begun.start.z, begun.start.delta, begun.slopes, goal=goal)
+        if again.cost <= goal:
+            return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
+        if beaten < hoped:
+            return candidate
+        absent = replace(self._absent(fitter, effect), slopes=self._base.fit.slopes)  # to save memory
+        return self._fits.at_absent(effect, absent, candidate.identifiability, candidate.predicted)
+
+    def refitted_beyond(self, candidate: Candidate, limit: Candidate, beaten: float = np.inf) -> Candidate:
+        """The same for an effect of which a standing one is the limit, where its fit begins if it may gain from there.
+
+        On few windows it may lead because its fit went on farther. It begins where that ended only if this is better by
+        enough to matter. One that is foretold to stay above is left.
+        """
+        if not limit.final:
+            return self.refitted(candidate, self.begun(candidate), beaten)
+        effect, poorer = reaching(candidate.effect, limit.effect), limit.fitted_model
+        fitter, goal = self._fits.fitter(self._bench, effect), min(self._bench.cost_at(poorer.fit, 0.0), beaten)
+        z = in_the_limit(effect, limit.effect, fitter.space, candidate.fitted_model.values(), poorer.values())
+        slopes = poorer.fit.slopes
+        known = Slopes(slopes.state, slopes.parameter[..., : len(self._base.fit.z)])
+        (there,) = fitter.outlooks(z[None], poorer.fit.delta, known)
+        lost = (there.infeasible & ~poorer.fit.infeasible).any()
+        begins = not lost and linear_gain(fitter, there, poorer.fit) > 0
+        end, below = self._own_end(fitter, candidate), self._bench.beside(poorer).hoped(poorer.fit)
+        again = fitter.rerun_below(end, there, below, goal) if begins else fitter.rerun(end, goal)
+        if again.cost > goal:
+            return candidate
+        return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
+
+    def refitted_beside(self, candidate: Candidate, poorer: Candidate, beaten: float = np.inf) -> Candidate:
+        """The same for an effect whose special case stands, if a linear step from there promises enough.
+
+        The fit begins there, or where that to few windows ended if this gains enough at once. One that gains too little
+        is left.
+        """
+        if not poorer.final:
+            return self.refitted(candidate, self.begun(candidate), beaten)
+        effect = reaching(candidate.effect, poorer.effect)
+        further = self._fits.further(self._bench, effect, poorer)
+        if further is None:
+            return self.refitted_beyond(candidate, poorer, beaten)
+        there, more = further
+        if not more:
+            return candidate
+        fitter, beside = self._fits.fitter(self._bench, effect), self._bench.beside(poorer.fitted_model)
+        below = beside.hoped(poorer.fitted_model.fit)
+        goal = min(below, beaten)
+        again = fitter.rerun_below(self._own_end(fitter, candidate), there, below, goal)
+        if again.cost > goal:
+            return candidate
+        return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
+
+    def _own_end(self, fitter: Fitter, candidate: Candidate) -> Point:
+        """All windows where the fit to few of them ended."""
+        fit, delta = candidate.fitted_model.fit, self._base.fit.delta.copy()
+        delta[self._bench.screened(self._base.fit)] = fit.delta
+        return fitter.begin(fit.z, delta)
+
+    def _absent(self, fitter: Fitter, effect: PlacedEffect) -> Fit:
+        """An effect linearised at absent on all windows."""
+        base = self._base.fit
+        nominal = np.append(base.z, [p.nominal for p in effect.parameters])
+        return fitter.outlooks(nominal[None], base.delta, base.slopes, base)[0]
