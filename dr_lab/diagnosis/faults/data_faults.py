@@ -7,7 +7,7 @@ import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import DriveFit, Gain, drive_fits
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.faults.fault_words import factor_words, remedy_of_factor
+from dr_lab.diagnosis.faults.fault_words import factor_words, parts_outside, remedy_of_factor
 from dr_lab.diagnosis.faults.idle_span import idle_span, outside
 from dr_lab.diagnosis.faults.smoothed_motion import Mask, smoothed_motion, untestable
 from dr_lab.physics.model import Model
@@ -177,7 +177,11 @@ def _off(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fau
         f"{fit.actuator}: its commands, up to {np.abs(fit.drive[span]).max():.3g} at {fit.joint}, do nothing from "
         f"{begin:.2f} to {end:.2f} s, elsewhere they act (gain {best.gain:.2g})."
     )
-    remedy = f"The machine seems off there. Take the parts of the log without it: {fit.log.name}[:{begin:.1f}]."
+    reach, enough = settings.equation.half_width, settings.fewest
+    before = begin - reach if span.start >= enough else None
+    behind = end + reach if len(fit.time) - span.stop >= enough else None
+    rest = parts_outside(fit.log.name, before, behind)
+    remedy = "The machine seems off there. " + (f"Take the log without it: {rest}." if rest else "Leave the log out.")
     return Fault("off", fit.log.name, fit.actuator, begin, end, message, remedy)
 
 

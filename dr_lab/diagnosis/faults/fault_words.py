@@ -1,4 +1,7 @@
-"""Factors between units that are often mistaken for one another, in words."""
+"""What is wrong with commands and what to write instead, in words."""
+
+import math
+import re
 
 import numpy as np
 
@@ -15,6 +18,8 @@ _UNITS = {
     "hundreds (1 called per cent)": 1e2,
     "revolutions (rev called rad)": 2 * np.pi,
 }
+
+_STRETCH = re.compile(r"(?P<log>.*)\[(?P<start>[^\[\]:]*):(?P<stop>[^\[\]:]*)\]")  # as in measurements.fit
 
 
 def factor_words(gain: float, near: float) -> str:
@@ -33,3 +38,18 @@ def remedy_of_factor(actuator: str, gain: float) -> str:
         f"Write the unit that measurements.commands.{actuator} has (mN·m, deg …), or its scale{turned}; or correct the "
         "actuator's gear in the model."
     )
+
+
+def parts_outside(log: str, begin: float | None, end: float | None) -> str:
+    """Names of the stretches of a log before and behind a span, each to a tenth of a second outside of it.
+
+    Args:
+        log: name, maybe of a stretch, e.g. ``log_1[0:3.8]``.
+        begin: where the span begins in s; None where too little lies before it.
+        end: where it ends in s; None where too little lies behind it.
+    """
+    match = _STRETCH.fullmatch(log)
+    name, start, stop = (match["log"], match["start"], match["stop"]) if match else (log, "", "")
+    before = [] if begin is None else [f"{name}[{start}:{math.floor(10 * begin) / 10:g}]"]
+    behind = [] if end is None else [f"{name}[{math.ceil(10 * end) / 10:g}:{stop}]"]
+    return " and ".join([*before, *behind])

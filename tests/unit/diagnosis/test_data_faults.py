@@ -1,5 +1,6 @@
 """Faults injected into the logs of a small machine are found with log and time; what machines really do is no fault."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -12,6 +13,7 @@ from hydra.utils import instantiate
 from dr_lab.cli.compose import compose
 from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
+from dr_lab.diagnosis.faults.fault_words import parts_outside
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 
@@ -142,13 +144,18 @@ def test_commands_out_of_step_are_told_with_the_shift(sound: MeasurementSet, shi
     assert f"latency: {shift:.2f}" in fault.remedy
 
 
-def test_a_machine_that_is_switched_off_is_told_with_the_time() -> None:
-    measured = recorded(lambda time, sent: np.where(time < 3.0, sent, 0.0))
+@pytest.mark.parametrize(("begin", "end"), [(3.0, np.inf), (0.0, 0.55), (1.2, 1.9)])
+def test_a_machine_that_is_switched_off_is_told_with_the_time(begin: float, end: float) -> None:
+    measured = recorded(lambda time, sent: np.where((time < begin) | (time >= end), sent, 0.0))
     faults = suspect_faults(nominal(), measured, settings())
     assert [(f.kind, f.log) for f in faults] == [("off", f"log_{k}") for k in (1, 2, 3)]
     for fault in faults:
-        assert fault.begin == pytest.approx(3.0, abs=0.25)
-        assert fault.end > LENGTH - 0.5
+        assert fault.begin == pytest.approx(begin, abs=0.25)
+        assert fault.end == pytest.approx(min(end, LENGTH), abs=0.25)
+        kept = [stretch.split(":") for stretch in re.findall(r"\[(.*?)\]", fault.remedy)]
+        assert len(kept) == (begin > 1.0) + (end < LENGTH)
+        for start, stop in kept:
+            assert float(stop or LENGTH) < begin or float(start or 0.0) > end
 
 
 def thinned(measured: MeasurementSet, period: float) -> MeasurementSet:
@@ -184,3 +191,17 @@ def test_machines_that_cannot_be_tested_are_left_in_peace(sound: MeasurementSet)
         replace(log, outputs={name: log.outputs[name] for name in unmeasured}) for log in (*sound.fit, *sound.held_out)
     )
     assert suspect_faults(nominal(), replace(sound, fit=fit, held_out=()), settings()) == ()
+
+
+@pytest.mark.parametrize(
+    ("log", "begin", "end", "named"),
+    [
+        ("log_1", None, 0.63, "log_1[0.7:]"),
+        ("log_1[0:4.9]", None, 0.63, "log_1[0.7:4.9]"),
+        ("log_1[0.5:]", 2.09, 3.0, "log_1[0.5:2] and log_1[3:]"),
+        ("log_1", 2.09, None, "log_1[:2]"),
+        ("log_1", None, None, ""),
+    ],
+)
+def test_stretches_outside_of_a_span_are_named(log: str, begin: float | None, end: float | None, named: str) -> None:
+    assert parts_outside(log, begin, end) == named
