@@ -98,7 +98,9 @@ class SolverSettings:
 
     Attributes:
         iterations: accepted or rejected steps after which a descent begins anew; not where a fit ends.
-        crawl: the same number of steps in a row that together lower the deviance by less than the tolerance.
+        crawl: the same number of steps in a row that together lower the deviance by less than `crawl_tolerance`.
+        crawl_tolerance: see there; a descent that begins anew must gain as much. Where steps meet kinks no certificate
+            comes, and a fit could go on for hundreds of steps that no comparison would notice.
         tolerance: a fit has converged when a full linear step would lower the deviance n ln(cost) by less than this, n
             residuals being independent.
         state_tolerance: the states of a window alone are found when a step lowers its cost by less than this share.
@@ -131,6 +133,7 @@ class SolverSettings:
 
     iterations: Count
     crawl: Count
+    crawl_tolerance: NotNegative
     tolerance: NotNegative
     state_tolerance: NotNegative
     rough_tolerance: NotNegative
@@ -154,6 +157,11 @@ class SolverSettings:
 
     def __post_init__(self) -> None:
         require_bounds(self, "solver")
+
+    @property
+    def patient(self) -> "SolverSettings":
+        """The same for a fit that is to end as low as it can: it crawls on as long as that gains the tolerance."""
+        return replace(self, crawl_tolerance=self.tolerance)
 
 
 @dataclass(frozen=True)

@@ -182,6 +182,20 @@ def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None,
     return fitter.rerun(fitter.begin(part.z, states), goal)
 
 
+def fitted_to_the_end(bench: Bench, fitted_model: FittedModel) -> FittedModel:
+    """A model whose fit crawls on as long as that gains (`SolverSettings.patient`); itself where it has converged.
+
+    Candidates need not end as low as they can to be compared; what others are compared with does.
+    """
+    fit, model = fitted_model.fit, fitted_model.model
+    if fit.converged:
+        return fitted_model
+    further = Fitter(Replay(model, bench.fit, bench.threads), bench.solver.patient).go_on(fit)
+    if further.order >= fit.order:
+        return fitted_model
+    return scored(bench, model, further, near=fitted_model.states)
+
+
 def beyond_doubt(bench: Bench, fitted_model: FittedModel) -> float:
     """Cost above which another model is worse than a fitted one without a doubt; see `Fitter.run`."""
     return bench.beside(fitted_model).cost_at(fitted_model.fit, bench.enough)

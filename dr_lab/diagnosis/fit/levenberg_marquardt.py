@@ -41,7 +41,6 @@ class Fitter:
     def __init__(self, replay: Replay, settings: SolverSettings, *, rough: bool = False) -> None:
         self.replay, self._rough, self.space = replay, rough, replay.model.space
         self.settings, self._objective = settings, Objective(replay, settings)
-        self._least = self._objective.rough if rough else self._objective.negligible
         self._columns = np.arange(len(self.space.parameters))
         ways = Straight.of(replay.model)
         self._straight = ways if replay.windows.loaded.all() else ways.apart()
@@ -61,8 +60,8 @@ class Fitter:
         The certificate is that a full linear step within the bounds, with fresh slopes by the parameters, would lower
         the deviance by less than `settings.tolerance` (`Objective.negligible`). A descent that ends without it, because
         only steps shorter and shorter help or because it crawls, begins anew from its end, with states and slopes taken
-        anew, as long as that gains. Windows that diverge at the start are left out; those that the result can simulate
-        come back. Either happens `settings.restarts` times at most.
+        anew, as long as that gains `settings.crawl_tolerance`. Windows that diverge at the start are left out; those
+        that the result can simulate come back. Either happens `settings.restarts` times at most.
 
         Args:
             z: start, shape (n,).
@@ -109,7 +108,7 @@ class Fitter:
                 return replace(fit, converged=False)
             again, left = self._descend(anew, None, self.settings.iterations, goal), left - 1
             taken = fit.iterations + again.iterations
-            gains = again.below(fit) > self._least(fit)
+            gains = again.below(fit) > self._worth(fit)[1]
             if not (again.infeasible.sum() < fit.infeasible.sum() or gains):
                 return replace(fit, iterations=taken)
             fit = replace(again, first=fit.first, iterations=taken)
@@ -124,6 +123,12 @@ class Fitter:
         returned = bool((fit.infeasible & ~start.infeasible).any())
         return start if returned or (not fit.converged and not fit.infeasible.all()) else None
 
+    def _worth(self, point: Point) -> tuple[float, float]:
+        """By how much a full step, and several steps in a row, must lower the cost to be worth their time."""
+        settings, known = self.settings, self._objective.negligible(point, 1.0)
+        least = max(settings.tolerance * known, self._objective.rough(point) if self._rough else 0.0)
+        return least, least if self._rough else max(settings.crawl_tolerance * known, least)
+
     def _misses(self, point: Point, predicted: float, goal: float) -> bool:
         """Whether a linear step, which foretells a share of what can be gained, leaves a cost above the goal."""
         return point.cost - predicted / self.settings.foreseen > goal and not point.infeasible.any()
@@ -135,10 +140,10 @@ class Fitter:
         linear, damping, taken, pace = first, settings.damping, 0, Pace(settings.crawl)
         while True:
             predicted = linear.decrease(self._movable(best, linear), self._room(best))
-            least = self._least(best)
+            least, slow = self._worth(best)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (fresh >= self._needed or taken == 0)  # given slopes are those of the start
-            short = damping > settings.damping_max or 2 * predicted < least * damping or pace.crawls(least)
+            short = damping > settings.damping_max or 2 * predicted < least * damping or pace.crawls(slow)
             late = pace.too_slow(best.cost - goal, settings.iterations - taken)
             late &= not (converged or best.infeasible.any())
             if converged or taken >= most or (short and not done) or late or self._misses(best, predicted, goal):

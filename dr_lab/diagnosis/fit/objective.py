@@ -65,20 +65,20 @@ class Objective:
         )
         return replace(point, cost=self.cost(point, weight)), weight, equations
 
-    def negligible(self, point: Point) -> float:
-        """By how much the cost may fall while the deviance n ln(cost) falls by less than the tolerance.
+    def negligible(self, point: Point, deviance: float) -> float:
+        """By how much the cost may fall while the deviance n ln(cost) falls by less than so much.
 
         n is the number of independent residuals. Where a model leaves more than noise they are few and large, and the
-        parameters' standard deviations grow by the root of both. At the noise floor it is the tolerance itself.
+        parameters' standard deviations grow by the root of both. At the noise floor it is the deviance itself.
         """
         used = (self._replay.fitted & ~point.infeasible[:, None]).astype(float)
         parts = zip(*(self._replay.by_channel(rows) for rows in (point.residuals, used)), strict=True)
         alike = colour((residual, mask > 0) for (_, residual), (_, mask) in parts)
-        return self._settings.tolerance * max(alike * point.cost / max(self._noise, 1.0), 1.0)
+        return deviance * max(alike * point.cost / max(self._noise, 1.0), 1.0)
 
     def rough(self, point: Point) -> float:
-        """The same of fits that only decide which candidates are fitted again: a share of the cost, if that is more."""
-        return max(self.negligible(point), self._settings.rough_tolerance * max(point.cost, self._noise))
+        """The share of the cost that is enough for fits that only decide which candidates are fitted again."""
+        return self._settings.rough_tolerance * max(point.cost, self._noise)
 
     def _offset(self, point: Point) -> Array:
         return self._space.to_unit(point.z) - self._space.to_unit(self._space.nominal)

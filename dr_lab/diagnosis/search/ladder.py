@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import mujoco
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_to_the_end
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
@@ -206,7 +206,7 @@ def _with_rung(
         ranking.base, ranking.candidates, decide(ranking.base, ranking.candidates, bench.evidence, bench.scored)
     )
     over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
-    steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, step_from(rung)))
+    steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, _ended(bench, step_from(rung))))
     if over:
         pruned = finished(deletions, ladder.base, steps, cases)
     else:
@@ -214,6 +214,10 @@ def _with_rung(
     dropped, put_back = (*ladder.dropped, *pruned.dropped), (*ladder.put_back, *pruned.put_back)
     rungs = (*ladder.rungs, rung)
     return replace(ladder, rungs=rungs, steps=pruned.steps, dropped=dropped, put_back=put_back), over
+
+
+def _ended(bench: Bench, step: AddedEffect) -> AddedEffect:
+    return replace(step, fitted_model=fitted_to_the_end(bench, step.fitted_model))
 
 
 def step_from(rung: Rung) -> AddedEffect:

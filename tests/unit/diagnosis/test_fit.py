@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.objective import Objective
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes
@@ -224,23 +225,25 @@ def test_a_fit_without_iterations_is_not_converged() -> None:
     assert not fitter.run(model.space.nominal, iterations=0).converged
 
 
-@pytest.mark.parametrize("crawl", [3, 10])
-def test_a_descent_that_crawls_begins_anew_and_then_ends(crawl: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each step gains a billionth of the cost, though a linear step foretells much."""
+@pytest.mark.parametrize(("crawl", "patient", "taken"), [(3, False, 6), (10, False, 20), (10, True, 80)])
+def test_a_descent_that_crawls_begins_anew_and_then_ends(
+    crawl: int, patient: bool, taken: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each step gains a twentieth of a deviance of 1, though a linear step foretells much."""
 
     def crawling(self: Fitter, best: Point, *_: object) -> tuple[Point, float]:
-        return replace(best, cost=(1 - 1e-9) * best.cost), 1.0
+        return replace(best, cost=best.cost - 0.05 * Objective(replay, settings).negligible(best, 1.0)), 1.0
 
     def left(self: Fitter, best: Point, trial: Point, slopes: Slopes, weight: Array) -> tuple[Point, Slopes]:
         return trial, slopes
 
     monkeypatch.setattr(Fitter, "_trial", crawling)
     monkeypatch.setattr(Fitter, "_mended", left)
-    model = pendulum()
+    model, settings = pendulum(), solver_settings(crawl=crawl, iterations=40, restarts=1)
     replay = Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1)
-    fit = Fitter(replay, solver_settings(crawl=crawl)).run(model.space.nominal)
+    fit = Fitter(replay, settings.patient if patient else settings).run(model.space.nominal)
     assert not fit.converged
-    assert fit.iterations == 2 * crawl
+    assert fit.iterations == taken
 
 
 def test_linear_models_of_one_batch_are_those_of_single_runs() -> None:
