@@ -7,7 +7,7 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect, scales_of
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score, fitted_to_the_end
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
@@ -144,3 +144,17 @@ def test_the_best_with_fewer_parameters_is_fitted_to_all_windows_although_anothe
     assert leaner.final
     gain = paired_gain(leaner.fitted_model.held_out, leader.fitted_model.held_out, bench.evidence)
     assert supported(gain, 1, bench.evidence)
+
+
+def test_a_fit_that_ended_early_goes_on_to_its_end() -> None:
+    """One that ended after its first step, however much that gained."""
+    bench, base = bench_of()
+    hasty = replace(bench, solver=solver_settings(crawl=1, crawl_tolerance=1e9, restarts=0))
+    early = fit_and_score(hasty, base.model, base.model.space.nominal)
+    assert not early.fit.converged
+    assert early.fit.cost > 1.01 * base.fit.cost
+    late = fitted_to_the_end(hasty, early)
+    assert late.fit.converged
+    assert late.fit.cost == pytest.approx(base.fit.cost, rel=1e-3)
+    assert late.held_out.chi2 == pytest.approx(base.held_out.chi2, rel=1e-2)
+    assert fitted_to_the_end(bench, base) is base
