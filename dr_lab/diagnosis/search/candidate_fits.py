@@ -1,6 +1,5 @@
 """Fits of the candidates beside one model to a part of the windows."""
 
-import functools
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -20,7 +19,6 @@ from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
 from dr_lab.diagnosis.search.wider import widened
 from dr_lab.effects.effect import PlacedEffect
-from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 
@@ -72,14 +70,14 @@ class CandidateFits:
         best = min((candidate.fitted_model.fit for candidate in found), key=lambda fit: fit.order)
         return self.thin.cost_at(best, self.bench.enough)
 
-    def fitted(self, effect: PlacedEffect, first: FirstLook, goal: float = np.inf) -> Candidate:
+    def fitted(self, effect: PlacedEffect, first: FirstLook, goal: float = np.inf, threads: int = 1) -> Candidate:
         """Fit one candidate from the base's solution and from its further starts.
 
         A short run shows whether a start away from absent is worth going on from. Bodies that are free as a whole begin
         as in the model file: those of the base have gone far to make up for what it lacks, along ways that bend. Of a
-        `goal` see `Fitter.run`.
+        `goal` see `Fitter.run`. One that is fitted while no other is may have more `threads`.
         """
-        fitter = self.fitter(self.thin, effect)
+        fitter = self.fitter(self.thin, effect, threads)
         fits = self._of_bodies if self.base.model.inertials else self._of_starts
         fit = fits(fitter, effect, first, goal)
         if self.whole:
@@ -198,10 +196,11 @@ class CandidateFits:
         """What the base gains over itself."""
         return paired_gain(self.base.held_out, self.base.held_out, self.bench.evidence)
 
-    def fitter(self, bench: Bench, effect: PlacedEffect) -> Fitter:
+    def fitter(self, bench: Bench, effect: PlacedEffect, threads: int = 1) -> Fitter:
         """Of the model with an effect, to the windows of a bench; rough on the part of the windows."""
         rough = bench is self.thin and not self.whole  # those that stand will be fitted again
-        return Fitter(self._replay(bench, effect), bench.solver, rough=rough)
+        model = self.base.model.with_effect(effect)
+        return Fitter(Replay(model, bench.fit, threads, self.stop), bench.solver, rough=rough)
 
-    def _replay(self, bench: Bench, *effects: PlacedEffect) -> Replay:
-        return Replay(functools.reduce(Model.with_effect, effects, self.base.model), bench.fit, 1, self.stop)
+    def _replay(self, bench: Bench) -> Replay:
+        return Replay(self.base.model, bench.fit, 1, self.stop)

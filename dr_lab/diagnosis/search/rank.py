@@ -57,7 +57,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        better than the base, it becomes the base, and candidates get no credit for it.
 
     If the base became better beyond doubt, all candidates are ranked anew beside it. They run side by side, one thread
-    each, so that no core is asked for twice. A failure or Ctrl-C ends all of them at their next simulation.
+    each, and one that others wait for on all threads, so that no core is asked for twice. A failure or Ctrl-C ends all
+    of them at their next simulation.
     """
     ranking = _Contest(bench, base, placed, done).ranking()
     for _ in range(bench.solver.restarts):
@@ -123,7 +124,8 @@ class _Contest:
         alone = [k for k in wave if k not in cases]
         if alone and not found:  # what the most promising one leaves tells which others are worth their end
             first = max(alone, key=lambda k: looks[k].gain)
-            self._do([first], lambda k: self._told(fits.fitted(placed[k], looks[k])), found)
+            threads = self.bench.threads
+            self._do([first], lambda k: self._told(fits.fitted(placed[k], looks[k], threads=threads)), found)
             alone.remove(first)
         goal = fits.goal(list(found.values()))
         self._do(alone, lambda k: self._told(fits.fitted(placed[k], looks[k], goal)), found)
@@ -167,7 +169,8 @@ class _Contest:
         starts = self._side_by_side(places, lambda k: self.refits.begun(tried[k]))
         begun = dict(zip(places, starts, strict=True))
         first, *others = sorted(places, key=lambda k: begun[k].start.cost)
-        self._do([first], lambda k: self.refits.refitted(tried[k], begun[k]), tried)
+        threads = self.bench.threads
+        self._do([first], lambda k: self.refits.refitted(tried[k], begun[k], threads=threads), tried)
         beaten = self.refits.beaten_by(tried[first])
         self._do(others, lambda k: self.refits.refitted(tried[k], begun[k], beaten), tried)
         return beaten

@@ -57,13 +57,14 @@ class Refits:
                 )
         return Begun(*fitter.settled(self._own_end(fitter, candidate)))
 
-    def refitted(self, candidate: Candidate, begun: Begun, beaten: float = np.inf) -> Candidate:
+    def refitted(self, candidate: Candidate, begun: Begun, beaten: float = np.inf, threads: int = 1) -> Candidate:
         """A candidate fitted to all windows, or left absent if it does not gain enough there.
 
-        One that is foretold to stay above a cost at which it is `beaten` is left as it is.
+        One that is foretold to stay above a cost at which it is `beaten` is left as it is. One that is fitted while no
+        other is may have more `threads`.
         """
         effect, hoped = candidate.effect, self._bench.hoped(self._base.fit)
-        fitter, goal = self._fits.fitter(self._bench, effect), min(hoped, beaten)
+        fitter, goal = self._fits.fitter(self._bench, effect, threads), min(hoped, beaten)
         again = fitter.run(begun.start.z, begun.start.delta, begun.slopes, goal=goal)
         if again.cost <= goal:
             return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
