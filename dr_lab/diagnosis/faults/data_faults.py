@@ -171,17 +171,19 @@ def _off(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fau
     span = idle_span(fit, settings)
     if span is None:
         return None
-    begin, end = float(fit.time[span][0]), float(fit.time[span][-1])
     best = fit.gain(settings.gain, 1 / settings.gain, outside(fit, span))
+    strength = 100 * np.abs(fit.drive[span]).max() / np.abs(fit.drive).max()
     message = (
-        f"{fit.actuator}: its commands, up to {np.abs(fit.drive[span]).max():.3g} at {fit.joint}, do nothing from "
-        f"{begin:.2f} to {end:.2f} s, elsewhere they act (gain {best.gain:.2g})."
+        f"{fit.actuator}: its commands, up to {strength:.0f} % of the log's largest, do nothing to {fit.joint}; "
+        f"elsewhere they act (gain {best.gain:.2g})."
     )
+    begin, end = float(fit.time[span][0]), float(fit.time[span][-1])
     reach, enough = settings.equation.half_width, settings.fewest
     before = begin - reach if span.start >= enough else None
     behind = end + reach if len(fit.time) - span.stop >= enough else None
     rest = parts_outside(fit.log.name, before, behind)
     remedy = "The machine seems off there. " + (f"Take the log without it: {rest}." if rest else "Leave the log out.")
+    begin, end = (begin if span.start else begin - reach), (end if span.stop < len(fit.time) else end + reach)
     return Fault("off", fit.log.name, fit.actuator, begin, end, message, remedy)
 
 
