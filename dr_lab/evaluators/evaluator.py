@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -116,6 +117,24 @@ class Subject:
         return self.setting.make(None, episodes, derived_seed(seed, "evaluation"), self.threads).episodes
 
 
+class Table(NamedTuple):
+    """Rows with the same keys.
+
+    Attributes:
+        file: name in the run folder, which holds all of it.
+        rows: in the order in which they are read.
+        shown: the columns that a page shows; None shows all.
+    """
+
+    file: str
+    rows: Sequence[Row]
+    shown: Sequence[str] | None = None
+
+    def on_page(self) -> Sequence[Row]:
+        """The rows as a page shows them."""
+        return self.rows if self.shown is None else [{name: row[name] for name in self.shown} for row in self.rows]
+
+
 @dataclass(frozen=True)
 class Evaluation:
     """What an evaluator found.
@@ -123,7 +142,7 @@ class Evaluation:
     Attributes:
         figures: what a reader wants to know first, by name.
         rows: the table behind them, one row a context, policy or whatever the evaluator compares; same keys in each.
-        units: of the table's columns that have one.
+        units: of the columns of the table and of the summary that have one.
         grids: returns over contexts.
         matrices: cosines between the gradients of contexts, the most telling first.
         curves: figures over the control steps of training.
@@ -131,6 +150,7 @@ class Evaluation:
         ways: of the policy in the plane, before and after updates.
         samples: returns whose scatter is looked at, side by side.
         episodes: that are worth being looked at.
+        summary: a shorter table, which a page shows in place of the rows; None shows these.
         told: what was played and what the figures mean, for the page.
     """
 
@@ -144,6 +164,7 @@ class Evaluation:
     ways: Sequence[Ways] = field(default_factory=tuple)
     samples: Sequence[Sample] = field(default_factory=tuple)
     episodes: Sequence[Episode] = field(default_factory=tuple)
+    summary: Table | None = None
     told: str = ""
 
 

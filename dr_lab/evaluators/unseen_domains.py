@@ -9,16 +9,15 @@ import numpy as np
 from dr_lab.bounds import Count, require_bounds
 from dr_lab.envs.batched_env import single
 from dr_lab.evaluators.deployment import inference_seconds, parameter_bytes
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject
-from dr_lab.files import write_text
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Row, Subject, Table
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.training import Sample
-from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
 UNSEEN, TEACHERS = "unseen", "teachers"
+_FEW = 4  # parameters, for which a page has room
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +52,8 @@ class UnseenDomainsEvaluator(Evaluator):
         require_bounds(self, "evaluator")
 
     def evaluate(self, subject: Subject, folder: Path, progress: Progress) -> Evaluation:
-        """Play all; ``domains.csv`` in the folder says what the domains are like and how the policy does in each."""
+        """Play all; a summary says what the domains are like and how the policy does in each, the worst first."""
+        del folder
         kinds = {UNSEEN: self._unseen(subject)}
         if subject.domains is not None:
             kinds[TEACHERS] = subject.domains
@@ -70,11 +70,14 @@ class UnseenDomainsEvaluator(Evaluator):
             rows += list(_rows(kind, returns))
             table += list(_table(kind, subject.setting.space, z, returns))
             progress(place / len(kinds))
-        write_text(folder / "domains.csv", rows_csv(table))
         figures |= self._cost(subject)
         samples = [Sample(kind, returns, "An episode each.") for kind, returns in played.items()]
         rows.sort(key=lambda row: float(row["return"]))
-        return Evaluation(figures, rows, samples=samples, told=self._told(len(kinds) > 1))
+        table.sort(key=lambda row: float(row["median"]))
+        units = {parameter.name: parameter.unit for parameter in subject.setting.space.parameters}
+        shown = [name for name in table[0] if len(units) <= _FEW or name not in units]
+        summary, told = Table("domains.csv", table, shown), self._told(len(kinds) > 1)
+        return Evaluation(figures, rows, units, samples=samples, summary=summary, told=told)
 
     def _unseen(self, subject: Subject) -> Array:
         """Domains, shape (domains, n)."""
@@ -95,8 +98,8 @@ class UnseenDomainsEvaluator(Evaluator):
             "the same for every policy. median, lower and upper quartile: over all of these episodes. infeasible: "
             "share of them that diverge, which count with the return that the task declares. inference seconds: median "
             f"time of an action for one observation over {self.calls} calls on one core. parameter bytes: memory of "
-            "the policy's parameters. The table begins with the lowest returns; domains.csv says what each domain is "
-            "like."
+            "the policy's parameters. The table begins with the domain of the lowest median; domains.csv says what each "
+            "is like, returns.csv holds every episode."
         )
         return f"{told} teachers: the domains that the policy was trained on." if taught else told
 

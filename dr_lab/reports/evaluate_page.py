@@ -1,6 +1,6 @@
 """What an evaluation found, for a person."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from dr_lab.reports.evaluate import Cell, EvaluateReport
@@ -9,21 +9,24 @@ from dr_lab.reports.quantity import number, titled
 from dr_lab.reports.tables import table
 
 _FIRST = 3  # figures that the first sentence tells
-_SHOWN = 40  # rows of the table in the page; all are in returns.csv
+_SHOWN = 40  # rows of the table in the page; all are in a file
 
 
-def evaluate_page(report: EvaluateReport, told: str) -> Page:
+def evaluate_page(
+    report: EvaluateReport, told: str, rows: Sequence[Mapping[str, Cell]], file: str = "returns.csv"
+) -> Page:
     """The figures and the table behind them.
 
     Args:
         report: what was found.
         told: what was played and what the figures mean.
+        rows: of the table, with the same keys.
+        file: that holds them all.
     """
-    rows = report.rows
     figures = [[name.replace("_", " "), number(value)] for name, value in report.figures.items()]
     header = [titled(name, report.units.get(name, "")) for name in (rows[0] if rows else ())]
     cells = [[_cell(value) for value in row.values()] for row in rows[:_SHOWN]]
-    more = f"\n\n… and {len(rows) - _SHOWN} more in returns.csv." if len(rows) > _SHOWN else ""
+    more = f"\n\n… and {len(rows) - _SHOWN} more in {file}." if len(rows) > _SHOWN else ""
     sections = [
         Section("figures", "Figures", table(["figure", "value"], figures)),
         Section("rows", "Table", f"{table(header, cells)}{more}"),

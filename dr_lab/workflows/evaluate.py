@@ -8,7 +8,7 @@ from pathlib import Path
 import torch
 from rich.progress import Progress as Bar
 
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Table
 from dr_lab.evaluators.trained_run import Compose, TrainedRun, subject_of
 from dr_lab.files import write_text
 from dr_lab.recorders.look import Look
@@ -26,9 +26,9 @@ def evaluate(
 ) -> EvaluateReport:
     """Evaluate the policy that a training run left.
 
-    Files: ``returns.csv`` (the evaluator's table), ``report.json``, ``report.md``, ``report.html``, ``review.rrd``,
-    ``episodes.mcap``. The latter two hold the evaluator's episodes or, where it keeps none, a few in contexts that were
-    trained on.
+    Files: ``returns.csv`` (the evaluator's table), maybe a shorter one, ``report.json``, ``report.md``,
+    ``report.html``, ``review.rrd``, ``episodes.mcap``. The latter two hold the evaluator's episodes or, where it keeps
+    none, a few in contexts that were trained on.
 
     Args:
         trained: the training run.
@@ -57,8 +57,12 @@ def evaluate(
     parts = {"grids": found.grids, "matrices": found.matrices, "gains": found.gains, "ways": found.ways}
     parts |= {"samples": found.samples}
     record = TrainingRecord(name, found.curves, episodes=found.episodes, **parts)
-    write_text(run_dir / "returns.csv", rows_csv(found.rows))
-    finish(run_dir, report, evaluate_page(report, found.told), setting, record, recorder)
+    every = Table("returns.csv", found.rows)
+    shown = found.summary or every
+    for each in filter(None, (every, found.summary)):
+        write_text(run_dir / each.file, rows_csv(each.rows))
+    page = evaluate_page(report, found.told, shown.on_page(), shown.file)
+    finish(run_dir, report, page, setting, record, recorder)
     return report
 
 

@@ -1,6 +1,5 @@
 """Returns of a push F in drawn masses: x' grows by F h/m a step, so a return is h F/m · T (T + 1)/2."""
 
-import csv
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,7 @@ from dr_lab.envs.setting import Setting
 from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.deployment import inference_seconds, parameter_bytes
-from dr_lab.evaluators.evaluator import Subject
+from dr_lab.evaluators.evaluator import Evaluation, Row, Subject
 from dr_lab.evaluators.unseen_domains import UnseenDomainsEvaluator
 from dr_lab.physics.model import from_spec
 from dr_lab.randomizers.uniform import UniformRandomizer
@@ -63,13 +62,16 @@ def evaluator(**changes: Any) -> UnseenDomainsEvaluator:  # noqa: ANN401
     return UnseenDomainsEvaluator(**(given | changes))
 
 
-def domains(folder: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader((folder / "domains.csv").read_text(encoding="utf-8").splitlines()))
+def domains(found: Evaluation) -> list[Row]:
+    """In the order in which they were drawn."""
+    assert found.summary is not None
+    assert found.summary.file == "domains.csv"
+    return sorted(found.summary.rows, key=lambda row: (row["domains"] == "teachers", row["domain"]))
 
 
 def test_returns_are_those_of_the_drawn_domains_and_starts_differ(subject: Subject, tmp_path: Path) -> None:
     found = evaluator().evaluate(subject, tmp_path, print)
-    masses = np.array([float(row["block.mass"]) for row in domains(tmp_path)])
+    masses = np.array([float(row["block.mass"]) for row in domains(found)])
     assert len(set(masses.tolist())) == 6
     assert ((masses > 1.0) & (masses < 2.0)).all()
     pushed = STEP / masses * STEPS * (STEPS + 1) / 2
@@ -77,6 +79,12 @@ def test_returns_are_those_of_the_drawn_domains_and_starts_differ(subject: Subje
     assert begun.shape == (6, 5)
     assert np.abs(begun).max() <= STEPS  # what a start of up to 1 m/s adds
     assert len(np.unique(begun.round(6))) == 30
+    assert found.summary is not None
+    medians = [float(row["median"]) for row in found.summary.rows]
+    assert medians == sorted(medians)  # the worst domain first
+    assert found.units == {"block.mass": "kg"}
+    assert list(found.summary.on_page()[0]) == [*found.summary.rows[0]]
+    assert found.summary._replace(shown=["median"]).on_page() == [{"median": median} for median in medians]
     every = np.sort([float(row["return"]) for row in found.rows])
     assert [row["return"] for row in found.rows] == every.tolist()
     assert found.figures["unseen.median"] == np.median(every)
@@ -90,7 +98,7 @@ def test_policies_meet_the_same_domains_from_the_same_starts(subject: Subject, t
     one, other = (
         evaluator().evaluate(replace(subject, policy=constant(force)), tmp_path, print) for force in (1.0, 3.0)
     )
-    masses = np.array([float(row["block.mass"]) for row in domains(tmp_path)])
+    masses = np.array([float(row["block.mass"]) for row in domains(one)])
     place = lambda row: (row["domain"], row["start"])  # noqa: E731
     gained = [
         float(b["return"]) - float(a["return"])
@@ -103,7 +111,7 @@ def test_policies_meet_the_same_domains_from_the_same_starts(subject: Subject, t
 def test_domains_that_were_trained_on_stand_beside_unseen_ones(subject: Subject, tmp_path: Path) -> None:
     taught = replace(subject, domains=np.array([[4.0], [0.5]]))
     found = evaluator(starts=400).evaluate(taught, tmp_path, print)
-    teachers = [row for row in domains(tmp_path) if row["domains"] == "teachers"]
+    teachers = [row for row in domains(found) if row["domains"] == "teachers"]
     assert [float(row["block.mass"]) for row in teachers] == [4.0, 0.5]
     medians = [float(row["median"]) for row in teachers]
     np.testing.assert_allclose(medians, STEP / np.array([4.0, 0.5]) * STEPS * (STEPS + 1) / 2, atol=2.0)
@@ -114,8 +122,8 @@ def test_domains_that_were_trained_on_stand_beside_unseen_ones(subject: Subject,
 
 def test_another_distribution_may_be_asked_for(subject: Subject, tmp_path: Path) -> None:
     near = partial(UniformRandomizer, ranges={"block.mass": [3.0, 3.1]})
-    evaluator(distribution=near).evaluate(subject, tmp_path, print)
-    assert all(3.0 < float(row["block.mass"]) < 3.1 for row in domains(tmp_path))
+    found = evaluator(distribution=near).evaluate(subject, tmp_path, print)
+    assert all(3.0 < float(row["block.mass"]) < 3.1 for row in domains(found))
 
 
 def test_memory_is_that_of_the_parameters_and_time_is_the_median_of_calls() -> None:

@@ -42,7 +42,7 @@ def trained(folder: Path, record: TrainingRecord, choice: ChoiceEntry | None = N
 
 def evaluated(folder: Path, record: TrainingRecord) -> str:
     report = from_plain(EvaluateReport, grid_report([{"friction": 0.0, "return": 1.0}], {"friction": "N·m"}))
-    write_training_page(folder / "report.html", evaluate_page(report, "Two episodes."), report, record)
+    write_training_page(folder / "report.html", evaluate_page(report, "Two episodes.", report.rows), report, record)
     page = (folder / "report.html").read_text("utf-8")
     require_whole(page)
     return page

@@ -19,8 +19,17 @@ from dr_lab.reports.evaluate_page import evaluate_page
 )  # fmt: skip
 def test_the_first_sentence(figures: dict[str, float], said: str) -> None:
     report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "returns", figures, (), "run")
-    page = evaluate_page(report, "Told.")
+    page = evaluate_page(report, "Told.", report.rows)
     assert page.lead == f"**{said}.** Told."
     assert page.title == "What swing on hopper returns"
     table = page.sections[0].body
     assert all(name.replace("_", " ") in table for name in figures)
+
+
+def test_a_long_table_names_the_file_that_holds_all_of_it() -> None:
+    rows = [{"domain": float(k), "median": 10.0 * k} for k in range(45)]
+    report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "unseen_domains", {}, (), "run")
+    body = evaluate_page(report, "Told.", rows, "domains.csv").sections[1].body
+    assert "430" not in body
+    assert "390" in body
+    assert body.endswith("… and 5 more in domains.csv.")
