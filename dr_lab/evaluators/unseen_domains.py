@@ -98,8 +98,8 @@ class UnseenDomainsEvaluator(Evaluator):
             "the same for every policy. median, lower and upper quartile: over all of these episodes. infeasible: "
             "share of them that diverge, which count with the return that the task declares. inference seconds: median "
             f"time of an action for one observation over {self.calls} calls on one core. parameter bytes: memory of "
-            "the policy's parameters. The table begins with the domain of the lowest median; domains.csv says what each "
-            "is like, returns.csv holds every episode."
+            "the policy's parameters. The table begins with the domain of the lowest median; domains.csv says what "
+            "each is like, returns.csv holds every episode."
         )
         return f"{told} teachers: the domains that the policy was trained on." if taught else told
 
