@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -38,10 +39,23 @@ class Copy:
     samples: int
 
 
+class _Words(NamedTuple):
+    """Every 32 samples in a row of a channel.
+
+    Attributes:
+        word: a number that is the same where they are, shape (n,).
+        lively: whether they hold enough different values, shape (n,).
+    """
+
+    word: NDArray[np.uint64]
+    lively: NDArray[np.bool_]
+
+
 def find_copies(logs: Sequence[Log], contract: DataContract) -> tuple[Copy, ...]:
     """Pairs of logs of which every moving output shares enough samples in a row at one shift (`contract`).
 
-    Samples are compared in single precision, which survives a change of format; real machines never repeat 32 samples.
+    Samples are compared in single precision, which survives a change of format; real machines never repeat 32 samples
+    in motion. A standstill may lie within a copy, and shows none.
 
     Args:
         logs: all logs of a machine.
@@ -57,61 +71,71 @@ def find_copies(logs: Sequence[Log], contract: DataContract) -> tuple[Copy, ...]
     return tuple(found)
 
 
-def _words(signal: Signal) -> NDArray[np.uint64]:
-    """A number for every 32 samples in a row, equal where they are; 0 where they hold too few different values."""
+def _words(signal: Signal) -> _Words:
     value = np.ascontiguousarray(signal.value, np.float32) + np.float32(0.0)  # −0 is 0
     if len(value) < _WORD:
-        return np.zeros(0, np.uint64)
+        return _Words(np.zeros(0, np.uint64), np.zeros(0, bool))
     words = (sliding_window_view(value.view(np.uint32).astype(np.uint64), _WORD) * _MIX).sum(1, dtype=np.uint64)
     changes = np.concatenate([[0], np.cumsum(np.diff(value) != 0.0)])
-    lively = changes[_WORD - 1 :] - changes[: len(value) - _WORD + 1] >= _DISTINCT
-    return np.where(lively, words, np.uint64(0))
+    return _Words(words, changes[_WORD - 1 :] - changes[: len(value) - _WORD + 1] >= _DISTINCT)
 
 
 def _shared(
     logs: Sequence[Log],
     first: int,
     second: int,
-    one: dict[str, NDArray[np.uint64]],
-    other: dict[str, NDArray[np.uint64]],
+    one: dict[str, _Words],
+    other: dict[str, _Words],
     contract: DataContract,
 ) -> Copy | None:
     """The longest copy; every output that both logs move must have one."""
     best = None
     for name, here in one.items():
         there = other[name]
-        if not (here.any() and there.any()):
+        if not (here.lively.any() and there.lively.any()):
             continue
         run = _longest(here, there)
-        if run is None or run[2] < contract.copied:
+        if run is None or run.moving < contract.copied:
             return None
-        start, match, count = run
         time, before = logs[second].outputs[name].time, logs[first].outputs[name].time
-        begin, end = float(time[match]), float(time[match + count - 1])
-        if end - begin < contract.copied_for:
+        begin, end = float(time[run.match]), float(time[run.match + run.samples - 1])
+        if (end - begin) * run.moving / run.samples < contract.copied_for:
             return None
-        if best is None or count > best.samples:
-            best = Copy(first, second, name, begin, end, begin - float(before[start]), count)
+        if best is None or run.samples > best.samples:
+            best = Copy(first, second, name, begin, end, begin - float(before[run.start]), run.samples)
     return best
 
 
-def _longest(here: NDArray[np.uint64], there: NDArray[np.uint64]) -> tuple[int, int, int] | None:
-    """Start in the one, start in the other and length of the longest run of equal samples."""
-    _, at, match = np.intersect1d(here, there, return_indices=True)
-    keep = here[at] != 0
-    at, match = at[keep], match[keep]
+class _Run(NamedTuple):
+    """Equal samples in a row.
+
+    Attributes:
+        start: where they begin in the one log.
+        match: where in the other.
+        samples: how many.
+        moving: how many of them are in motion.
+    """
+
+    start: int
+    match: int
+    samples: int
+    moving: int
+
+
+def _longest(here: _Words, there: _Words) -> _Run | None:
+    """The run of equal samples with most motion at the shift that most words in motion share."""
+    places, others = np.flatnonzero(here.lively), np.flatnonzero(there.lively)
+    _, at, match = np.intersect1d(here.word[places], there.word[others], return_indices=True)
     if not len(at):
         return None
-    shift = match - at
-    lags, counts = np.unique(shift, return_counts=True)
+    lags, counts = np.unique(others[match] - places[at], return_counts=True)
     lag = int(lags[counts.argmax()])
-    start, stop = max(0, -lag), min(len(here), len(there) - lag)
-    same = here[start:stop] == there[start + lag : stop + lag]
+    start, stop = max(0, -lag), min(len(here.word), len(there.word) - lag)
+    same = here.word[start:stop] == there.word[start + lag : stop + lag]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(int)))
     begins, ends = edges[::2], edges[1::2]
-    longest = int((ends - begins).argmax())
-    return (
-        start + int(begins[longest]),
-        start + int(begins[longest]) + lag,
-        int(ends[longest] - begins[longest]) + _WORD - 1,
-    )
+    moved = np.concatenate([[0], np.cumsum(here.lively[start:stop])])
+    moving = moved[ends] - moved[begins]
+    most = int(moving.argmax())
+    begin, count = start + int(begins[most]), int(ends[most] - begins[most]) + _WORD - 1
+    return _Run(begin, begin + lag, count, min(int(moving[most]) + _WORD - 1, count))

@@ -140,6 +140,24 @@ def test_a_copy_within_the_fitted_logs_is_told(contract: DataContract) -> None:
     assert note.count == 2500
 
 
+def test_slow_motion_that_shares_a_moment_with_another_is_no_copy(contract: DataContract) -> None:
+    """Coarse encoders give few different values in 32 samples; a tenth of a second of both is the same."""
+    time = np.arange(0.0, LENGTH, 0.002)
+    moment = (time >= 1.0) & (time < 1.1)
+    logs = []
+    for number, slow in enumerate((0.3 * np.sin(0.5 * time), 0.2 * np.cos(0.7 * time))):
+        value = np.where(moment, np.sin(60.0 * time), 0.05 * np.round(slow / 0.05))
+        logs.append(Log(f"log_{number}", {"joint.position": Signal("joint.position", "rad", time, value)}, {}))
+    fit, held_out = mark_faults(logs[:1], logs[1:], contract)
+    assert [*fit, *held_out] == logs
+
+
+def test_a_standstill_may_lie_within_a_copy(contract: DataContract) -> None:
+    copy = replace(swinging(0, rests_from=3.0), name="again")
+    (_, second), _ = mark_faults([swinging(0, rests_from=3.0), copy], [], contract)
+    assert [note.count for note in faults(second) if note.message.startswith("Copied")] == [2500]
+
+
 @pytest.mark.parametrize(("alike", "told"), [(0.6, False), (2.0, True)])
 def test_two_falls_from_the_same_rest_are_no_copies(contract: DataContract, alike: float, told: bool) -> None:
     one, other = swinging(0), swinging(1)
