@@ -1,4 +1,7 @@
-"""Fits of candidates to all windows, a constant torque on a pendulum being the truth."""
+"""Fits of candidates to all windows: soft friction or a constant torque on a pendulum is the truth."""
+
+from collections.abc import Callable
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -10,26 +13,77 @@ from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.refits import Begun, Refits
-from dr_lab.effects.effect import place
+from dr_lab.effects.effect import PlacedEffect, place
 
+TORQUE = 0.1  # N·m
 OFFSET = 0.03  # N·m
+
+
+def creeping(data: mujoco.MjData) -> None:
+    data.qfrc_applied[0] = -TORQUE * np.tanh(data.qvel[0] / 1.0)
 
 
 def push(data: mujoco.MjData) -> None:
     data.qfrc_applied[0] = OFFSET
 
 
-@pytest.fixture(scope="module")
-def begun() -> tuple[Refits, Candidate, Begun]:
+def effect_of(name: str) -> PlacedEffect:
+    model = pendulum()
+    return place(
+        catalogue_effect(name), model.nominal(), "hinge", scales_of(model, torque=0.5, position=1.0, speed=5.0)
+    )
+
+
+def fits_of(force: Callable[[mujoco.MjData], None]) -> CandidateFits:
+    """Fits beside the calibrated model of a pendulum that a hidden force acts on; few of the windows screen."""
     model = pendulum()
     fit, held_out = (
-        windows_of(model, [swinging(n, model.nominal(), seed, force=push)]) for n, seed in (("a", 0), ("b", 1))
+        windows_of(model, [swinging(n, model.nominal(), seed, force=force)]) for n, seed in (("a", 0), ("b", 1))
     )
-    settings = evidence_settings(screen_seconds=1.0, screen_windows=6)
-    bench = Bench(fit, held_out, solver_settings(), settings, threads=1)
-    fits = CandidateFits(bench, fit_and_score(bench, model, model.space.nominal))
-    effect = place(catalogue_effect("constant_offset"), model.nominal(), "hinge", scales_of(model, torque=0.5))
-    candidate, refits = fits.fitted(effect, fits.look(effect)), Refits(fits)
+    bench = Bench(fit, held_out, solver_settings(), evidence_settings(screen_seconds=1.5), threads=1)
+    base = fit_and_score(bench, model, model.space.nominal)
+    fits = CandidateFits(bench.beside(base), base)
+    assert not fits.whole
+    return fits
+
+
+def tried(fits: CandidateFits, name: str) -> Candidate:
+    """An effect as it is fitted to the windows that screen."""
+    effect = effect_of(name)
+    return fits.fitted(effect, fits.look(effect))
+
+
+def refitted(fits: CandidateFits, candidate: Candidate) -> Candidate:
+    """The same, fitted to all windows."""
+    refits = Refits(fits)
+    return refits.refitted(candidate, refits.begun(candidate))
+
+
+def test_an_effect_stands_beside_its_limit_if_it_explains_more() -> None:
+    fits = fits_of(creeping)
+    limit, soft = refitted(fits, tried(fits, "coulomb_friction")), tried(fits, "presliding_friction")
+    assert limit.final
+    found, alone = Refits(fits).refitted_beyond(soft, limit), refitted(fits, soft)
+    assert found.final
+    assert found.fitted_model.fit.converged
+    assert found.fitted_model.fit.cost < 0.8 * limit.fitted_model.fit.cost
+    assert found.fitted_model.fit.cost == pytest.approx(alone.fitted_model.fit.cost, rel=1e-3)
+
+
+def test_an_effect_that_stays_above_its_limit_is_not_fitted_to_the_end() -> None:
+    fits = fits_of(creeping)
+    soft, limit = tried(fits, "presliding_friction"), refitted(fits, tried(fits, "coulomb_friction"))
+    low = replace(limit.fitted_model.fit, cost=0.5 * limit.fitted_model.fit.cost)
+    beaten = replace(limit, fitted_model=replace(limit.fitted_model, fit=low))
+    assert Refits(fits).refitted_beyond(soft, beaten) is soft
+    untried = replace(limit, final=False)
+    assert Refits(fits).refitted_beyond(soft, untried).final
+
+
+@pytest.fixture(scope="module")
+def begun() -> tuple[Refits, Candidate, Begun]:
+    fits = fits_of(push)
+    candidate, refits = tried(fits, "constant_offset"), Refits(fits)
     return refits, candidate, refits.begun(candidate)
 
 
