@@ -41,7 +41,7 @@ def score(excess: Array) -> Score:
 
 
 def fitted_model(effects: Sequence[PlacedEffect], excess: Array) -> FittedModel:
-    model, fit = SimpleNamespace(effects=tuple(effects)), SimpleNamespace(below=lambda _: 0.0)
+    model, fit = SimpleNamespace(effects=tuple(effects)), SimpleNamespace(below=lambda _: 0.0, converged=True)
     return FittedModel(cast(Any, model), cast(Any, fit), cast(Any, None), score(excess))
 
 
