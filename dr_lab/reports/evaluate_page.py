@@ -24,7 +24,7 @@ def evaluate_page(
         file: that holds them all.
     """
     figures = [[name.replace("_", " "), number(value)] for name, value in report.figures.items()]
-    header = [titled(name, report.units.get(name, "")) for name in (rows[0] if rows else ())]
+    header = [_column(name, report.units) for name in (rows[0] if rows else ())]
     cells = [[_cell(value) for value in row.values()] for row in rows[:_SHOWN]]
     more = f"\n\n… and {len(rows) - _SHOWN} more in {file}." if len(rows) > _SHOWN else ""
     sections = [
@@ -57,6 +57,11 @@ def _in_short(figures: Sequence[Sequence[str]]) -> str:
 def _named(figure: str) -> str:
     """Its name, apart from the value where it ends in a number."""
     return f"{figure}:" if figure[-1:].isdigit() else figure
+
+
+def _column(name: str, units: Mapping[str, str]) -> str:
+    """Its title; a parameter's name, which has a unit, stays as it is written in overrides."""
+    return titled(name, units[name]) if name in units else name.replace("_", " ")
 
 
 def _cell(value: Cell) -> str:

@@ -27,9 +27,11 @@ def test_the_first_sentence(figures: dict[str, float], said: str) -> None:
 
 
 def test_a_long_table_names_the_file_that_holds_all_of_it() -> None:
-    rows = [{"domain": float(k), "median": 10.0 * k} for k in range(45)]
-    report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "unseen_domains", {}, (), "run")
+    rows = [{"domain": float(k), "upper_quartile": 10.0 * k, "arm_1.mass": 0.5} for k in range(45)]
+    units = {"arm_1.mass": "kg"}
+    report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "unseen_domains", {}, (), "run", units)
     body = evaluate_page(report, "Told.", rows, "domains.csv").sections[1].body
+    assert "| upper quartile | arm_1.mass [kg] |" in body
     assert "430" not in body
     assert "390" in body
     assert body.endswith("… and 5 more in domains.csv.")
