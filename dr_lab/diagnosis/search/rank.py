@@ -52,7 +52,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        hold the best one as a special case are, too: other kinds may have crowded out what it is a limit of.
     3. The best one and those that it does not beat there are fitted to all windows and scored on the held-out ones,
        except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
-       that is their limit, or to stay behind the first one fitted beyond doubt.
+       that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most
+       evidence are asked again there: few windows may not show what they add.
     4. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
        better than the base, it becomes the base, and candidates get no credit for it.
 
@@ -159,7 +160,19 @@ class _Contest:
             beaten = self._refit_alone(alone, tried) if alone else np.inf
             self._do([*limits], lambda k: self.refits.refitted_beyond(tried[k], tried[limits[k]], beaten), tried)
             self._do([*cases], lambda k: self.refits.refitted_beside(tried[k], tried[cases[k]], beaten), tried)
+            self._ask_richer([k for k, c in tried.items() if c.fitted and k not in standing], tried)
         return _ordered(tried.values())
+
+    def _ask_richer(self, places: Sequence[int], tried: dict[int, Candidate]) -> None:
+        """Fit richer kinds of the best candidate to all windows where these show what the few windows did not."""
+        best = max((k for k, c in tried.items() if c.final), key=lambda k: tried[k].gain.total, default=None)
+        if best is None:
+            return
+        richer = [k for k in places if self._holds(k, best)]
+        cases = self._special_cases(richer, [best])
+        limits = [k for k in richer if k not in cases]
+        self._do([*cases], lambda k: self.refits.refitted_beside(tried[k], tried[best]), tried)
+        self._do(limits, lambda k: self.refits.refitted_if_promising(tried[k], tried[best]), tried)
 
     def _refit_alone(self, places: Sequence[int], tried: dict[int, Candidate]) -> float:
         """Fit candidates to all windows, the one with the best start first; the cost above which that one beats others.

@@ -83,17 +83,33 @@ class Refits:
             return self.refitted(candidate, self.begun(candidate), beaten)
         effect, poorer = reaching(candidate.effect, limit.effect), limit.fitted_model
         fitter, goal = self._fits.fitter(self._bench, effect), min(self._bench.cost_at(poorer.fit, 0.0), beaten)
+        there, gain = self._in_the_limit(fitter, effect, candidate, limit)
+        end, below = self._own_end(fitter, candidate), self._bench.beside(poorer).hoped(poorer.fit)
+        again = fitter.rerun_below(end, there, below, goal) if gain > 0 else fitter.rerun(end, goal)
+        if again.cost > goal:
+            return candidate
+        return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
+
+    def refitted_if_promising(self, candidate: Candidate, limit: Candidate) -> Candidate:
+        """The same where a linear step from the limit promises enough; an effect that promises too little is left."""
+        effect, base = reaching(candidate.effect, limit.effect), limit.fitted_model.fit
+        _, gain = self._in_the_limit(self._fits.fitter(self._bench, effect), effect, candidate, limit)
+        beside, extra = self._bench.beside(limit.fitted_model), len(effect.parameters) - len(limit.effect.parameters)
+        if beside.promise(gain, base, extra) < beside.hope:
+            return candidate
+        return self.refitted_beyond(candidate, limit, beside.hoped(base))
+
+    def _in_the_limit(
+        self, fitter: Fitter, effect: PlacedEffect, candidate: Candidate, limit: Candidate
+    ) -> tuple[Fit, float]:
+        """An effect linearised where it acts as its limit is fitted, and by how much that step could lower the cost."""
+        poorer = limit.fitted_model
         z = in_the_limit(effect, limit.effect, fitter.space, candidate.fitted_model.values(), poorer.values())
         slopes = poorer.fit.slopes
         known = Slopes(slopes.state, slopes.parameter[..., : len(self._base.fit.z)])
         (there,) = fitter.outlooks(z[None], poorer.fit.delta, known)
         lost = (there.infeasible & ~poorer.fit.infeasible).any()
-        begins = not lost and linear_gain(fitter, there, poorer.fit) > 0
-        end, below = self._own_end(fitter, candidate), self._bench.beside(poorer).hoped(poorer.fit)
-        again = fitter.rerun_below(end, there, below, goal) if begins else fitter.rerun(end, goal)
-        if again.cost > goal:
-            return candidate
-        return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
+        return there, 0.0 if lost else linear_gain(fitter, there, poorer.fit)
 
     def refitted_beside(self, candidate: Candidate, poorer: Candidate, beaten: float = np.inf) -> Candidate:
         """The same for an effect whose special case stands, if a linear step from there promises enough.
