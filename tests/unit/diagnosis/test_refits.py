@@ -10,6 +10,7 @@ from diagnosis_machines import evidence_settings, pendulum, solver_settings, swi
 from effect_machines import catalogue_effect, scales_of
 
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
+from dr_lab.diagnosis.search import rank
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.refits import Begun, Refits
@@ -21,6 +22,10 @@ OFFSET = 0.03  # N·m
 
 def creeping(data: mujoco.MjData) -> None:
     data.qfrc_applied[0] = -TORQUE * np.tanh(data.qvel[0] / 1.0)
+
+
+def rubbing(data: mujoco.MjData) -> None:
+    data.qfrc_applied[0] = -TORQUE * np.tanh(data.qvel[0] / 0.005)
 
 
 def push(data: mujoco.MjData) -> None:
@@ -78,6 +83,32 @@ def test_an_effect_that_stays_above_its_limit_is_not_fitted_to_the_end() -> None
     assert Refits(fits).refitted_beyond(soft, beaten) is soft
     untried = replace(limit, final=False)
     assert Refits(fits).refitted_beyond(soft, untried).final
+
+
+def test_a_richer_kind_is_asked_on_all_windows_what_few_do_not_show() -> None:
+    fits = fits_of(creeping)
+    soft, limit = tried(fits, "presliding_friction"), refitted(fits, tried(fits, "coulomb_friction"))
+    found = Refits(fits).refitted_if_promising(soft, limit)
+    assert found.final
+    assert found.fitted_model.fit.cost < 0.8 * limit.fitted_model.fit.cost
+
+
+def test_a_richer_kind_that_adds_nothing_on_all_windows_is_left() -> None:
+    fits = fits_of(rubbing)
+    soft, limit = tried(fits, "presliding_friction"), refitted(fits, tried(fits, "coulomb_friction"))
+    assert limit.final
+    assert Refits(fits).refitted_if_promising(soft, limit) is soft
+
+
+def test_the_ranking_asks_richer_kinds_of_the_best_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where the few windows that screen do not show what the richer kind adds."""
+    monkeypatch.setattr(rank._Contest, "_needless", lambda *_: True)
+    fits = fits_of(creeping)
+    effects = [effect_of(name) for name in ("coulomb_friction", "presliding_friction")]
+    best, other = rank.rank(fits.bench, fits.base, effects, lambda _: None).candidates
+    assert (best.effect.effect.name, other.effect.effect.name) == ("presliding_friction", "coulomb_friction")
+    assert best.final
+    assert other.final
 
 
 @pytest.fixture(scope="module")
