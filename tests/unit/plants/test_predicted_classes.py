@@ -106,6 +106,14 @@ def test_with_one_command_a_late_command_is_a_late_reading(late: list[str], show
 
 
 @needs_pinocchio
+def test_a_late_command_of_a_slide_is_a_late_reading_between_two_delays_of_the_grid() -> None:
+    # A slide's motion is linear, so the two are the same exactly; coarse intervals and grids told them apart.
+    late = hidden("actuator_delay", "site=motor", "delay=0.009117")
+    (known,) = classes(*late, machine="lift").values()
+    assert known == {"actuator_delay@motor": 1, "sensor_time_offset@lift": 1}
+
+
+@needs_pinocchio
 @pytest.mark.parametrize(("noise", "more"), [(0.02, set()), (20.0, {"base"})])
 def test_late_velocities_beside_positions_in_time_are_a_filter(noise: float, more: set[str]) -> None:
     late = hidden("velocity_low_pass", "site=wheel", "constant=0.004")
