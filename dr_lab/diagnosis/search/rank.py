@@ -221,14 +221,15 @@ class _Contest:
     def _standing(self, tried: dict[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat.
 
-        Others stand as well, for few windows flatter the best one:
+        Those whose fit gains less than is hoped for, by which a linear step promised more, are out. Others stand as
+        well, for few windows flatter the best one:
 
         1. Its special cases: a fit of hard friction ends early more often than one that softens it, so a richer effect
            may lead only because its fit went on.
         2. The best one of each smaller number of parameters: more of them bend to few windows more easily.
         """
         settings = self.bench.evidence
-        order = sorted((k for k, c in tried.items() if c.fitted), key=lambda k: -tried[k].gain.total)
+        order = sorted((k for k, c in tried.items() if self._gains(c)), key=lambda k: -tried[k].gain.total)
         if not order:
             return []
         standing: list[int] = []
@@ -242,6 +243,12 @@ class _Contest:
             if not needless and (k in kept or not supported(best, 0, settings)):
                 standing.append(k)
         return standing
+
+    def _gains(self, candidate: Candidate) -> bool:
+        """Whether a fit to few windows gains as much as a linear step must promise."""
+        start = self.fits.start
+        gained = candidate.fitted_model.fit.below(start)
+        return candidate.fitted and self.bench.promise(gained, start) >= self.bench.hope
 
     def _holds(self, richer: int, poorer: int) -> bool:
         """Whether an effect is a special case of another one at its site, if only in the limit."""
