@@ -14,6 +14,7 @@ from dr_lab.diagnosis.search import rank
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.refits import Begun, Refits
+from dr_lab.diagnosis.search.screen import FirstLook
 from dr_lab.effects.effect import PlacedEffect, place
 
 TORQUE = 0.1  # N·m
@@ -109,6 +110,21 @@ def test_the_ranking_asks_richer_kinds_of_the_best_one(monkeypatch: pytest.Monke
     assert (best.effect.effect.name, other.effect.effect.name) == ("presliding_friction", "coulomb_friction")
     assert best.final
     assert other.final
+
+
+def test_what_gained_nothing_on_few_windows_is_not_fitted_to_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fit(self: CandidateFits, effect: PlacedEffect, first: FirstLook, *_: float, **__: int) -> Candidate:
+        found = fitted(self, effect, first)
+        lost = effect.effect.name == "coulomb_friction"
+        return replace(found, fitted_model=replace(found.fitted_model, fit=self.start)) if lost else found
+
+    fitted = CandidateFits.fitted
+    monkeypatch.setattr(CandidateFits, "fitted", fit)
+    fits = fits_of(creeping)
+    effects = [effect_of(name) for name in ("coulomb_friction", "presliding_friction")]
+    best, other = rank.rank(fits.bench, fits.base, effects, lambda _: None).candidates
+    assert (best.effect.effect.name, best.final) == ("presliding_friction", True)
+    assert (other.effect.effect.name, other.final) == ("coulomb_friction", False)
 
 
 @pytest.fixture(scope="module")
