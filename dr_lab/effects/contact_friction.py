@@ -60,7 +60,7 @@ class ContactFriction(ContactEffect, SpecEdit):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Scale the sliding coefficients of the body's contacts."""
         factor = values["factor"]
-        for pair in explicit_pairs(spec, site) if factor != 1 else ():
+        for pair in explicit_pairs(spec, site):
             pair.friction = np.asarray(pair.friction) * [factor, factor, 1.0, 1.0, 1.0]
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:

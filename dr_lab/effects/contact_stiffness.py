@@ -55,7 +55,7 @@ class ContactStiffness(ContactEffect, SpecEdit):
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Scale the solver reference of the body's contacts."""
         slower, deader = values["time_constant"], values["damping_ratio"]
-        for pair in explicit_pairs(spec, site) if (slower, deader) != (1, 1) else ():
+        for pair in explicit_pairs(spec, site):
             pair.solref = _scaled(pair.solref, slower, deader)
 
 

@@ -1,15 +1,16 @@
 """What every effect of the catalogue promises, at every site of every model."""
 
-from collections.abc import Iterator
 from functools import cache
 
 import mujoco
 import numpy as np
 import pytest
 from effect_machines import CONF, NAMES, catalogue_effect, replayed
+from mujoco.batch import MODEL_FIELDS
 
 from dr_lab.diagnosis.windows.channels import available
 from dr_lab.effects.effect import PlacedEffect, Scales, place
+from dr_lab.physics.body_contexts import field_of
 from dr_lab.physics.model import Model, from_spec, load
 from dr_lab.trajectory import Array
 
@@ -85,13 +86,10 @@ def quick() -> frozenset[tuple[str, str, str]]:
     return frozenset((model, effect, site) for (model, effect), site in firsts.items())
 
 
-def parameters() -> Iterator[object]:
-    """Every place."""
-    for one in every():
-        yield pytest.param(*one, marks=[] if one in quick() else [pytest.mark.slow])
-
-
-PLACES = pytest.mark.parametrize(("model", "effect", "site"), list(parameters()))
+PLACES = pytest.mark.parametrize(
+    ("model", "effect", "site"),
+    [pytest.param(*one, marks=[] if one in quick() else [pytest.mark.slow]) for one in every()],
+)
 
 
 def put(model: str, effect: str, site: str) -> tuple[Model, PlacedEffect]:
@@ -198,16 +196,17 @@ def test_absent_leaves_the_motion(model: str, effect: str, site: str) -> None:
     np.testing.assert_allclose(with_it, without, rtol=0, atol=1e-9 if effect == "payload" else 0)
     bare = reported(plain, np.empty((1, 0)))
     np.testing.assert_allclose(reported(extended, extended.space.nominal[None]), bare, rtol=0, atol=1e-12)
-    compiled = extended.nominal()
-    assert (compiled.nq, compiled.nv, compiled.nu) == (plain.nominal().nq, plain.nominal().nv, plain.nominal().nu)
+    found, known = extended.nominal(), plain.nominal()
+    assert (found.nq, found.nv, found.nu) == (known.nq, known.nv, known.nu)
 
 
 @PLACES
 def test_layout_is_the_same_at_every_value(model: str, effect: str, site: str) -> None:
     extended, _ = put(model, effect, site)
-    sizes = ("nq", "nv", "nu", "na", "nbody", "nactuator", "nhistory", "ntendon", "neq")
-    compiled = [extended.compile(z) for z in (extended.space.low, extended.space.nominal, extended.space.high)]
-    assert len({tuple(getattr(m, size) for size in sizes) for m in compiled}) == 1
+    low, nominal, high = (
+        extended.compile(z) for z in (extended.space.low, extended.space.nominal, extended.space.high)
+    )
+    assert _sizes(low) == _sizes(nominal) == _sizes(high)
 
 
 @PLACES
@@ -276,8 +275,8 @@ def _free_run(model: mujoco.MjModel) -> Array:
     return np.array(path)
 
 
-def _sizes(model: mujoco.MjModel) -> tuple[int, ...]:
-    return (model.nq, model.nv, model.nu, model.na, model.nbody, model.nactuator, model.nhistory)
+def _sizes(model: mujoco.MjModel) -> list[tuple[int, ...]]:
+    return [field_of(model, name).shape for name in MODEL_FIELDS]  # beside a law they are written one by one
 
 
 def _bytes(model: mujoco.MjModel) -> bytes:
