@@ -32,7 +32,8 @@ def climbed(
 
     1. Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
     2. An answer of the shortest windows is in doubt where more than noise remains, and windows that chose nothing do
-       not confirm it. It is asked again in the next longer ones, whose answer replaces it if it is in no doubt.
+       not confirm it. It is asked again in the next longer ones, whose answer replaces it if it is in no doubt. Where
+       too few windows chose nothing to know, it is not: of longer ones there are fewer still.
 
     Each further length is one more chance of a false answer: of k lengths, those behind the first ask for the
     confidence 1 − (1 − confidence) / k (Bonferroni).
@@ -88,7 +89,9 @@ def _first_settled(
     first = (study, _ladder(study, effects, most, watch, phase))
     if _settled(*first):
         return first
-    doubtful = _explained(*first)
+    doubtful, confirmation = _explained(*first), first[1].confirmation
+    if doubtful and confirmation is not None and not confirmation.enough:
+        return first
     # Still longer windows are too few to settle a doubt.
     for length in lengths[1:2] if doubtful else lengths[1:]:
         why = "The answer is in doubt" if doubtful else "A gap remains that nothing explains"

@@ -50,9 +50,14 @@ class Confirmation:
     predicted_worse: bool
 
     @property
+    def enough(self) -> bool:
+        """Whether there are windows left out of all choices, and enough of them to know."""
+        return self.apart is not None and not isnan(self.apart.gain.total_low)
+
+    @property
     def contradicts(self) -> bool:
         """Whether what was added is not found again: it predicts worse, or nothing is gained on windows left out."""
-        if self.apart is None or isnan(self.apart.gain.total_low):  # too few of them to know
+        if self.apart is None or not self.enough:
             return self.predicted_worse
         return self.predicted_worse or self.apart.gain.total <= 0
 

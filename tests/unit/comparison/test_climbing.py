@@ -20,16 +20,20 @@ from dr_lab.errors import DataError
 
 @dataclass(frozen=True)
 class Answer:
-    """A ladder of which only the verdict is known, what confirms it, and whether noise alone remains."""
+    """A ladder of which only the verdict is known, what confirms it, and whether noise alone remains.
+
+    `enough` says whether the windows that confirm are enough to know.
+    """
 
     kind: str
     steps: tuple[str, ...] = ()
     status: str = "confirmed"
     chi2: float = 100.0
+    enough: bool = True
 
     @property
     def confirmation(self) -> SimpleNamespace | None:
-        return SimpleNamespace(status=self.status) if self.steps else None
+        return SimpleNamespace(status=self.status, enough=self.enough) if self.steps else None
 
     @property
     def models(self) -> list[SimpleNamespace]:
@@ -82,6 +86,7 @@ DOUBTFUL = Answer("equivalent", ("drag",), "undecided")
         ([DOUBTFUL, NOTHING], 9.0, 0.3, "equivalent"),  # 2.7 s are not tried
         ([DOUBTFUL, replace(NAMED, status="undecided")], 9.0, 0.3, "equivalent"),  # one doubt for another
         ([DOUBTFUL, Answer("none")], 9.0, 0.3, "equivalent"),
+        ([replace(DOUBTFUL, enough=False)], 9.0, 0.3, "equivalent"),  # longer ones are fewer, and cannot confirm either
         ([NOTHING, DOUBTFUL], 9.0, 0.9, "equivalent"),
         ([replace(DOUBTFUL, chi2=1.0)], 9.0, 0.3, "equivalent"),  # nothing but noise is left to ask
     ],
