@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -40,6 +41,7 @@ def effect_of(name: str) -> PlacedEffect:
     )
 
 
+@cache
 def fits_of(force: Callable[[mujoco.MjData], None]) -> CandidateFits:
     """Fits beside the calibrated model of a pendulum that a hidden force acts on; few of the windows screen."""
     model = pendulum()
@@ -53,23 +55,25 @@ def fits_of(force: Callable[[mujoco.MjData], None]) -> CandidateFits:
     return fits
 
 
+@cache
 def tried(fits: CandidateFits, name: str) -> Candidate:
     """An effect as it is fitted to the windows that screen."""
     effect = effect_of(name)
     return fits.fitted(effect, fits.look(effect))
 
 
-def refitted(fits: CandidateFits, candidate: Candidate) -> Candidate:
+@cache
+def refitted(fits: CandidateFits, name: str) -> Candidate:
     """The same, fitted to all windows."""
-    refits = Refits(fits)
+    refits, candidate = Refits(fits), tried(fits, name)
     return refits.refitted(candidate, refits.begun(candidate))
 
 
 def test_an_effect_stands_beside_its_limit_if_it_explains_more() -> None:
     fits = fits_of(creeping)
-    limit, soft = refitted(fits, tried(fits, "coulomb_friction")), tried(fits, "presliding_friction")
+    limit, soft = refitted(fits, "coulomb_friction"), tried(fits, "presliding_friction")
     assert limit.final
-    found, alone = Refits(fits).refitted_beyond(soft, limit), refitted(fits, soft)
+    found, alone = Refits(fits).refitted_beyond(soft, limit), refitted(fits, "presliding_friction")
     assert found.final
     assert found.fitted_model.fit.converged
     assert found.fitted_model.fit.cost < 0.8 * limit.fitted_model.fit.cost
@@ -78,7 +82,7 @@ def test_an_effect_stands_beside_its_limit_if_it_explains_more() -> None:
 
 def test_an_effect_that_stays_above_its_limit_is_not_fitted_to_the_end() -> None:
     fits = fits_of(creeping)
-    soft, limit = tried(fits, "presliding_friction"), refitted(fits, tried(fits, "coulomb_friction"))
+    soft, limit = tried(fits, "presliding_friction"), refitted(fits, "coulomb_friction")
     low = replace(limit.fitted_model.fit, cost=0.5 * limit.fitted_model.fit.cost)
     beaten = replace(limit, fitted_model=replace(limit.fitted_model, fit=low))
     assert Refits(fits).refitted_beyond(soft, beaten) is soft
@@ -88,7 +92,7 @@ def test_an_effect_that_stays_above_its_limit_is_not_fitted_to_the_end() -> None
 
 def test_a_richer_kind_is_asked_on_all_windows_what_few_do_not_show() -> None:
     fits = fits_of(creeping)
-    soft, limit = tried(fits, "presliding_friction"), refitted(fits, tried(fits, "coulomb_friction"))
+    soft, limit = tried(fits, "presliding_friction"), refitted(fits, "coulomb_friction")
     found = Refits(fits).refitted_if_promising(soft, limit)
     assert found.final
     assert found.fitted_model.fit.cost < 0.8 * limit.fitted_model.fit.cost
@@ -96,7 +100,7 @@ def test_a_richer_kind_is_asked_on_all_windows_what_few_do_not_show() -> None:
 
 def test_a_richer_kind_that_adds_nothing_on_all_windows_is_left() -> None:
     fits = fits_of(rubbing)
-    soft, limit = tried(fits, "presliding_friction"), refitted(fits, tried(fits, "coulomb_friction"))
+    soft, limit = tried(fits, "presliding_friction"), refitted(fits, "coulomb_friction")
     assert limit.final
     assert Refits(fits).refitted_if_promising(soft, limit) is soft
 
