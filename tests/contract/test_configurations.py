@@ -65,10 +65,16 @@ def test_verb_fits_its_workflow(verb: str, monkeypatch: pytest.MonkeyPatch) -> N
     check_verb(verb, [], monkeypatch)
 
 
+def one_effect(verb: str, experiment: str) -> list[str]:
+    """Of the whole catalogue, which is that of ``dr-lab close`` itself, unless the experiment chooses its effects."""
+    chooses = "effect" in options("experiment", FOLDERS)[experiment].read_text(encoding="utf-8")
+    return [] if chooses or verb not in {"close", "diagnose"} else ["effect=spring"]
+
+
 @pytest.mark.parametrize(("verb", "experiment"), list(experiments()))
 def test_experiment_composes(verb: str, experiment: str, run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    expert = [f"{EXPERT[experiment]}=episodes.mcap"] if experiment in EXPERT else []
-    check_verb(verb, [f"experiment={experiment}", *run_given(experiment, run), *expert], monkeypatch)
+    given = [f"{EXPERT[experiment]}=episodes.mcap"] if experiment in EXPERT else one_effect(verb, experiment)
+    check_verb(verb, [f"experiment={experiment}", *run_given(experiment, run), *given], monkeypatch)
 
 
 def options_of(group: str) -> list[str]:

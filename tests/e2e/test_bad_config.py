@@ -34,7 +34,11 @@ def test_one_clear_message(
     require_one_message(told.out, told.err, SAYS[arguments], tmp_path)
 
 
-@pytest.mark.parametrize("arguments", [("compare", "model=fruta"), ("compare", "seed=one")], ids=" ".join)
+@pytest.mark.parametrize(
+    "arguments",
+    [("compare", "model=fruta"), pytest.param(("compare", "seed=one"), marks=pytest.mark.slow)],
+    ids=" ".join,
+)
 def test_the_same_at_the_real_command(arguments: tuple[str, ...], tmp_path: Path) -> None:
     done = subprocess.run([PROGRAM, *arguments], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2, done.stderr

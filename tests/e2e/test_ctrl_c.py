@@ -88,7 +88,7 @@ def left_by(process: subprocess.Popen[str], folder: Path, sent: tuple[signal.Sig
     ("part", "moment"),
     [
         ("report", "open"),
-        ("review", "os.rename"),
+        pytest.param("review", "os.rename", marks=pytest.mark.slow),
         pytest.param("report", "os.rename", marks=pytest.mark.slow),
         pytest.param("review", "open", marks=pytest.mark.slow),
     ],

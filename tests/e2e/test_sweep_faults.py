@@ -74,6 +74,7 @@ def test_killed_sweep(sweeps: Sweeps, tmp_path: Path) -> None:
     assert rows == [(str(at), str(at), "completed", str(at + 1)) for at in range(3)]
 
 
+@pytest.mark.slow
 def test_killed_study(sweeps: Sweeps, tmp_path: Path) -> None:
     kill_and_complete(sweeps, tmp_path / "killed", [0.25], *STUDY, "hydra.sweeper.n_trials=3")
     require_whole_study(tmp_path / "killed", 3)

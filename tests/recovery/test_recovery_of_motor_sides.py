@@ -54,6 +54,7 @@ def test_the_soft_shaft_is_found() -> None:
     assert found["rod.mass"] == pytest.approx(TRUTH["rod.mass"], rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_gears_play_is_found() -> None:
     """Windows that begin where the teeth change sides may begin on the wrong one, hence the cost."""
     found, cost = fitted(Backlash(SITE, ROTOR, gap=0.04, stiffness=1e3, damping=3.0), {"gap": 0.03, "rotor": 0.015})

@@ -65,7 +65,9 @@ def test_logs_are_those_of_the_command(tmp_path: Path) -> None:
     assert made.read_bytes() == (tmp_path / "typed" / made.name).read_bytes()
 
 
-def test_a_policy_is_that_of_the_command_and_is_evaluated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_policy_is_that_of_the_command_is_evaluated_and_is_no_other_run_s(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     trained = train(*SHORT)
     (folder,) = Path("outputs/train/furuta_balance").iterdir()
@@ -76,12 +78,8 @@ def test_a_policy_is_that_of_the_command_and_is_evaluated(tmp_path: Path, monkey
     played = evaluate(f"run={trained.run}", "evaluator.episodes=2", "threads=1")
     assert from_plain(EvaluateReport, json.loads((Path(played.run) / "report.json").read_text())) == played
     assert played.trained == trained.run
-
-
-def test_a_run_that_has_other_settings_is_not_gone_on_with(tmp_path: Path) -> None:
-    train(*SHORT, run_dir=tmp_path / "first")
     with pytest.raises(ConfigError, match="is a run with other settings"):
-        train(*SHORT, "seed=1", f"resume={tmp_path}/first", run_dir=tmp_path / "second")
+        train(*SHORT, "seed=1", f"resume={trained.run}", run_dir=tmp_path / "second")
 
 
 def test_importing_the_package_imports_nothing_heavy() -> None:

@@ -58,6 +58,7 @@ def discriminator(penalty: float) -> ImitationDiscriminator:
     return ImitationDiscriminator(2, 1, 0, [8], 1e-2, 32, 1.0, penalty, 10.0)
 
 
+@pytest.mark.slow
 def test_the_policy_goes_where_the_expert_goes_and_not_where_the_task_pays() -> None:
     torch.manual_seed(0)
     algorithm = gail()

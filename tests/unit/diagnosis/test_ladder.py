@@ -149,6 +149,7 @@ def explain_on(bench: Bench, below: FittedModel, candidate: Candidate) -> Fitted
     return fit_and_score(bench, model, np.append(below.fit.z, [p.nominal for p in candidate.effect.parameters]))
 
 
+@pytest.mark.slow
 def test_what_later_effects_made_superfluous_is_dropped() -> None:
     bench, ladder = bench_of(rubbing(0.05, 0.1), pendulum()), climbed(*FOUR, most=1)
     drag, friction, offset = (
@@ -164,6 +165,7 @@ def test_what_later_effects_made_superfluous_is_dropped() -> None:
     assert prune(Deletions(bench), ladder.base, kept, supported) == (kept, ())
 
 
+@pytest.mark.slow
 def test_asymmetric_friction_beside_a_tilt_that_was_missing_is_put_back_to_coulomb_friction() -> None:
     """The richer kind came first, with the tilt as its asymmetry."""
     model, logs = pendulum(), rubbing(0.05, 0.0)

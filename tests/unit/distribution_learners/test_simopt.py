@@ -150,6 +150,7 @@ def test_continues_exactly() -> None:
         np.testing.assert_array_equal(one.drawn, other.drawn)
 
 
+@pytest.mark.slow
 def test_recorded_motions_find_the_machine_by_what_was_commanded() -> None:
     """A wave of its own for every log, from starts of its own."""
     rng, steps = np.random.default_rng(0), 40
