@@ -47,7 +47,7 @@ DRAGGED = """<mujoco model="dragged">
 
 @cache
 def _settings() -> Any:  # noqa: ANN401 (Hydra's configuration)
-    return compose("diagnose", [])
+    return compose("diagnose", ["effect=spring"])  # of the catalogue nothing is asked
 
 
 def windows_settings(**changes: float) -> WindowSettings:

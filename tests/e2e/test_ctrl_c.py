@@ -29,6 +29,7 @@ SIGTERM = (signal.SIGTERM, 143, "terminated")
 PROMPT = 5.0  # s; a fifth of it on a quiet machine
 LOGS = ["measurements.fit=[log_1]", "measurements.held_out=[log_5]"]
 SMALL = [*LOGS, "windows.seconds=2.4"]
+FEW = "effect=[coulomb_friction,viscous_friction,quadratic_drag,spring,constant_offset]"
 PRESSES_ITSELF = """
 import os, signal, sys
 _, moment, part, *sys.argv[1:] = sys.argv
@@ -117,7 +118,7 @@ def test_while_candidates_are_fitted(tmp_path: Path) -> None:
 def test_sigterm_in_the_middle_of_the_work(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     begun = (folder / "config.yaml").is_file  # minutes before anything else is written
-    assert interrupted(folder, "diagnose", *LOGS, when=begun, sent=SIGTERM) == {"config.yaml"}
+    assert interrupted(folder, "diagnose", *LOGS, FEW, when=begun, sent=SIGTERM) == {"config.yaml"}
 
 
 def test_while_nothing_has_begun(tmp_path: Path) -> None:
@@ -126,7 +127,7 @@ def test_while_nothing_has_begun(tmp_path: Path) -> None:
 
 
 def test_candidates_stop_at_their_next_simulation() -> None:
-    cfg = compose("diagnose", [*SMALL, "threads=2"])
+    cfg = compose("diagnose", [*SMALL, FEW, "threads=2"])
     study = prepare(instantiate(cfg.comparison, _convert_="all"))
     base, effects = calibrate(study), instantiate(cfg.effects, _convert_="all")
     placed = candidates(study.model, effects, study.scales, study.compiled).placed

@@ -41,7 +41,7 @@ Act = Callable[[Array, Array], Array]
 
 @cache
 def settings() -> FaultSettings:
-    return instantiate(compose("close", []).faults, _convert_="all")
+    return instantiate(compose("close", ["effect=spring"]).faults, _convert_="all")
 
 
 def nominal(actuator: str = MOTOR) -> Model:

@@ -17,7 +17,7 @@ QUANTUM, LENGTH = 2 * np.pi / 2048, 5.0
 
 @pytest.fixture(scope="module")
 def contract() -> DataContract:
-    return instantiate(compose("close", []).measurements.contract)
+    return instantiate(compose("close", ["effect=spring"]).measurements.contract)
 
 
 def waves(seed: int, time: Array, joint: int = 0) -> Array:
