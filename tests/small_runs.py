@@ -2,14 +2,16 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import torch
+from omegaconf import DictConfig
 from torch import Tensor
 
-from dr_lab.cli.arguments import compose_arguments
+from dr_lab.cli.arguments import arguments_of
+from dr_lab.cli.compose import compose_from
 from dr_lab.cli.folders import shipped
 from dr_lab.experts.expert import Demonstrations, Expert
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
@@ -65,11 +67,17 @@ class Walker(Expert):
         return Demonstrations.of([(seen, done)])
 
 
+@cache
+def _composed(*overrides: str) -> DictConfig:
+    return compose_from((shipped(),), "train", overrides)
+
+
 def plan(run: str, device: str, seed: int = 0, frames: int = 3 * BATCH) -> Plan:
     """A run by its name in `RUNS`."""
     batch = [] if run == "gail" else [f"algorithm.batch_frames={BATCH}"]
     every = [f"frames={frames}", f"checkpoint_every={BATCH}", f"seed={seed}", f"device={device}"]
-    found: Plan = compose_arguments("train", [*COMMON, *every, *RUNS[run], *batch], (shipped(),), only=["plan"])["plan"]
+    cfg = _composed(*COMMON, *every, *RUNS[run], *batch)
+    found: Plan = arguments_of("train", cfg, (shipped(),), only=["plan"])[1]["plan"]
     return replace(found, algorithm=partial(found.algorithm, expert=Walker())) if run == "gail" else found
 
 

@@ -92,6 +92,7 @@ PLACES = pytest.mark.parametrize(
 )
 
 
+@cache
 def put(model: str, effect: str, site: str) -> tuple[Model, PlacedEffect]:
     one = place(catalogue_effect(effect), machine(model).nominal(), site, scales(model))
     return machine(model).with_effect(one), one

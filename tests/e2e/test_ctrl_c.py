@@ -104,6 +104,7 @@ def test_while_a_file_is_written(tmp_path: Path, part: str, moment: str) -> None
     assert not [name for name in left if name.startswith(".")]
 
 
+@pytest.mark.slow
 def test_while_candidates_are_fitted(tmp_path: Path) -> None:
     folder, started = tmp_path / "run", []
 

@@ -24,19 +24,28 @@ parameters:
   leaf.mass: {target: body.leaf.mass, unit: kg, low: 0.3, high: 0.8}
 """
 LOGS = ("duration=2", "shares=[1,0.8,0.9]", "context={leaf.mass:0.6,sensor_time_offset@hinge.offset:0.01}")
+OWN = ("--config-dir", "mine", "model=gate")
 EFFECTS = "effect=[actuator_delay,viscous_friction,constant_offset,sensor_time_offset]"
 
 
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the model and its logs."""
+    folder = tmp_path_factory.mktemp("recorded")
+    (folder / "mine" / "model").mkdir(parents=True)
+    (folder / "mine" / "model" / "gate.xml").write_text(XML)
+    (folder / "mine" / "model" / "gate.yaml").write_text(YAML)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert main(["record", "source=model", *OWN, *LOGS, "output=mine"]) == 0
+    return folder
+
+
 @pytest.fixture
-def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
+def mine(recorded: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
     """What a command needs to use the model and its logs."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine" / "model").mkdir(parents=True)
-    (tmp_path / "mine" / "model" / "gate.xml").write_text(XML)
-    (tmp_path / "mine" / "model" / "gate.yaml").write_text(YAML)
-    own = ("--config-dir", "mine", "model=gate")
-    assert main(["record", "source=model", *own, *LOGS, "output=mine"]) == 0
-    return (*own, "measurements=recorded", "windows.seconds=4.8")
+    monkeypatch.chdir(recorded)
+    return (*OWN, "measurements=recorded", "windows.seconds=4.8")
 
 
 def test_what_cannot_act_is_left_out_and_said(mine: tuple[str, ...]) -> None:

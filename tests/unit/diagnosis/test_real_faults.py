@@ -15,7 +15,8 @@ pytestmark = pytest.mark.skipif(
 
 
 def told(experiment: str, *overrides: str) -> tuple[Fault, ...]:
-    comparison = instantiate(compose("close", [f"experiment={experiment}", "effect=spring", *overrides]).comparison, _convert_="all")
+    cfg = compose("close", [f"experiment={experiment}", "effect=spring", *overrides])
+    comparison = instantiate(cfg.comparison, _convert_="all")
     assert isinstance(comparison, Comparison)
     return suspect_faults(comparison.model, comparison.measurements, comparison.settings.faults)
 

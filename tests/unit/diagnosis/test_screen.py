@@ -109,6 +109,7 @@ def test_only_what_promises_enough_is_fitted(most_fits: int, least_promise: floa
     assert np.isfinite([c.predicted for c in ranking]).all()
 
 
+@pytest.mark.slow
 def test_what_holds_a_simpler_effect_does_not_take_its_place() -> None:
     bench, base = bench_of(rub, most_fits=2, least_promise=0.0)
     model, catalogue = pendulum(), {name: catalogue_effect(name) for name in DRY_FRICTIONS}

@@ -89,6 +89,7 @@ def test_along_an_eigenvector_the_return_bends_as_it_says(tmp_path: Path) -> Non
     np.testing.assert_allclose(found.grids[0].mean, played)
 
 
+@pytest.mark.slow
 def test_noise_makes_eigenvalues_and_not_the_curvature_on_other_episodes(tmp_path: Path) -> None:
     # A reward that is linear in the action bends nowhere.
     found = [

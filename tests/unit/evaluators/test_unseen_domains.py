@@ -110,7 +110,7 @@ def test_policies_meet_the_same_domains_from_the_same_starts(subject: Subject, t
 
 def test_domains_that_were_trained_on_stand_beside_unseen_ones(subject: Subject, tmp_path: Path) -> None:
     taught = replace(subject, domains=np.array([[4.0], [0.5]]))
-    found = evaluator(starts=400).evaluate(taught, tmp_path, print)
+    found = evaluator(starts=400, parallel=100).evaluate(taught, tmp_path, print)
     teachers = [row for row in domains(found) if row["domains"] == "teachers"]
     assert [float(row["block.mass"]) for row in teachers] == [4.0, 0.5]
     medians = [float(row["median"]) for row in teachers]
