@@ -68,28 +68,31 @@ def scales(name: str) -> Scales:
 
 
 @cache
-def every() -> tuple[tuple[str, str, str], ...]:
-    """Every effect at every site of every model."""
-    compiled = {model: machine(model).nominal() for model in MODELS}
+def places(models: tuple[str, ...] = MODELS) -> tuple[tuple[str, str, str], ...]:
+    """Every effect at every site of the models."""
+    compiled = {model: machine(model).nominal() for model in models}
     return tuple(
         (model, effect, site)
-        for model in MODELS
+        for model in models
         for effect in NAMES
         for site in catalogue_effect(effect).sites(compiled[model])
     )
 
 
 @cache
-def quick() -> frozenset[tuple[str, str, str]]:
+def quick() -> tuple[tuple[str, str, str], ...]:
     """Every effect at its first site of each archetype; all other places are left to the slow tests."""
-    firsts = {(model, effect): site for model, effect, site in reversed(every()) if model in ARCHETYPES}
-    return frozenset((model, effect, site) for (model, effect), site in firsts.items())
+    firsts = {(model, effect): site for model, effect, site in reversed(places(ARCHETYPES))}
+    return tuple(place for place in places(ARCHETYPES) if firsts[place[:2]] == place[2])
 
 
-PLACES = pytest.mark.parametrize(
-    ("model", "effect", "site"),
-    [pytest.param(*one, marks=[] if one in quick() else [pytest.mark.slow]) for one in every()],
-)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Ask for every place, or, where slow tests are left out, only for the few: 8 000 tests are slow to list, too."""
+    if "site" in metafunc.fixturenames:
+        few = {*quick()}
+        slow = [] if "not slow" in metafunc.config.option.markexpr else [p for p in places() if p not in few]
+        asked = [*quick(), *(pytest.param(*place, marks=pytest.mark.slow) for place in slow)]
+        metafunc.parametrize(("model", "effect", "site"), asked)
 
 
 @cache
@@ -175,7 +178,6 @@ def test_the_archetypes_have_all_kinds_of_sites() -> None:
     assert max(model.nu for model in compiled) > 1
 
 
-@PLACES
 def test_bounds_are_finite_wide_and_contain_the_starts(model: str, effect: str, site: str) -> None:
     _, one = put(model, effect, site)
     bounds = {p.name: p for p in one.parameters}
@@ -187,7 +189,6 @@ def test_bounds_are_finite_wide_and_contain_the_starts(model: str, effect: str, 
         assert all(bounds[name].low <= value <= bounds[name].high for name, value in start.items())
 
 
-@PLACES
 def test_absent_leaves_the_motion(model: str, effect: str, site: str) -> None:
     """Bit for bit; a payload's body alone changes the order of sums, by rounding."""
     extended, _ = put(model, effect, site)
@@ -201,7 +202,6 @@ def test_absent_leaves_the_motion(model: str, effect: str, site: str) -> None:
     assert (found.nq, found.nv, found.nu) == (known.nq, known.nv, known.nu)
 
 
-@PLACES
 def test_layout_is_the_same_at_every_value(model: str, effect: str, site: str) -> None:
     extended, _ = put(model, effect, site)
     low, nominal, high = (
@@ -210,7 +210,6 @@ def test_layout_is_the_same_at_every_value(model: str, effect: str, site: str) -
     assert _sizes(low) == _sizes(nominal) == _sizes(high)
 
 
-@PLACES
 def test_every_parameter_is_seen(model: str, effect: str, site: str) -> None:
     """From absent or a start, or where a parameter only shapes the effect, from where another one is at its end."""
     extended, one = put(model, effect, site)
@@ -219,7 +218,6 @@ def test_every_parameter_is_seen(model: str, effect: str, site: str) -> None:
         assert changes != ((model, effect, site) in UNSEEN), parameter.name
 
 
-@PLACES
 def test_absent_has_a_usable_slope_or_starts(model: str, effect: str, site: str) -> None:
     extended, one = put(model, effect, site)
     nominal = extended.space.nominal
@@ -237,7 +235,6 @@ def test_absent_has_a_usable_slope_or_starts(model: str, effect: str, site: str)
             assert one.starts, parameter.name
 
 
-@PLACES
 def test_compiling_twice_gives_the_same_bytes(model: str, effect: str, site: str) -> None:
     extended, one = put(model, effect, site)
     z = vectors(extended, one)[-1]
@@ -246,7 +243,6 @@ def test_compiling_twice_gives_the_same_bytes(model: str, effect: str, site: str
     assert _bytes(extended.compile(z)) == first
 
 
-@PLACES
 def test_exported_file_is_the_same_machine(model: str, effect: str, site: str) -> None:
     """Text keeps six digits; a second export of the file loses nothing more."""
     extended, one = put(model, effect, site)
@@ -290,7 +286,7 @@ def _bytes(model: mujoco.MjModel) -> bytes:
 def test_what_only_shapes_an_effect_does_nothing_alone(name: str) -> None:
     """At the first site where the effect has them."""
     extended, one = next(
-        found for found in (put(*each) for each in every() if each[1] == name) if len(found[1].parameters) > 1
+        found for found in (put(*each) for each in places() if each[1] == name) if len(found[1].parameters) > 1
     )
     shapes = [k for k, p in enumerate(one.parameters) if p.name not in one.absent]
     assert [one.parameters[k].name.rpartition(".")[2] for k in shapes] == list(one.effect.shapes)

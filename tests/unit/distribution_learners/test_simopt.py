@@ -139,10 +139,10 @@ def test_it_waits_while_the_policy_warms_up() -> None:
 
 
 def test_continues_exactly() -> None:
-    whole, first = learner(wide(FURUTA.space)), learner(wide(FURUTA.space))
+    whole, first = learner(wide(FURUTA.space), samples=20), learner(wide(FURUTA.space), samples=20)
     last = run(whole, 2)[-1]
     run(first, 1)
-    second = learner(wide(FURUTA.space), seed=3)
+    second = learner(wide(FURUTA.space), samples=20, seed=3)
     second.load_state_dict(first.state_dict())
     assert run(second, 1)[-1] == last
     for one, other in zip(second.compared(), whole.compared(), strict=True):
