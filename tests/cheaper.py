@@ -8,7 +8,6 @@ from functools import wraps
 from pathlib import Path
 from typing import IO, Any
 
-from hydra._internal import defaults_list
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
 _parsed: dict[str, bytes] = {}
@@ -33,18 +32,6 @@ def parse_once() -> None:
         return loaded_text(file_) if isinstance(file_, io.TextIOBase) and file_.seekable() else load(file_)
 
     OmegaConf.load = staticmethod(loaded)
-
-
-def map_choices_where_needed() -> None:
-    """Spare Hydra the map of all choices where no entry of a defaults list asks for one, as ``${group}`` does."""
-    mapped = defaults_list._create_interpolation_map
-
-    @wraps(mapped)
-    def needed(overrides: Any, defaults: list[Any], self_added: bool) -> DictConfig:  # noqa: ANN401
-        asks = any(entry.is_interpolation() for entry in defaults)
-        return mapped(overrides, defaults, self_added) if asks else OmegaConf.create()
-
-    defaults_list._create_interpolation_map = needed
 
 
 def look_for_cycles_rarely() -> None:
