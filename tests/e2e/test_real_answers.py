@@ -25,7 +25,7 @@ def answered(folder: Path, *words: str) -> list[str]:
     [
         pytest.param("bowling_ball", [], marks=pytest.mark.slow),
         ("golf_ball", []),
-        ("orange_whiffle_ball", ["viscous_friction@ball"]),
+        pytest.param("orange_whiffle_ball", ["viscous_friction@ball"], marks=pytest.mark.slow),
     ],
 )
 def test_light_balls_feel_the_air_and_heavy_ones_do_not(ball: str, effects: list[str], tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.mark.slow
 def test_calibration_at_the_real_command_finds_the_recorded_mass(folder: Path) -> None:
     arguments = ["fit", "--config-dir=logs", *READ, "hydra.run.dir=fitted"]
     done = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, check=False)

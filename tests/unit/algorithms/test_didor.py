@@ -90,6 +90,7 @@ def test_the_teachers_learn_first_each_in_its_own_domain_then_the_student_in_tho
         assert torch.equal(batch["context"], z[:, None].expand(-1, batch.shape[1], -1))
 
 
+@pytest.mark.slow
 def test_a_student_of_teachers_that_are_the_same_becomes_their_copy() -> None:
     algorithm = didor(teacher_frames=0, frames=40 * BATCH)
     one, other = algorithm.teachers.members
@@ -131,6 +132,7 @@ def test_the_ensemble_does_what_its_policies_would_do_on_average() -> None:
     torch.testing.assert_close(algorithm.deployed(observation), expected)
 
 
+@pytest.mark.slow
 def test_peers_are_left_alone_without_a_penalty_and_come_nearer_with_one() -> None:
     apart = []
     for alpha in (0.0, 5.0):

@@ -126,6 +126,7 @@ def test_a_rival_that_is_added_later_is_no_rival_any_more() -> None:
     assert steps[-1] is second
 
 
+@pytest.mark.slow
 def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
     bench, ladder = bench_of(rubbing(0.05, 0.1), pendulum()), climbed(*FOUR, most=1)
     ranking = (replace(c, fitted_model=explain_on(bench, ladder.base, c)) for c in ladder.rungs[0].ranking)

@@ -73,6 +73,7 @@ def test_mass_moves_to_the_sweet_spot_and_stays_spread_over_it() -> None:
     assert entropy == pytest.approx(np.log(SWEET[1] - SWEET[0]), abs=0.1)
 
 
+@pytest.mark.slow
 def test_without_the_divergence_a_gaussian_collapses() -> None:
     entropy = {}
     for alpha in (0.24, 0.0):

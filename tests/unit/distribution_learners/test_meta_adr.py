@@ -66,6 +66,7 @@ def rounds(learner: MetaADR, machine: Adapting, count: int) -> list[dict[str, fl
     return found
 
 
+@pytest.mark.slow
 def test_tasks_that_adapting_changes_are_proposed_more_often() -> None:
     learner = meta_adr()
     figures = rounds(learner, Adapting(learner.source), 200)

@@ -117,6 +117,7 @@ def test_proposals_begin_as_a_walk_without_a_preference() -> None:
     torch.testing.assert_close(shares, torch.full((5,), 0.2), atol=0.06, rtol=0)  # clipping keeps walks at the faces
 
 
+@pytest.mark.slow
 def test_proposals_gather_where_the_reward_is() -> None:
     one, late = svpg(), list[Tensor]()
     for _ in range(400):

@@ -1,5 +1,6 @@
 """Equivalence classes that are known beforehand, predicted from the truth."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -27,10 +28,11 @@ def rule() -> Classes:
     return instantiate(compose("benchmark", ["benchmark=strangers"]).classes.rule)
 
 
-def classes(*overrides: str, machine: str = "wheel") -> dict[str, dict[str, int]]:
+def classes(*overrides: str, machine: str = "wheel", parts: int = 2) -> dict[str, dict[str, int]]:
+    """By the rule as it is, or with fewer intervals between two commands, which do where nothing is late."""
     short = ["plant.duration=1.6", "plant.peaks=[0.5]"]
     bench = instantiate(compose("record", [f"plant=strangers/{machine}", *short, *overrides]).plant, _convert_="all")
-    return rule().of(bench, seed=5)
+    return replace(rule(), parts=parts).of(bench, seed=5)
 
 
 def hidden(name: str, *numbers: str) -> list[str]:
@@ -109,7 +111,7 @@ def test_with_one_command_a_late_command_is_a_late_reading(late: list[str], show
 def test_a_late_command_of_a_slide_is_a_late_reading_between_two_delays_of_the_grid() -> None:
     # A slide's motion is linear, so the two are the same exactly; coarse intervals and grids told them apart.
     late = hidden("actuator_delay", "site=motor", "delay=0.009117")
-    (known,) = classes(*late, machine="lift").values()
+    (known,) = classes(*late, machine="lift", parts=rule().parts).values()
     assert known == {"actuator_delay@motor": 1, "sensor_time_offset@lift": 1}
 
 
@@ -128,6 +130,7 @@ def test_late_positions_are_a_filter_of_the_encoder() -> None:
     assert "velocity_low_pass@wheel" not in known
 
 
+@pytest.mark.slow
 @needs_pinocchio
 def test_a_centre_farther_out_is_a_payload_and_less_mass() -> None:
     # Mass, first and second moment of a link are three numbers; a payload with a free mass of the link moves all three.

@@ -129,6 +129,7 @@ def turn(motion: Motion, signs: tuple[int, int]) -> dict[str, Array]:
     }
 
 
+@pytest.mark.slow
 def test_an_angle_that_counts_from_upright_gets_an_offset() -> None:
     found = proposed("two.xml", write_logs(lambda m: plain(m) | {"shoulder_pos": m.position[:, 0] + np.pi}))
     assert abs(found["outputs"]["shoulder.position"]["offset"]) == pytest.approx(np.pi)
