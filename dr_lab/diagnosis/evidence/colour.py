@@ -17,6 +17,7 @@ _DRAWS = 400  # references that a 99.9 % quantile is read from
 _CHANCE = 1e-5  # that stationary noise is taken for something else
 _FEWEST = 16  # samples in a window whose spectrum says anything
 _WINDOWS = 8  # of which the scatter says anything
+_STEP = 0.1  # of the logarithm of what lies above white noise; references are drawn in these steps
 
 
 def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
@@ -25,7 +26,8 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
     1. Beyond the sensors' white noise they are rougher than a force makes them: however rough it is, as white noise, it
        moves a velocity by its integral and a position by its double integral. The mean frequency of the residuals'
        power is compared with that of integrated white noise in as many windows of the same length, less a polynomial
-       of degree 3: more than what fitted starts take out of a window.
+       of degree 3: more than what fitted starts take out of a window. It is as much above the sensors' noise, whose
+       scatter over few windows looks rough as well.
     2. They are as large in every window as chance allows, whatever the machine does: ln χ² of a window, n samples of a
        stationary Gaussian process, has the variance ψ'(n_eff/2).
 
@@ -38,7 +40,11 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
     kept = residual[:, whole]
     if len(kept) < _WINDOWS or kept.shape[1] < _FEWEST or not (kept**2).sum(1).all():
         return False
-    return _homogeneous(kept) and _mean_frequency(kept, white=1.0) > _roughest(*kept.shape, integrals)
+    excess = float((kept**2).mean()) - 1.0
+    if excess <= 0 or not _homogeneous(kept):
+        return False
+    step = round(np.log(excess) / _STEP)
+    return _mean_frequency(kept) > _roughest(*kept.shape, integrals, float(np.exp(step * _STEP)))
 
 
 def _homogeneous(residual: Array) -> bool:
@@ -49,22 +55,24 @@ def _homogeneous(residual: Array) -> bool:
 
 
 @functools.lru_cache(maxsize=64)
-def _roughest(windows: int, samples: int, integrals: int) -> float:
-    """Mean frequency that integrated white noise exceeds once in a thousand times."""
+def _roughest(windows: int, samples: int, integrals: int, excess: float) -> float:
+    """Mean frequency that integrated noise of a variance, beside white noise of 1, exceeds once in a thousand times."""
     rng = np.random.default_rng(0)
     found = []
     for _ in range(_DRAWS):
         drawn = rng.standard_normal((windows, samples))
         for _ in range(integrals):
             drawn = np.cumsum(drawn, axis=1)
-        found.append(_mean_frequency(_detrended(drawn), white=0.0))
+        drawn = _detrended(drawn)
+        drawn *= np.sqrt(excess / (drawn**2).mean())
+        found.append(_mean_frequency(drawn + rng.standard_normal((windows, samples))))
     return float(np.mean(found) + 3.1 * np.std(found))  # of a mean over windows, so that it is Gaussian
 
 
-def _mean_frequency(residual: Array, white: float) -> float:
-    """Mean frequency in cycles a sample of the power beyond that of white noise of a variance; 0 where none is."""
+def _mean_frequency(residual: Array) -> float:
+    """Mean frequency in cycles a sample of the power beyond that of white noise of variance 1; 0 where none is."""
     taper = np.hanning(residual.shape[1])
-    power = (np.abs(np.fft.rfft(residual * taper)) ** 2).mean(0) - white * (taper**2).sum()
+    power = (np.abs(np.fft.rfft(residual * taper)) ** 2).mean(0) - (taper**2).sum()
     power = np.maximum(power, 0.0)
     return float(power @ np.fft.rfftfreq(residual.shape[1]) / power.sum()) if power.any() else 0.0
 

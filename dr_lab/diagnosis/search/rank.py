@@ -221,8 +221,8 @@ class _Contest:
     def _standing(self, tried: dict[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat.
 
-        A candidate whose fit gains less than is hoped for is out, whatever a linear step promised. Others stand as well,
-        for few windows flatter the best one:
+        A candidate whose fit gains less than is hoped for is out, whatever a linear step promised. Others stand as
+        well, for few windows flatter the best one:
 
         1. Its special cases: a fit of hard friction ends early more often than one that softens it, so a richer effect
            may lead only because its fit went on.
