@@ -39,11 +39,11 @@ def low_passed(seed: int, cutoff: float) -> Array:
     return np.asarray(sosfilt(sections, random(seed).standard_normal(WINDOWS * SAMPLES + 1000)))
 
 
-def pushed(seed: int, force: Array | None = None) -> Array:
-    """What a force leaves of positions, in noise standard deviations."""
+def pushed(seed: int, force: Array | None = None, size: float = 10.0) -> Array:
+    """What a force leaves of positions, in noise standard deviations, beside that noise."""
     force = random(seed).standard_normal((WINDOWS, SAMPLES)) if force is None else force
     moved = less_a_line(np.cumsum(np.cumsum(force, axis=1), axis=1))
-    return 10 * moved / moved.std() + random(seed + 1).standard_normal(moved.shape)
+    return size * moved / moved.std() + random(seed + 1).standard_normal(moved.shape)
 
 
 @pytest.mark.parametrize("time", [0.004, 0.02])
@@ -82,6 +82,15 @@ def test_what_a_force_left_is_no_noise(seed: int) -> None:
     vibration = rng.lognormal(0, 0.7, (WINDOWS, 1)) * np.sin(2 * np.pi * 15 * time + rng.uniform(0, 6, (WINDOWS, 1)))
     left = (pushed(seed), pushed(seed, np.sign(swing)), pushed(seed, np.ones((WINDOWS, SAMPLES))), 10 * vibration)
     assert not any(instrumental(rows, every(rows), 2) for rows in left)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_a_force_left_is_no_noise_where_it_is_as_large_as_that(seed: int) -> None:
+    """Over few windows the scatter of the noise's power is as rough as it."""
+    rows = pushed(seed, size=1.0)[:10]
+    assert not instrumental(rows, every(rows), 2)
+    noise = np.sqrt(2) * random(seed).standard_normal((10, SAMPLES))
+    assert instrumental(less_a_line(noise), every(noise), 2)
 
 
 def test_of_windows_without_enough_samples_nothing_is_said() -> None:
