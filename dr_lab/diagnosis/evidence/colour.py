@@ -26,8 +26,8 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
     1. Beyond the sensors' white noise they are rougher than a force makes them: however rough it is, as white noise, it
        moves a velocity by its integral and a position by its double integral. The mean frequency of the residuals'
        power is compared with that of integrated white noise in as many windows of the same length, less a polynomial
-       of degree 3: more than what fitted starts take out of a window. It is as much above the sensors' noise, whose
-       scatter over few windows looks rough as well.
+       of degree 3: more than what fitted starts take out of a window. White noise lies beside that reference in the
+       same proportion as beside the residuals, for over few windows its scatter looks rough, too.
     2. They are as large in every window as chance allows, whatever the machine does: ln χ² of a window, n samples of a
        stationary Gaussian process, has the variance ψ'(n_eff/2).
 
