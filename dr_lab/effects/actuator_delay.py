@@ -15,6 +15,8 @@ from dr_lab.physics.effect_parts import CommandFilter, SpecEdit
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
+_LINEAR = 1  # MuJoCo's code of an interpolation between commands
+
 
 @dataclass(frozen=True)
 class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
@@ -32,8 +34,9 @@ class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
     A history of the same length is compiled in at every value.
 
     Parameters (nominal = absent): delay [s], within [0, longest].
-    Limits: actuators with one command and no delay of their own; an exported MJCF file lacks the short delays.
-    Raises: ModelError if the actuator already has a delay.
+    Limits: actuators with one command, which read linearly between commands if they have a delay of their own; an
+    exported MJCF file lacks the short delays.
+    Raises: ModelError if the actuator already has a delay and holds commands.
     Source: MuJoCo 4.0, modeling chapter ("Delays").
 
     Attributes:
@@ -49,6 +52,7 @@ class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
     law: ClassVar[str] = "tau(t) from u(t - delay)"
     fingerprint: ClassVar[str] = "residual proportional to the rate of the command; passes for damping, or for its lack"
     confused_with: ClassVar[tuple[str, ...]] = ("sensor_time_offset", "viscous_friction", "joint_elasticity")
+    sizeless: ClassVar[bool] = True
     lacks: ClassVar[str] = "a delay below one physics step (one and a half with RK4)"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
@@ -66,17 +70,18 @@ class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
         return replace(self, longest=parameters[0].high)
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Compile the history in, and the delay where it is at least one step."""
+        """Compile the history in, and the delay where it is at least one step, beside one that is there."""
         actuator = actuator_of(spec, site)
-        if actuator.nsample:
+        if actuator.nsample and actuator.interp != _LINEAR:
             raise ModelError(
-                f"Actuator {site!r} already keeps {actuator.nsample} commands. Take its delay out of the MJCF, "
-                "or make no actuator_delay effect of it."
+                f"Actuator {site!r} already keeps {actuator.nsample} commands. Take its delay out of the MJCF, or let "
+                'it read between them (interp="linear"), or make no actuator_delay effect of it.'
             )
         early = _read_early(spec.option)
-        actuator.nsample = math.ceil((self.longest + early) / spec.option.timestep) + 1
-        actuator.interp = 1  # linear
-        actuator.delay = values["delay"] + early if values["delay"] >= _shortest(spec.option) else 0.0
+        actuator.nsample += math.ceil((self.longest + early) / spec.option.timestep) + 1
+        actuator.interp = _LINEAR
+        if values["delay"] >= _shortest(spec.option):
+            actuator.delay = (actuator.delay or early) + values["delay"]
 
     def filtered(self, values: Mapping[str, Array], series: Array, option: mujoco.MjOption) -> Array:
         """Commands late by a delay that is too short for MuJoCo; m + f steps late is (1 − f) u_{k−m} + f u_{k−m−1}."""

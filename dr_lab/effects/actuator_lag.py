@@ -50,6 +50,7 @@ class ActuatorLag(ActuatorEffect, DynamicFilter):
         "sensor_time_offset",
         "joint_elasticity",
     )
+    sizeless: ClassVar[bool] = True
     lacks: ClassVar[str] = "the lag, through which commands go before they reach the actuator"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

@@ -52,9 +52,9 @@ class CommandPower(ActuatorEffect, StaticFilter):
     argument: ClassVar[str] = "command"
     lacks: ClassVar[str] = "the power law, through which commands go before they reach the actuator"
 
-    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the actuators with one command whose force does not depend on position."""
-        return tuple(name for name in super().sites(model) if not model.actuator_biasprm[model.actuator(name).id, 1])
+    def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
+        """Where the force does not depend on position."""
+        return not model.actuator_biasprm[row, 1]
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The exponent, and the command at which the force is right."""

@@ -1,7 +1,7 @@
 """The contract of an effect: where it can sit, its parameters, and how it edits a fresh spec."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from typing import ClassVar
@@ -49,6 +49,10 @@ class Scales:
     def position(self) -> Mapping[str, float]:
         """Range of motion by joint, rad or m."""
         return {joint: self.highest[joint] - lowest for joint, lowest in self.lowest.items()}
+
+    def most_used(self, elements: Sequence[str]) -> str:
+        """The one of some elements that had the largest command; the first one where none had any."""
+        return max(elements, key=lambda name: self.command.get(name, 0.0))
 
     def assuming(self, magnitude: float) -> "Scales":
         """The scales with one magnitude, in SI units, assumed for all that is not known of the unknown joints."""
@@ -107,6 +111,11 @@ class Effect(ABC):
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Parameters at a site, with short names, nominal = absent and bounds scaled to the machine."""
 
+    def elements(self, model: mujoco.MjModel, site: str) -> tuple[str, ...]:
+        """The elements at which it acts with the same values: the site, unless it stands for several."""
+        del model
+        return (site,)
+
     def shown_by(self, site: str, channels: Collection[str]) -> bool:
         """Whether logs of these channels can show the effect at a site as one of its own; else it is not looked for."""
         del site, channels
@@ -146,8 +155,9 @@ class PlacedEffect:
 
     Attributes:
         effect: the phenomenon.
-        site: the element it sits at.
+        site: the element it sits at, or what stands for several.
         parameters: its parameters under their full names, ``"<effect>@<site>.<short name>"``.
+        elements: those at which it acts.
         starts: full name → value, starts of a fit away from absent.
         looked: full name and bounds at first, of the parameters whose bounds were moved since.
     """
@@ -155,6 +165,7 @@ class PlacedEffect:
     effect: Effect
     site: str
     parameters: tuple[Parameter, ...]
+    elements: tuple[str, ...]
     starts: tuple[Mapping[str, float], ...] = field(default=())
     looked: tuple[tuple[str, float, float], ...] = ()
 
@@ -208,10 +219,12 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
     if not isinstance(effect, _ACTING):
         names = ", ".join(part.__name__ for part in _ACTING)
         raise ModelError(f"Effect {effect.name!r} does nothing. Derive {type(effect).__name__} from one of {names}.")
-    short = effect.parameters(model, site, scales)
+    elements = effect.elements(model, site)
+    sized = scales.most_used(elements)
+    short = effect.parameters(model, sized, scales)
     if not short:
         raise ModelError(f"Effect {effect.name!r} declares no parameter at {site!r}.")
-    if scales.unknown and short != effect.parameters(model, site, scales.assuming(1.0)):
+    if scales.unknown and short != effect.parameters(model, sized, scales.assuming(1.0)):
         raise ModelError(
             f"The bounds of its parameters have no size: no channel measures {', '.join(sorted(scales.unknown))}, and "
             "the nominal model rests there in the logs, or diverges. Log the joint's position or excite it."
@@ -219,4 +232,4 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
     label = f"{effect.name}@{site}."
     full = tuple(Parameter(label + p.name, p.unit, p.nominal, p.low, p.high) for p in short)
     starts = tuple({label + k: v for k, v in start.items()} for start in effect.starts(short))
-    return PlacedEffect(effect, site, full, starts)
+    return PlacedEffect(effect, site, full, elements, starts)

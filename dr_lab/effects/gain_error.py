@@ -35,10 +35,11 @@ class GainError(ActuatorEffect, SpecEdit):
     law: ClassVar[str] = "F = s kp (u − q) − kv q'"
     fingerprint: ClassVar[str] = "residual proportional to the distance from the target: sags further under a load"
     confused_with: ClassVar[tuple[str, ...]] = ("torque_scale", "viscous_friction", "payload")
+    sizeless: ClassVar[bool] = True
 
-    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the actuators that are position servos."""
-        return tuple(name for name in super().sites(model) if _servo(model, model.actuator(name).id))
+    def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
+        """At position servos."""
+        return _servo(model, row)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The factor."""

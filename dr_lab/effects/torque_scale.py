@@ -44,10 +44,11 @@ class TorqueScale(ActuatorEffect, SpecEdit):
     fingerprint: ClassVar[str] = "residual proportional to the driven part of the motion at every speed and frequency"
     confused_with: ClassVar[tuple[str, ...]] = ("armature", "payload", "viscous_friction")
     argument: ClassVar[str] = "command"
+    sizeless: ClassVar[bool] = True
 
-    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the actuators whose force can be scaled."""
-        return tuple(name for name in super().sites(model) if _scalable(model, model.actuator(name).id))
+    def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
+        """Where the force can be scaled."""
+        return _scalable(model, row)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The factor."""

@@ -54,9 +54,9 @@ class TorqueSpeedLimit(ActuatorEffect, ForceLaw):
     shapes: ClassVar[tuple[str, ...]] = ("inverse_speed",)
     lacks: ClassVar[str] = "the bound of the command that falls with the joint's speed"
 
-    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the actuators at a joint whose force is gain times command."""
-        return tuple(name for name in super().sites(model) if _bare_force(model, model.actuator(name).id))
+    def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
+        """At a joint, where the force is gain times command."""
+        return _bare_force(model, row)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Inverse stall torque and inverse no-load speed."""

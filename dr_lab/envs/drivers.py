@@ -21,8 +21,9 @@ class DrivenModel(Model):
         """The filters, so that all else finds commands as they leave them; then the laws of the model."""
         values, compiled = self.values(z), models[0]
         filters = tuple(
-            part.driver(effect.local(values), _column(compiled, effect.site), compiled.opt.timestep)
+            part.driver(effect.local(values), _column(compiled, element), compiled.opt.timestep)
             for effect, part in self.having(StepwiseFilter)
+            for element in effect.elements
         )
         return (*filters, *super().laws(z, models))
 
@@ -47,9 +48,8 @@ def stepwise(model: Model) -> DrivenModel:
         known = isinstance(part, StepwiseFilter)
         if not known and part.filtered(local, series, model.spec.option) is not series:
             raise ModelError(
-                f"Effect {effect.label!r} of model {model.name!r} transforms the commands of {effect.site} and "
-                "has no driver that does so step by step. Fit the model without it, so that other effects take "
-                "its place: dr-lab close effect=[…]."
+                f"Effect {effect.label!r} of model {model.name!r} transforms commands and has no driver that does so "
+                "step by step. Fit the model without it, so that other effects take its place: dr-lab close effect=[…]."
             )
     return DrivenModel(model.name, model.spec, model.declared, model.targets, model.effects, model.derived)
 

@@ -102,7 +102,8 @@ class Model:
         for body in self.inertials:
             body.write(spec, values)
         for effect, part in self.having(SpecEdit):
-            part.edit(spec, effect.site, effect.local(values))
+            for element in effect.elements:
+                part.edit(spec, element, effect.local(values))
         return spec
 
     @cached_property
@@ -110,7 +111,8 @@ class Model:
         """The nominal spec with what the effects need in every context."""
         spec = self.spec.copy()
         for effect, part in self.having(SpecPreparation):
-            part.prepare(spec, effect.site)
+            for element in effect.elements:
+                part.prepare(spec, element)
         return spec
 
     def compile(self, z: Array) -> mujoco.MjModel:
@@ -142,7 +144,8 @@ class Model:
         """What a sensor reports of a channel under contexts z (c, n), by the effects in order."""
         values = self._columns(z)
         for effect, part in self.having(SensorTransform):
-            read = part.reading(effect.site, effect.local(values), channel, read, begin)
+            for element in effect.elements:
+                read = part.reading(element, effect.local(values), channel, read, begin)
         return read
 
     def command(self, z: Array, actuator: str, series: Array) -> Array:
@@ -158,14 +161,18 @@ class Model:
         """
         values = self._columns(z)
         for effect, part in self.having(CommandFilter):
-            if effect.site == actuator:
+            if actuator in effect.elements:
                 series = part.filtered(effect.local(values), series, self.spec.option)
         return series
 
     def laws(self, z: Array, models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """What acts from step to step in n simulations with contexts z (n, parameters), compiled to `models`."""
         values = self.values(z)
-        return tuple(part.force_law(each.site, each.local(values), models) for each, part in self.having(ForceLaw))
+        return tuple(
+            part.force_law(element, each.local(values), models)
+            for each, part in self.having(ForceLaw)
+            for element in each.elements
+        )
 
     def _columns(self, z: Array) -> dict[str, Array]:
         return {name: value[:, None, None] for name, value in self.values(z).items()}

@@ -23,6 +23,11 @@ class ModelEffect(Protocol):
         ...
 
     @property
+    def elements(self) -> tuple[str, ...]:
+        """The elements that it acts at, with the same values: the site, or all for which the site stands."""
+        ...
+
+    @property
     def effect(self) -> object:
         """What acts there; its base classes of `effect_parts` say in which parts of the physics."""
         ...

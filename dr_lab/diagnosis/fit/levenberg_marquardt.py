@@ -25,6 +25,7 @@ from dr_lab.trajectory import Array
 _NONE, _MOST, _ALL = range(3)  # slopes that were taken where a fit is: none, all but those by bodies, all
 _WHOLE = np.ones(1)
 _FAR = 0.5  # of a step; where less of it fits best, damping grows
+_STAY = (np.empty(0), np.empty(0))
 _SHARES = 0.5 ** np.arange(5)  # of a step of bodies that are free as a whole, which are tried at once
 
 
@@ -36,10 +37,13 @@ class Fitter:
         settings: step sizes and stopping rule.
         rough: whether the fits only decide which candidates are fitted again: then `settings.rough_tolerance` is the
             share of the cost that is not worth a step, and a descent that crawls on in such steps ends.
+        reach: how far the bounds of the last parameters may be moved later, in their widths, below and above, shape
+            (k,) each; what is foretold of a goal counts with that.
     """
 
-    def __init__(self, replay: Replay, settings: SolverSettings, *, rough: bool = False) -> None:
+    def __init__(self, replay: Replay, settings: SolverSettings, *, rough: bool = False, reach: Room = _STAY) -> None:
         self.replay, self._rough, self.space = replay, rough, replay.model.space
+        self._reach = [np.append(np.zeros(len(self.space.parameters) - len(far)), far) for far in reach]
         self.settings, self._objective = settings, Objective(replay, settings)
         self._columns = np.arange(len(self.space.parameters))
         ways = Straight.of(replay.model)
@@ -69,8 +73,9 @@ class Fitter:
             known: slopes at the start for the states and the first parameters, which need no simulation then.
             iterations: most steps of a rough fit, which is not gone on with; None goes on to the certificate, 0 only
                 linearises.
-            goal: a cost; a fit ends, without the certificate, where a linear step foretells that it would stay above.
-                It begins anew only once where at its pace it would not get there in the steps that it has left.
+            goal: a cost; a fit ends, without the certificate, where a linear step foretells that it would stay above,
+                a rough one after its first step (the slope at absent tells little of a long lag). It begins anew only
+                once where at its pace it would not get there in the steps that it has left.
         """
         if delta is None:
             delta = np.zeros((len(self.replay.windows), self.replay.nstate))
@@ -116,8 +121,7 @@ class Fitter:
 
     def _anew(self, fit: Fit, goal: float) -> Point | None:
         """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done."""
-        predicted = fit.equations.decrease(self._movable(fit, fit.equations), self._room(fit))
-        if self._misses(fit, predicted, goal) or (fit.converged and not fit.infeasible.any()):
+        if self._misses(fit, fit.equations, goal) or (fit.converged and not fit.infeasible.any()):
             return None
         start = self.begin(fit.z, fit.delta)
         returned = bool((fit.infeasible & ~start.infeasible).any())
@@ -129,9 +133,12 @@ class Fitter:
         least = max(settings.tolerance * known, self._objective.rough(point) if self._rough else 0.0)
         return least, least if self._rough else max(settings.crawl_tolerance * known, least)
 
-    def _misses(self, point: Point, predicted: float, goal: float) -> bool:
+    def _misses(self, point: Point, linear: NormalEquations, goal: float) -> bool:
         """Whether a linear step, which foretells a share of what can be gained, leaves a cost above the goal."""
-        return point.cost - predicted / self.settings.foreseen > goal and not point.infeasible.any()
+        if point.cost <= goal or point.infeasible.any():
+            return False
+        predicted = linear.decrease(*self._free(point, linear, *self._reach))
+        return point.cost - predicted / self.settings.foreseen > goal
 
     def _descend(self, best: Point, known: Slopes | None, most: int, goal: float = np.inf) -> Fit:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
@@ -139,14 +146,15 @@ class Fitter:
         best, weight, first = self._objective.linear(best, slopes)
         linear, damping, taken, pace = first, settings.damping, 0, Pace(settings.crawl)
         while True:
-            predicted = linear.decrease(self._movable(best, linear), self._room(best))
+            predicted = linear.decrease(*self._free(best, linear))
             least, slow = self._worth(best)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (fresh >= self._needed or taken == 0)  # given slopes are those of the start
             short = damping > settings.damping_max or 2 * predicted < least * damping or pace.crawls(slow)
             late = pace.too_slow(best.cost - goal, settings.iterations - taken)
             late &= not (converged or best.infeasible.any())
-            if converged or taken >= most or (short and not done) or late or self._misses(best, predicted, goal):
+            given_up = (taken or not self._rough) and self._misses(best, linear, goal)
+            if converged or taken >= most or (short and not done) or late or given_up:
                 break
             if done:
                 slopes, fresh = self._renewed(best, slopes, states=False), _ALL
@@ -259,22 +267,20 @@ class Fitter:
     def _differences(self, point: Point, *, states: bool, columns: NDArray[np.intp]) -> Array:
         return differences(self.replay, self.settings, point, states=states, columns=columns)
 
-    def _movable(self, point: Point, linear: NormalEquations) -> NDArray[np.bool_]:
-        """Parameters that no bound holds back."""
-        gradient = linear.window_information()[1].sum(0) + linear.prior_gradient
-        return movable(self.space.to_unit(point.z), gradient)
-
-    def _room(self, point: Point) -> Room:
-        """How far parameters may move within their bounds."""
-        unit = self.space.to_unit(point.z)
-        return np.minimum(-unit, 0.0), np.maximum(1.0 - unit, 0.0)
+    def _free(
+        self, point: Point, linear: NormalEquations, below: Array | float = 0.0, above: Array | float = 0.0
+    ) -> tuple[NDArray[np.bool_], Room]:
+        """Parameters that no bound holds back, and how far they may move, with bounds so many widths farther out."""
+        gradient, unit = linear.window_information()[1].sum(0) + linear.prior_gradient, self.space.to_unit(point.z)
+        free = movable((unit + below) / (1.0 + below + above), gradient)
+        return free, (np.minimum(-below - unit, 0.0), np.maximum(1.0 + above - unit, 0.0))
 
     def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> tuple[Point, float]:
         """The point after a damped step, and the share of it that this is: 1, or with bodies that which fits best.
 
         Ways of bodies bend among their bounds, within which only a share may lie; few simulations more tell which.
         """
-        move, state_move = linear.step(damping, self._movable(best, linear), self._room(best))
+        move, state_move = linear.step(damping, *self._free(best, linear))
         shares = _WHOLE if self._straight.plain else _SHARES
         z = np.stack([self._end(best, share * move) for share in shares])
         delta = best.delta + shares[:, None, None] * state_move

@@ -17,7 +17,7 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search import as_special_case
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
-from dr_lab.diagnosis.search.wider import widened
+from dr_lab.diagnosis.search.wider import reach, widened
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
 
@@ -197,10 +197,14 @@ class CandidateFits:
         return paired_gain(self.base.held_out, self.base.held_out, self.bench.evidence)
 
     def fitter(self, bench: Bench, effect: PlacedEffect, threads: int = 1) -> Fitter:
-        """Of the model with an effect, to the windows of a bench; rough on the part of the windows."""
+        """Of the model with an effect, to the windows of a bench; rough on the part of the windows.
+
+        Bounds are moved after a fit to that part.
+        """
         rough = bench is self.thin and not self.whole  # those that stand will be fitted again
+        far = reach(effect, bench.fit, bench.evidence.widenings if bench is self.thin else 0)
         model = self.base.model.with_effect(effect)
-        return Fitter(Replay(model, bench.fit, threads, self.stop), bench.solver, rough=rough)
+        return Fitter(Replay(model, bench.fit, threads, self.stop), bench.solver, rough=rough, reach=far)
 
     def _replay(self, bench: Bench) -> Replay:
         return Replay(self.base.model, bench.fit, 1, self.stop)

@@ -27,12 +27,17 @@ class FreeCommand(FreeLaw, SpecEdit, CommandFilter):
     g u + b₀ + b₁ q + b₂ v with b₁ or b₂, these are free, too.
 
     Attributes:
-        checked: the effect that acts at the actuator.
+        checked: the effect that acts at the actuators.
         knots: of f, zero among them [unit of the command], shape (k,).
     """
 
     checked: PlacedEffect
     knots: Array
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Those of the effect."""
+        return self.checked.elements
 
     def beside(self, effect: ModelEffect) -> tuple[ModelEffect, ...]:
         """Itself, for it holds the effect."""
@@ -63,20 +68,21 @@ class FreeCommand(FreeLaw, SpecEdit, CommandFilter):
 def free_command(
     effect: PlacedEffect, compiled: mujoco.MjModel, scales: Scales, settings: LawSettings
 ) -> FreeCommand | None:
-    """The free law of the command of an effect's actuator; None where nothing was commanded.
+    """The free law of the command of an effect's actuators; None where nothing was commanded.
 
     Args:
-        effect: acts at an actuator with one command.
+        effect: acts at actuators with one command each.
         compiled: the compiled nominal model.
         scales: give the size of the curve.
         settings: number of knots.
     """
-    largest, label = scales.command.get(effect.site, 0.0), f"free_command@{effect.site}"
+    label, sized = f"free_command@{effect.site}", scales.most_used(effect.elements)
+    largest = scales.command.get(sized, 0.0)
     if not largest > 0:
         return None
     grid = np.linspace(-largest, largest, 2 * settings.knots + 1)
     heights = [Parameter(f"{label}.at_{k}", "command", 0.0, -largest, largest) for k in range(1, len(grid))]
-    own = (*heights, *_servo(label, effect.site, compiled))
+    own = (*heights, *_servo(label, sized, compiled))
     return FreeCommand(label, effect.site, (*effect.parameters, *own), own, effect, grid)
 
 

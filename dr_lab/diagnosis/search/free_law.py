@@ -29,6 +29,11 @@ class FreeLaw:
     own: tuple[Parameter, ...]
 
     @property
+    def elements(self) -> tuple[str, ...]:
+        """The site alone."""
+        return (self.site,)
+
+    @property
     def effect(self) -> "FreeLaw":
         """Itself: it is made for its site."""
         return self

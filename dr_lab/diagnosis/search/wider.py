@@ -3,6 +3,8 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.parameter import AT_A_BOUND, Parameter
@@ -26,6 +28,26 @@ def widened(placed: PlacedEffect, values: Array, windows: Windows) -> PlacedEffe
         limit = placed.effect.limit(parameter.name.removeprefix(f"{placed.label}."), kept, windows.margin)
         found.append(_wider(parameter, value, limit))
     return None if tuple(found) == placed.parameters else placed.moved(tuple(found))
+
+
+def reach(placed: PlacedEffect, windows: Windows, times: int) -> tuple[Array, Array]:
+    """How far the bounds of an effect may be moved at so many times, in their widths, below and above, shape (k,) each.
+
+    Args:
+        placed: the effect.
+        windows: those of a fit.
+        times: how often each may be moved.
+    """
+    kept = windows.past.shape[1] * windows.step
+    far = np.zeros((2, len(placed.parameters)))
+    for place, parameter in enumerate(placed.parameters):
+        limit = placed.effect.limit(parameter.name.removeprefix(f"{placed.label}."), kept, windows.margin)
+        wide = parameter
+        for _ in range(times):
+            wide = _wider(_wider(wide, wide.low, limit), wide.high, limit)
+        far[:, place] = parameter.low - wide.low, wide.high - parameter.high
+        far[:, place] /= parameter.high - parameter.low
+    return far[0], far[1]
 
 
 def ran_into(parameter: Parameter, value: float) -> tuple[bool, bool]:

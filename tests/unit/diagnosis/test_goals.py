@@ -26,6 +26,28 @@ def test_a_fit_that_cannot_reach_its_goal_ends() -> None:
     assert late.cost == pytest.approx(whole.cost)
 
 
+def test_a_rough_fit_takes_a_step_before_it_is_given_up() -> None:
+    """Of a long lag the slope at absent foretells too little; one step more shows what there is."""
+    nominal = replay().model.space.nominal
+    taken = [Fitter(replay(), solver_settings(), rough=rough).run(nominal, goal=-np.inf).iterations for rough in (False, True)]
+    assert taken == [0, 1]
+
+
+def test_a_bound_that_may_be_moved_does_not_foretell_the_end() -> None:
+    """The truth's damping lies at twice its upper bound: a fit stops there, and is wanted all the same."""
+    model = pendulum()
+    beyond = np.array([0.6, 2.0 * model.space.high[1]])
+    windows = windows_of(model, [swinging("log_0", model.compile(beyond), 0, seconds=3.0)])
+    fitters = [
+        Fitter(Replay(model, windows, 1), solver_settings(), reach=(np.zeros(1), np.array([far]))) for far in (0.0, 2.0)
+    ]
+    at_bound = fitters[0].run(model.space.nominal)
+    held, moved = (fitter.run(model.space.nominal, goal=0.3 * at_bound.cost) for fitter in fitters)
+    assert not held.converged
+    assert moved.converged
+    assert moved.z[1] == model.space.high[1]
+
+
 @pytest.mark.parametrize(("iterations", "late"), [(15, True), (60, False)])
 def test_a_fit_that_at_its_pace_would_not_reach_its_goal_in_time_ends(iterations: int, *, late: bool) -> None:
     """Damping that never falls keeps the steps short, whatever a full step foretells: some 6 % of the cost each."""

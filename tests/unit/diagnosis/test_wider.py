@@ -17,7 +17,7 @@ from effect_machines import block, catalogue_effect, placed, scales_of
 
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.search.rank import rank
-from dr_lab.diagnosis.search.wider import widened
+from dr_lab.diagnosis.search.wider import reach, widened
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.effects.actuator_delay import ActuatorDelay
 from dr_lab.effects.effect import PlacedEffect, place
@@ -76,6 +76,20 @@ def test_a_delay_grows_as_far_as_commands_are_kept() -> None:
     assert last == pytest.approx(0.9 * windows_settings().kept, rel=0.02)
 
 
+def test_the_reach_of_bounds_is_what_moving_them_gives() -> None:
+    offset, lag = placed(pendulum(), "constant_offset", "hinge"), placed(pendulum(), "actuator_lag", "drive")
+    for one, count in ((offset, 2), (lag, 2)):
+        far: PlacedEffect | None = one
+        for _ in range(count):
+            assert far is not None
+            far = widened(far, np.array([bounds(far)[0][1]]), windows())
+        (low, high), (_, farthest) = bounds(one)[0], bounds(far)[0]
+        assert reach(one, windows(), count)[1] == pytest.approx((farthest - high) / (high - low))
+    assert reach(offset, windows(), 2)[0] == pytest.approx(reach(offset, windows(), 2)[1])
+    assert reach(lag, windows(), 2)[0] == [0.0]
+    assert reach(placed(pendulum(), "asymmetric_friction", "hinge"), windows(), 2)[1][1] == 0.0
+
+
 def test_the_first_bounds_are_remembered() -> None:
     one = placed(pendulum(), "actuator_lag", "drive")
     twice = widened(one, np.array([0.012]), windows())
@@ -111,6 +125,8 @@ def test_a_slow_driver_is_found_beyond_where_one_looks_first() -> None:
     found = rank(bench, base, [one], lambda _: None).candidates[0]
     assert found.fitted_model.values()["actuator_lag@drive.tau"] == pytest.approx(LAG, rel=0.03)
     assert found.fitted_model.held_out.chi2 == pytest.approx(1.0, abs=0.1)
+    delay = place(catalogue_effect("actuator_delay"), model.nominal(), "drive", scales_of(model))
+    assert rank(bench, base, [delay, one], lambda _: None).candidates[0].effect.label == one.label
     stays = replace(bench, evidence=evidence_settings(widenings=0))
     held = rank(stays, base, [one], lambda _: None).candidates[0]
     assert held.fitted_model.values()["actuator_lag@drive.tau"] == pytest.approx(0.012, rel=0.01)
