@@ -29,7 +29,10 @@ def test_a_fit_that_cannot_reach_its_goal_ends() -> None:
 def test_a_rough_fit_takes_a_step_before_it_is_given_up() -> None:
     """Of a long lag the slope at absent foretells too little; one step more shows what there is."""
     nominal = replay().model.space.nominal
-    taken = [Fitter(replay(), solver_settings(), rough=rough).run(nominal, goal=-np.inf).iterations for rough in (False, True)]
+    taken = [
+        Fitter(replay(), solver_settings(), rough=rough).run(nominal, goal=-np.inf).iterations
+        for rough in (False, True)
+    ]
     assert taken == [0, 1]
 
 
