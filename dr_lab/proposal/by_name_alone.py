@@ -10,7 +10,7 @@ from dr_lab.errors import DataError
 from dr_lab.proposal.by_name import matches
 from dr_lab.proposal.drives import drives_of
 from dr_lab.proposal.grid import wrapped
-from dr_lab.proposal.output import Position, Positions
+from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.survey import Series, Survey
 from dr_lab.proposal.trial import per_control
 
@@ -18,9 +18,9 @@ _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
 
 
 def positions_by_name(
-    model: mujoco.MjModel, logs: Survey, candidates: Sequence[Series], asked: Sequence[Series]
+    model: mujoco.MjModel, logs: Survey, candidates: Sequence[Series], asked: Sequence[Series], *, sensed: bool
 ) -> Positions:
-    """What the names alone say."""
+    """What the names alone say; with nothing `sensed` either, the logs are not those of the robot."""
     names = [model.joint(i).name for i in range(model.njnt) if model.jnt_type[i] >= int(mujoco.mjtJoint.mjJNT_SLIDE)]
     velocities = [s for s in logs.named("velocity") if s.moves]
     outputs = []
@@ -36,18 +36,30 @@ def positions_by_name(
             outputs.append(_named(f"{name}.velocity", velocities[rate[0]], "rad/s" if hinge else "m/s", math.inf))
         else:
             lacking.append(name)
-    if not outputs:
-        seen = [str(each.place) for each in logs.series]
-        raise DataError(
-            f"No series of the logs fits a joint of the robot. Joints: {', '.join(names)}. The logs hold "
-            f"{', '.join(seen[:20])}{' …' if len(seen) > 20 else ''}. Are these logs of this robot? If so, name "
-            "columns or topics after the joints (elbow_position), or write the measurements by hand."
-        )
-    doubts = [f"Signs and units are by name alone: {_why_untested(model, lacking)}."]
+    if not (outputs or sensed):
+        raise DataError(_nothing_fits(names, logs))
+    what = "of joints and commands " if sensed else ""
+    doubts = [f"Signs and units {what}are by name alone: {_why_untested(model, lacking)}."]
     if lacking:
         doubts.append(f"No series is said to be {', '.join(lacking)}: not measured, or called differently.")
     force, _ = per_control(model)
     return Positions(tuple(outputs), None, None, tuple(asked), drives_of(model, force), tuple(doubts))
+
+
+def _nothing_fits(joints: Sequence[str], logs: Survey) -> str:
+    seen = [str(each.place) for each in logs.series]
+    listed = f"The logs hold {', '.join(seen[:20])}{' …' if len(seen) > 20 else ''}."
+    if not joints:
+        return (
+            f"No series of the logs is a position (x, y, z), an orientation (qw, qx, qy, qz), an angular rate (gx, gy, "
+            f"gz) or an acceleration (ax, ay, az) of the robot's free body. {listed} Name columns or topics so, or "
+            "write the measurements by hand."
+        )
+    return (
+        f"No series of the logs fits a joint of the robot. Joints: {', '.join(joints)}. {listed} Are these logs of "
+        "this robot? If so, name columns or topics after the joints (elbow_position), or write the "
+        "measurements by hand."
+    )
 
 
 def _reach(model: mujoco.MjModel, joint: str) -> float:
@@ -56,10 +68,10 @@ def _reach(model: mujoco.MjModel, joint: str) -> float:
     return float(np.abs(model.jnt_range[row]).max()) if model.jnt_limited[row] else 4 * math.pi
 
 
-def _named(channel: str, series: Series, usual: str, reach: float) -> Position:
+def _named(channel: str, series: Series, usual: str, reach: float) -> Output:
     wrap = any(wrapped(signal.value) > 0 for signal in series.signals)
     unit = series.words.unit or _by_range(series, usual, reach)
-    return Position(channel, series, unit, 1, 0.0, wrap, "by its name")
+    return Output(channel, (series,), unit, 1, 0.0, wrap, "by its name")
 
 
 def _by_range(series: Series, usual: str, reach: float) -> str:
@@ -71,4 +83,8 @@ def _by_range(series: Series, usual: str, reach: float) -> str:
 def _why_untested(model: mujoco.MjModel, lacking: Sequence[str]) -> str:
     if lacking:
         return "not every joint is measured, which inverse dynamics needs"
-    return "a joint is neither a hinge nor a slide" if model.nv != model.njnt else "the names leave too much open"
+    return (
+        "a body is free, or a joint is neither a hinge nor a slide"
+        if model.nv != model.njnt
+        else "the names leave too much open"
+    )

@@ -204,7 +204,10 @@ def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
 
 
 def _slides(model: mujoco.MjModel, dof: int) -> bool:
-    return int(model.jnt_type[model.dof_jntid[dof]]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    """Whether a degree of freedom is a way: a slide's, or one of the first three of a free body."""
+    joint = int(model.dof_jntid[dof])
+    free = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_FREE) and dof - int(model.jnt_dofadr[joint]) < 3
+    return free or int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
 
 
 def _joint(model: mujoco.MjModel, dof: int) -> str:

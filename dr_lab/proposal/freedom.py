@@ -38,9 +38,10 @@ class Freedom:
 
 
 def free_parameters(robot: Robot, spec: mujoco.MjSpec, found: Positions, settings: ProposalSettings) -> Freedom:
-    """Masses of the bodies that move by a joint of their own, and dampings of the joints.
+    """Masses of the bodies that move by a joint of their own, inertias of free ones, and dampings of the joints.
 
-    A mass stays as documented where the motion hardly shows it, or where other parameters do what it does.
+    A mass stays as documented where the motion hardly shows it, or where other parameters do what it does. That of a
+    free body that nothing drives cancels.
 
     Args:
         robot: as described.
@@ -54,12 +55,20 @@ def free_parameters(robot: Robot, spec: mujoco.MjSpec, found: Positions, setting
         for name in (model.body(i).name for i in range(1, model.nbody) if model.body_dofnum[i] > 0)
         if model.body(name).mass[0] > mujoco.mjMINVAL
     }
+    loose = [
+        model.body(int(model.jnt_bodyid[i])).name
+        for i in range(model.njnt)
+        if int(model.jnt_type[i]) == int(mujoco.mjtJoint.mjJNT_FREE)
+    ]
+    inertias = {f"{name}.inertia_scale": _inertia(name, settings) for name in loose if f"{name}.mass" in masses}
+    if model.nu == 0 and len(masses) == len(inertias) == 1:
+        masses = {}
     dampings = {
         f"{joint}.damping": _damping(model, spec, joint, found)
         for joint in (model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in _SCALAR)
     }
     if found.trial is None or found.found is None:
-        return Freedom(masses | dampings, ())
+        return Freedom(masses | inertias | dampings, ())
     seen, notes = _seen(from_spec(robot.name, spec, masses), found, settings)
     return Freedom({name: entry for name, entry in masses.items() if name in seen} | dampings, notes)
 
@@ -71,6 +80,11 @@ def _mass(body: str, mass: float, settings: ProposalSettings) -> Entry:
         "low": _rounded(mass / settings.spread),
         "high": _rounded(mass * settings.spread),
     }
+
+
+def _inertia(body: str, settings: ProposalSettings) -> Entry:
+    target = f"body.{body}.inertia_scale"
+    return {"target": target, "unit": "1", "low": _rounded(1 / settings.spread), "high": settings.spread}
 
 
 def _damping(model: mujoco.MjModel, spec: mujoco.MjSpec, joint: str, found: Positions) -> Entry:

@@ -1,4 +1,4 @@
-"""What is found of the joints' positions."""
+"""What is found of the outputs: series of the logs that joints and sensors of the model read."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ from dr_lab.proposal.trial import Trial
 
 
 @dataclass(frozen=True)
-class Position:
+class Output:
     """A proposed output.
 
     Attributes:
-        channel: ``<joint>.position`` or ``<joint>.velocity``.
-        series: what holds it.
+        channel: ``<joint>.position``, ``<joint>.velocity`` or ``sensor.<name>``.
+        parts: what holds it; a vector's components one by one.
         unit: of its numbers.
         sign: +1 or −1.
         offset: in that unit.
@@ -23,12 +23,27 @@ class Position:
     """
 
     channel: str
-    series: Series
+    parts: tuple[Series, ...]
     unit: str
     sign: int
     offset: float
     wrap: bool
     why: str
+
+    @property
+    def entry(self) -> dict[str, object]:
+        """How a measurements configuration names it."""
+        first = self.parts[0].place
+        if len(self.parts) == 1:
+            return {**first.entry}
+        paths = [each.place.path for each in self.parts]
+        return {"topic": first.topic, "field": paths} if first.topic else {"column": paths}
+
+    @property
+    def source(self) -> str:
+        """What the logs call it."""
+        first, *others = (each.place for each in self.parts)
+        return ", ".join([str(first), *(each.path for each in others)])
 
 
 @dataclass(frozen=True)
@@ -44,7 +59,7 @@ class Positions:
         doubts: what is unsure, a sentence each.
     """
 
-    outputs: tuple[Position, ...]
+    outputs: tuple[Output, ...]
     found: Found | None
     trial: Trial | None
     commands: tuple[Series, ...]

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 
 from dr_lab.proposal.drives import Command
-from dr_lab.proposal.output import Position
+from dr_lab.proposal.output import Output
 from dr_lab.proposal.propose import Proposal
 from dr_lab.proposal.split import Split
 
@@ -98,15 +98,15 @@ def _channel(name: str, entry: Mapping[str, object], why: str) -> str:
     return f"  {_text(name)}: {_flow(entry)}  # {why}"
 
 
-def _of_output(output: Position, proposal: Proposal) -> dict[str, object]:
-    entry: dict[str, object] = {**output.series.place.entry, "unit": output.unit}
+def _of_output(output: Output, proposal: Proposal) -> dict[str, object]:
+    entry = {**output.entry, "unit": output.unit}
     if output.sign < 0:
         entry["sign"] = -1
     if output.offset:
         entry["offset"] = float(f"{output.offset:.15g}")
     if output.wrap:
         entry["wrap"] = True
-    return entry | _own_clock(output.series.place.clock, proposal)
+    return entry | _own_clock(output.parts[0].place.clock, proposal)
 
 
 def _of_command(command: Command, proposal: Proposal) -> dict[str, object]:
@@ -124,7 +124,7 @@ def _own_clock(clock: str, proposal: Proposal) -> dict[str, object]:
 
 def _clock(proposal: Proposal) -> str:
     """That of the outputs."""
-    return proposal.outputs[0].series.place.clock
+    return proposal.outputs[0].parts[0].place.clock
 
 
 def _flow(entry: Mapping[str, object]) -> str:

@@ -10,7 +10,7 @@ from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.doubts import doubts_of
 from dr_lab.proposal.drives import UNITS, Drive, drives_of
 from dr_lab.proposal.grid import Grid, grid_of, held_of, path_of, wrapped
-from dr_lab.proposal.output import Position, Positions
+from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.search import Found, Options, Readings, search
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series, Survey
@@ -23,13 +23,16 @@ _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
 _FREE = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
 
 
-def find_positions(model: mujoco.MjModel, logs: Survey, settings: ProposalSettings) -> Positions:
+def find_positions(
+    model: mujoco.MjModel, logs: Survey, settings: ProposalSettings, *, sensed: bool = False
+) -> Positions:
     """Find the joints' positions by name and, where all joints can be measured, by the equation of motion.
 
     Args:
         model: compiled, the caller's own.
         logs: what the logs hold.
         settings: thresholds.
+        sensed: whether sensors read something of the logs, so that no joint needs to.
 
     Raises:
         DataError: no series fits a joint, or none of the readings is one of this robot.
@@ -44,7 +47,7 @@ def find_positions(model: mujoco.MjModel, logs: Survey, settings: ProposalSettin
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)
     asked = [s for s in (*logs.named("drive"), *logs.named("reference"), *unnamed) if s.moves]
     if not (scalar and assignable):
-        return positions_by_name(model, logs, candidates, asked)
+        return positions_by_name(model, logs, candidates, asked, sensed=sensed)
     grid = grid_of([*candidates, *asked], settings)
     force, biased = per_control(model)
     drives = drives_of(model, force)
@@ -128,7 +131,7 @@ def beyond(model: mujoco.MjModel, trial: Trial, readings: Readings) -> dict[str,
     return found
 
 
-def _position(model: mujoco.MjModel, j: int, found: Found, candidates: Sequence[Series], *, by_words: bool) -> Position:
+def _position(model: mujoco.MjModel, j: int, found: Found, candidates: Sequence[Series], *, by_words: bool) -> Output:
     reading = found.readings[j]
     series, factor = candidates[reading.series], abs(reading.factor)
     known = _ANGLES if model.jnt_type[j] == _HINGE else _LENGTHS
@@ -138,7 +141,7 @@ def _position(model: mujoco.MjModel, j: int, found: Found, candidates: Sequence[
     why = f"{how}; the equation of motion leaves {left:.1%}"
     wrap = any(wrapped(signal.value) > 0 for signal in series.signals)
     sign = 1 if reading.factor > 0 else -1
-    return Position(f"{model.joint(j).name}.position", series, unit, sign, reading.offset / factor, wrap, why)
+    return Output(f"{model.joint(j).name}.position", (series,), unit, sign, reading.offset / factor, wrap, why)
 
 
 def _no_velocities(series: list[Series], settings: ProposalSettings) -> list[Series]:

@@ -1,17 +1,18 @@
 """A robot's description and its logs to a proposal: the model that is simulated, and what each series is."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 
 from dr_lab.physics.compiling import compiled
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.freedom import Entry, free_parameters
-from dr_lab.proposal.output import Position, Positions
+from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.overlaps import overlaps
 from dr_lab.proposal.positions import beyond, find_positions
 from dr_lab.proposal.robot import Robot
+from dr_lab.proposal.sensors import find_sensors
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Survey
 
@@ -36,7 +37,7 @@ class Proposal:
     logs: Survey
     spec: mujoco.MjSpec
     changed: bool
-    outputs: tuple[Position, ...]
+    outputs: tuple[Output, ...]
     commands: tuple[Command, ...]
     parameters: Mapping[str, Entry]
     notes: tuple[str, ...]
@@ -52,7 +53,8 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     spec = robot.spec.copy()
     if robot.urdf:
         spec.option.timestep, spec.option.integrator = settings.timestep, mujoco.mjtIntegrator.mjINT_RK4
-    found = find_positions(compiled(spec.copy()), logs, settings)
+    sensed = find_sensors(spec, logs, settings)
+    found = find_positions(compiled(spec.copy()), _without(logs, sensed.outputs), settings, sensed=bool(sensed.outputs))
     commands = _commands(found, settings)
     added = [_add(spec, command) for command in commands if command.drive.added]
     overlapping = overlaps(compiled(spec.copy()), found, settings.touching)
@@ -66,13 +68,14 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
         robot=robot,
         logs=logs,
         spec=spec,
-        changed=robot.urdf or bool(added or overlapping),
-        outputs=found.outputs,
+        changed=robot.urdf or bool(sensed.notes or added or overlapping),
+        outputs=(*found.outputs, *sensed.outputs),
         commands=commands,
         parameters=free.parameters,
-        notes=(*robot.notes, *added, *apart, *free.notes),
+        notes=(*robot.notes, *sensed.notes, *added, *apart, *free.notes),
         doubts=(
             *_of_clock(logs),
+            *sensed.doubts,
             *found.doubts,
             *_of_commands(found, commands),
             *_ranges(compiled(spec.copy()), found),
@@ -86,8 +89,14 @@ def _of_clock(logs: Survey) -> tuple[str, ...]:
     return (f"The unit of the clock {logs.clock.axis.column}: {logs.clock.doubt}.",)
 
 
+def _without(logs: Survey, outputs: Sequence[Output]) -> Survey:
+    """The logs without the series that outputs read."""
+    taken = {part.place for output in outputs for part in output.parts}
+    return replace(logs, series=tuple(each for each in logs.series if each.place not in taken))
+
+
 def _commands(found: Positions, settings: ProposalSettings) -> tuple[Command, ...]:
-    used = {output.series.place for output in found.outputs}
+    used = {part.place for output in found.outputs for part in output.parts}
     usable = [k for k, series in enumerate(found.commands) if series.place not in used]
     if found.found is None:
         return commands_by_name(found.drives, [found.commands[k] for k in usable])

@@ -54,7 +54,7 @@ def read_robot(given: str, name: str | None) -> Robot:
         name: what it is to be called; None takes the description's own.
 
     Raises:
-        ModelError: there is none, it cannot be read, does not compile, or has no hinge or slide.
+        ModelError: there is none, it cannot be read, does not compile, or nothing moves.
         UnknownNameError: robot_descriptions has no such name.
     """
     path = _file(given)
@@ -66,8 +66,8 @@ def read_robot(given: str, name: str | None) -> Robot:
     own = path.stem if spec.modelname in ("", "MuJoCo Model") else spec.modelname
     name_elements(spec)
     robot = Robot(_plain(name or own), path, spec, urdf, notes)
-    if not robot.joints:
-        raise ModelError(f"{path} has no hinge and no slide, whose position a log could hold. Name another file.")
+    if not spec.joints:
+        raise ModelError(f"{path} has no joint: nothing moves whose position a log could hold. Name another file.")
     return robot
 
 

@@ -34,6 +34,8 @@ class ProposalSettings:
         spread: bounds of a mass are the documented one over and times this.
         distinct: share of what a mass does that no other parameter does.
         felt: share of the forces that a mass must move.
+        turns: correlation above which an angular rate is that of an orientation.
+        derived: the same from sample to sample, above which it may be computed from it.
         touching: share of the motion in which two bodies touch that overlap by their shapes.
         timestep: s, of a URDF.
 
@@ -62,6 +64,8 @@ class ProposalSettings:
     spread: Annotated[float, above(1.0)]
     distinct: Share
     felt: Share
+    turns: Share
+    derived: Share
     touching: Share
     timestep: Positive
 

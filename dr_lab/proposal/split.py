@@ -37,7 +37,7 @@ def split_logs(proposal: Proposal, left_out: Mapping[str, str], share: float) ->
     files = _files([path for name, path in proposal.logs.files.items() if name not in left_out])
     named = tuple(logs) if left_out else None
     if len(logs) == 1:
-        time = proposal.outputs[0].series.signals[0].time
+        time = proposal.outputs[0].parts[0].signals[0].time
         cut = f"{time[0] + (1 - share) * (time[-1] - time[0]):.3g}"
         return Split(files, (f"{logs[0]}[:{cut}]",), (f"{logs[0]}[{cut}:]",), left_out)
     every = max(round(1 / share), 2)

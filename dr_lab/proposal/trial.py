@@ -197,8 +197,11 @@ def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
     """
     rng = np.random.default_rng(0)
     moving = rng.normal(scale=0.1, size=(2, _PROBED, model.nv))
+    places = np.tile(model.qpos0, (_PROBED, 1))
+    for place, move in zip(places, moving[0], strict=True):
+        mujoco.mj_integratePos(model, place, move, 1.0)
     motion = Motion(
-        np.zeros(_PROBED, np.intp), np.arange(_PROBED, dtype=np.float64), model.qpos0 + moving[0], moving[1],
+        np.zeros(_PROBED, np.intp), np.arange(_PROBED, dtype=np.float64), places, moving[1],
         0 * moving[0], np.ones(_PROBED, bool), np.zeros(model.nv), np.zeros(model.nv), np.zeros(model.nv, np.intp), 0.1,
     )  # fmt: skip
     found = np.zeros((model.nu, model.nv))

@@ -78,7 +78,7 @@ def _xml(found: Proposal) -> str:
 def _tell(found: Proposal, split: Split, folder: Folder) -> None:
     """What was found, what is unsure, and what to type next."""
     name = found.robot.name
-    rows = [(o.channel, str(o.series.place), o.unit, o.sign, o.why) for o in found.outputs]
+    rows = [(o.channel, o.source, o.unit, o.sign, o.why) for o in found.outputs]
     rows += [(c.drive.name, str(c.series.place), c.unit, c.sign, c.why) for c in found.commands]
     widths = [max(len(str(row[k])) for row in rows) for k in range(3)]
     count = f"{len(found.logs.logs)} logs, {len(split.held_out)} held out, {len(found.parameters)} free parameters"

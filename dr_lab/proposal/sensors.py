@@ -1,0 +1,137 @@
+"""What sensors of the model, and of free bodies, read of the logs: positions, orientations, rates, accelerations."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+from scipy.spatial.transform import Rotation
+
+from dr_lab.proposal.by_name import matches
+from dr_lab.proposal.output import Output
+from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.survey import Survey
+from dr_lab.proposal.vectors import Vector, VectorKind, find_vectors
+from dr_lab.trajectory import Array
+
+_SENSORS: Mapping[VectorKind, mujoco.mjtSensor] = {
+    "position": mujoco.mjtSensor.mjSENS_FRAMEPOS,
+    "orientation": mujoco.mjtSensor.mjSENS_FRAMEQUAT,
+    "rate": mujoco.mjtSensor.mjSENS_GYRO,
+    "acceleration": mujoco.mjtSensor.mjSENS_ACCELEROMETER,
+}
+_SI: Mapping[VectorKind, str] = {"position": "m", "orientation": "1", "rate": "rad/s", "acceleration": "m/s^2"}
+_AT_SITES = ("rate", "acceleration")
+_TURNS = {"rad/s": 1.0, "deg/s": np.pi / 180}
+
+
+@dataclass
+class Sensed:
+    """What was found.
+
+    Attributes:
+        outputs: sensors and the series that they read.
+        notes: what was added to the model, a sentence each.
+        doubts: what is unsure, a sentence each.
+    """
+
+    outputs: list[Output] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
+
+
+def find_sensors(spec: mujoco.MjSpec, logs: Survey, settings: ProposalSettings) -> Sensed:
+    """Find the series that sensors of the model read; free bodies get the sensors that the logs ask for.
+
+    Args:
+        spec: the robot's; sensors are added to it.
+        logs: what the logs hold.
+        settings: thresholds.
+    """
+    found, vectors = Sensed(), find_vectors([each for each in logs.series if each.moves])
+    for kind in _SENSORS:
+        mine = [vector for vector in vectors if vector.kind == kind]
+        names = _sensors(spec, kind) or (_added(spec, kind, found) if mine else [])
+        for name, vector in _pairs(names, mine, found):
+            unit, why, doubts = _read(vector, vectors, settings)
+            found.doubts += [f"sensor.{name}: {doubt}." for doubt in doubts]
+            found.outputs.append(Output(f"sensor.{name}", vector.parts, unit, 1, 0.0, wrap=False, why=why))
+    return found
+
+
+def _sensors(spec: mujoco.MjSpec, kind: VectorKind) -> list[str]:
+    return [sensor.name for sensor in spec.sensors if sensor.type == _SENSORS[kind]]
+
+
+def _added(spec: mujoco.MjSpec, kind: VectorKind, found: Sensed) -> list[str]:
+    """Names of sensors that every free body gets."""
+    names = []
+    for body in spec.bodies[1:]:
+        if not any(joint.type == mujoco.mjtJoint.mjJNT_FREE for joint in body.joints):
+            continue
+        name = f"{body.name}_{kind}"
+        at, what = mujoco.mjtObj.mjOBJ_XBODY, body.name
+        if kind in _AT_SITES:
+            at, what = mujoco.mjtObj.mjOBJ_SITE, f"{body.name}_imu"
+            if spec.site(what) is None:
+                body.add_site(name=what)
+        spec.add_sensor(name=name, type=_SENSORS[kind], objtype=at, objname=what)
+        found.notes.append(f"Sensor {name} was added, at the origin of body {body.name}.")
+        names.append(name)
+    return names
+
+
+def _pairs(names: Sequence[str], vectors: Sequence[Vector], found: Sensed) -> list[tuple[str, Vector]]:
+    """Sensors with the vectors that they read: the only ones of a kind, or by name."""
+    if len(names) == len(vectors) == 1:
+        return [(names[0], vectors[0])]
+    places = matches(names, [vector.parts[0] for vector in vectors])
+    pairs = [(name, vectors[each[0]]) for name, each in zip(names, places, strict=True) if len(each) == 1]
+    open_ones = [name for name in names if name not in dict(pairs)]
+    if names and vectors and open_ones:
+        listed = ", ".join(str(vector.parts[0].place) for vector in vectors)
+        found.doubts.append(f"{', '.join(open_ones)}: the names do not say which of {listed} … it is; left out.")
+    return pairs
+
+
+def _read(vector: Vector, vectors: Sequence[Vector], settings: ProposalSettings) -> tuple[str, str, list[str]]:
+    """Unit of a vector's numbers, what speaks for the vector, and what is unsure about it."""
+    said, usual = vector.unit, _SI[vector.kind]
+    orientations = [each for each in vectors if each.kind == "orientation"]
+    if vector.kind != "rate" or len(orientations) != 1:
+        sure = said or vector.kind == "orientation"
+        return said or usual, "by its name", [] if sure else [f"no unit is named; read as {usual}"]
+    gain, alike = _agreement(*_turns(vector, orientations[0], settings.half_width))
+    if alike < settings.turns:
+        doubt = f"it turns another way than the orientation (correlation {alike:.2g}): another frame, order or body?"
+        return said or usual, "by its name", [doubt]
+    seen = min(_TURNS, key=lambda name: abs(np.log(gain / _TURNS[name])))
+    doubts = [f"the orientation turns as {seen} would, not as {said}"] if said not in ("", seen) else []
+    if _agreement(*_turns(vector, orientations[0], 0.0))[1] > settings.derived:
+        doubts.append("it follows the orientation from sample to sample; if it was computed from that, delete it")
+    return seen, f"turns as the orientation does (correlation {alike:.2g})", doubts
+
+
+def _turns(rate: Vector, orientation: Vector, span: float) -> tuple[Array, Array]:
+    """How an orientation turns in the body's frame, and what the rates add up to, over spans of so many seconds.
+
+    Over long ones a sensor's noise is small; a span of 0 is from sample to sample. Shape (n, 3) both.
+    """
+    turned, added = list[Array](), list[Array]()
+    for k in range(len(rate.parts[0].signals)):
+        time, quaternion = orientation.log(k)
+        apart = max(round(span / float(np.median(np.diff(time)))), 1)
+        turns = Rotation.from_quat(quaternion, scalar_first=True)
+        turned.append((turns[:-apart].inv() * turns[apart:]).as_rotvec())
+        at, measured = rate.log(k)
+        angles = cumulative_trapezoid(measured, at, axis=0, initial=0.0)
+        reached = np.stack([np.interp(time, at, column) for column in angles.T], axis=-1)
+        added.append(reached[apart:] - reached[:-apart])
+    return np.concatenate(turned), np.concatenate(added)
+
+
+def _agreement(turned: Array, added: Array) -> tuple[float, float]:
+    """Gain of the first over the second, and their correlation."""
+    product, own = float((turned * added).sum()), float((added**2).sum())
+    return product / own, product / float(np.sqrt(own * (turned**2).sum()))
