@@ -45,7 +45,7 @@ class DynamicFilter(StepwiseFilter):
         """Step averages of the output; at the first known command the filter is taken to be at rest."""
         rows = {name: value[..., 0] for name, value in values.items()}
         advance, contexts = self.advance(rows, option.timestep), max(len(row) for row in rows.values())
-        averages = np.empty((contexts, *series.shape[1:]))
+        averages = np.empty((max(contexts, len(series)), *series.shape[1:]))
         level = series[:, :, 0]
         for step in range(series.shape[2]):
             averages[:, :, step], level = advance(level, series[:, :, step])

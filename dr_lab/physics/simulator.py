@@ -274,7 +274,7 @@ class Simulator:
                 series = every[..., column]
                 changed = self.model.command(z, self.compiled.actuator(actuator).name, series)
                 if changed is not series:
-                    every = np.repeat(every, len(z) // len(every), axis=0)
+                    every = np.repeat(every, len(changed) // len(every), axis=0)
                     every[..., column] = changed
         return every
 

@@ -45,6 +45,16 @@ def test_steps_are_the_series(name: str) -> None:
     assert not np.array_equal(stepped[:, 0], stepped[:, 1])
 
 
+@pytest.mark.parametrize("name", ["actuator_lag", "rate_limit", "dead_zone"])
+def test_one_value_filters_series_that_differ(name: str) -> None:
+    one = placed(block(), name, "drive")
+    (parameter,) = one.parameters
+    model, z = block().with_effect(one), np.array([[0.3 * parameter.high]])
+    both = np.stack([COMMANDS, COMMANDS[::-1]])[:, None]
+    apart = [model.command(z, "drive", series[None])[0] for series in both]
+    np.testing.assert_array_equal(model.command(z, "drive", both), np.stack(apart))
+
+
 def test_a_new_episode_begins_at_rest_and_leaves_the_other() -> None:
     filter_ = lag()
     played(filter_, COMMANDS[:3])
