@@ -11,6 +11,8 @@ from functools import wraps
 
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra.core.config_store import ConfigStore
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import HydraException
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
@@ -28,18 +30,37 @@ LOGGING_PACKAGES = ("logging", "colorlog")
 LOGGING_CLASSES = (logging.Handler, logging.Formatter, logging.Filter)
 
 
+_ONE_RUN = "hydra.mode=RUN"  # what Hydra adds to the overrides once it knows that nothing is swept
+
+
 @contextmanager
 def checked_at_composition() -> Iterator[None]:
-    """Check Hydra's node of whatever is composed during a block, a sweep's jobs included."""
+    """Check Hydra's node of whatever is composed during a block, a sweep's jobs included; compose nothing twice."""
     # Hydra 1.3 has no public hook between composing and calling: a Callback is itself built from what was composed,
     # after logging was configured by it. To compose once more beforehand takes 0.3 s for dr-lab close, and misses what
     # flags change and what a sweep's jobs compose.
-    load = ConfigLoaderImpl.load_configuration
+    load, kept = ConfigLoaderImpl.load_configuration, list[tuple[str | None, list[str], DictConfig]]()
 
     @wraps(load)
-    def checked(*given: object, validate_sweep_overrides: bool = True, **named: object) -> DictConfig:
-        cfg = load(*given, validate_sweep_overrides=validate_sweep_overrides, **named)  # pyright: ignore[reportArgumentType]
-        if validate_sweep_overrides:  # else Hydra only looks for its mode, and drops what is wrong
+    def checked(
+        self: ConfigLoaderImpl,
+        config_name: str | None,
+        overrides: list[str],
+        run_mode: RunMode,
+        from_shell: bool = True,
+        validate_sweep_overrides: bool = True,
+    ) -> DictConfig:
+        if not validate_sweep_overrides and not _sweeps(overrides):  # Hydra only looks for its mode
+            cfg = load(self, config_name, overrides, RunMode.RUN, from_shell, validate_sweep_overrides=False)
+            kept[:] = [(config_name, [*overrides, _ONE_RUN], cfg)]
+            return cfg
+        if kept and kept[0][:2] == (config_name, overrides):
+            cfg = kept.pop()[2]
+            cfg.hydra.mode = RunMode.RUN
+            cfg.hydra.overrides.hydra.append(_ONE_RUN)
+        else:
+            cfg = load(self, config_name, overrides, run_mode, from_shell, validate_sweep_overrides)
+        if validate_sweep_overrides:  # else what is wrong is dropped
             check_hydra(cfg)
         return cfg
 
@@ -48,6 +69,14 @@ def checked_at_composition() -> Iterator[None]:
         yield
     finally:
         ConfigLoaderImpl.load_configuration = load
+
+
+def _sweeps(overrides: list[str]) -> bool:
+    """Whether an override gives several values; those that cannot be read are told when all is composed."""
+    try:
+        return any(each.is_sweep_override() for each in OverridesParser.create().parse_overrides(overrides))
+    except HydraException:
+        return True
 
 
 def check_hydra(cfg: DictConfig) -> None:

@@ -48,8 +48,9 @@ def stepwise(model: Model) -> DrivenModel:
         known = isinstance(part, StepwiseFilter)
         if not known and part.filtered(local, series, model.spec.option) is not series:
             raise ModelError(
-                f"Effect {effect.label!r} of model {model.name!r} transforms commands and has no driver that does so "
-                "step by step. Fit the model without it, so that other effects take its place: dr-lab close effect=[…]."
+                f"Effect {effect.label!r} of model {model.name!r} transforms the commands of "
+                f"{', '.join(effect.elements)} and has no driver that does so step by step. Fit the model without it, "
+                "so that other effects take its place: dr-lab close effect=[…]."
             )
     return DrivenModel(model.name, model.spec, model.declared, model.targets, model.effects, model.derived)
 

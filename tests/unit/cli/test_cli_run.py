@@ -10,8 +10,10 @@ import mujoco
 import pytest
 import yaml
 from cli_machine import CommandLine, Machine, module, write
+from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
+from omegaconf import DictConfig
 
 from dr_lab.cli.compose import compose
 
@@ -30,6 +32,19 @@ def test_workflow_gets_every_top_level_key(dr_lab: CommandLine) -> None:
     assert sorted(call["effects"]) == ["rust", "wind"]
     assert (call["horizon"], call["names"], call["seed"], call["threads"]) == (2, ["x", "y"], 0, None)
     assert type(call["names"]) is list
+
+
+def test_one_run_is_composed_once(dr_lab: CommandLine, monkeypatch: pytest.MonkeyPatch) -> None:
+    composed, compose_anew = list[object](), ConfigLoaderImpl._load_configuration_impl
+
+    def counted(*given: object, **named: object) -> DictConfig:
+        composed.append(named)
+        return compose_anew(*given, **named)  # pyright: ignore[reportArgumentType]
+
+    monkeypatch.setattr(ConfigLoaderImpl, "_load_configuration_impl", counted)
+    assert dr_lab("compare", "horizon=2") == 0
+    assert len(composed) == 1
+    assert dr_lab.calls[0]["horizon"] == 2
 
 
 def test_run_dir_is_named_by_verb_model_and_time_and_holds_only_the_config(dr_lab: CommandLine) -> None:
