@@ -124,6 +124,7 @@ def drawn(number: int, times: int) -> list[dict[str, Case]]:
     return [{case.name.removesuffix(f"_draw_{number}"): case for case in plan.chosen()} for _ in range(times)]
 
 
+@pytest.mark.slow
 def test_a_drawing_has_every_stranger_with_other_seeds_sizes_and_noise() -> None:
     listed = {case.name: case for case in cases_of("strangers")}
     (first, again), (second,) = drawn(1, 2), drawn(2, 1)

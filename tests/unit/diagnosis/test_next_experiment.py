@@ -105,6 +105,7 @@ def test_it_starts_and_ends_with_what_holds_the_machine_and_keeps_its_limits() -
     assert found.taken <= 1
 
 
+@pytest.mark.slow
 def test_it_keeps_its_limits_in_contexts_that_the_fit_does_not_exclude() -> None:
     unsure = [replace(each, covariance=np.eye(1) * 0.2**2) for each in (COULOMB, VISCOUS)]
     found = proposed(separate(unsure[0], unsure[1], machine(COULOMB), settings()))
@@ -115,6 +116,7 @@ def test_it_keeps_its_limits_in_contexts_that_the_fit_does_not_exclude() -> None
         assert np.abs(tape.qpos).max() <= 0.5 / 0.85  # the reserve is for this
 
 
+@pytest.mark.slow
 def test_the_same_seed_proposes_the_same() -> None:
     again = proposed(separate(COULOMB, VISCOUS, machine(COULOMB), settings()))
     assert np.array_equal(again.commands["drive"].value, deciding().commands["drive"].value)

@@ -69,6 +69,7 @@ def refitted(fits: CandidateFits, name: str) -> Candidate:
     return refits.refitted(candidate, refits.begun(candidate))
 
 
+@pytest.mark.slow
 def test_an_effect_stands_beside_its_limit_if_it_explains_more() -> None:
     fits = fits_of(creeping)
     limit, soft = refitted(fits, "coulomb_friction"), tried(fits, "presliding_friction")
@@ -116,6 +117,7 @@ def test_the_ranking_asks_richer_kinds_of_the_best_one(monkeypatch: pytest.Monke
     assert other.final
 
 
+@pytest.mark.slow
 def test_what_gained_nothing_on_few_windows_is_not_fitted_to_all(monkeypatch: pytest.MonkeyPatch) -> None:
     def fit(self: CandidateFits, effect: PlacedEffect, first: FirstLook, *_: float, **__: int) -> Candidate:
         found = fitted(self, effect, first)

@@ -51,6 +51,7 @@ def go_on(
     return found
 
 
+@pytest.mark.slow
 def test_contexts_whose_transitions_differ_are_proposed_more_often() -> None:
     torch.manual_seed(0)
     learner = adr()

@@ -109,6 +109,7 @@ def test_a_filter_forgives_a_shift_in_time() -> None:
     assert costs(smooth, real, late)[0] < 0.02 * costs(sharp, real, late)[0]
 
 
+@pytest.mark.slow
 def test_a_hidden_machine_is_found_within_the_bound_of_every_update() -> None:
     learner_ = learner(wide(FURUTA.space), samples=150, rollouts=1)
     figures = run(learner_, 8)

@@ -129,6 +129,7 @@ def test_one_model_alone_is_simulated_and_has_no_ladder(
     np.testing.assert_allclose(values(horizons["data"][1]["y"]), [4e-5, 6e-3, 0.1])
 
 
+@pytest.mark.slow
 def test_many_long_logs_stay_small(tmp_path: Path, close_report: dict[str, Any], look: Look) -> None:
     time, rng = np.linspace(0.0, 60.0, 12_000), np.random.default_rng(0)
     noisy = {

@@ -136,6 +136,7 @@ def test_long_curves_have_a_running_mean_and_short_ones_do_not(tmp_path: Path, c
     assert ("One point alone: 2." in text(page)) == (count == 1)
 
 
+@pytest.mark.slow
 def test_many_parameters_stay_small(tmp_path: Path) -> None:
     iteration, edges = np.arange(500), np.linspace(0.0, 1.0, 101)
     share = np.full((500, 100), 0.01)

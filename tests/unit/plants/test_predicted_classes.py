@@ -40,12 +40,14 @@ def hidden(name: str, *numbers: str) -> list[str]:
 
 
 @needs_pinocchio
+@pytest.mark.slow
 def test_friction_is_alone_in_its_class_for_what_generalises_it_claims_more() -> None:
     (known,) = classes(*hidden("coulomb_friction", "site=wheel", "torque=0.03")).values()
     assert known == {"coulomb_friction@wheel": 1}
 
 
 @needs_pinocchio
+@pytest.mark.slow
 def test_what_a_free_parameter_does_is_of_the_class_of_the_base() -> None:
     # Damping is free; mass and damping together are as good as another torque.
     for numbers in (["viscous_friction", "site=wheel", "coefficient=0.01"], ["torque_scale", "site=motor", "gain=0.8"]):
@@ -54,6 +56,7 @@ def test_what_a_free_parameter_does_is_of_the_class_of_the_base() -> None:
 
 
 @needs_pinocchio
+@pytest.mark.slow
 def test_too_little_to_be_seen_is_of_the_class_of_the_base() -> None:
     (known,) = classes(*hidden("coulomb_friction", "site=wheel", "torque=1e-5")).values()
     assert "base" in known
@@ -108,6 +111,7 @@ def test_with_one_command_a_late_command_is_a_late_reading(late: list[str], show
 
 
 @needs_pinocchio
+@pytest.mark.slow
 def test_a_late_command_of_a_slide_is_a_late_reading_between_two_delays_of_the_grid() -> None:
     # A slide's motion is linear, so the two are the same exactly; coarse intervals and grids told them apart.
     late = hidden("actuator_delay", "site=motor", "delay=0.009117")
