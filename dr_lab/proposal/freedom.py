@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.diagnosis.faults.equation_error import parameter_columns
+from dr_lab.physics.inertial import KEY
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.physics.target import Target
 from dr_lab.proposal.output import Positions
@@ -16,7 +17,7 @@ from dr_lab.proposal.robot import Robot
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.trajectory import Array
 
-Entry = dict[str, str | float]
+Entry = dict[str, str | float] | list[str]  # of a parameter; or the bodies whose inertia is free
 
 _STEP = 0.01  # share of a mass, for its influence
 _WIDER = 4.0  # times the documented damping, at least
@@ -41,7 +42,8 @@ def free_parameters(robot: Robot, spec: mujoco.MjSpec, found: Positions, setting
     """Masses of the bodies that move by a joint of their own, inertias of free ones, and dampings of the joints.
 
     A mass stays as documented where the motion hardly shows it, or where other parameters do what it does. That of a
-    free body that nothing drives cancels.
+    free body that nothing drives cancels. Of one that is driven, and carries nothing, all ten inertial parameters are
+    free.
 
     Args:
         robot: as described.
@@ -61,8 +63,8 @@ def free_parameters(robot: Robot, spec: mujoco.MjSpec, found: Positions, setting
         if int(model.jnt_type[i]) == int(mujoco.mjtJoint.mjJNT_FREE)
     ]
     inertias = {f"{name}.inertia_scale": _inertia(name, settings) for name in loose if f"{name}.mass" in masses}
-    if model.nu == 0 and len(masses) == len(inertias) == 1:
-        masses = {}
+    if len(masses) == len(inertias) == 1:
+        return Freedom({KEY: loose} if model.nu else inertias, ())
     dampings = {
         f"{joint}.damping": _damping(model, spec, joint, found)
         for joint in (model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in _SCALAR)

@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 
 from dr_lab.proposal.drives import Command
+from dr_lab.proposal.freedom import Entry
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.propose import Proposal
 from dr_lab.proposal.split import Split
@@ -73,8 +74,14 @@ def model_page(proposal: Proposal) -> str:
         f"mjcf: ${{conf:model/{name}.xml}}",
         "parameters:",
     ]
-    lines += [f"  {_text(key)}: {_flow(entry)}" for key, entry in proposal.parameters.items()]
+    lines += [f"  {_text(key)}: {_parameter(entry)}" for key, entry in proposal.parameters.items()]
     return "\n".join([*lines, ""])
+
+
+def _parameter(entry: Entry) -> str:
+    if isinstance(entry, Mapping):
+        return _flow(entry)
+    return f"[{', '.join(map(_text, entry))}]  # all ten inertial parameters of each"
 
 
 def _comments(prefix: str, sentences: Sequence[str]) -> list[str]:

@@ -81,7 +81,8 @@ def _tell(found: Proposal, split: Split, folder: Folder) -> None:
     rows = [(o.channel, o.source, o.unit, o.sign, o.why) for o in found.outputs]
     rows += [(c.drive.name, str(c.series.place), c.unit, c.sign, c.why) for c in found.commands]
     widths = [max(len(str(row[k])) for row in rows) for k in range(3)]
-    count = f"{len(found.logs.logs)} logs, {len(split.held_out)} held out, {len(found.parameters)} free parameters"
+    free = len(from_spec(name, found.spec, found.parameters).declared)
+    count = f"{len(found.logs.logs)} logs, {len(split.held_out)} held out, {free} free parameter{'s' * (free != 1)}"
     print(f"{name}: {count}\n")
     for channel, place, unit, sign, why in rows:
         turned = "−" if sign < 0 else " "
