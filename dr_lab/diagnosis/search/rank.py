@@ -48,8 +48,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
     1. Each is linearised at absent and at its further starts, on a part of the windows (`Bench.screening`).
     2. Those that promise enough are fitted there, half of them with a single parameter, the most promising one first:
        others are given up where they are foretold to stay behind it beyond doubt. If these gain less than
-       promised, a second wave is fitted of those that promise about as much as the first gained. In the end those that
-       hold the best one as a special case are, too: other kinds may have crowded out what it is a limit of.
+       promised, a second wave is fitted of those that promise about as much as the first gained. In the end those are,
+       too, that hold the best one as a special case or are confused with it: other kinds may have crowded them out.
     3. The best one and those that it does not beat there are fitted to all windows and scored on the held-out ones,
        except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
        that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most
@@ -101,21 +101,25 @@ class _Contest:
             wave = shortlist([k for k in near if k not in found], self.placed, settings.most_fits - len(found))
             self._fit_wave(wave, looks, found)
             reachable = self._reached(found)
-        self._fit_wave(self._holders(hopeful, found), looks, found)
+        self._fit_wave(self._crowded_out(hopeful, found), looks, found)
         self._widen(found)
         for k in set(order) - found.keys():
             found[k] = self._told(self.fits.unfitted(self.placed[k], looks[k]))
         return found
 
-    def _holders(self, hopeful: Sequence[int], found: dict[int, Candidate]) -> list[int]:
-        """Hopeful effects, not fitted yet, of which the best fitted one, or what that one holds, is a special case."""
+    def _crowded_out(self, hopeful: Sequence[int], found: dict[int, Candidate]) -> list[int]:
+        """Hopeful effects, not fitted yet, at the site of the best fitted one, that are near it.
+
+        They hold it, or what it holds, as a special case, or they say that they are confused with that.
+        """
         best = max(found, key=lambda k: found[k].gain.total, default=None)
         if best is None:
             return []
         effect, site = self.placed[best].effect, self.placed[best].site
         poorer = {effect.name, *effect.holds}
-        crowded_out = [k for k in hopeful if k not in found and self.placed[k].site == site]
-        return [k for k in crowded_out if poorer & self.placed[k].effect.holds.keys()]
+        others = [k for k in hopeful if k not in found and self.placed[k].site == site]
+        near = {k: {*self.placed[k].effect.holds, *self.placed[k].effect.confused_with} for k in others}
+        return [k for k in others if poorer & near[k]]
 
     def _fit_wave(self, wave: list[int], looks: Sequence[FirstLook], found: dict[int, Candidate]) -> None:
         """Fit some candidates. An effect waits for its special case, to which it may have nothing to add."""

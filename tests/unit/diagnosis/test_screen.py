@@ -134,6 +134,16 @@ def test_what_holds_the_best_one_is_fitted_although_others_promise_more() -> Non
     assert {c.effect.effect.name for c in ranking if c.fitted} >= {"presliding_friction", "coulomb_friction"}
 
 
+def test_what_is_confused_with_the_best_one_is_fitted_although_no_place_is_left() -> None:
+    bench, base = bench_of(creep, most_fits=1, least_promise=0.0)
+    model, names = pendulum(), ("coulomb_friction", "load_dependent_friction", "spring")
+    catalogue = {name: catalogue_effect(name) for name in names}
+    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
+    ranking = rank(bench, base, placed, lambda _: None).candidates
+    assert min(c.predicted for c in ranking) > 0.01  # each is worth a fit
+    assert {c.effect.effect.name for c in ranking if c.fitted} == {"coulomb_friction", "load_dependent_friction"}
+
+
 def test_the_best_with_fewer_parameters_is_fitted_to_all_windows_although_another_leads() -> None:
     bench, base = bench_of(lopsided, screen_seconds=1.0, screen_windows=6)
     model = pendulum()
