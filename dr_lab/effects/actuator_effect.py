@@ -63,11 +63,11 @@ def actuator_of(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsActu
 
 def _alike(model: mujoco.MjModel, names: Sequence[str]) -> bool:
     """Whether drives are of one make: their forces follow the same law of command and motion, whatever their axes."""
-    first, *others = (_make(model, model.actuator(name).id) for name in names)
+    first, *others = (_force_law(model, model.actuator(name).id) for name in names)
     return all(np.array_equal(first, other) for other in others)
 
 
-def _make(model: mujoco.MjModel, row: int) -> Array:
+def _force_law(model: mujoco.MjModel, row: int) -> Array:
     """All numbers of an actuator that give its force, and what it acts on."""
     law = [np.atleast_1d(getattr(model, f"actuator_{name}")[row]) for name in _LAW]
     joint = model.actuator_trntype[row] == mujoco.mjtTrn.mjTRN_JOINT

@@ -13,7 +13,7 @@ from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.expression import Expression, dotted_names, spelt
 from dr_lab.physics.law import Influence, Law, Moment
-from dr_lab.physics.model import joints
+from dr_lab.physics.naming import joints
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 

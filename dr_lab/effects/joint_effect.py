@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import ModelError, UnknownNameError
-from dr_lab.physics.model import joints
+from dr_lab.physics.naming import joints
 
 SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 _AT_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))

@@ -22,8 +22,7 @@ class DrivenModel(Model):
         values, compiled = self.values(z), models[0]
         filters = tuple(
             part.driver(effect.local(values), _column(compiled, element), compiled.opt.timestep)
-            for effect, part in self.having(StepwiseFilter)
-            for element in effect.elements
+            for effect, element, part in self.having(StepwiseFilter)
         )
         return (*filters, *super().laws(z, models))
 
@@ -43,13 +42,13 @@ def stepwise(model: Model) -> DrivenModel:
             is none.
     """
     values, series = model.values(model.space.nominal[None]), np.zeros((1, 1, 2))
-    for effect, part in model.having(CommandFilter):
+    for effect, element, part in model.having(CommandFilter):
         local = {name: value[:, None, None] for name, value in effect.local(values).items()}
         known = isinstance(part, StepwiseFilter)
         if not known and part.filtered(local, series, model.spec.option) is not series:
             raise ModelError(
                 f"Effect {effect.label!r} of model {model.name!r} transforms the commands of "
-                f"{', '.join(effect.elements)} and has no driver that does so step by step. Fit the model without it, "
+                f"{element} and has no driver that does so step by step. Fit the model without it, "
                 "so that other effects take its place: dr-lab close effect=[…]."
             )
     return DrivenModel(model.name, model.spec, model.declared, model.targets, model.effects, model.derived)

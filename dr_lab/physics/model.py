@@ -89,9 +89,11 @@ class Model:
             raise ModelError(f"Effect {effect.label!r} is already part of model {self.name!r}.")
         return replace(self, effects=(*self.effects, effect))
 
-    def having(self, part: type[_Part]) -> Iterator[tuple[ModelEffect, _Part]]:
-        """The effects that have a part, in order, each with it."""
-        return ((effect, effect.effect) for effect in self.effects if isinstance(effect.effect, part))
+    def having(self, part: type[_Part]) -> Iterator[tuple[ModelEffect, str, _Part]]:
+        """The effects that have a part, in order, each with every element that it acts at and with the part."""
+        for effect in self.effects:
+            if isinstance(effect.effect, part):
+                yield from ((effect, element, effect.effect) for element in effect.elements)
 
     def spec_at(self, z: Array) -> mujoco.MjSpec:
         """Fresh spec with the context z written into it; z shape (n,)."""
@@ -101,18 +103,16 @@ class Model:
             place.write(spec, value)
         for body in self.inertials:
             body.write(spec, values)
-        for effect, part in self.having(SpecEdit):
-            for element in effect.elements:
-                part.edit(spec, element, effect.local(values))
+        for effect, element, part in self.having(SpecEdit):
+            part.edit(spec, element, effect.local(values))
         return spec
 
     @cached_property
     def _prepared(self) -> mujoco.MjSpec:
         """The nominal spec with what the effects need in every context."""
         spec = self.spec.copy()
-        for effect, part in self.having(SpecPreparation):
-            for element in effect.elements:
-                part.prepare(spec, element)
+        for _, element, part in self.having(SpecPreparation):
+            part.prepare(spec, element)
         return spec
 
     def compile(self, z: Array) -> mujoco.MjModel:
@@ -143,9 +143,8 @@ class Model:
     def reading(self, z: Array, channel: str, read: Reading, begin: Array) -> Reading:
         """What a sensor reports of a channel under contexts z (c, n), by the effects in order."""
         values = self._columns(z)
-        for effect, part in self.having(SensorTransform):
-            for element in effect.elements:
-                read = part.reading(element, effect.local(values), channel, read, begin)
+        for effect, element, part in self.having(SensorTransform):
+            read = part.reading(element, effect.local(values), channel, read, begin)
         return read
 
     def command(self, z: Array, actuator: str, series: Array) -> Array:
@@ -160,19 +159,15 @@ class Model:
             Step averages behind the filters; `series` itself where there is none that changes it.
         """
         values = self._columns(z)
-        for effect, part in self.having(CommandFilter):
-            if actuator in effect.elements:
+        for effect, element, part in self.having(CommandFilter):
+            if element == actuator:
                 series = part.filtered(effect.local(values), series, self.spec.option)
         return series
 
     def laws(self, z: Array, models: Sequence[mujoco.MjModel]) -> tuple[Law, ...]:
         """What acts from step to step in n simulations with contexts z (n, parameters), compiled to `models`."""
         values = self.values(z)
-        return tuple(
-            part.force_law(element, each.local(values), models)
-            for each, part in self.having(ForceLaw)
-            for element in each.elements
-        )
+        return tuple(part.force_law(at, each.local(values), models) for each, at, part in self.having(ForceLaw))
 
     def _columns(self, z: Array) -> dict[str, Array]:
         return {name: value[:, None, None] for name, value in self.values(z).items()}
@@ -299,9 +294,3 @@ def _fingerprint(model: Model, z: Array) -> bytes:
     buffer = np.zeros(mujoco.mj_sizeModel(at_z), np.uint8)
     mujoco.mj_saveModel(at_z, None, buffer)
     return buffer.tobytes()
-
-
-def joints(model: mujoco.MjModel, kinds: Sequence[mujoco.mjtJoint]) -> tuple[str, ...]:
-    """Names of the joints of the given kinds, in the model's order."""
-    wanted = {int(k) for k in kinds}
-    return tuple(model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in wanted)

@@ -1,4 +1,4 @@
-"""Names for elements of a model that have none."""
+"""Names of elements of a model, also for those that have none."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -29,3 +29,9 @@ def name_elements(spec: mujoco.MjSpec) -> None:
                     name += "_"
                 element.name = name
                 taken.add(name)
+
+
+def joints(model: mujoco.MjModel, kinds: Sequence[mujoco.mjtJoint]) -> tuple[str, ...]:
+    """Names of the joints of the given kinds, in the model's order."""
+    wanted = {int(k) for k in kinds}
+    return tuple(model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in wanted)

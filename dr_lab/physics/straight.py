@@ -79,7 +79,7 @@ class Straight:
         """The bodies of a model."""
         space = model.space
         own = tuple(_own(body, [space.index(p.name) for p in body.parameters]) for body in model.inertials)
-        parts = list(model.having(AddedBody))
+        parts = [(effect, part) for effect, _, part in model.having(AddedBody)]
         compiled = model.nominal() if parts else None
         return cls(space, own, tuple(_added(model, compiled, *each) for each in parts if compiled is not None))
 

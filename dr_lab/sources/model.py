@@ -13,7 +13,8 @@ from dr_lab.diagnosis.experiment import readings
 from dr_lab.effects.effect import Effect
 from dr_lab.effects.named import with_named_effects
 from dr_lab.errors import ConfigError, ModelError, UnknownNameError
-from dr_lab.physics.model import Model, joints
+from dr_lab.physics.model import Model
+from dr_lab.physics.naming import joints
 from dr_lab.plants.excitation import SinesAndSteps
 from dr_lab.plants.instruments import Instruments, RobotClock
 from dr_lab.recorders.mcap import FloatArrays, JointStates

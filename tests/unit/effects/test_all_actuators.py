@@ -1,11 +1,13 @@
 """Effects that all actuators of a machine share."""
 
+import re
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 from effect_machines import catalogue_effect, placed, scales_of
+from own_robot import MJCF
 
 from dr_lab.effects.command_filter import DynamicDriver
 from dr_lab.envs.drivers import stepwise
@@ -32,21 +34,9 @@ VALUES = {
 
 
 def arm(actuators: str) -> Model:
-    """Two links that hang, 1 kg and 0.5 kg."""
-    xml = f"""<mujoco model="arm">
-      <compiler angle="radian"/>
-      <option timestep="0.002" integrator="RK4"/>
-      <worldbody><body name="upper">
-        <inertial mass="1" pos="0 0 -0.2" diaginertia="0.02 0.02 0.002"/>
-        <joint name="shoulder" axis="0 1 0" damping="0.1"/>
-        <body name="fore" pos="0 0 -0.4">
-          <inertial mass="0.5" pos="0 0 -0.15" diaginertia="0.005 0.005 0.0005"/>
-          <joint name="elbow" axis="0 1 0" damping="0.05"/>
-        </body>
-      </body></worldbody>
-      <actuator>{actuators}</actuator>
-    </mujoco>"""
-    return from_spec("arm", mujoco.MjSpec.from_string(xml), {})
+    """Two links that hang, with these actuators."""
+    xml = re.sub("<actuator>.*</actuator>", f"<actuator>{actuators}</actuator>", MJCF)
+    return from_spec("two", mujoco.MjSpec.from_string(xml), {})
 
 
 def positions(model: Model, values: dict[str, float]) -> Array:

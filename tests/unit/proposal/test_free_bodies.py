@@ -1,5 +1,6 @@
 """`dr-lab init` on bodies that fly: positions, orientations and rates of logs become sensors of the model."""
 
+import json
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -103,6 +104,25 @@ def test_what_was_written_compares(capsys: pytest.CaptureFixture[str]) -> None:
     run = ["--config-dir", "mine", "model=drone", "measurements=drone", "hydra.run.dir=run"]
     assert main(["compare", *run]) == 0
     assert "sensor.frame_orientation" in capsys.readouterr().out
+
+
+def test_what_an_accelerometer_reads_is_compared_in_its_unit() -> None:
+    """Of a body that nothing holds: what the motors pull, over the mass."""
+
+    def felt(table: Mapping[str, Array], seed: int) -> dict[str, Array]:
+        noise = 0.05 * np.random.default_rng(seed).normal(size=(3, len(table["time"])))
+        pull = np.stack([0 * table["u1"], 0 * table["u1"], (table["u1"] + table["u2"]) / 0.8]) + noise
+        return {**table, **{f"accel_{axis}_m_s2": row for axis, row in zip("xyz", pull, strict=True)}}
+
+    found = proposed(BARE, *(felt(flight(seed), seed) for seed in range(3)))
+    columns = [f"accel_{axis}_m_s2" for axis in "xyz"]
+    assert found["outputs"]["sensor.frame_acceleration"] == {"column": columns, "unit": "m/s^2"}
+    run = ["--config-dir", "mine", "model=drone", "measurements=drone", "hydra.run.dir=run"]
+    assert main(["compare", *run]) == 0
+    report = json.loads(Path("run/report.json").read_text(encoding="utf-8"))
+    left = report["ladder"][0]["held_out"]
+    assert left["rmse"]["sensor.frame_acceleration"] == pytest.approx(0.05, rel=0.1)  # m/s², the noise
+    assert left["chi2"] == pytest.approx(1.0, abs=0.1)
 
 
 def test_degrees_and_another_order_are_seen(capsys: pytest.CaptureFixture[str]) -> None:
