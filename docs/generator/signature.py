@@ -80,7 +80,8 @@ TWO_LINKS = replace(
     scales=_scales(("shoulder", "elbow"), "motor", 0.7, 3.0, 0.6),
 )
 WRIST = replace(MOTOR_ARM, name="wrist", scales=_scales(("turn", "joint", "roll", "bend"), "motor", 0.7, 3.0, 0.6))
-BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS, WRIST)
+FLYER = replace(BLOCK, name="flyer", joint="flight", command=lambda t: 8.0 * np.cos(12.0 * t))
+BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS, WRIST, FLYER)
 SHOWN_AT = {"contact_stiffness": "up"}  # another joint than the bench's
 SHOWN_IN = {"velocity_low_pass": "velocity"}  # another channel than the position
 

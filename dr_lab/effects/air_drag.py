@@ -42,7 +42,7 @@ class AirDrag(Effect, SpecEdit):
     family: ClassVar[str] = "environment"
     law: ClassVar[str] = "f = -2 rho r_j r_k |v| v, per link"
     fingerprint: ClassVar[str] = "force residual against the motion that grows with the square of the links' speeds"
-    confused_with: ClassVar[tuple[str, ...]] = ("quadratic_drag", "viscous_friction")
+    confused_with: ClassVar[tuple[str, ...]] = ("quadratic_drag", "viscous_friction", "viscous_drag")
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """``world``, if a denser medium changes a force."""
