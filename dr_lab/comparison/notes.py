@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.comparison.fault_notes import KIND, fault_notes
 from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.checks.open_chains import open_chain
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import block_count
 from dr_lab.diagnosis.faults.unit_suspicion import suspect_degrees
@@ -15,8 +16,8 @@ from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.periods import searched
 from dr_lab.diagnosis.search.pruning import PutBack
 from dr_lab.diagnosis.search.wider import ran_into
-from dr_lab.diagnosis.windows.channels import unmeasured_joints
 from dr_lab.diagnosis.windows.commands import silent_actuators
+from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.gap_entries import NoteEntry
@@ -29,6 +30,7 @@ def study_notes(study: Study) -> list[NoteEntry]:
         *fault_notes(study.faults, study.measurements),
         *_unit_note(study),
         *_step_note(study),
+        *_chain_note(study),
         *_silent_notes(study),
         *_split_note(study.measurements),
         *_data_notes(study.measurements),
@@ -180,6 +182,12 @@ def _step_note(study: Study) -> list[NoteEntry]:
     return [NoteEntry(message, "time_step", signal=study.floor.worst)] if message else []
 
 
+def _chain_note(study: Study) -> list[NoteEntry]:
+    measured, check = study.measurements, study.comparison.settings.model_check
+    found = open_chain(study.compiled, (*measured.fit, *measured.held_out), measured.noise, check)
+    return [] if found is None else [NoteEntry(found.message, "open_chain")]
+
+
 def _silent_notes(study: Study) -> list[NoteEntry]:
     """What the model has and the measurements do not name."""
     logs = (*study.measurements.fit, *study.measurements.held_out)
@@ -191,7 +199,7 @@ def _silent_notes(study: Study) -> list[NoteEntry]:
             f"{sent}. If it was driven, name its channel in measurements.commands."
         )
         notes.append(NoteEntry(message, "no_command"))
-    if joints := unmeasured_joints(study.compiled, tuple(logs[0].outputs)):
+    if joints := untold_joints(study.compiled, tuple(logs[0].outputs)):
         message = (
             f"No position or velocity is measured of joint {', '.join(joints)}: what it does is guessed from the other "
             f"channels. Measured: {shown}. If a log holds it, name its channel in measurements.outputs."

@@ -11,6 +11,7 @@ from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.comparison.fault_notes import known_faults, say_faults
 from dr_lab.comparison.state_fits import StateFits
 from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
+from dr_lab.diagnosis.checks.firm_loops import firm_loops
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.checks.numerical_floor import NumericalFloor, numerical_floor
 from dr_lab.diagnosis.checks.refinement import Refinement, refine, unneeded
@@ -153,11 +154,16 @@ def _bench(model: Model, comparison: Comparison, resolution: float) -> Bench:
 def _refined(comparison: Comparison, floor: NumericalFloor, wait: float) -> Refinement:
     """The model with a step that does not show, or as given where the logs ask for nothing else."""
     model, measured, settings = comparison.model, comparison.measurements, comparison.settings
-    check, count = settings.model_check, thread_count(settings.threads)
-    shows = floor.largest > check.least_share
+    check, count, scored = settings.model_check, thread_count(settings.threads), measured.held_out or measured.fit
+    loops = firm_loops(model, scored, measured, settings.windows, count)
+    shows = max(floor.largest, loops.share) > check.least_share
     if shows and _explains(model, _bench(model, comparison, max(floor.step, wait)), check):
         return unneeded(model, floor)
-    return refine(model, measured.held_out or measured.fit, measured, settings.windows, check, floor, count)
+    if loops.share <= check.least_share:
+        return refine(model, scored, measured, settings.windows, check, floor, count)
+    floor = numerical_floor(loops.model, scored, measured, settings.windows, count)
+    refined = refine(loops.model, scored, measured, settings.windows, check, floor, count)
+    return replace(refined, message=f"{loops.message} {refined.message}".strip())
 
 
 def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.errors import DataError
 from dr_lab.proposal.by_name import matches
 from dr_lab.proposal.drives import drives_of
@@ -40,7 +41,8 @@ def positions_by_name(
         raise DataError(_nothing_fits(names, logs))
     what = "of joints and commands " if sensed else ""
     doubts = [f"Signs and units {what}are by name alone: {_why_untested(model, lacking)}."]
-    if lacking:
+    untold = untold_joints(model, [output.channel for output in outputs])
+    if lacking := [name for name in lacking if name in untold]:
         doubts.append(f"No series is said to be {', '.join(lacking)}: not measured, or called differently.")
     force, _ = per_control(model)
     return Positions(tuple(outputs), None, None, tuple(asked), drives_of(model, force), tuple(doubts))

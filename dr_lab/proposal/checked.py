@@ -7,12 +7,17 @@ from typing import Any
 import yaml
 
 from dr_lab.comparison.comparison import ComparisonSettings
+from dr_lab.diagnosis.checks.firm_loops import firm_loops
+from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.checks.numerical_floor import numerical_floor
+from dr_lab.diagnosis.checks.open_chains import Mending, open_chain
 from dr_lab.diagnosis.checks.refinement import refine
 from dr_lab.diagnosis.faults.data_faults import suspect_faults
 from dr_lab.errors import DrLabError
 from dr_lab.measurements.read import read
+from dr_lab.measurements.units import unit
 from dr_lab.physics.model import from_spec
+from dr_lab.proposal.output import Output
 from dr_lab.proposal.pages import measurements_page
 from dr_lab.proposal.propose import Proposal
 from dr_lab.proposal.settings import ProposalSettings
@@ -39,6 +44,29 @@ def usable_logs(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, 
     return split, _read(proposal, split, settings)
 
 
+def closed(proposal: Proposal, measured: MeasurementSet, check: ModelCheckSettings) -> Proposal:
+    """The proposal with the zero or direction that closes the robot's chains, or a doubt where none does."""
+    model = from_spec(proposal.robot.name, proposal.spec, proposal.parameters)
+    found = open_chain(model.nominal(), (*measured.fit, *measured.held_out), measured.noise, check)
+    if found is None:
+        return proposal
+    if found.mending is None:
+        return replace(proposal, doubts=(*proposal.doubts, found.message))
+    return replace(
+        proposal,
+        outputs=tuple(_read_as(output, found.mending) for output in proposal.outputs),
+        notes=(*proposal.notes, found.message),
+    )
+
+
+def _read_as(output: Output, mending: Mending) -> Output:
+    """An output with another zero and direction, where it is the one that is mended."""
+    if output.channel != mending.channel:
+        return output
+    offset = mending.sign * output.offset + mending.offset / unit(output.unit).factor
+    return replace(output, sign=mending.sign * output.sign, offset=float(f"{offset:.4g}"))
+
+
 def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSettings) -> Proposal:
     """The proposal with what seems wrong with commands, and with a time step that does not show.
 
@@ -49,6 +77,9 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
         f"Log {each.log}: {each.message} {each.remedy}" for each in suspect_faults(model, measured, checks.faults)
     ]
     logs = measured.held_out or measured.fit
+    loops = firm_loops(model, logs, measured, checks.windows, checks.threads)
+    if loops.share > checks.model_check.least_share:
+        model, faults = loops.model, [*faults, f'{loops.seen} Set solref="{loops.solref}", or say how soft they are.']
     floor = numerical_floor(model, logs, measured, checks.windows, checks.threads)
     finer = refine(model, logs, measured, checks.windows, checks.model_check, floor, checks.threads)
     told = replace(proposal, doubts=(*proposal.doubts, *faults))

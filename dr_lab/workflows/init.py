@@ -10,7 +10,7 @@ from dr_lab.errors import DrLabError
 from dr_lab.files import write_text
 from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import from_spec
-from dr_lab.proposal.checked import told, usable_logs
+from dr_lab.proposal.checked import closed, told, usable_logs
 from dr_lab.proposal.folder import Folder
 from dr_lab.proposal.pages import measurements_page, model_page
 from dr_lab.proposal.propose import Proposal, propose
@@ -54,6 +54,8 @@ def init(
 def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSettings) -> tuple[Proposal, Split]:
     """The proposal with what the other verbs would say first, and how its logs are used."""
     try:
+        split, measured = usable_logs(found, settings)
+        found = closed(found, measured, checks.model_check)
         split, measured = usable_logs(found, settings)
     except DrLabError as error:
         refused = f"The other verbs refuse these logs as they are read here: {error}"

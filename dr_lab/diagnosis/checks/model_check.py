@@ -23,6 +23,9 @@ class ModelCheckSettings:
         converging: share of the step's error that may be left of a finer one if the step is its cause.
         hopeless: times the squares that noise alone leaves, beyond which a calibration that is to leave no more than
             noise is given up.
+        chain_positions: positions of each log in which closed chains are tried.
+        chain_gap: times what noise alone opens them, beyond which the measured joints contradict them.
+        chain_mended: share of the contradiction that another zero or direction of a channel may leave.
 
     Raises:
         ConfigError: a number is too small.
@@ -37,6 +40,9 @@ class ModelCheckSettings:
     finest: Count
     converging: Share
     hopeless: Annotated[float, at_least(1.0)]
+    chain_positions: Count
+    chain_gap: Positive
+    chain_mended: Share
 
     def __post_init__(self) -> None:
         require_bounds(self, "model_check")

@@ -72,6 +72,28 @@ def numerical_floor(
     return NumericalFloor(error, share, step, step / _REFINEMENT if rough else step, lost)
 
 
+def moved(
+    model: Model,
+    other: Model,
+    logs: Sequence[Log],
+    measured: MeasurementSet,
+    settings: WindowSettings,
+    threads: int | None,
+) -> tuple[float, str]:
+    """By how much two models part in the windows of logs, in noise standard deviations, and the channel that does most.
+
+    Both begin where the other model's windows begin. Where one of them diverges in all, that is infinite.
+    """
+    replay = _replay(other, logs, measured, settings, threads)
+    (one, diverged), (two, lost) = _simulated(Replay(model, replay.windows, threads)), _simulated(replay)
+    both, found = ~(diverged | lost), {}
+    for samples, difference in replay.by_channel(one - two):
+        used = samples.scored & both[:, None]
+        found[samples.channel.name] = float(np.sqrt((difference[used] ** 2).mean())) if used.any() else np.inf
+    worst = max(found, key=found.__getitem__)
+    return found[worst], worst
+
+
 def in_parts(model: Model, parts: int) -> Model:
     """The model with its step divided, and as long a memory of delayed commands and readings."""
     spec = model.spec.copy()

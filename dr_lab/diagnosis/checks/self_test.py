@@ -133,10 +133,11 @@ def _fitted(model: Model, own: Windows, qpos: Array, qvel: Array, solver: Solver
     replay, z = Replay(model, own, threads=1), model.space.nominal
     compiled, nv = replay.compiled, replay.compiled.nv
     tape, _ = replay.simulate(z[None], np.zeros((1, len(own), replay.nstate)))
-    delta = np.zeros((len(own), replay.nstate))
-    for row, true, guess in zip(delta, qpos, tape.qpos[0, :, 0], strict=True):
+    change, delta = np.zeros((len(own), 2 * nv)), np.zeros((len(own), replay.nstate))
+    for row, true, guess in zip(change, qpos, tape.qpos[0, :, 0], strict=True):
         mujoco.mj_differentiatePos(compiled, row[:nv], 1.0, guess, true)
-    delta[:, nv : 2 * nv] = qvel - tape.qvel[0, :, 0]
+    change[:, nv:] = qvel - tape.qvel[0, :, 0]
+    delta[:, : own.prior.nstate] = own.prior.unknowns(change)
     residuals, infeasible = replay.residuals(z[None], delta[None])
     start = Point(z, delta, residuals[0], np.inf, infeasible[0])
     slopes = differences(replay, solver, start, states=True, columns=_NO_PARAMETER)

@@ -80,7 +80,7 @@ class Replay:
 
     @property
     def nstate(self) -> int:
-        """Unknowns of one window: 2 nv of its start, activations that nothing else tells, unlogged commands."""
+        """Unknowns of one window: those of its start, activations that nothing else tells, unlogged commands."""
         return len(self.windows.prior.std)
 
     @property
@@ -172,21 +172,20 @@ class Replay:
 
     def _starts(self, z: Array, delta: Array) -> tuple[Array, Array]:
         """Initial states: those whose reading is the prior's mean, plus the corrections."""
-        nv = self._compiled.nv
-        prior, begin = self.windows.prior, self.windows.begin[:, None]
-        qpos = np.broadcast_to(prior.qpos, (*delta.shape[:2], self._compiled.nq)).copy()
-        qvel = prior.qvel + delta[..., nv : 2 * nv]
+        nv, prior, begin = self._compiled.nv, self.windows.prior, self.windows.begin[:, None]
+        moved = np.zeros((*delta.shape[:2], 2 * nv))
         for channel in (s.channel for s in self.windows.samples if s.channel.kind == "position"):
             read = np.stack([prior.qpos[:, channel.address], prior.qvel[:, channel.dof], prior.qacc[:, channel.dof]])
-            moved = unread(read, partial(self.model.reading, z, channel.name, begin=begin))
-            qpos[..., channel.address] += moved[0]
-            qvel[..., channel.dof] += moved[1]
+            position, velocity = unread(read, partial(self.model.reading, z, channel.name, begin=begin))
+            moved[..., channel.dof], moved[..., nv + channel.dof] = position, velocity
+        change = prior.change(delta, moved)
+        qpos = np.broadcast_to(prior.qpos, (*delta.shape[:2], self._compiled.nq)).copy()
         if self._compiled.nq == nv:
-            qpos += delta[..., :nv]
+            qpos += change[..., :nv]
         else:
             for index in np.ndindex(delta.shape[:2]):
-                mujoco.mj_integratePos(self._compiled, qpos[index], delta[index][:nv], 1.0)
-        return qpos, qvel
+                mujoco.mj_integratePos(self._compiled, qpos[index], change[index][:nv], 1.0)
+        return qpos, prior.qvel + change[..., nv:]
 
     def begin_like(self, other: "Replay") -> None:
         """Begin with the activations of a replay of the same windows with another step."""
@@ -198,7 +197,7 @@ class Replay:
         if known is None or self._run_in is None:
             return None
         act = self._run_in.ends(z)
-        first = 2 * self._compiled.nv
+        first = self.windows.prior.nstate
         act[..., known.unknown] += delta[..., first : first + len(known.unknown)]
         return act
 

@@ -74,8 +74,10 @@ def residual_forces(
 def _accelerations(replay: Replay, fit: StateFit, slopes: Array, dofs: list[int]) -> tuple[Array, Array]:
     """Missing accelerations of n degrees of freedom, shape (w, n), and their covariance by noise, shape (w, n, n)."""
     used = (replay.fitted | replay.scored) & ~fit.infeasible[:, None]
-    nv, states = replay.compiled.nv, slopes.shape[2]
-    pushes = np.stack([_integral(replay, slopes[..., nv + dof]) for dof in dofs], axis=2)
+    prior, nv, states = replay.windows.prior, replay.compiled.nv, slopes.shape[2]
+    changes = np.zeros((len(dofs), len(slopes), 2 * nv))  # of one velocity each, by 1
+    changes[np.arange(len(dofs)), :, nv + np.array(dofs)] = 1.0
+    pushes = np.stack([_integral(replay, prior.slope(slopes, change)) for change in changes], axis=2)
     basis = np.where(used[..., None], np.concatenate([slopes, pushes], axis=2), 0.0)
     residuals = np.where(used, fit.residuals, 0.0)
     # In units of the columns' own size; what no sample shows stays 0, and the states' prior decides what few show.

@@ -140,13 +140,13 @@ class _Spectrum:
         data, force, gained = mujoco.MjData(model), np.zeros((1, nv)), np.zeros((1, nv))
         force[0, self.replay.joint(joint, "velocity").dof] = 1.0
         middle = self._tape.qpos[0][:, self._tape.qpos.shape[2] // 2]
-        velocities = np.empty((len(middle), nv))
-        for row, q in zip(velocities, middle, strict=True):
+        change = np.zeros((len(middle), 2 * nv))
+        for row, q in zip(change, middle, strict=True):
             data.qpos[:] = q
             mujoco.mj_fwdPosition(model, data)
             mujoco.mj_solveM(model, data, gained, force)
-            row[:] = gained[0]
-        return np.einsum("wmd,wd->wm", self.fit.slopes.state[..., nv : 2 * nv], velocities)
+            row[nv:] = gained[0]
+        return self.replay.windows.prior.slope(self.fit.slopes.state, change)
 
     def _gains(self, joint: str, shown: Array) -> tuple[Array, Array]:
         """By how much each pair lowers the cost, shape (numbers,), and its best amplitudes, shape (numbers, 2).

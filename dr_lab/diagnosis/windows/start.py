@@ -1,6 +1,6 @@
 """First estimates of the windows' initial states, and how far they may be wrong."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.windows.channels import Channel, available
+from dr_lab.diagnosis.windows.channels import Channel, available, unmeasured_joints
+from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, Tangent, tangent
 from dr_lab.diagnosis.windows.free_start import FreeBody, continuous, free_bodies, turn_between, turning
 from dr_lab.measurements.smoothing import LocalFit, local_polynomial
 from dr_lab.trajectory import Array, Log, Noise, Signal
@@ -24,18 +25,46 @@ class StartPrior:
         qpos: mean positions, shape (w, nq).
         qvel: mean velocities, shape (w, nv).
         qacc: mean accelerations, which tell the state a little earlier or later, shape (w, nv).
-        std: prior standard deviations in the tangent space, positions, velocities, then the k activations that nothing
-            before the start tells, then what commands did between their samples, shape (2 nv + k + u,).
+        std: prior standard deviations of the unknowns: s of the state, then the k activations that nothing before the
+            start tells, then what commands did between their samples, shape (s + k + u,).
+        tangent: what the unknowns of the state do where chains are closed; None where they are changes of the positions
+            and velocities in the tangent space, s = 2 nv.
     """
 
     qpos: Array
     qvel: Array
     qacc: Array
     std: Array
+    tangent: Tangent | None = None
+
+    @property
+    def nstate(self) -> int:
+        """Number s of unknowns of the state."""
+        return 2 * self.qvel.shape[1] if self.tangent is None else self.tangent.basis.shape[2]
 
     def pick(self, rows: NDArray[np.intp]) -> "StartPrior":
         """The prior of some windows."""
-        return StartPrior(self.qpos[rows], self.qvel[rows], self.qacc[rows], self.std)
+        kept = self.tangent and self.tangent.pick(rows)
+        return StartPrior(self.qpos[rows], self.qvel[rows], self.qacc[rows], self.std, kept)
+
+    def change(self, unknowns: Array, moved: Array) -> Array:
+        """Changes of positions and velocities: those of unknowns (…, w, s or more), and others (…, w, 2 nv).
+
+        Of the others only what opens no chain counts.
+        """
+        of_state = unknowns[..., : self.nstate]
+        if self.tangent is None:
+            return of_state + moved
+        along = of_state + np.einsum("wks,...ws->...wk", self.tangent.inverse, moved)
+        return np.einsum("wsk,...wk->...ws", self.tangent.basis, along)
+
+    def unknowns(self, change: Array) -> Array:
+        """The unknowns that changes of positions and velocities (…, w, 2 nv) are, as far as they open no chain."""
+        return change if self.tangent is None else np.einsum("wks,...ws->...wk", self.tangent.inverse, change)
+
+    def slope(self, slopes: Array, change: Array) -> Array:
+        """What changes of positions and velocities (w, 2 nv) do to residuals with slopes (w, m, s or more), (w, m)."""
+        return np.einsum("wms,ws->wm", slopes[..., : self.nstate], self.unknowns(change))
 
 
 @dataclass(frozen=True)
@@ -103,7 +132,8 @@ def estimate_starts(
     The prior's standard deviation is `prior_scale` times the larger of two errors: the noise (for a velocity divided
     by the smoother's half-width), and what the polynomial misses of the motion, told by how much it changes at half
     the width (root mean square over the windows). A joint whose velocity alone is measured takes that; a free body is
-    placed by the sensors of its frame; joints without a channel start at the model's reference.
+    placed by the sensors of its frame. Joints without a channel start where closed chains ask for it, or else at the
+    model's reference.
 
     Returns:
         The prior of all windows, in the order of `begins`.
@@ -127,7 +157,46 @@ def estimate_starts(
     prior = StartPrior(qpos, qvel, qacc, std)
     for body in free_bodies(model, logs[0].outputs):
         _place(prior, body, logs, begins, noise, settings)
-    return prior
+    return _closed(prior, model, logs[0].outputs)
+
+
+def _closed(prior: StartPrior, model: mujoco.MjModel, measured: Collection[str]) -> StartPrior:
+    """The prior in which unmeasured joints of closed chains are where the measured ones take them, if there are any."""
+    loops, nv = ClosedLoops(model, placed(model, measured)), model.nv
+    if not loops.closes():
+        return prior
+    found = [loops.closed(*state) for state in zip(prior.qpos, prior.qvel, prior.qacc, strict=True)]
+    slopes, free = (np.stack([getattr(each, name) for each in found]) for name in ("slopes", "free"))
+    variance = prior.std.reshape(2, nv) ** 2
+    told = np.einsum("wij,kj->kwi", slopes**2, variance) + free**2 * variance[:, None]
+    std = np.sqrt(told.mean(1)).ravel()
+    qpos, qvel, qacc = (np.stack([getattr(each, name) for each in found]) for name in ("qpos", "qvel", "qacc"))
+    if not loops.firm():
+        return StartPrior(qpos, qvel, qacc, std)
+    nearest = [loops.nearest(q, v, std) for q, v in zip(qpos, qvel, strict=True)]
+    qpos, qvel = (np.stack(each) for each in zip(*nearest, strict=True))
+    directions = tangent(loops, qpos, std)
+    return StartPrior(qpos, qvel, qacc, np.ones(directions.basis.shape[2]), directions)
+
+
+def untold_joints(model: mujoco.MjModel, measured: Collection[str]) -> tuple[str, ...]:
+    """Hinge and slide joints that neither measured channels show nor closed chains tell."""
+    joints, loops = unmeasured_joints(model, tuple(measured)), ClosedLoops(model, placed(model, measured))
+    if not joints or not loops.closes():
+        return joints
+    told = loops.told()
+    return tuple(name for name in joints if not told[model.joint(name).dofadr[0]])
+
+
+def placed(model: mujoco.MjModel, measured: Collection[str]) -> NDArray[np.bool_]:
+    """Degrees of freedom whose position measured channels show, shape (nv,)."""
+    known = np.zeros(model.nv, bool)
+    channels = (available(model)[name] for name in measured)
+    known[[channel.dof for channel in channels if channel.kind == "position"]] = True
+    for body in free_bodies(model, measured):
+        known[body.dof : body.dof + 3] = body.position is not None
+        known[body.dof + 3 : body.dof + 6] = body.orientation is not None
+    return known
 
 
 def _place(

@@ -1,0 +1,33 @@
+"""What a slider-crank lacks is found although its pin is not measured, by logs of its own equation of motion."""
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from slider_crank import MJCF, logs, written
+
+from dr_lab.__main__ import main
+
+FRICTION = 2.0  # N
+
+
+def test_init_finds_the_zero_that_closes_the_chain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("crank.xml").write_text(MJCF.format(""), encoding="utf-8")
+    assert main(["init", "crank.xml", *written(tmp_path, logs("abc", 3.0), 0.4)]) == 0
+    page = yaml.safe_load(Path("mine/measurements/slider_crank.yaml").read_text(encoding="utf-8"))
+    assert page["outputs"]["slider.position"]["offset"] == pytest.approx(-0.4, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_friction_of_the_slider_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("crank.xml").write_text(MJCF.format(""), encoding="utf-8")
+    assert main(["init", "crank.xml", *written(tmp_path, logs("abcd", friction=FRICTION), 0.4)]) == 0
+    close = ["close", "--config-dir", "mine", "model=slider_crank", "measurements=slider_crank", "threads=1", "hydra.run.dir=run"]
+    assert main([*close, "effect=[coulomb_friction,viscous_friction,constant_offset]"]) == 0
+    report = json.loads(Path("run/report.json").read_text(encoding="utf-8"))
+    first = report["ladder"][2]
+    assert first["effects"] == ["coulomb_friction@slider"]
+    assert first["parameters"]["coulomb_friction@slider.torque"]["value"] == pytest.approx(FRICTION, rel=0.05)

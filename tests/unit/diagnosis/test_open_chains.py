@@ -1,0 +1,85 @@
+"""Logs that contradict a closed chain, and chains that come apart."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+from slider_crank import MJCF, logs
+
+from dr_lab.diagnosis.checks.firm_loops import firm_loops
+from dr_lab.diagnosis.checks.open_chains import OpenChain, open_chain
+from dr_lab.physics.model import Model, from_spec
+from dr_lab.trajectory import Log, Noise
+from tests.diagnosis_machines import measured, model_check_settings, windows_settings
+
+LOGS = logs("ab", seconds=3.0)
+NOISE = {"crank.position": Noise(1e-3, "rad", "given"), "slider.position": Noise(1e-4, "m", "given")}
+
+
+def crank(solref: str = "") -> Model:
+    return from_spec("crank", mujoco.MjSpec.from_string(MJCF.format(solref)), {})
+
+
+def read_as(log: Log, channel: str, sign: float, offset: float) -> Log:
+    signal = log.outputs[channel]
+    return replace(log, outputs={**log.outputs, channel: replace(signal, value=sign * signal.value + offset)})
+
+
+def opened(found: list[Log]) -> OpenChain | None:
+    return open_chain(crank().nominal(), found, NOISE, model_check_settings())
+
+
+def test_chains_that_are_closed_up_to_noise_are_not_told() -> None:
+    assert opened(LOGS) is None
+
+
+@pytest.mark.parametrize(
+    ("channel", "sign", "offset"),
+    [("slider.position", 1, 0.4), ("slider.position", -1, 0.0), ("slider.position", -1, 0.4)],
+)
+def test_a_zero_and_a_direction_that_close_them_are_found(channel: str, sign: int, offset: float) -> None:
+    found = opened([read_as(log, channel, sign, offset) for log in LOGS])
+    assert found is not None
+    assert found.mending is not None
+    assert (found.mending.channel, found.mending.sign) == (channel, sign)
+    assert found.mending.offset == pytest.approx(-sign * offset, abs=1e-4)
+    assert found.mending.left < 3e-4
+    assert f"{channel} closes them" in found.message
+
+
+def test_lengths_that_are_wrong_are_told_without_a_remedy() -> None:
+    spec = mujoco.MjSpec.from_string(MJCF.format(""))
+    spec.body("rod").pos = [0.15, 0.0, 0.0]
+    spec.body("slider").pos = [0.45, 0.0, 0.0]
+    found = open_chain(spec.compile(), LOGS, NOISE, model_check_settings())
+    assert found is not None
+    assert found.mending is None
+    assert "a length of the model" in found.message
+
+
+def test_a_chain_whose_softness_nobody_chose_becomes_firm_and_is_told() -> None:
+    model, data = crank(), measured(LOGS, noise=1e-3)
+    found = firm_loops(model, LOGS, data, windows_settings(), 1)
+    assert found.share > 1
+    assert found.solref == "0.002 1"
+    assert list(found.model.spec.equalities[0].solref) == [0.002, 1.0]
+    assert list(model.spec.equalities[0].solref) == [0.02, 1.0]
+    assert "wrist come apart" in found.message
+    given = crank('solref="0.05 1"')
+    assert firm_loops(given, LOGS, data, windows_settings(), 1).model is given
+
+
+def test_a_firm_chain_stays_closed_where_a_soft_one_opens() -> None:
+    """Its opening is that of an undamped force: about the acceleration times the square of the time constant."""
+    worst = []
+    for solref in ("", 'solref="0.002 1"'):
+        model = mujoco.MjModel.from_xml_string(MJCF.format(solref))
+        model.opt.integrator, data, gaps = mujoco.mjtIntegrator.mjINT_RK4, mujoco.MjData(model), []
+        data.ctrl[0] = 0.5
+        for _ in range(1000):
+            mujoco.mj_step(model, data)
+            gaps.append(np.linalg.norm(data.efc_pos))
+        worst.append(max(gaps))
+    assert worst[0] > 1e-3
+    assert worst[1] < 0.1 * worst[0]
