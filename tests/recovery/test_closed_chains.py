@@ -25,7 +25,15 @@ def test_friction_of_the_slider_is_named(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir(tmp_path)
     Path("crank.xml").write_text(MJCF.format(""), encoding="utf-8")
     assert main(["init", "crank.xml", *written(tmp_path, logs("abcd", friction=FRICTION), 0.4)]) == 0
-    close = ["close", "--config-dir", "mine", "model=slider_crank", "measurements=slider_crank", "threads=1", "hydra.run.dir=run"]
+    close = [
+        "close",
+        "--config-dir",
+        "mine",
+        "model=slider_crank",
+        "measurements=slider_crank",
+        "threads=1",
+        "hydra.run.dir=run",
+    ]
     assert main([*close, "effect=[coulomb_friction,viscous_friction,constant_offset]"]) == 0
     report = json.loads(Path("run/report.json").read_text(encoding="utf-8"))
     first = report["ladder"][2]

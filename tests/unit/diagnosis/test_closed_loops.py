@@ -88,3 +88,19 @@ def test_softness_is_told_from_firmness() -> None:
     soft = mujoco.MjModel.from_xml_string(MJCF.format(""))
     assert ClosedLoops(MODEL, NO_PIN).firm()
     assert not ClosedLoops(soft, NO_PIN).firm()
+
+
+def test_a_finger_that_mimics_another_follows_it() -> None:
+    finger = '<body pos="0 {0} 0"><joint name="{1}" type="slide"/><geom size="0.01" mass="0.1"/></body>'
+    gripper = mujoco.MjModel.from_xml_string(
+        f"<mujoco><worldbody>{finger.format(0, 'left')}{finger.format(1, 'right')}</worldbody><equality>"
+        '<joint joint1="right" joint2="left" polycoef="0.01 -0.5 2 0 0"/></equality></mujoco>'
+    )
+    found = ClosedLoops(gripper, np.array([True, False])).closed(
+        np.array([0.03, 0.0]), np.array([2.0, 0.0]), np.array([5.0, 0.0])
+    )
+    slope, bend = -0.5 + 4 * 0.03, 4.0
+    np.testing.assert_allclose(found.qpos, [0.03, 0.01 - 0.5 * 0.03 + 2 * 0.03**2], atol=1e-12)
+    np.testing.assert_allclose(found.qvel, [2.0, 2.0 * slope])
+    np.testing.assert_allclose(found.qacc, [5.0, 5.0 * slope + bend * 2.0**2], rtol=1e-5)
+    assert untold_joints(gripper, ["left.position"]) == ()
