@@ -20,6 +20,8 @@ UNITS: dict[str, dict[str, float]] = {
     "V": {"V": 1.0, "mV": 1e-3},
     "rad": {"rad": 1.0, "deg": math.pi / 180},
     "m": {"m": 1.0, "mm": 1e-3},
+    "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180, "rpm": 2 * math.pi / 60},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
     "1": {"1": 1.0, "percent": 1e-2},
 }
 
@@ -196,9 +198,12 @@ def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
     slide = _slides(model, dof)
     if int(model.actuator_gaintype[k]) == int(mujoco.mjtGain.mjGAIN_DCMOTOR):
         return "V", False
-    if model.actuator_biasprm[k, 1] < 0 and math.isclose(model.actuator_gainprm[k, 0], -model.actuator_biasprm[k, 1]):
+    gain, (_, stiffness, damping) = model.actuator_gainprm[k, 0], model.actuator_biasprm[k, :3]
+    if stiffness < 0 and math.isclose(gain, -stiffness):
         return ("m" if slide else "rad"), True
-    if int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE) and model.actuator_gainprm[k, 0] == 1.0:
+    if stiffness == 0 and damping < 0 and math.isclose(gain, -damping):
+        return ("m/s" if slide else "rad/s"), False
+    if int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE) and gain == 1.0:
         return ("N" if slide else "N·m"), False
     return "1", False
 
