@@ -48,6 +48,7 @@ def mine(recorded: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
     return (*OWN, "measurements=recorded", "windows.seconds=4.8")
 
 
+@pytest.mark.slow
 def test_what_cannot_act_is_left_out_and_said(mine: tuple[str, ...]) -> None:
     assert main(["diagnose", *mine, EFFECTS, "hydra.run.dir=run"]) == 0
     report = json.loads(Path("run/report.json").read_text(encoding="utf-8"))

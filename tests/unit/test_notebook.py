@@ -44,6 +44,7 @@ def test_a_verb_is_a_method_that_does_what_the_command_does(tmp_path: Path, monk
     assert written | {"run": of_command["run"]} == of_command
 
 
+@pytest.mark.slow
 def test_a_verb_takes_the_settings_that_the_comparison_has(tmp_path: Path) -> None:
     loaded = Comparison.load("furuta", "furuta", *SMALL)
     settings = replace(loaded.settings, windows=replace(loaded.settings.windows, seconds=1.5))

@@ -43,6 +43,7 @@ def test_noise_does_not_pass_for_a_force_that_effects_leave() -> None:
     assert entry.ceiling > 0.9
 
 
+@pytest.mark.slow
 def test_of_a_force_far_above_the_noise_its_size_is_told() -> None:
     entry = found(0.0, DAMPING / 2)
     assert entry.rms_last == pytest.approx(entry.rms_first / 2, rel=0.02)

@@ -57,6 +57,7 @@ def test_hidden_values_are_recovered_within_their_uncertainty() -> None:
     assert fit.cost == pytest.approx(count, rel=0.06)
 
 
+@pytest.mark.slow
 def test_uncertainties_are_those_of_repeated_experiments() -> None:
     model = pendulum()
     errors = []

@@ -50,6 +50,7 @@ def known() -> BaseParameters:
     return base_parameters(fitted().fit.equations, fitted().model.space.names, np.arange(10))
 
 
+@pytest.mark.slow
 def test_what_the_hinge_feels_is_recovered() -> None:
     found = felt(fitted().model.compile(fitted().fit.z))
     np.testing.assert_allclose(found, felt(mujoco.MjSpec.from_string(TRUTH).compile()), rtol=5e-3, atol=5e-4)

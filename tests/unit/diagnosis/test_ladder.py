@@ -71,6 +71,7 @@ def test_two_missing_effects_are_two_rungs_and_the_third_stops() -> None:
     np.testing.assert_allclose(values["coulomb_friction@hinge.torque"], 0.05, rtol=0.06)
 
 
+@pytest.mark.slow
 def test_what_another_missing_effect_leaves_in_doubt_is_added_on_trial_and_stays() -> None:
     ladder = climbed("coulomb_friction", "constant_offset", asked=SURE)
     first, second, _ = (rung.verdict for rung in ladder.rungs)

@@ -43,6 +43,7 @@ def bench(*, told: bool) -> Bench:
     return Bench(windows, windows, solver_settings(), evidence_settings(), 1)
 
 
+@pytest.mark.slow
 def test_the_load_is_told_by_what_differs_between_the_logs() -> None:
     one, machine = bench(told=True), model()
     start = machine.space.vector({f"{LABEL}.mass": 0.1})

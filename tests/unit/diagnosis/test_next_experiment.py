@@ -242,6 +242,7 @@ def test_a_size_that_is_not_to_be_passed_is_kept() -> None:
     assert sizes.kept[1] > 4.6
 
 
+@pytest.mark.slow
 def test_the_largest_motion_is_tried() -> None:
     """A weak drive's worth grows with its size: the experiment takes most of what it may."""
     found = proposed(separate(COULOMB, VISCOUS, machine(COULOMB, way=0.3), settings()))

@@ -81,6 +81,7 @@ def test_an_effect_stands_beside_its_limit_if_it_explains_more() -> None:
     assert found.fitted_model.fit.cost == pytest.approx(alone.fitted_model.fit.cost, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_an_effect_that_stays_above_its_limit_is_not_fitted_to_the_end() -> None:
     fits = fits_of(creeping)
     soft, limit = tried(fits, "presliding_friction"), refitted(fits, "coulomb_friction")
@@ -106,6 +107,7 @@ def test_a_richer_kind_that_adds_nothing_on_all_windows_is_left() -> None:
     assert Refits(fits).refitted_if_promising(soft, limit) is soft
 
 
+@pytest.mark.slow
 def test_the_ranking_asks_richer_kinds_of_the_best_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where the few windows that screen do not show what the richer kind adds."""
     monkeypatch.setattr(rank._Contest, "_needless", lambda *_: True)

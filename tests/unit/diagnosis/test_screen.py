@@ -120,6 +120,7 @@ def test_what_holds_a_simpler_effect_does_not_take_its_place() -> None:
     assert "coulomb_friction" in {c.effect.effect.name for c in ranking if c.fitted}
 
 
+@pytest.mark.slow
 def test_what_holds_the_best_one_is_fitted_although_others_promise_more() -> None:
     bench, base = bench_of(creep, most_fits=2, least_promise=0.0)
     model = pendulum()

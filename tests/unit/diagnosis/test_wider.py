@@ -100,6 +100,7 @@ def test_the_first_bounds_are_remembered() -> None:
     assert bounds(again) == [(0.0, 0.048)]
 
 
+@pytest.mark.slow
 def test_a_slow_driver_is_found_beyond_where_one_looks_first() -> None:
     """A lag of 30 ms, by the exponential between the edges of its command."""
     logs = []

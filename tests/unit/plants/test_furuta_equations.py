@@ -58,6 +58,7 @@ def test_pole_on_a_held_arm_is_a_rod_pendulum() -> None:
     np.testing.assert_allclose(states[:, 1], amplitude * np.cos(rod * time), rtol=0, atol=1e-7 * amplitude)
 
 
+@pytest.mark.slow
 def test_motor_reaches_the_no_load_speed() -> None:
     machine = replace(QUBE, damping=(0.0, 0.0), links=(QUBE.links[0], WEIGHTLESS), armature=(0.0, 1.0))
     step = Command(np.array([0.0]), np.array([3.0]))

@@ -268,6 +268,7 @@ def test_the_peak_of_the_commands_is_as_planned() -> None:
     assert np.abs(motions()[0].torque).max(0) == pytest.approx(PEAK, rel=0.1)
 
 
+@pytest.mark.slow
 def test_logs_that_the_robot_does_not_explain_are_told(capsys: pytest.CaptureFixture[str]) -> None:
     """Another arm whose joints are called the same."""
     Path("two.xml").write_text(MJCF.replace('pos="0 0 -0.15"', 'pos="0.3 0 0.1"').replace('mass="0.8"', 'mass="3"'))

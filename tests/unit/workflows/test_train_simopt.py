@@ -23,6 +23,7 @@ TARGET = [
 ]
 
 
+@pytest.mark.slow
 def test_a_learnt_gaussian_is_a_context_to_train_on(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     job("train", folder, [*SMALL, *LEARNT, *SOON, *SHORT, *TARGET])
