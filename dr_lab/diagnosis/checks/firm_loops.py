@@ -45,8 +45,9 @@ def firm_loops(
 ) -> FirmLoops:
     """The model whose equality constraints with MuJoCo's default softness have the shortest time constant it allows.
 
-    A constraint whose ``solref`` is given stays: somebody chose it. A loop of links opens under load by about its
-    acceleration times the square of the time constant, which is 4 mm at 10 m/s² with the default.
+    A constraint whose ``solref`` is given stays: somebody chose it. One that draws a body after a mocap body, which is a
+    drive, stays, too. A loop of links opens under load by about its acceleration times the square of the time constant,
+    which is 4 mm at 10 m/s² with the default.
 
     Args:
         model: the model as given.
@@ -57,7 +58,8 @@ def firm_loops(
     """
     spec, names = model.spec.copy(), []
     for k, equality in enumerate(spec.equalities):
-        if equality.type in CLOSING and np.array_equal(equality.solref, _DEFAULT):
+        drawn = any((body := spec.body(name)) is not None and body.mocap for name in (equality.name1, equality.name2))
+        if equality.type in CLOSING and np.array_equal(equality.solref, _DEFAULT) and not drawn:
             equality.solref = [FIRM * spec.option.timestep, 1.0]
             names.append(equality.name or f"number {k + 1}")
     if not names:

@@ -70,7 +70,7 @@ def open_chain(
     """
     channels = [c for name in logs[0].outputs if (c := available(model)[name]).kind == "position"]
     known = placed(model, logs[0].outputs)
-    if model.nq != model.nv or known.sum() != len(channels):
+    if not model.neq or model.nq != model.nv or known.sum() != len(channels):
         return None  # a body that flies, which channels of joints do not place
     loops, qpos = ClosedLoops(model, known), _positions(model, logs, channels, check.chain_positions)
     std = np.zeros(model.nv)
@@ -118,7 +118,7 @@ def _mendings(
         others = known.copy()
         others[channel.dof] = False
         loops = ClosedLoops(model, others)
-        if not loops.closes() or not loops.told()[channel.dof]:
+        if not loops.tells() or not loops.told()[channel.dof]:
             continue
         told = np.array([loops.closed(q, rest, rest).qpos[channel.address] for q in qpos])
         hinge = model.jnt_type[model.dof_jntid[channel.dof]] == mujoco.mjtJoint.mjJNT_HINGE

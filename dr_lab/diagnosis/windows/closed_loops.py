@@ -62,6 +62,10 @@ class ClosedLoops:
         self._known = known
 
     def closes(self) -> bool:
+        """Whether a constraint holds some joint."""
+        return bool(np.any(self.constraints(self._model.qpos0)[1]))
+
+    def tells(self) -> bool:
         """Whether a constraint holds a joint that is not measured."""
         return bool(np.any(self.constraints(self._model.qpos0)[1][:, ~self._known]))
 

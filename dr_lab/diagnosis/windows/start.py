@@ -162,8 +162,10 @@ def estimate_starts(
 
 def _closed(prior: StartPrior, model: mujoco.MjModel, measured: Collection[str]) -> StartPrior:
     """The prior in which unmeasured joints of closed chains are where the measured ones take them, if there are any."""
+    if not model.neq:
+        return prior
     loops, nv = ClosedLoops(model, placed(model, measured)), model.nv
-    if not loops.closes():
+    if not (loops.tells() or (loops.closes() and loops.firm())):
         return prior
     found = [loops.closed(*state) for state in zip(prior.qpos, prior.qvel, prior.qacc, strict=True)]
     slopes, free = (np.stack([getattr(each, name) for each in found]) for name in ("slopes", "free"))
@@ -182,7 +184,7 @@ def _closed(prior: StartPrior, model: mujoco.MjModel, measured: Collection[str])
 def untold_joints(model: mujoco.MjModel, measured: Collection[str]) -> tuple[str, ...]:
     """Hinge and slide joints that neither measured channels show nor closed chains tell."""
     joints, loops = unmeasured_joints(model, tuple(measured)), ClosedLoops(model, placed(model, measured))
-    if not joints or not loops.closes():
+    if not joints or not loops.tells():
         return joints
     told = loops.told()
     return tuple(name for name in joints if not told[model.joint(name).dofadr[0]])

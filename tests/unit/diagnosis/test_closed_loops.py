@@ -73,6 +73,7 @@ def test_open_chains_are_left_alone() -> None:
         '<geom size="1"/></body></body></worldbody></mujoco>'
     )
     assert not ClosedLoops(arm, np.array([True, False])).closes()
+    assert not ClosedLoops(arm, np.array([True, False])).tells()
     assert untold_joints(arm, ["one.position"]) == ("two",)
 
 
@@ -82,6 +83,12 @@ def test_a_joint_that_the_chain_tells_is_not_missed() -> None:
         "pin",
         "slider",
     )
+
+
+def test_a_chain_whose_joints_are_all_measured_tells_none() -> None:
+    loops = ClosedLoops(MODEL, np.ones(3, bool))
+    assert loops.closes()
+    assert not loops.tells()
 
 
 def test_softness_is_told_from_firmness() -> None:

@@ -70,6 +70,15 @@ def test_a_chain_whose_softness_nobody_chose_becomes_firm_and_is_told() -> None:
     assert firm_loops(given, LOGS, data, windows_settings(), 1).model is given
 
 
+def test_what_draws_a_body_after_a_mocap_body_stays_soft() -> None:
+    spec = mujoco.MjSpec.from_string(MJCF.format(""))
+    hand = spec.worldbody.add_body(name="hand", mocap=True)
+    spec.delete(spec.equalities[0])
+    spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY, name1=hand.name, name2="slider")
+    model = from_spec("drawn", spec, {})
+    assert firm_loops(model, LOGS, measured(LOGS, noise=1e-3), windows_settings(), 1).model is model
+
+
 def test_a_firm_chain_stays_closed_where_a_soft_one_opens() -> None:
     """Its opening is that of an undamped force: about the acceleration times the square of the time constant."""
     worst = []
