@@ -45,8 +45,8 @@ def firm_loops(
 ) -> FirmLoops:
     """The model whose equality constraints with MuJoCo's default softness have the shortest time constant it allows.
 
-    A constraint whose ``solref`` is given stays: somebody chose it. One that draws a body after a mocap body, which is a
-    drive, stays, too. A loop of links opens under load by about its acceleration times the square of the time constant,
+    A constraint whose ``solref`` is given stays: somebody chose it. So does one that draws a body after a mocap body:
+    it is a drive. A loop of links opens under load by about its acceleration times the square of the time constant,
     which is 4 mm at 10 m/s² with the default.
 
     Args:
