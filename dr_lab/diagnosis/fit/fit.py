@@ -1,5 +1,6 @@
 """What a fit of a model's context to windows of measurements ends with."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.slopes import Slopes
+from dr_lab.physics.context import ContextSpace
 from dr_lab.trajectory import Array
 
 
@@ -43,6 +45,22 @@ class Fit(Point):
         """By how much the cost is below another fit's of the same windows, in those that neither lets diverge."""
         alone = self.window_costs[other.infeasible].sum() - other.window_costs[self.infeasible].sum()
         return other.cost - self.cost + float(alone)
+
+    def made_up(self, space: ContextSpace, given: Mapping[str, float]) -> tuple[Array, Array]:
+        """Context (n,) and states (w, s) with some parameters elsewhere, for which the others make up as best they can.
+
+        By the linear model at the fit, within the bounds: a mass takes over from a payload that is taken away.
+
+        Args:
+            space: of the fit's model.
+            given: values by full name.
+        """
+        unit, places = space.to_unit(self.z), [space.index(name) for name in given]
+        moved, move = np.zeros(len(unit), bool), np.zeros(len(unit))
+        moved[places] = True
+        move[places] = space.to_unit(space.vector(given))[places] - unit[places]
+        step, states = self.equations.made_up(moved, move, (np.minimum(-unit, 0.0), np.maximum(1.0 - unit, 0.0)))
+        return space.clip(space.from_unit(unit + step)), self.delta + states
 
     def pick(self, rows: NDArray[np.intp]) -> "Fit":
         """The fit as seen in some windows, at the same context."""

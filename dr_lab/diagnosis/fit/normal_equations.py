@@ -97,6 +97,26 @@ class NormalEquations:
         move = within(unbounded, damped, gradient, free, room)
         return move, -(offset + gain @ move)
 
+    def made_up(self, moved: Mask, move: Array, room: Room) -> tuple[Array, Array]:
+        """The step in which all other parameters, and all states, make up best for the moves of some.
+
+        θ_f = −I_ff⁻¹ (g_f + I_fm θ_m) of the information I and the gradient g once the states are eliminated.
+
+        Args:
+            moved: parameters whose moves are given, shape (p,).
+            move: their moves, shape (p,); of the others it says nothing.
+            room: how far each may move.
+
+        Returns:
+            Parameter step, shape (p,), and state steps, shape (w, s).
+        """
+        information, gradient, gain, offset = self._reduce(0.0)
+        given, free = np.where(moved, move, 0.0), ~moved
+        slope = gradient + information @ given
+        unbounded = np.asarray(-np.linalg.solve(information[np.ix_(free, free)], slope[free]), np.float64)
+        found = given + within(unbounded, information, slope, free, room)
+        return found, -(offset + gain @ found)
+
     def decrease(self, free: Mask, room: Room | None = None) -> float:
         """By how much a full step of the free parameters and of all states lowers Σ wr² + priors, to second order.
 

@@ -17,6 +17,7 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search import as_special_case
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
+from dr_lab.diagnosis.search.taken_away import taken_away
 from dr_lab.diagnosis.search.wider import reach, widened
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
@@ -148,10 +149,9 @@ class CandidateFits:
 
     def without(self, candidate: Candidate) -> Fit:
         """The model without an effect, fitted from where the fit with it ended."""
-        fit = candidate.fitted_model.fit
         replay = Replay(self.base.model, self.bench.fit, self.bench.threads, self.stop)  # nothing runs beside it
         fitter = Fitter(replay, self.bench.solver)
-        return fitter.rerun(fitter.begin(fit.z[: len(self.base.fit.z)], fit.delta), self.base.fit.cost)
+        return fitter.rerun(taken_away(fitter, candidate.fitted_model), self.base.fit.cost)
 
     def _thinned(self) -> Fit:
         part = self.base.fit.pick(self.bench.screened(self.base.fit))

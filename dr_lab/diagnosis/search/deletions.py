@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted, scored
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, scored
 from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.restack import stacked
 from dr_lab.diagnosis.search.step import AddedEffect
+from dr_lab.diagnosis.search.taken_away import taken_away
 
 _Fewer = tuple[tuple[AddedEffect, ...], FittedModel]
 
@@ -59,10 +62,10 @@ class Deletions:
     ) -> _Fewer:
         """Steps that lack one effect; the last model also fitted from where the whole ladder's ended."""
         last = fewer[-1].fitted_model if fewer else base
-        values = whole.values()
-        start = np.array([values[name] for name in last.model.space.names])
         wanted = goal if last.fit.infeasible.any() else min(goal, last.fit.cost)
-        again = fitted(self.bench, last.model, start, whole.fit.delta, wanted)
+        fitter = Fitter(Replay(last.model, self.bench.fit, self.bench.threads), self.bench.solver)
+        start = taken_away(fitter, whole)
+        again = fitter.run(start.z, start.delta, goal=wanted)
         if again.order >= last.fit.order:
             return fewer, base
         better = scored(self.bench, last.model, again)
