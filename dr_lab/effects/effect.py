@@ -81,6 +81,8 @@ class Effect(ABC):
         confused_with: names of effects that given data may not separate from it.
         holds: its special cases: effects that it acts as, at the same site, for some values of its parameters, and how.
         shapes: short names of the parameters that act only while another one is away from absent.
+        sharpened: those of the shapes whose lower bound, above 0, may be halved: towards 0 the effect only becomes one
+            of its special cases.
         limited: short names of other parameters whose bounds are physics, not where one looks first; see `limit`.
         lacks: what an exported MJCF file cannot express of it, empty when it is native.
         argument: what the law is a function of, if a free law of the same argument can check it: ``command`` of the
@@ -97,6 +99,7 @@ class Effect(ABC):
     confused_with: ClassVar[tuple[str, ...]] = ()
     holds: ClassVar[Mapping[str, SpecialCase]] = {}
     shapes: ClassVar[tuple[str, ...]] = ()
+    sharpened: ClassVar[tuple[str, ...]] = ()
     limited: ClassVar[tuple[str, ...]] = ()
     lacks: ClassVar[str] = ""
     argument: ClassVar[str] = ""

@@ -71,6 +71,7 @@ class PreslidingFriction(JointEffect, ForceLaw):
         "coulomb_friction": SpecialCase(("displacement", "creep", "retardation"), {"torque": "torque"})
     }
     shapes: ClassVar[tuple[str, ...]] = ("displacement", "creep", "retardation")
+    sharpened: ClassVar[tuple[str, ...]] = ("creep",)
     lacks: ClassVar[str] = "the bristles, whose bend goes on from step to step"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:

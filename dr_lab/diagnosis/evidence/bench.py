@@ -179,7 +179,7 @@ def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None,
     states = np.zeros((len(bench.fit), replay.nstate))
     states[bench.screened()] = part.delta
     fitter = Fitter(replay, bench.solver)
-    return fitter.rerun(fitter.begin(part.z, states), goal)
+    return fitter.rerun(fitter.begin(part.z, states), goal=goal)
 
 
 def fitted_to_the_end(bench: Bench, fitted_model: FittedModel) -> FittedModel:

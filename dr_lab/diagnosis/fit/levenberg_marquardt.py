@@ -1,8 +1,7 @@
 """Fit of a model's context to windows of measurements by Levenberg–Marquardt over batched simulations.
 
 Unknowns are the context z and, as nuisance, every window's initial state x_w with a Gaussian prior around its
-smoothed measurement (multiple shooting, MAP). `Objective` is the cost. All columns of the Jacobian are one batch of
-simulations; the states are eliminated by a Schur complement.
+smoothed measurement (multiple shooting, MAP). `Objective` is the cost. The Jacobian is one batch of simulations.
 """
 
 from dataclasses import replace
@@ -88,9 +87,10 @@ class Fitter:
         start = Point(there.z, there.delta, there.residuals, np.inf, there.infeasible)
         return self._certified(start, there.slopes, goal)
 
-    def rerun(self, start: Point, goal: float = np.inf) -> Fit:
-        """Fit from a context where the states were fitted at another one, as `begin` gives it; `goal` as in `run`."""
-        return self._certified(*self.settled(start), goal)
+    def rerun(self, *starts: Point, goal: float = np.inf) -> Fit:
+        """Fit from the best of starts whose states were fitted elsewhere, as `begin` gives them; `goal` as in `run`."""
+        settled = map(self.settled, starts)
+        return self._certified(*min(settled, key=lambda each: (int(each[0].infeasible.sum()), each[0].cost)), goal)
 
     def rerun_below(self, start: Point, there: Fit, below: float, goal: float = np.inf) -> Fit:
         """`rerun` from a start whose cost is below so much once its states are fitted, else `go_on` from a fit."""

@@ -151,7 +151,7 @@ class CandidateFits:
         """The model without an effect, fitted from where the fit with it ended."""
         replay = Replay(self.base.model, self.bench.fit, self.bench.threads, self.stop)  # nothing runs beside it
         fitter = Fitter(replay, self.bench.solver)
-        return fitter.rerun(taken_away(fitter, candidate.fitted_model), self.base.fit.cost)
+        return fitter.rerun(*taken_away(fitter, candidate.fitted_model), goal=self.base.fit.cost)
 
     def _thinned(self) -> Fit:
         part = self.base.fit.pick(self.bench.screened(self.base.fit))

@@ -64,8 +64,7 @@ class Deletions:
         last = fewer[-1].fitted_model if fewer else base
         wanted = goal if last.fit.infeasible.any() else min(goal, last.fit.cost)
         fitter = Fitter(Replay(last.model, self.bench.fit, self.bench.threads), self.bench.solver)
-        start = taken_away(fitter, whole)
-        again = fitter.run(start.z, start.delta, goal=wanted)
+        again = fitter.rerun(*taken_away(fitter, whole), goal=wanted)
         if again.order >= last.fit.order:
             return fewer, base
         better = scored(self.bench, last.model, again)

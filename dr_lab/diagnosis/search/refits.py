@@ -85,7 +85,7 @@ class Refits:
         fitter, goal = self._fits.fitter(self._bench, effect), min(self._bench.cost_at(poorer.fit, 0.0), beaten)
         there, gain = self._in_the_limit(fitter, effect, candidate, limit)
         end, below = self._own_end(fitter, candidate), self._bench.beside(poorer).hoped(poorer.fit)
-        again = fitter.rerun_below(end, there, below, goal) if gain > 0 else fitter.rerun(end, goal)
+        again = fitter.rerun_below(end, there, below, goal) if gain > 0 else fitter.rerun(end, goal=goal)
         if again.cost > goal:
             return candidate
         return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)

@@ -7,8 +7,8 @@ from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.point import Point
 
 
-def taken_away(fitter: Fitter, whole: FittedModel) -> Point:
-    """The better of two starts: the other parameters as they were, or where they make up best for what is gone.
+def taken_away(fitter: Fitter, whole: FittedModel) -> list[Point]:
+    """Two starts: with the other parameters as they were, and where they make up best for what is gone.
 
     A mass takes over from a payload, where the fit with the payload had gone on farther. Without that the effect would
     get the credit for what the others can do alone.
@@ -21,5 +21,4 @@ def taken_away(fitter: Fitter, whole: FittedModel) -> Point:
     gone = {p.name: p.nominal for p in space.parameters if p.name not in names}
     rows = [space.index(name) for name in names]
     ends = (whole.fit.z, whole.fit.delta), whole.fit.made_up(space, gone)
-    begun = [fitter.begin(np.asarray(z[rows]), delta) for z, delta in ends]
-    return min(begun, key=lambda point: (int(point.infeasible.sum()), point.cost))
+    return [fitter.begin(np.asarray(z[rows]), delta) for z, delta in ends]

@@ -15,19 +15,16 @@ def widened(placed: PlacedEffect, values: Array, windows: Windows) -> PlacedEffe
     """The effect with those bounds twice as far from absent that its fit ran into; None where none may be moved.
 
     A bound at absent or at 0 stays, and one that is physics or as far as the windows can show (`Effect.limit`). A lower
-    bound between 0 and absent is halved.
+    bound between 0 and absent is halved, also of a shape that may get sharper (`Effect.sharpened`).
 
     Args:
         placed: the effect.
         values: of its parameters as fitted.
         windows: those of the fit.
     """
-    kept = windows.past.shape[1] * windows.step
-    found = []
-    for parameter, value in zip(placed.parameters, values.tolist(), strict=True):
-        limit = placed.effect.limit(parameter.name.removeprefix(f"{placed.label}."), kept, windows.margin)
-        found.append(_wider(parameter, value, limit))
-    return None if tuple(found) == placed.parameters else placed.moved(tuple(found))
+    limits = _limits(placed, windows)
+    found = tuple(map(_wider, placed.parameters, values.tolist(), limits))
+    return None if found == placed.parameters else placed.moved(found)
 
 
 def reach(placed: PlacedEffect, windows: Windows, times: int) -> tuple[Array, Array]:
@@ -38,10 +35,8 @@ def reach(placed: PlacedEffect, windows: Windows, times: int) -> tuple[Array, Ar
         windows: those of a fit.
         times: how often each may be moved.
     """
-    kept = windows.past.shape[1] * windows.step
     far = np.zeros((2, len(placed.parameters)))
-    for place, parameter in enumerate(placed.parameters):
-        limit = placed.effect.limit(parameter.name.removeprefix(f"{placed.label}."), kept, windows.margin)
+    for place, (parameter, limit) in enumerate(zip(placed.parameters, _limits(placed, windows), strict=True)):
         wide = parameter
         for _ in range(times):
             wide = _wider(_wider(wide, wide.low, limit), wide.high, limit)
@@ -54,6 +49,16 @@ def ran_into(parameter: Parameter, value: float) -> tuple[bool, bool]:
     """Whether a value lies at the lower and at the upper bound, absent excepted."""
     low, high = parameter.ends(value)
     return low and parameter.low < parameter.nominal, high and parameter.high > parameter.nominal
+
+
+def _limits(placed: PlacedEffect, windows: Windows) -> list[float]:
+    """How far from nominal the bounds of each parameter may be moved; those of a shape that may get sharper, to 0."""
+    kept, effect = windows.past.shape[1] * windows.step, placed.effect
+    short = {p: p.name.removeprefix(f"{placed.label}.") for p in placed.parameters}
+    return [
+        p.high - p.nominal if name in effect.sharpened else effect.limit(name, kept, windows.margin)
+        for p, name in short.items()
+    ]
 
 
 def _wider(parameter: Parameter, value: float, limit: float) -> Parameter:

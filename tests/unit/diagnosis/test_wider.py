@@ -131,3 +131,12 @@ def test_a_slow_driver_is_found_beyond_where_one_looks_first() -> None:
     stays = replace(bench, evidence=evidence_settings(widenings=0))
     held = rank(stays, base, [one], lambda _: None).candidates[0]
     assert held.fitted_model.values()["actuator_lag@drive.tau"] == pytest.approx(0.012, rel=0.01)
+
+
+def test_friction_that_creeps_more_slowly_than_one_looks_first_may_but_not_faster() -> None:
+    one = placed(pendulum(), "presliding_friction", "hinge")
+    torque, way, creep, retardation = one.parameters
+    slow = widened(one, np.array([0.5 * torque.high, way.nominal, creep.low, 0.0]), windows())
+    assert bounds(slow)[2] == (creep.low / 2, creep.high)
+    fast = np.array([0.5 * torque.high, way.high, creep.high, retardation.high])
+    assert widened(one, fast, windows()) is None
