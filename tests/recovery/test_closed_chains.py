@@ -34,7 +34,8 @@ def test_friction_of_the_slider_is_named(tmp_path: Path, monkeypatch: pytest.Mon
         "threads=1",
         "hydra.run.dir=run",
     ]
-    assert main([*close, "effect=[coulomb_friction,viscous_friction,constant_offset]"]) == 0
+    effects = "effect=[coulomb_friction,viscous_friction,constant_offset]"
+    assert main([*close, effects, "windows.seconds=6"]) == 0
     report = json.loads(Path("run/report.json").read_text(encoding="utf-8"))
     first = report["ladder"][2]
     assert first["effects"] == ["coulomb_friction@slider"]

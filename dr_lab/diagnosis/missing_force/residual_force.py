@@ -11,6 +11,7 @@ from dr_lab.diagnosis.fit.slopes import differences
 from dr_lab.diagnosis.fit.states import StateFit
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.windows.channels import Tape
+from dr_lab.diagnosis.windows.closed_loops import ClosedLoops
 from dr_lab.trajectory import Array
 
 
@@ -42,6 +43,9 @@ def residual_forces(
     whose position is measured, and F = M(q) Δa with the model's mass matrix at the window's middle. White noise of the
     samples goes the same way: Δa = G r has the covariance G Gᵀ, and F that of M G.
 
+    Of joints that a closed chain moves together the first one stands for all of them: the others follow its push, and
+    their masses count in M.
+
     Args:
         replay: short windows.
         fit: fit of their starts.
@@ -51,14 +55,16 @@ def residual_forces(
     model = replay.model.compile(fit.z)
     if tape is None:
         tape, _ = replay.simulate(fit.z[None], fit.delta[None])
-    measured = [s.channel for s in replay.windows.samples if s.channel.kind == "position"]
+    positions = [s.channel for s in replay.windows.samples if s.channel.kind == "position"]
+    dofs = replay.windows.prior.independent([channel.dof for channel in positions])
+    measured = [channel for channel in positions if channel.dof in dofs]
     if not measured:
         return {}
-    dofs = [channel.dof for channel in measured]
     slopes = differences(replay, solver, fit, states=True, columns=np.zeros(0, np.intp))
     accelerations, covariance = _accelerations(replay, fit, slopes, dofs)
     middle = tape.qpos[0][:, tape.qpos.shape[2] // 2]
-    mass = _masses(model, middle, dofs)
+    chained = replay.windows.prior.tangent is not None
+    mass = _masses(model, middle, dofs, ClosedLoops(model, np.ones(model.nv, bool)) if chained else None)
     forces = np.einsum("wij,wj->wi", mass, accelerations)
     forces[fit.infeasible] = np.nan
     noise = np.sqrt(np.einsum("wij,wjk,wik->wi", mass, covariance, mass))
@@ -75,8 +81,8 @@ def _accelerations(replay: Replay, fit: StateFit, slopes: Array, dofs: list[int]
     """Missing accelerations of n degrees of freedom, shape (w, n), and their covariance by noise, shape (w, n, n)."""
     used = (replay.fitted | replay.scored) & ~fit.infeasible[:, None]
     prior, nv, states = replay.windows.prior, replay.compiled.nv, slopes.shape[2]
-    changes = np.zeros((len(dofs), len(slopes), 2 * nv))  # of one velocity each, by 1
-    changes[np.arange(len(dofs)), :, nv + np.array(dofs)] = 1.0
+    changes = np.zeros((len(dofs), len(slopes), 2 * nv))
+    changes[..., nv:] = prior.carried(dofs).transpose(2, 0, 1)
     pushes = np.stack([_integral(replay, prior.slope(slopes, change)) for change in changes], axis=2)
     basis = np.where(used[..., None], np.concatenate([slopes, pushes], axis=2), 0.0)
     residuals = np.where(used, fit.residuals, 0.0)
@@ -102,14 +108,17 @@ def _integral(replay: Replay, slope: Array) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def _masses(model: mujoco.MjModel, qpos: Array, dofs: list[int]) -> Array:
-    """Mass matrix of n degrees of freedom at each position, shape (w, n, n)."""
-    data, masses = mujoco.MjData(model), np.empty((len(qpos), len(dofs), len(dofs)))
-    units, column = np.eye(model.nv)[dofs], np.empty(model.nv)
+def _masses(model: mujoco.MjModel, qpos: Array, dofs: list[int], loops: ClosedLoops | None) -> Array:
+    """Mass matrix GᵀMG of n degrees of freedom at each position, shape (w, n, n); closed chains carry others along."""
+    data, masses, full = (
+        mujoco.MjData(model),
+        np.empty((len(qpos), len(dofs), len(dofs))),
+        np.empty((model.nv, model.nv)),
+    )
     for q, mass in zip(qpos, masses, strict=True):
         data.qpos[:] = q
         mujoco.mj_fwdPosition(model, data)
-        for row, unit in zip(mass, units, strict=True):
-            mujoco.mj_mulM(model, data, column, unit)
-            row[:] = column[dofs]
+        mujoco.mj_fullM(model, data, full)
+        carried = np.eye(model.nv)[:, dofs] if loops is None else loops.carried(q, dofs)
+        mass[:] = carried.T @ full @ carried
     return masses

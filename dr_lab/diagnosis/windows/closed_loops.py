@@ -1,11 +1,13 @@
 """Closed chains: the equality constraints tell the state of joints that no channel measures from that of the others."""
 
+from collections.abc import Sequence
 from copy import copy
 from typing import NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import null_space
 
 from dr_lab.trajectory import Array
 
@@ -103,6 +105,11 @@ class ClosedLoops:
         back = np.linalg.lstsq(jacobian * speed, jacobian @ qvel, rcond=_SINGULAR)[0]
         return q, qvel - speed * back
 
+    def carried(self, q: Array, dofs: Sequence[int]) -> Array:
+        """Velocities of all joints while one of some degrees of freedom moves by 1 and the others rest, (nv, n)."""
+        _, jacobian = self.constraints(q)
+        return following(null_space(jacobian, rcond=_SINGULAR), dofs)
+
     def constraints(self, q: Array) -> tuple[Array, Array]:
         """Violations c, shape (r,), and their Jacobian, shape (r, nv)."""
         self._data.qpos[:] = q
@@ -136,6 +143,11 @@ class ClosedLoops:
         return q
 
 
+def following(free: Array, dofs: Sequence[int]) -> Array:
+    """Velocities (…, nv, n) while one of n degrees of freedom moves by 1, of those that directions (…, nv, k) span."""
+    return free @ np.linalg.pinv(free[..., list(dofs), :], rcond=_SINGULAR)
+
+
 class Tangent(NamedTuple):
     """Changes of a state that open no chain, for w windows, as k unknowns of standard deviation 1.
 
@@ -146,6 +158,12 @@ class Tangent(NamedTuple):
 
     basis: Array
     inverse: Array
+
+    @property
+    def velocities(self) -> Array:
+        """Directions in which the velocities can change, shape (w, nv, k / 2)."""
+        _, states, unknowns = self.basis.shape
+        return self.basis[:, states // 2 :, unknowns // 2 :]
 
     def pick(self, rows: NDArray[np.intp]) -> "Tangent":
         """The changes of some windows."""

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.channels import Channel, available, unmeasured_joints
-from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, Tangent, tangent
+from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, Tangent, following, tangent
 from dr_lab.diagnosis.windows.free_start import FreeBody, continuous, free_bodies, turn_between, turning
 from dr_lab.measurements.smoothing import LocalFit, local_polynomial
 from dr_lab.trajectory import Array, Log, Noise, Signal
 
 _DEGREE = 3  # of the local polynomials
+_DEPENDENT = 1e-3  # of a singular value: joints of a closed chain whose motions differ by less move together
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,24 @@ class StartPrior:
     def unknowns(self, change: Array) -> Array:
         """The unknowns that changes of positions and velocities (…, w, 2 nv) are, as far as they open no chain."""
         return change if self.tangent is None else np.einsum("wks,...ws->...wk", self.tangent.inverse, change)
+
+    def independent(self, dofs: Sequence[int]) -> list[int]:
+        """Those of some degrees of freedom that can move while the ones before them rest, in half of the windows."""
+        if self.tangent is None:
+            return list(dofs)
+        kept = list[int]()
+        for dof in dofs:
+            rows = self.tangent.velocities[:, [*kept, dof]]
+            rows = rows / np.maximum(np.linalg.norm(rows, axis=2, keepdims=True), np.finfo(float).tiny)
+            if np.median(np.linalg.matrix_rank(rows, rtol=_DEPENDENT)) > len(kept):
+                kept.append(dof)
+        return kept
+
+    def carried(self, dofs: Sequence[int]) -> Array:
+        """Velocities of all joints while one of some degrees of freedom moves by 1, the others resting, (w, nv, n)."""
+        if self.tangent is None:
+            return np.broadcast_to(np.eye(self.qvel.shape[1])[:, list(dofs)], (*self.qvel.shape, len(dofs)))
+        return following(self.tangent.velocities, dofs)
 
     def slope(self, slopes: Array, change: Array) -> Array:
         """What changes of positions and velocities (w, 2 nv) do to residuals with slopes (w, m, s or more), (w, m)."""

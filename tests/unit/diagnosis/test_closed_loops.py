@@ -67,6 +67,21 @@ def test_changes_in_the_tangent_space_open_no_chain_and_others_lose_what_does() 
     np.testing.assert_allclose(prior.slope(slope, change[0]), np.einsum("wms,ws->wm", slope, unknowns[0]))
 
 
+def test_joints_of_a_chain_move_together() -> None:
+    loops, angles = ClosedLoops(MODEL, NO_PIN), np.array([0.3, 1.2, -2.0])
+    qpos = np.stack([angles, rod_angle(angles) - angles, place(angles)], axis=1)
+    prior = StartPrior(
+        qpos, np.zeros((3, 3)), np.zeros((3, 3)), np.ones(2), tangent(loops, qpos, np.array([1.0, 2.0, 0.1] * 2))
+    )
+    assert prior.independent([0, 2]) == [0]
+    assert prior.independent([2, 0]) == [2]
+    slider, rod = slopes(angles)
+    expected = np.stack([np.ones(3), rod - 1.0, slider], axis=1)
+    np.testing.assert_allclose(prior.carried([0])[..., 0], expected, atol=1e-9)
+    for q, each in zip(qpos, expected, strict=True):
+        np.testing.assert_allclose(loops.carried(q, [0])[:, 0], each, atol=1e-9)
+
+
 def test_open_chains_are_left_alone() -> None:
     arm = mujoco.MjModel.from_xml_string(
         '<mujoco><worldbody><body><joint name="one"/><geom size="1"/><body pos="1 0 0"><joint name="two"/>'

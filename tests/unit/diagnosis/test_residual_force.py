@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from diagnosis_machines import (
     windows_of,
     windows_settings,
 )
+from slider_crank import MJCF, logs
 
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.missing_force.residual_force import ResidualForce, residual_forces
@@ -97,3 +100,18 @@ def test_windows_that_diverge_have_no_force() -> None:
     lost = np.arange(len(windows)) == 2
     fit = type(fit)(fit.z, fit.delta, fit.residuals, fit.cost, lost, fit.slopes)
     np.testing.assert_array_equal(np.isnan(residual_forces(replay, fit, solver_settings())["hinge"].force), lost)
+
+
+def test_of_a_closed_chain_the_first_joint_bears_the_force_and_all_masses_count() -> None:
+    """A slider-crank by its own equation, of whose torque 0.1 N·m are not logged."""
+    torque, xml = 0.1, MJCF.format('solref="0.002 1"').replace('mass="1"', 'mass="1.05"')
+    model = model_of(xml.replace('integrator="implicitfast"', 'integrator="RK4"').replace("0.01", "0.02"))
+    (log,) = logs("a", seconds=4.0, noise=(1e-4, 1e-5))
+    motor = log.commands["motor"]
+    found = forces(
+        model,
+        replace(log, commands={"motor": replace(motor, value=motor.value - torque)}),
+        windows_settings(length=0.15),
+    )
+    assert list(found) == ["crank"]
+    assert np.median(found["crank"].force) == pytest.approx(torque, rel=0.05)
