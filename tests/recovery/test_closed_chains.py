@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from slider_crank import MJCF, logs, written
+from slider_crank import MJCF, SLIDER_MASS, logs, written
 
 from dr_lab.__main__ import main
 
@@ -37,6 +37,8 @@ def test_friction_of_the_slider_is_named(tmp_path: Path, monkeypatch: pytest.Mon
     effects = "effect=[coulomb_friction,viscous_friction,constant_offset]"
     assert main([*close, effects, "windows.seconds=6"]) == 0
     report = json.loads(Path("run/report.json").read_text(encoding="utf-8"))
-    first = report["ladder"][2]
-    assert first["effects"] == ["coulomb_friction@slider"]
-    assert first["parameters"]["coulomb_friction@slider.torque"]["value"] == pytest.approx(FRICTION, rel=0.05)
+    last = report["ladder"][-1]
+    assert (report["verdict"], last["effects"]) == ("named", ["coulomb_friction@slider"])
+    found = {name: entry["value"] for name, entry in last["parameters"].items()}
+    assert found["coulomb_friction@slider.torque"] == pytest.approx(FRICTION, rel=0.05)
+    assert found["slider.mass"] == pytest.approx(SLIDER_MASS, rel=0.02)
