@@ -12,6 +12,8 @@ from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, Mask
 from dr_lab.diagnosis.windows.start import placed
 from dr_lab.trajectory import Array, Log, Noise
 
+_ROUNDING = 1e-8  # m or rad: chains that the unmeasured joints alone can close are open by no more
+
 
 class Mending(NamedTuple):
     """How the positions of a channel would have to be read for the chains to close: sign · position + offset.
@@ -79,7 +81,7 @@ def open_chain(
     if not found.any():
         return None
     gap, expected = np.median(found, axis=0)
-    if gap <= check.chain_gap * expected:
+    if gap <= max(check.chain_gap * expected, _ROUNDING):
         return None
     mendings = list(_mendings(model, known, channels, qpos))
     best = min(mendings, key=lambda each: each[1], default=None)

@@ -34,6 +34,12 @@ def test_chains_that_are_closed_up_to_noise_are_not_told() -> None:
     assert opened(LOGS) is None
 
 
+def test_a_crank_alone_contradicts_nothing() -> None:
+    alone = [replace(log, outputs={"crank.position": log.outputs["crank.position"]}) for log in LOGS]
+    assert opened(alone) is None
+    assert opened([read_as(log, "crank.position", -1, 0.4) for log in alone]) is None
+
+
 @pytest.mark.parametrize(
     ("channel", "sign", "offset"),
     [("slider.position", 1, 0.4), ("slider.position", -1, 0.0), ("slider.position", -1, 0.4)],
