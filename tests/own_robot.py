@@ -91,3 +91,21 @@ def plain_logs(folder: Path, count: int = 3, names: Sequence[str] = JOINTS) -> l
             columns |= {f"{name}_pos": motion.position[:, j], f"{name}_torque": motion.torque[:, j]}
         paths.append(write_csv(folder / f"log_{seed}.csv", columns))
     return paths
+
+
+def servo_log(seed: int) -> dict[str, Array]:
+    """A log of the machine under a torque kp (r − q) − kv q' at each joint, towards steps r."""
+    spec = mujoco.MjSpec.from_string(MJCF)
+    for actuator, kp, kv in zip(spec.actuators, (40.0, 15.0), (2.0, 0.6), strict=True):
+        actuator.set_to_position(kp=kp, kv=kv)
+    model = spec.compile()
+    data, rng, rows = mujoco.MjData(model), np.random.default_rng(seed), []
+    levels = rng.uniform(-0.8, 0.8, (15, 2))
+    for k in range(3000):
+        data.ctrl[:] = levels[k // 200]
+        rows.append(np.concatenate([[data.time], data.qpos, data.ctrl]))
+        mujoco.mj_step(model, data)
+    table = np.array(rows)[::2]
+    noise = rng.normal(scale=1e-4, size=(len(table), 2))
+    names = ("time", "shoulder_pos", "elbow_pos", "shoulder_target", "elbow_target")
+    return dict(zip(names, (table + np.column_stack([0 * noise[:, :1], noise, 0 * noise])).T, strict=True))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yaml
 from bags import write_bag
-from own_robot import JOINTS, MJCF, PEAK, URDF, Motion, write_csv
+from own_robot import JOINTS, MJCF, PEAK, URDF, Motion, servo_log, write_csv
 
 from dr_lab.__main__ import main
 from dr_lab.trajectory import Array
@@ -179,23 +179,6 @@ def test_a_servo_is_added_where_commands_are_positions(capsys: pytest.CaptureFix
         ("elbow_target", "rad", 1),
     ]
     assert "a servo towards the command" in capsys.readouterr().out
-
-
-def servo_log(seed: int) -> dict[str, Array]:
-    spec = mujoco.MjSpec.from_string(MJCF)
-    for actuator, kp, kv in zip(spec.actuators, (40.0, 15.0), (2.0, 0.6), strict=True):
-        actuator.set_to_position(kp=kp, kv=kv)
-    model = spec.compile()
-    data, rng, rows = mujoco.MjData(model), np.random.default_rng(seed), []
-    levels = rng.uniform(-0.8, 0.8, (15, 2))
-    for k in range(3000):
-        data.ctrl[:] = levels[k // 200]
-        rows.append(np.concatenate([[data.time], data.qpos, data.ctrl]))
-        mujoco.mj_step(model, data)
-    table = np.array(rows)[::2]
-    noise = rng.normal(scale=1e-4, size=(len(table), 2))
-    names = ("time", "shoulder_pos", "elbow_pos", "shoulder_target", "elbow_target")
-    return dict(zip(names, (table + np.column_stack([0 * noise[:, :1], noise, 0 * noise])).T, strict=True))
 
 
 @pytest.mark.parametrize(
