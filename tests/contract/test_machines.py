@@ -86,6 +86,10 @@ def hidden_in(case: Case) -> list[str]:
     return [name for option in options for name in phenomena(f"general/{option}")]
 
 
+# Of bodies that fly, as no stranger does; tests/recovery/test_recovery_of_viscous_drag.py hides it at three magnitudes.
+FLYING = {"viscous_drag"}
+
+
 def test_strangers_hide_the_whole_catalogue_at_three_magnitudes() -> None:
     cases, catalogue = cases_of("strangers"), set(every("effect", (shipped(),)))
     kinds = collections.Counter(case.kind for case in cases)
@@ -93,7 +97,7 @@ def test_strangers_hide_the_whole_catalogue_at_three_magnitudes() -> None:
     assert kinds["none"] >= 40
     assert len({case.name for case in cases}) == len(cases) == len({case.seed for case in cases})
     singles = collections.Counter(name for case in cases if case.kind == "single" for name in hidden_in(case))
-    assert {name for name, count in singles.items() if count >= 3} == catalogue
+    assert {name for name, count in singles.items() if count >= 3} == catalogue - FLYING
     several = [hidden_in(case) for case in cases if case.kind == "several"]
     assert {len(names) for names in several} == {2, 3, 4}
     assert set().union(*several) <= catalogue
