@@ -86,7 +86,7 @@ def logs(
     """Logs of crank and slider under sums of sines, every 4 ms, one for each letter; noise in rad and m."""
     step, held, count = 2.5e-4, 16, len(names)
     rng = np.random.default_rng(list(names.encode()))
-    time = held * step * np.arange(round(seconds / (held * step)))
+    time: Array = np.asarray(held * step * np.arange(round(seconds / (held * step))), np.float64)
     rate, phase, size = (
         rng.uniform(low, high, (count, 3, 1)) for low, high in ((0.3, 1.5), (0.0, 2 * np.pi), (0.3, 0.6))
     )

@@ -17,16 +17,15 @@ CRANK_ALONE, NO_PIN = np.array([True, False, False]), np.array([True, False, Tru
 @pytest.mark.parametrize("known", [CRANK_ALONE, NO_PIN])
 def test_what_the_crank_does_the_others_follow(angle: float, known: Array) -> None:
     speed, gain = 2.0, 3.0
-    (slider, rod), (later, turned) = (slopes(np.array(each)) for each in (angle, angle + 1e-6 * speed))
+    here = np.array(angle)
+    (slider, rod), (later, turned) = slopes(here), slopes(here + 1e-6 * speed)
+    stands = np.array([angle, float(rod_angle(here)) - angle, float(place(here))])
     bend = np.array([0.0, turned - rod, later - slider]) / 1e-6  # of the slopes, 1/s
     follow = np.array([1.0, rod - 1.0, slider])
-    measured = np.where(known, [angle, 0.0, place(np.array(angle))], 0.0)
     found = ClosedLoops(MODEL, known.astype(bool)).closed(
-        measured, np.where(known, follow * speed, 0.0), np.where(known, follow * gain + bend * speed, 0.0)
+        known * stands, known * follow * speed, known * (follow * gain + bend * speed)
     )
-    np.testing.assert_allclose(
-        found.qpos, [angle, rod_angle(np.array(angle)) - angle, place(np.array(angle))], atol=1e-9
-    )
+    np.testing.assert_allclose(found.qpos, stands, atol=1e-9)
     np.testing.assert_allclose(found.qvel, follow * speed, atol=1e-8)
     np.testing.assert_allclose(found.qacc, follow * gain + bend * speed, atol=1e-3)
     assert found.gap < 1e-12
