@@ -64,7 +64,7 @@ def _read_as(output: Output, mending: Mending) -> Output:
     if output.channel != mending.channel:
         return output
     offset = mending.sign * output.offset + mending.offset / unit(output.unit).factor
-    return replace(output, sign=mending.sign * output.sign, offset=float(f"{offset:.4g}"))
+    return replace(output, sign=mending.sign * output.sign, offset=float(f"{offset:.6g}"))
 
 
 def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSettings) -> Proposal:

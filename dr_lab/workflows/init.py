@@ -55,8 +55,10 @@ def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSett
     """The proposal with what the other verbs would say first, and how its logs are used."""
     try:
         split, measured = usable_logs(found, settings)
-        found = closed(found, measured, checks.model_check)
-        split, measured = usable_logs(found, settings)
+        mended = closed(found, measured, checks.model_check)
+        if mended.outputs != found.outputs:
+            split, measured = usable_logs(mended, settings)
+        found = mended
     except DrLabError as error:
         refused = f"The other verbs refuse these logs as they are read here: {error}"
         return replace(found, doubts=(*found.doubts, refused)), split_logs(found, {}, settings.held_out)

@@ -57,10 +57,12 @@ def firm_loops(
         threads: C threads.
     """
     spec, names = model.spec.copy(), []
+    firm_constant = FIRM * spec.option.timestep
     for k, equality in enumerate(spec.equalities):
         drawn = any((body := spec.body(name)) is not None and body.mocap for name in (equality.name1, equality.name2))
-        if equality.type in CLOSING and np.array_equal(equality.solref, _DEFAULT) and not drawn:
-            equality.solref = [FIRM * spec.option.timestep, 1.0]
+        soft = np.array_equal(equality.solref, _DEFAULT) and firm_constant < _DEFAULT[0]
+        if equality.type in CLOSING and soft and not drawn:
+            equality.solref = [firm_constant, 1.0]
             names.append(equality.name or f"number {k + 1}")
     if not names:
         return FirmLoops(model, 0.0, "", "")
@@ -71,4 +73,4 @@ def firm_loops(
         f"that moves {worst} by {share:.2g} noise standard deviations within a window, which can pass for missing "
         "physics."
     )
-    return FirmLoops(firm, share, seen, f"{FIRM * spec.option.timestep:g} 1")
+    return FirmLoops(firm, share, seen, f"{firm_constant:g} 1")

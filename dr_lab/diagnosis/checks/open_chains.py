@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.windows.channels import Channel, available
-from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, Mask
+from dr_lab.diagnosis.windows.closed_loops import SINGULAR, ClosedLoops, Mask
 from dr_lab.diagnosis.windows.start import placed
 from dr_lab.trajectory import Array, Log, Noise
 
@@ -49,7 +49,7 @@ class OpenChain(NamedTuple):
         """What is wrong, and what can be done."""
         told = (
             f"The measured joints contradict the model's closed chains: these are open by {self.gap:.2g} (m or rad) in "
-            f"half of the positions, {self.gap / self.noise:.0f} times what noise makes."
+            f"half of the positions, where noise opens them by {self.noise:.2g}."
         )
         if self.mending is None:
             return f"{told} A zero, direction or unit of a channel is wrong, or a length of the model."
@@ -106,7 +106,7 @@ def _opening(loops: ClosedLoops, known: Mask, qpos: Array, std: Array) -> tuple[
     """Norm of the violation that unmeasured joints leave, and its expectation from noise."""
     rest = np.zeros(len(known))
     gap, jacobian = loops.constraints(loops.closed(qpos, rest, rest).qpos)
-    taken_up = jacobian[:, ~known] @ np.linalg.pinv(jacobian[:, ~known], rcond=1e-6)
+    taken_up = jacobian[:, ~known] @ np.linalg.pinv(jacobian[:, ~known], rcond=SINGULAR)
     left = (jacobian - taken_up @ jacobian) * std
     return float(np.linalg.norm(gap)), float(np.linalg.norm(left))
 

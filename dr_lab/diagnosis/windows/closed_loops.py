@@ -22,7 +22,7 @@ _SOFT = 0.01  # s, half of MuJoCo's default: a chain whose time constant is long
 _STRIDE = 0.3  # rad or m of the way from the reference that is closed at a time, lest another assembly be met
 _ITERATIONS = 20
 _CLOSED = 1e-10  # rad or m, of a Gauss-Newton step
-_SINGULAR = 1e-6  # of the largest singular value: below it a direction is free
+SINGULAR = 1e-6  # of the largest singular value: below it a direction is free
 _FREE = 1e-3  # share of a velocity; below it nothing of it is free
 _AHEAD = 1e-6  # s, over which the Jacobian's rate is a difference
 
@@ -36,7 +36,6 @@ class Closure(NamedTuple):
         qacc: shape (nv,).
         slopes: of the velocities by the measured ones, shape (nv, nv).
         free: share of each velocity that nothing tells, 0 to 1, shape (nv,).
-        gap: largest violation of a constraint that is left, in m or rad.
     """
 
     qpos: Array
@@ -44,7 +43,6 @@ class Closure(NamedTuple):
     qacc: Array
     slopes: Array
     free: Array
-    gap: float
 
 
 class ClosedLoops:
@@ -87,28 +85,28 @@ class ClosedLoops:
         J_u v_u = −J_m v_m and J_u a_u = −J_m a_m − J' v.
         """
         known, q = self._known, self._followed(qpos)
-        gap, jacobian = self.constraints(q)
-        inverse = np.linalg.pinv(jacobian[:, ~known], rcond=_SINGULAR)
+        _, jacobian = self.constraints(q)
+        inverse = np.linalg.pinv(jacobian[:, ~known], rcond=SINGULAR)
         slopes, free = np.diag(known.astype(float)), np.zeros(len(known))
         slopes[np.ix_(~known, known)] = -inverse @ jacobian[:, known]
         free[~known] = np.sqrt(np.clip(1.0 - np.diag(inverse @ jacobian[:, ~known]), 0.0, 1.0))
         velocity, acceleration = slopes @ qvel, slopes @ qacc
         rate = (self.constraints(self._moved(q, _AHEAD * velocity))[1] - jacobian) @ velocity / _AHEAD
         acceleration[~known] -= inverse @ rate
-        return Closure(q, velocity, acceleration, slopes, free, float(np.abs(gap).max(initial=0.0)))
+        return Closure(q, velocity, acceleration, slopes, free)
 
     def nearest(self, qpos: Array, qvel: Array, std: Array) -> tuple[Array, Array]:
         """The state that is nearest to one, in standard deviations (2 nv,), of those with c = 0 and J v = 0."""
         place, speed = std.reshape(2, -1)
         q = self._solved(qpos, place)
         _, jacobian = self.constraints(q)
-        back = np.linalg.lstsq(jacobian * speed, jacobian @ qvel, rcond=_SINGULAR)[0]
+        back = np.linalg.lstsq(jacobian * speed, jacobian @ qvel, rcond=SINGULAR)[0]
         return q, qvel - speed * back
 
     def carried(self, q: Array, dofs: Sequence[int]) -> Array:
         """Velocities of all joints while one of some degrees of freedom moves by 1 and the others rest, (nv, n)."""
         _, jacobian = self.constraints(q)
-        return following(null_space(jacobian, rcond=_SINGULAR), dofs)
+        return following(null_space(jacobian, rcond=SINGULAR), dofs)
 
     def constraints(self, q: Array) -> tuple[Array, Array]:
         """Violations c, shape (r,), and their Jacobian, shape (r, nv)."""
@@ -131,7 +129,7 @@ class ClosedLoops:
         """Positions with c = 0, each moved in proportion to a scale (nv,)."""
         for _ in range(_ITERATIONS):
             gap, jacobian = self.constraints(q)
-            step = -scale * np.linalg.lstsq(jacobian * scale, gap, rcond=_SINGULAR)[0]
+            step = -scale * np.linalg.lstsq(jacobian * scale, gap, rcond=SINGULAR)[0]
             q = self._moved(q, step)
             if np.abs(step).max() < _CLOSED:
                 break
@@ -145,7 +143,7 @@ class ClosedLoops:
 
 def following(free: Array, dofs: Sequence[int]) -> Array:
     """Velocities (…, nv, n) while one of n degrees of freedom moves by 1, of those that directions (…, nv, k) span."""
-    return free @ np.linalg.pinv(free[..., list(dofs), :], rcond=_SINGULAR)
+    return free @ np.linalg.pinv(free[..., list(dofs), :], rcond=SINGULAR)
 
 
 class Tangent(NamedTuple):
@@ -177,7 +175,7 @@ def tangent(loops: ClosedLoops, qpos: Array, std: Array) -> Tangent:
     """
     scales = std.reshape(2, -1)
     parts = [np.linalg.svd(loops.constraints(q)[1] * scale)[1:] for q in qpos for scale in scales]
-    rank = max(int((size > _SINGULAR * size.max(initial=0.0)).sum()) for size, _ in parts)
+    rank = max(int((size > SINGULAR * size.max(initial=0.0)).sum()) for size, _ in parts)
     free = np.stack([rows[rank:].T for _, rows in parts])  # (2 w, nv, k / 2)
     (count, nv, half), basis = free.shape, np.zeros((len(qpos), 2 * free.shape[1], 2 * free.shape[2]))
     inverse = np.zeros((len(qpos), 2 * half, 2 * nv))
