@@ -14,7 +14,7 @@ from dr_lab.diagnosis.faults.unit_suspicion import suspect_degrees
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.periods import searched
-from dr_lab.diagnosis.search.pruning import PutBack
+from dr_lab.diagnosis.search.put_back import PutBack
 from dr_lab.diagnosis.search.wider import ran_into
 from dr_lab.diagnosis.windows.commands import silent_actuators
 from dr_lab.diagnosis.windows.start import untold_joints
@@ -158,6 +158,7 @@ def put_back(found: Sequence[PutBack]) -> list[NoteEntry]:
 def _put_back(one: PutBack) -> str:
     values = ", ".join(f"{name} {value:.2g} ± {std:.2g}" for name, (value, std) in one.further.items())
     held = "are compatible with nothing" if one.compatible else "explain no more of the logs that score, beyond doubt"
+    held = "close a small part of the little that it leaves beyond the noise" if one.little else held
     held = "change little beside what the time step does; a finer one in the MJCF would tell" if one.hidden else held
     return f"{one.richer} was put back to {one.poorer}: its further parameters {held} ({values})."
 

@@ -7,7 +7,7 @@ import numpy as np
 
 HERE = Path(__file__).parent
 RUNS, SECONDS, RATE = 5, 6.0, 250.0  # runs; s of each; samples a second
-STEPS = 8  # of the simulation in a sample
+STEPS = 64  # of the simulation in a sample: a machine has none, and 8 move the elbow by three times its noise
 NOISE = 1.0e-3  # rad, of the encoders
 
 

@@ -12,7 +12,8 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
-from dr_lab.diagnosis.search.pruning import Pruned, PutBack, finished, lean
+from dr_lab.diagnosis.search.pruning import Pruned, finished, lean
+from dr_lab.diagnosis.search.put_back import PutBack
 from dr_lab.diagnosis.search.rank import Ranking, rank
 from dr_lab.diagnosis.search.restack import reconsider
 from dr_lab.diagnosis.search.step import AddedEffect

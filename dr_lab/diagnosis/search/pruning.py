@@ -8,13 +8,12 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
-from dr_lab.diagnosis.evidence.likelihood import less_likely
-from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported, supported_within_logs
+from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
 from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.as_special_case import reaching
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
+from dr_lab.diagnosis.search.put_back import PutBack, asked_for, closes_little
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.step_error import hidden_by_step
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -26,28 +25,6 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 Rule = Callable[[Gain, int, EvidenceSettings], bool]
-
-
-@dataclass(frozen=True)
-class PutBack:
-    """An effect whose place one of its special cases has taken.
-
-    Attributes:
-        richer: its label.
-        poorer: the special case's.
-        further: value and standard deviation of the parameters that the special case lacks, by short names.
-        compatible: whether these are compatible with zero, given the scatter between logs. Otherwise the effect was put
-            back because the logs that score do not ask for them.
-        certain: whether they differ from zero beyond doubt although few logs show their scatter badly.
-        hidden: whether the time step of the model does much of what they change.
-    """
-
-    richer: str
-    poorer: str
-    further: Mapping[str, tuple[float, float]]
-    compatible: bool
-    certain: bool
-    hidden: bool = False
 
 
 @dataclass(frozen=True)
@@ -159,7 +136,8 @@ def simplify(
 
     The richer effect stands in two cases:
 
-    1. The logs ask for it (`_asked_for`), and the time step of the poorer one does little of what it changes
+    1. The logs ask for it (`put_back.asked_for`), it closes a good part even of a gap that hardly shows
+       (`put_back.closes_little`), and the time step of the poorer one does little of what it changes
        (`hidden_by_step`).
     2. The poorer one in its place would not be beyond doubt itself. Then the doubt is which of the two is there, not
        whether one is.
@@ -186,30 +164,14 @@ def _weighed(swap: "_Swap", bench: Bench, base: FittedModel, whole: FittedModel)
     back, extra = swap.put_back(bench, whole), len(swap.richer.parameters) - len(swap.poorer.parameters)
     goal = beyond_doubt(bench, whole)
     simpler = swap.made(bench, base, whole, goal)
-    asked = _asked_for(simpler, whole, back, extra, bench.evidence)
-    hidden = asked and hidden_by_step(bench, simpler, whole)
-    if asked and not hidden:
+    asked = asked_for(simpler, whole, back, extra, bench.evidence)
+    little = asked and closes_little(simpler, whole, bench.evidence)
+    hidden = asked and not little and hidden_by_step(bench, simpler, whole)
+    if asked and not little and not hidden:
         return simpler, None
     if _ended_early(simpler, goal):
         simpler = swap.made(bench, base, whole)
-    return simpler, replace(back, hidden=hidden)
-
-
-def _asked_for(poorer: FittedModel, richer: FittedModel, back: PutBack, extra: int, settings: EvidenceSettings) -> bool:
-    """Whether the logs ask for the richer of two models, which has so many parameters more.
-
-    1. The windows that score support it, and its further parameters differ from zero beyond doubt, given the scatter
-       between logs. Where they do so even by F, which knows how few the logs are, the windows need not gain alike in
-       all logs: a log that hardly excites the parameters gains little.
-    2. It leaves noise, and the poorer one is less likely. Then it is no wrong model whose errors scatter from log to
-       log. Where the poorer one leaves noise as well, the further parameters must also differ from zero as above.
-    """
-    if at_floor(richer.held_out, settings) and less_likely(poorer, richer, extra, settings):
-        return not back.compatible or not at_floor(poorer.held_out, settings)
-    gain, enough = paired_gain(poorer.held_out, richer.held_out, settings), supported
-    if back.certain:
-        enough = supported_within_logs
-    return not back.compatible and enough(gain, extra, settings)
+    return simpler, replace(back, little=little, hidden=hidden)
 
 
 def _stands(

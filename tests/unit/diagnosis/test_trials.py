@@ -32,7 +32,7 @@ from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, worth_
 from dr_lab.diagnosis.search import pruning
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
-from dr_lab.diagnosis.search.pruning import PutBack
+from dr_lab.diagnosis.search.put_back import PutBack
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.effects.catalogue import SpecialCases
@@ -183,6 +183,25 @@ def test_a_richer_effect_that_changes_no_more_than_the_time_step_is_put_back(mon
     assert found[1].hidden
 
 
+@pytest.mark.parametrize(
+    ("richer", "poorer", "stays"),
+    [
+        (0.08, 0.12, SIMPLE),  # a third of a gap that hardly shows: so much may be another simulator's time step
+        (0.02, 0.12, SKEW),
+        (0.25, 0.4, SKEW),  # less than half, of a gap that shows: a better model, with more to come
+    ],
+)
+def test_a_richer_effect_closes_half_of_a_gap_that_hardly_shows(
+    richer: float, poorer: float, stays: PlacedEffect, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        return np.repeat(richer if SKEW in effects else poorer if SIMPLE in effects else 20.0, BLOCKS)
+
+    climbed = climb(Machine((SIMPLE, SKEW), left, {ASYMMETRY: (0.2, 0.01)}), monkeypatch)
+    assert labels(effects_of(climbed.models[-1])) == [stays.label]
+    assert [back.little for back in climbed.put_back] == ([True] if stays is SIMPLE else [])
+
+
 class Uneven(Machine):
     """A machine whose five held-out logs ask for the richer effect unequally; in the last window it does harm."""
 
@@ -259,10 +278,12 @@ def test_rivals_that_are_richer_kinds_of_what_is_put_back_are_none_any_more(monk
 def test_a_report_tells_what_was_put_back_and_why() -> None:
     found = PutBack(SKEW.label, SIMPLE.label, {"asymmetry": (0.0004, 0.0054)}, compatible=True, certain=False)
     unasked = replace(found, compatible=False)
-    told, other, coarse = (note.message for note in put_back([found, unasked, replace(unasked, hidden=True)]))
+    notes = put_back([found, unasked, replace(unasked, hidden=True), replace(unasked, little=True)])
+    told, other, coarse, little = (note.message for note in notes)
     assert told == (
         "asymmetric_friction@rail was put back to coulomb_friction@rail: its further parameters are compatible with "
         "nothing (asymmetry 0.0004 ± 0.0054)."
     )
     assert "explain no more" in other
     assert "change little beside what the time step does" in coarse
+    assert "close a small part of the little that it leaves beyond the noise" in little
