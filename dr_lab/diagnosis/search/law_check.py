@@ -8,6 +8,7 @@ import mujoco
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain, supported
+from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.search.free_command import free_command
 from dr_lab.diagnosis.search.free_inertia import free_inertia
 from dr_lab.diagnosis.search.free_law import FreeLaw
@@ -62,10 +63,14 @@ def check_laws(
     the effect leaves as is asked of a cause (`LawSettings.least_closed`). How large its correction is beside the effect
     is not asked: a load on the wrong body explains 99 % of the motion, and is on the wrong body all the same.
 
-    Not checked are: a model that leaves noise alone; effects that others cannot be told from, of which none is named;
-    effects at a bound, which may leave what a wider bound would explain; laws without an argument of which there is a
-    free law. Friction is among these: dry friction that creeps or bends is dry friction by another law, and what a free
-    curve of the speed explains beside it (up to 95 % of what is left on our own plants) is no other effect.
+    Where others cannot be told from the effect, the free law has to explain so much of what each of them leaves, too:
+    then the machine has the law of none. If one of them is the truth, it leaves nothing of that size.
+
+    Not checked are: a model that leaves noise alone; effects that others cannot be told from and beside which more was
+    added since, for the others' models lack that; effects at a bound, which may leave what a wider bound would explain;
+    laws without an argument of which there is a free law. Friction is among these: dry friction that creeps or bends is
+    dry friction by another law, and what a free curve of the speed explains beside it (up to 95 % of what is left on
+    our own plants) is no other effect.
 
     Source: Hart, Nonparametric Smoothing and Lack-of-Fit Tests (1997), chapter 1 (nested smooth alternatives).
 
@@ -79,9 +84,14 @@ def check_laws(
         return ()
     last, found = steps[-1].fitted_model, []
     for step in steps:
-        free = None if step.rivals or _at_a_bound(step.effect, last) else _free(bench, step.effect, scales, compiled)
+        rivals = step.rivals
+        compared = not rivals or step is steps[-1]
+        bounded = _at_a_bound(last, step.effect) or any(_at_a_bound(r.fitted_model, r.effect) for r in rivals)
+        if not compared or bounded:
+            continue
+        free = _free(bench, step.effect, scales, compiled)
         if free is not None:
-            found.append(_check(bench, last, step.effect, free))
+            found.append(_check(bench, [last, *(r.fitted_model for r in rivals)], step.effect, free))
     return tuple(found)
 
 
@@ -94,15 +104,21 @@ def _free(bench: Bench, effect: PlacedEffect, scales: Scales, compiled: mujoco.M
     return free_inertia(effect.site, compiled) if effect.effect.argument == "inertia" else None
 
 
-def _at_a_bound(effect: PlacedEffect, fitted_model: FittedModel) -> bool:
+def _at_a_bound(fitted_model: FittedModel, effect: PlacedEffect) -> bool:
     values = fitted_model.values()
     return any(any(p.ends(values[p.name])) for p in effect.parameters)
 
 
-def _check(bench: Bench, last: FittedModel, effect: PlacedEffect, free: FreeLaw) -> LawCheck:
-    settings, evidence = bench.evidence.law, bench.evidence
-    freed = freed_score(bench, last, effect, free)
-    gain = paired_gain(last.held_out, freed, evidence)
-    closes = gain.gap >= settings.least_closed or cleared(last.held_out, freed, gain, evidence)
-    refuted = closes and supported(gain, len(free.own), evidence)
-    return LawCheck(effect.label, effect.effect.argument, len(free.own), gain, refuted)
+def _check(bench: Bench, models: Sequence[FittedModel], effect: PlacedEffect, free: FreeLaw) -> LawCheck:
+    """The check of an effect in the first of some models, the others being those of its rivals."""
+    freed = freed_score(bench, models[0], effect, free)
+    gains = [paired_gain(model.held_out, freed, bench.evidence) for model in models]
+    refuted = [_refutes(bench, model, freed, gain, len(free.own)) for model, gain in zip(models, gains, strict=True)]
+    return LawCheck(effect.label, effect.effect.argument, len(free.own), gains[0], all(refuted))
+
+
+def _refutes(bench: Bench, fitted_model: FittedModel, freed: Score, gain: Gain, own: int) -> bool:
+    """Whether a free law of so many parameters closes as much of what a model leaves as is asked of a cause."""
+    evidence = bench.evidence
+    closes = gain.gap >= evidence.law.least_closed or cleared(fitted_model.held_out, freed, gain, evidence)
+    return closes and supported(gain, own, evidence)

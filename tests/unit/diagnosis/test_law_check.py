@@ -1,7 +1,10 @@
 """Laws of named effects against free laws of the same argument, on machines whose law is known."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import cast
 
 import mujoco
 import numpy as np
@@ -11,6 +14,7 @@ from effect_machines import catalogue_effect, hanging
 
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.fit.scales import machine_scales
+from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.free_inertia import free_inertia
 from dr_lab.diagnosis.search.free_law import curve
 from dr_lab.diagnosis.search.ladder import Ladder
@@ -84,6 +88,21 @@ def test_a_dead_zone_stays_beside_what_is_no_function_of_the_command() -> None:
     assert ladder.models[1].held_out.chi2 > 2.0
     assert not law.refuted
     assert law.gain.gap < 0.3
+
+
+@pytest.mark.parametrize(("truth", "refuted"), [(squared, True), (dead, False)])
+def test_equals_are_refuted_together_or_not_at_all(truth: Callable[[float], float], refuted: bool) -> None:
+    """Under a squared command a dead zone and a weak motor are; under a dead zone a power law and itself are not."""
+    effects = ("dead_zone", "torque_scale") if refuted else ("command_power", "dead_zone")
+    (first, _, bench), (second, *_) = (judged(name, "drive", truth) for name in effects)
+    step, other = first.steps[0], second.steps[0]
+    rival = cast(Candidate, SimpleNamespace(effect=other.effect, fitted_model=other.fitted_model))
+    compiled = pendulum().nominal()
+    logs = [swinging(f"log_{k}", compiled, k, force=lambda _: None, seconds=4.0) for k in range(2)]
+    scales = machine_scales(compiled, logs, 0.03)  # a command's size does not depend on what the motor makes of it
+    (law,) = check_laws(bench, (replace(step, rivals=(rival,)),), scales, compiled)
+    assert law.refuted == refuted
+    assert law.gain.gap > 0.7  # beside the first one a free curve explains much, whatever the truth is
 
 
 def test_friction_that_creeps_is_friction() -> None:
