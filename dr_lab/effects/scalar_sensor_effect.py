@@ -5,6 +5,7 @@ import mujoco
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import slides
 from dr_lab.effects.sensor_effect import SensorEffect
+from dr_lab.physics.sensor_axes import sensor_axes
 
 _PREFIX = "sensor."
 
@@ -13,7 +14,7 @@ class ScalarSensorEffect(SensorEffect):
     """An effect on one number: a joint's encoder, or a sensor with one value (no vector, no orientation)."""
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the hinge and slide joints, and ``sensor.<name>`` for every named sensor of one value."""
+        """Names of the hinge and slide joints, and ``sensor.<name>`` for every sensor, or axis, of one value."""
         return tuple(site for site in super().sites(model) if not _is_sensor(site) or _is_scalar(model, site))
 
 
@@ -39,4 +40,5 @@ def _is_sensor(site: str) -> bool:
 
 
 def _is_scalar(model: mujoco.MjModel, site: str) -> bool:
-    return int(model.sensor(site.removeprefix(_PREFIX)).dim[0]) == 1
+    name = site.removeprefix(_PREFIX)
+    return name in sensor_axes(model) or int(model.sensor(name).dim[0]) == 1

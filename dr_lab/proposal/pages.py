@@ -55,10 +55,11 @@ def measurements_page(proposal: Proposal, split: Split) -> str:
         lines.append(f"time: {{column: {_text(clock.axis.column)}, unit: {clock.axis.unit}}}")
     else:
         lines.append(f"clock: {_clock(proposal)}  # of the channels that name none")
-    lines.append("outputs:  # <joint>.position, <joint>.velocity or sensor.<name>")
+    lines.append("outputs:  # <joint>.position, <joint>.velocity, sensor.<name> or of one axis sensor.<name>.x")
     lines += [_channel(each.channel, _of_output(each, proposal), each.why) for each in proposal.outputs]
     lines.append("commands:  # by actuator" if proposal.commands else "commands: {}  # none: the machine swings freely")
     lines += [_channel(each.drive.name, _of_command(each, proposal), each.why) for each in proposal.commands]
+    lines += _comments("Not read: ", [", ".join(proposal.unread)] if proposal.unread else [])
     return "\n".join([*lines, *_left_out(split), CHANNEL_KEYS])
 
 

@@ -43,6 +43,13 @@ class Proposal:
     notes: tuple[str, ...]
     doubts: tuple[str, ...]
 
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """Series that change, but that neither an output nor a command reads."""
+        read = {part.place for output in self.outputs for part in output.parts}
+        read |= {command.series.place for command in self.commands}
+        return tuple(str(each.place) for each in self.logs.series if each.moves and each.place not in read)
+
 
 def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     """Find outputs and commands, add the actuators that are lacking, and declare what is free.

@@ -19,6 +19,8 @@ from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.split import Split, split_logs
 from dr_lab.proposal.survey import survey
 
+_SHOWN = 8  # series that are not read
+
 
 def init(
     robot: str, logs: Sequence[str], folder: Folder, proposal: ProposalSettings, checks: ComparisonSettings
@@ -91,11 +93,18 @@ def _tell(found: Proposal, split: Split, folder: Folder) -> None:
     for channel, place, unit, sign, why in rows:
         turned = "−" if sign < 0 else " "
         print(f"  {channel:<{widths[0]}}  {turned}{place:<{widths[1]}}  {unit:<{widths[2]}}  {why}")
-    for title, sentences in (("Done", found.notes), ("Unsure", found.doubts), ("Left out", _reasons(split))):
+    parts = {"Done": found.notes, "Unsure": found.doubts, "Left out": _reasons(split), "Not read": _few(found.unread)}
+    for title, sentences in parts.items():
         if sentences:
             print("\n".join([f"\n{title}:", *(f"  - {sentence}" for sentence in sentences)]))
     print(f"\nWritten: {', '.join(str(path) for path in folder.files(name, free=False))}")
     print(f"Next: dr-lab close --config-dir {folder.path} model={name} measurements={name}")
+
+
+def _few(names: Sequence[str]) -> list[str]:
+    """The first names on one line, and how many more there are; nothing of none."""
+    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    return [", ".join(names[:_SHOWN]) + more] if names else []
 
 
 def _reasons(split: Split) -> list[str]:

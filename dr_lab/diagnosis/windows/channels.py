@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from dr_lab.errors import UnknownNameError
-from dr_lab.trajectory import Array
+from dr_lab.errors import DataError, UnknownNameError
+from dr_lab.physics.sensor_axes import AXES, sensor_axes
+from dr_lab.trajectory import Array, Log
 
 Index = NDArray[np.intp]
 _SCALAR_JOINTS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
@@ -21,7 +22,8 @@ class Channel:
     """One measured channel and where the simulator shows it.
 
     Attributes:
-        name: ``"<joint>.position"``, ``"<joint>.velocity"`` or ``"sensor.<name>"``.
+        name: ``"<joint>.position"``, ``"<joint>.velocity"``, ``"sensor.<name>"`` or one axis of that,
+            ``"sensor.<name>.x"``.
         kind: ``position``, ``velocity``, ``sensor`` or ``orientation``.
         address: first entry in qpos, qvel or sensordata.
         dof: the joint's degree of freedom, −1 for sensors.
@@ -33,6 +35,11 @@ class Channel:
     address: int
     dof: int
     size: int
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers a reading has: 4 of an orientation, which is a quaternion."""
+        return 4 if self.kind == "orientation" else self.size
 
 
 def resolve(model: mujoco.MjModel, names: Sequence[str]) -> tuple[Channel, ...]:
@@ -48,6 +55,24 @@ def resolve(model: mujoco.MjModel, names: Sequence[str]) -> tuple[Channel, ...]:
     return tuple(known[name] for name in names)
 
 
+def require_numbers(channel: Channel, log: Log) -> None:
+    """Check that a log's samples of a channel have as many numbers as the model's.
+
+    Raises:
+        DataError: they have not.
+    """
+    value = log.outputs[channel.name].value
+    found = 1 if value.ndim == 1 else value.shape[1]
+    if found == channel.numbers:
+        return
+    vector = channel.kind == "sensor" and channel.numbers == len(AXES)
+    one = f" Of one axis the name is {channel.name}.x, .y or .z." if vector else ""
+    raise DataError(
+        f"Log {log.name!r}: a sample of the model's {channel.name} has {channel.numbers} numbers, one of the log "
+        f"{found}. Name as many columns or fields.{one}"
+    )
+
+
 def available(model: mujoco.MjModel) -> dict[str, Channel]:
     """Every channel that the model can show, by name."""
     channels = []
@@ -61,6 +86,8 @@ def available(model: mujoco.MjModel) -> dict[str, Channel]:
         quaternion = int(model.sensor_type[i]) in _QUATERNION_SENSORS
         kind = "orientation" if quaternion else "sensor"
         channels.append(Channel(f"sensor.{model.sensor(i).name}", kind, address, -1, 3 if quaternion else size))
+    for name, (i, axis) in sensor_axes(model).items():
+        channels.append(Channel(f"sensor.{name}", "sensor", int(model.sensor_adr[i]) + axis, -1, 1))
     return {channel.name: channel for channel in channels}
 
 
@@ -105,8 +132,7 @@ class Tape:
             return self._hermite(channel, time)[..., None]
         if channel.kind == "velocity":
             return self._linear(self.qvel[..., channel.address : channel.address + 1], time)
-        width = 4 if channel.kind == "orientation" else channel.size
-        return self._linear(self.sensordata[..., channel.address : channel.address + width], time)
+        return self._linear(self.sensordata[..., channel.address : channel.address + channel.numbers], time)
 
     def _hermite(self, channel: Channel, time: Array) -> Array:
         k, f = self._cell(time, self.qpos.shape[2])

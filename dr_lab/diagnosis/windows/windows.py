@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.activations import Activations, activations, run_in_of
-from dr_lab.diagnosis.windows.channels import Channel, resolve
+from dr_lab.diagnosis.windows.channels import Channel, require_numbers, resolve
 from dr_lab.diagnosis.windows.commands import actuator_columns, averages
 from dr_lab.diagnosis.windows.start import Before, StartPrior, estimate_starts, motion_before, starts_known
 from dr_lab.diagnosis.windows.unlogged import Unlogged, unlogged
@@ -277,6 +277,8 @@ def _samples(
     channel: Channel, logs: Sequence[Log], begins: Sequence[Array], noise: Noise, settings: WindowSettings
 ) -> WindowSamples:
     """Pad the samples of one channel in all windows to one width."""
+    for log in logs:
+        require_numbers(channel, log)
     lead, signals = settings.margin + settings.run_in, [log.outputs[channel.name] for log in logs]
     first = np.cumsum([0, *map(len, signals)])  # of each log's samples among those of all
     cuts = [
@@ -287,7 +289,7 @@ def _samples(
     column = np.arange(int((stop - start).max()))
     index, inside = np.minimum(start + column, first[-1] - 1), column < stop - start
     every = np.concatenate([signal.time for signal in signals])[index] - np.concatenate(begins)[:, None]
-    raw = 4 if channel.kind == "orientation" else channel.size
+    raw = channel.numbers
     measured = np.concatenate([signal.value.reshape(len(signal), raw) for signal in signals])[index]
     nothing = np.eye(raw)[0] if channel.kind == "orientation" else np.zeros(raw)
     time, value = np.where(inside, every, 0.0), np.where(inside[..., None], measured, nothing)

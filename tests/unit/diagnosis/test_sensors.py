@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from diagnosis_machines import NOISE, STEP, log_of, model_of, simulated, solver_settings, true_starts, windows_of
-from effect_machines import placed
+from effect_machines import catalogue_effect, placed
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import fit_states
+from dr_lab.errors import DataError
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Log, Signal
 
@@ -112,3 +113,46 @@ def test_an_imu_alone_shows_a_start_that_no_joint_sensor_does() -> None:
     step = np.rint(windows.begin / STEP).astype(int)
     np.testing.assert_allclose(tape.qpos[0, :, 0], motion["qpos"][step], atol=5 * NOISE)
     np.testing.assert_allclose(tape.qvel[0, :, 0], motion["qvel"][step], atol=0.02)
+
+
+ONE = "sensor.gyro.y"
+
+
+def one_axis(motion: dict[str, Array], late: float = 0.0) -> Log:
+    """Joints, and the rate about one axis of the IMU."""
+    whole = log(motion)
+    rate = Signal(ONE, "rad/s", motion["time"] + late, motion["sensordata"][:, 1])
+    joints = {name: signal for name, signal in whole.outputs.items() if name not in SLICES}
+    return replace(whole, outputs={**joints, ONE: rate})
+
+
+def test_a_log_may_hold_one_axis_of_a_sensor() -> None:
+    found = worst(model_of(ARM), np.zeros(0), one_axis(motion_of()))
+    assert set(found) == {"hinge.position", "roll.position", ONE}
+    assert max(found.values()) < 1e-6
+
+
+def test_one_axis_of_a_sensor_may_be_late_or_biased() -> None:
+    model = model_of(ARM)
+    model = model.with_effect(placed(model, "sensor_time_offset", ONE)).with_effect(placed(model, "sensor_bias", ONE))
+    late = one_axis(motion_of(), late=STEP)
+    biased = replace(late, outputs={**late.outputs, ONE: replace(late.outputs[ONE], value=late.outputs[ONE].value + 1)})
+    z = model.space.vector({f"sensor_time_offset@{ONE}.offset": STEP, f"sensor_bias@{ONE}.bias": 1.0})
+    assert max(worst(model, z, biased).values()) < 1e-6
+
+
+def test_effects_of_sensors_are_looked_for_where_the_logs_hold_them() -> None:
+    compiled, bias = model_of(ARM).nominal(), catalogue_effect("sensor_bias")
+    assert {ONE, "sensor.acceleration.z", "hinge"} <= set(bias.sites(compiled))
+    assert "sensor.gyro" not in bias.sites(compiled)  # three numbers
+    shown = [site for site in bias.sites(compiled) if bias.shown_by(site, [ONE, "hinge.position"])]
+    assert shown == ["hinge", "roll", ONE]
+
+
+def test_too_few_numbers_for_a_sensor_are_told() -> None:
+    whole = log(motion_of())
+    first = replace(whole.outputs["sensor.gyro"], value=whole.outputs["sensor.gyro"].value[:, 0])
+    with pytest.raises(
+        DataError, match=r"sensor\.gyro has 3 numbers, one of the log 1\. .*sensor\.gyro\.x, \.y or \.z"
+    ):
+        windows_of(model_of(ARM), [replace(whole, outputs={**whole.outputs, "sensor.gyro": first})])

@@ -38,8 +38,9 @@ def test_physics_is_untouched() -> None:
 
 
 @pytest.mark.parametrize("name", ["sensor_bias", "sensor_scale", "sensor_drift"])
-def test_only_sensors_of_one_value_are_sites(name: str) -> None:
-    assert catalogue_effect(name).sites(with_sensors()) == ("rail", "sensor.scalar")
+def test_only_what_has_one_value_is_a_site(name: str) -> None:
+    axes = tuple(f"sensor.vector.{axis}" for axis in "xyz")
+    assert catalogue_effect(name).sites(with_sensors()) == ("rail", "sensor.scalar", *axes)
 
 
 def test_a_sensor_is_shifted() -> None:

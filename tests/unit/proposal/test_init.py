@@ -100,9 +100,10 @@ def robots_and_readings() -> Iterator[object]:
 
 @pytest.mark.parametrize(("robot", "columns", "outputs", "commands"), list(robots_and_readings()))
 def test_columns_units_and_signs_are_those_of_the_machine(
-    robot: str, columns: Columns, outputs: Rows, commands: Rows
+    robot: str, columns: Columns, outputs: Rows, commands: Rows, capsys: pytest.CaptureFixture[str]
 ) -> None:
     found = proposed(robot, write_logs(columns))
+    assert ("Not read:\n  - c, e\n" in capsys.readouterr().out) == (columns is nameless)  # velocities
     assert [read_as(found["outputs"][f"{joint}.position"]) for joint in JOINTS] == outputs
     assert [read_as(found["commands"][joint]) for joint in JOINTS] == commands
     assert found["held_out"] == ["log_2"]
