@@ -58,8 +58,15 @@ class JointElasticity(MotorSideEffect, ForceLaw):
     fingerprint: ClassVar[str] = (
         "residual that rings at one frequency after jumps of the command; the link answers late"
     )
-    confused_with: ClassVar[tuple[str, ...]] = ("backlash", "actuator_delay", "actuator_lag", "armature")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "motor_side_elasticity",
+        "backlash",
+        "actuator_delay",
+        "actuator_lag",
+        "armature",
+    )
     shapes: ClassVar[tuple[str, ...]] = ("rotor", "retardation")
+    sharpened: ClassVar[tuple[str, ...]] = ("retardation",)
     lacks: ClassVar[str] = "the motor that turns against its link on a spring; the file holds them rigid"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
@@ -79,7 +86,7 @@ class JointElasticity(MotorSideEffect, ForceLaw):
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor on its spring."""
         drive, step = JointDrive.of(models, site), float(models[0].opt.timestep)
-        return _Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"])
+        return Twisting(drive, step, values["rotor"], values["compliance"], values["retardation"])
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Springs from stiff to soft."""
@@ -88,7 +95,7 @@ class JointElasticity(MotorSideEffect, ForceLaw):
 
 
 @dataclass
-class _Twisting(MotorSide):
+class Twisting(MotorSide):
     """Spring and damper between rotor and link; compliance and retardation of shape (n,) or (1,)."""
 
     compliance: Array
@@ -112,13 +119,16 @@ class _Twisting(MotorSide):
         self._rate_of_rate = np.where(elastic, ((slow * ends[0] - fast * ends[1]) / (2 * r)).real, 0.0)
 
     def balance(self, load: Array) -> Array:
+        """C times the load."""
         return self.compliance * load
 
     def plan(self, load: Array) -> tuple[Array, Array]:
+        """Of the closed form, in which the load enters through the share alone."""
         kick = self._rate_of_offset * self.offset + (self._rate_of_rate - 1.0) * self.rate
         return self._offset_of_rate / self.step, kick
 
     def advance(self, load: Array) -> None:
+        """By the closed form."""
         centre = self.compliance * load
         off, rate = self.offset - centre, self.rate
         self.offset = centre + self._offset_of_offset * off + self._offset_of_rate * rate

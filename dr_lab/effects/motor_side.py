@@ -72,12 +72,22 @@ class MotorSide(Law):
     inertia: Array
     offset: Array = field(default_factory=lambda: np.zeros(0), init=False)
     rate: Array = field(default_factory=lambda: np.zeros(0), init=False)
-    kept: ClassVar[tuple[str, ...]] = ("offset", "rate", "_known", "_under_way", "_asked", "_expected", "_share")
+    kept: ClassVar[tuple[str, ...]] = (
+        "offset",
+        "rate",
+        "_known",
+        "_under_way",
+        "_asked",
+        "_expected",
+        "_share",
+        "_beside",
+    )
     _known: NDArray[np.bool_] = field(init=False)
     _under_way: NDArray[np.bool_] = field(init=False)
     _asked: Array = field(init=False)
     _expected: Array = field(init=False)
     _share: Array = field(init=False)
+    _beside: Array = field(init=False)
 
     @abstractmethod
     def balance(self, load: Array) -> Array:
@@ -94,22 +104,31 @@ class MotorSide(Law):
     def act(self, moment: Moment, influence: Influence) -> None:
         """End the last step with what it turned out to bear, and plan the coming one."""
         dof = self.drive.dof
-        given, inertial = moment.actuation[:, dof], self._inertial(moment)
-        asked = self.drive.force(moment.qpos, moment.qvel, influence.control)
+        asked, inertial = self.drive.force(moment.qpos, moment.qvel, influence.control), self._inertial(moment)
+        self._size(len(asked))
+        at_link = moment.actuation[:, dof]
+        given = at_link + self._beside
         self._meet(given - inertial)
         self._go(given - inertial, self._under_way)
         late = np.where(self._under_way, self._share * (given - self._expected), 0.0)
-        expected = given + np.where(self._under_way, asked - self._asked, 0.0)
+        beside = self.fed_back(moment, influence.control, asked)
+        expected = at_link + beside + np.where(self._under_way, asked - self._asked, 0.0)
         share, kick = self.plan(expected - inertial)
         influence.armature[:, dof] -= share * self.inertia
-        influence.force[:, dof] -= share * expected + self.inertia * kick / self.step + late
-        self._asked, self._expected, self._share = asked, expected, share
+        influence.force[:, dof] += beside - (share * expected + self.inertia * kick / self.step + late)
+        self._asked, self._expected, self._share, self._beside = asked, expected, share, beside
         self._under_way = np.ones(len(asked), bool)
+
+    def fed_back(self, moment: Moment, control: Array, asked: Array) -> Array:
+        """What actuators give beside what they ask for at the link's position and velocity, shape (n,): nothing."""
+        del moment, control
+        return np.zeros(len(asked))
 
     def replay_history(self, moment: Moment, influence: Influence) -> None:
         """Follow the measured motion under what the actuators give at its commands."""
         given = self.drive.force(moment.qpos, moment.qvel, influence.control)
         load = given - self._inertial(moment)
+        self._size(len(load))
         self._meet(load)
         self.plan(load)
         self._go(load, self._known)
@@ -118,6 +137,7 @@ class MotorSide(Law):
         """Forget where the motor is; it begins in balance."""
         if len(self.offset) > rows.max(initial=0):
             self._known[rows] = self._under_way[rows] = False
+            self._beside[rows] = 0.0
 
     @property
     def memory(self) -> Array:
@@ -143,11 +163,14 @@ class MotorSide(Law):
         after = self.offset, self.rate
         self.offset, self.rate = (np.where(rows, *pair) for pair in zip(after, before, strict=True))
 
+    def _size(self, count: int) -> None:
+        """Know nothing of so many simulations, where it was not as many before."""
+        if len(self.offset) != count:
+            self.offset, self.rate, self._asked, self._expected, self._share, self._beside = np.zeros((6, count))
+            self._known, self._under_way = np.zeros((2, count), bool)
+
     def _meet(self, load: Array) -> None:
         """Let simulations of which nothing is known begin at rest under their load."""
-        if len(self.offset) != len(load):
-            self.offset, self.rate, self._asked, self._expected, self._share = np.zeros((5, len(load)))
-            self._known, self._under_way = np.zeros((2, len(load)), bool)
         if not self._known.all():
             self.offset = np.where(self._known, self.offset, self.balance(load))
             self.rate = np.where(self._known, self.rate, 0.0)

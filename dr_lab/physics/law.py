@@ -84,6 +84,22 @@ class Law(ABC):
         """Forget what came before in these simulations; a law without memory has nothing to forget."""
         del rows
 
+    def read_encoders(self, qpos: Array, qvel: Array) -> None:
+        """Turn positions (n, nq) and velocities (n, nv) of the joints now into what encoders read, in place.
+
+        By default encoders sit at the joints.
+        """
+        del qpos, qvel
+
+    def place_joints(self, qpos: Array, qvel: Array) -> None:
+        """Turn what encoders read at a start into positions and velocities of the joints, in place."""
+        del qpos, qvel
+
+    @property
+    def reads_elsewhere(self) -> bool:
+        """Whether encoders read something else than the joints."""
+        return type(self).read_encoders is not Law.read_encoders
+
     @property
     def remembers(self) -> bool:
         """Whether the law has something to forget, so that what was measured before matters to it."""

@@ -71,7 +71,14 @@ class Stepper:
         Returns:
             Controls as MuJoCo got them.
         """
-        batch, influence, (friction, armature, inertia) = self._batch, self._influence, self._own
+        self._act(control, begin)
+        self._batch.step()
+        self._forces = self._computed
+        return self._influence.control
+
+    def _act(self, control: Array, begin: Array | float) -> None:
+        """Let the laws write what acts in the coming step."""
+        influence, (friction, armature, inertia) = self._influence, self._own
         if self._new.any():
             self._meet(control)
         influence.control[:], influence.force[:] = control, 0.0
@@ -82,9 +89,6 @@ class Stepper:
         np.maximum(influence.friction, 0.0, out=influence.friction)
         np.subtract(influence.armature, armature, out=self._inertia)
         self._inertia += inertia
-        batch.step()
-        self._forces = self._computed
-        return influence.control
 
     def _meet(self, control: Array) -> None:
         """Compute the forces of simulations that no step before tells, and let their velocities have changed by 0."""
@@ -112,13 +116,25 @@ class Stepper:
         if history is not None:
             begin = self._each(history.begin)
             self._recall(history, begin)
+            for law in self._laws:
+                law.place_joints(self._qpos, self._qvel)
         fields = {name: self._batch.bind(name) for name in record}
         kept = {name: np.empty((len(field), controls.shape[1], *field.shape[1:])) for name, field in fields.items()}
         for k in range(controls.shape[1]):
             controls[:, k] = self.step(controls[:, k], begin)
+            if k:
+                self._read_encoders(kept, k - 1)  # laws have just ended the step before
             for name, field in fields.items():
                 kept[name][:, k] = field
+        if any(law.reads_elsewhere for law in self._laws):
+            self._act(controls[:, -1].copy(), begin)
+            self._read_encoders(kept, controls.shape[1] - 1)
         return kept
+
+    def _read_encoders(self, kept: dict[str, Array], k: int) -> None:
+        """Let the record of a step hold what encoders read after it."""
+        for law in self._laws:
+            law.read_encoders(kept["qpos"][:, k], kept["qvel"][:, k])
 
     def _recall(self, history: History, begin: Array) -> None:
         """Let laws that remember see what was measured before, behind the others; what they do has no effect then."""

@@ -31,7 +31,12 @@ CART = """<mujoco model="cart">
   <actuator><motor name="drive" joint="rail" gear="2"/></actuator>
 </mujoco>"""
 GEAR = {"gear": {"target": "actuator.drive.gear[0]", "unit": "1", "low": 0.5, "high": 4.0}}
-ACTING = (("joint_elasticity", "rail"), ("backlash", "rail"), ("torque_speed_limit", "drive"))  # on what a motor gives
+ACTING = (  # on what a motor gives
+    ("joint_elasticity", "rail"),
+    ("motor_side_elasticity", "rail"),
+    ("backlash", "rail"),
+    ("torque_speed_limit", "drive"),
+)
 
 
 @cache

@@ -10,10 +10,12 @@ from effect_machines import placed, scales_of
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.backlash import Backlash
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.hidden.joint_elasticity import JointElasticity
+from dr_lab.plants.hidden.motor_side_elasticity import MotorSideElasticity
 from dr_lab.plants.motion import Accuracy, simulate
 from dr_lab.plants.pendulum import PendulumNominal
 from dr_lab.trajectory import Log
@@ -32,7 +34,8 @@ def log(seed: int, hidden: HiddenEffect) -> Log:
     accuracy = Accuracy(relative=1e-8, absolute=1e-9, longest_step=0.005)
     states = simulate(machine, hidden, [Command(asked.time, asked.value)], time, accuracy=accuracy)
     noise = NOISE * np.random.default_rng(1000 + seed).normal(size=len(time))
-    return log_of(f"log_{seed}", {f"{SITE}.position": (time, states[:, 0] + noise)}, asked)
+    (column, *_) = Body.of(machine, hidden).read_columns
+    return log_of(f"log_{seed}", {f"{SITE}.position": (time, states[:, column] + noise)}, asked)
 
 
 def fitted(hidden: HiddenEffect, start: Mapping[str, float]) -> tuple[dict[str, float], float]:
@@ -52,6 +55,18 @@ def test_the_soft_shaft_is_found() -> None:
     assert cost == pytest.approx(1.0, abs=0.1)
     assert found["rotor"] * found["compliance"] == pytest.approx(ROTOR * 0.02, rel=0.2)
     assert found["rod.mass"] == pytest.approx(TRUTH["rod.mass"], rel=0.01)
+
+
+def test_the_soft_shaft_is_found_from_the_motor() -> None:
+    """There the link's inertia is not felt as a whole: rotor and compliance tell themselves apart."""
+    hidden = MotorSideElasticity(SITE, ROTOR, compliance=0.01, damping=0.3)
+    found, cost = fitted(hidden, {"compliance": 0.0075, "rotor": ROTOR})
+    assert cost == pytest.approx(1.0, abs=0.15)  # how far the spring is wound at first is told by accelerations
+    assert found["compliance"] == pytest.approx(0.01, rel=0.02)
+    assert found["rotor"] == pytest.approx(ROTOR, rel=0.05)
+    assert found["retardation"] == pytest.approx(0.3 * 0.01, rel=0.1)
+    assert found["rod.mass"] == pytest.approx(TRUTH["rod.mass"], rel=0.01)
+    assert found["hinge.damping"] == pytest.approx(TRUTH["hinge.damping"], rel=0.01)
 
 
 @pytest.mark.slow

@@ -99,6 +99,7 @@ def _forces(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Riva
     # What these give is not linear in anything: they have no rivals' shapes, but a number of parameters.
     yield Rival(f"backlash@{joint}", 2)
     yield Rival(f"joint_elasticity@{joint}", 3)
+    yield Rival(f"motor_side_elasticity@{joint}", 3)
     one = np.ones_like(q)
     yield Rival(f"spring@{joint}", 2, forced(-q, one))
     yield Rival(f"constant_offset@{joint}", 1, forced(one))

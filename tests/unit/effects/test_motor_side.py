@@ -56,10 +56,11 @@ def test_a_damped_spring_comes_to_rest() -> None:
 
 @pytest.mark.parametrize("compliance", [1e-12, 1e-9, 1e-7])
 @pytest.mark.parametrize("rotor", [0.02, 1.6])
-def test_a_stiff_spring_is_none(compliance: float, rotor: float) -> None:
+@pytest.mark.parametrize("name", ["joint_elasticity", "motor_side_elasticity"])
+def test_a_stiff_spring_is_none(name: str, compliance: float, rotor: float) -> None:
     """The rotor's inertia is then the joint's armature."""
     values = {"compliance": compliance, "rotor": rotor, "retardation": 2e-3}
-    time, place = pushed("joint_elasticity", 0.0, values)
+    time, place = pushed(name, 0.0, values)
     np.testing.assert_allclose(place, 0.5 * FORCE / MASS * time**2, rtol=0, atol=max(FORCE * compliance, 1e-12))
 
 
@@ -67,6 +68,37 @@ def test_what_was_measured_before_has_wound_the_spring() -> None:
     """Where force and acceleration were steady nothing swings."""
     time, place = pushed("joint_elasticity", FORCE, spring(40.0, retardation=0.02), speeding=FORCE / MASS)
     np.testing.assert_allclose(place, 0.5 * FORCE / MASS * time**2, rtol=0, atol=5e-5)
+
+
+@pytest.mark.parametrize("rotor", [0.02, ROTOR, 1.6])
+def test_an_encoder_at_the_motor_reads_the_motor(rotor: float) -> None:
+    """It is ahead of the centre of mass by J_link/M of the twist, as the link is behind by J/M of it."""
+    frequency = 40.0
+    values = spring(frequency, rotor)
+    time, place = pushed("motor_side_elasticity", 0.0, values)
+    link = (MASS - rotor) / MASS
+    ahead = link * FORCE * values["compliance"] * link * (1 - np.cos(frequency * time))
+    expected = 0.5 * FORCE / MASS * time**2 + ahead
+    np.testing.assert_allclose(place, expected, rtol=0, atol=0.03 * ahead.max())
+
+
+def test_a_window_begins_where_the_motor_was_seen() -> None:
+    """Where force and acceleration were steady the spring is wound, and nothing swings."""
+    values = spring(40.0, retardation=0.02)
+    time, place = pushed("motor_side_elasticity", FORCE, values, speeding=FORCE / MASS)
+    np.testing.assert_allclose(place, 0.5 * FORCE / MASS * time**2, rtol=0, atol=5e-5)
+
+
+def test_a_servo_feels_its_own_encoder() -> None:
+    """At rest kp (u − q_m) = T = k q of the spring behind the link, and q_m = q + C T: so C = 1/100 gives 3/4 u."""
+    model = block('<position name="drive" joint="rail" kp="100" kv="10"/>', joint='stiffness="50" damping="20"')
+    extended = model.with_effect(placed(model, "motor_side_elasticity", "rail", scales_of(model)))
+    values = {"compliance": 0.01, "rotor": ROTOR, "retardation": 0.02}
+    z = extended.space.vector({f"motor_side_elasticity@rail.{key}": value for key, value in values.items()})
+    controls, rest = np.full((1, 3000, 1), 0.1), np.zeros((1, 1, 1))
+    rollout = Simulator(extended, 1, threads=1).replay(z[None], rest, rest, controls, controls[:, :1])
+    assert rollout.qpos[0, -1, 0] == pytest.approx(0.075, rel=1e-3)
+    assert rollout.qvel[0, -1, 0] == pytest.approx(0.0, abs=1e-4)
 
 
 @pytest.mark.parametrize("gap", [0.002, 0.02, 0.1])

@@ -13,7 +13,7 @@ from dr_lab.trajectory import Array
 COMMAND = 0.8  # N·m
 
 
-LAWS = [("load_dependent_friction", "hysteresis"), ("joint_elasticity",), ("backlash",)]
+LAWS = [("load_dependent_friction", "hysteresis"), ("joint_elasticity",), ("motor_side_elasticity",), ("backlash",)]
 
 
 def lawful(effects: Sequence[str] = LAWS[0]) -> Model:
