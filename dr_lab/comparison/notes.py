@@ -160,6 +160,7 @@ def _put_back(one: PutBack) -> str:
     held = "are compatible with nothing" if one.compatible else "explain no more of the logs that score, beyond doubt"
     held = "close a small part of the little that it leaves beyond the noise" if one.little else held
     held = "change little beside what the time step does; a finer one in the MJCF would tell" if one.hidden else held
+    held = "ended next to zero, where it is that" if one.at_limit else held
     return f"{one.richer} was put back to {one.poorer}: its further parameters {held} ({values})."
 
 

@@ -20,7 +20,7 @@ from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.special_case import SpecialCase
-from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
@@ -226,7 +226,21 @@ class _Swap:
         doubts = [chance(known, none, self._shapes, each) for each in (np.inf, freedom)]
         compatible, uncertain = (doubt >= 1 - bench.evidence.confidence for doubt in doubts)
         further = dict(zip(names.values(), values, strict=True))
-        return PutBack(self.richer.label, self.poorer.label, further, compatible, not uncertain)
+        return PutBack(
+            self.richer.label,
+            self.poorer.label,
+            further,
+            compatible,
+            not uncertain,
+            self._at_limit(known, none, 1 - bench.evidence.confidence),
+        )
+
+    @staticmethod
+    def _at_limit(known: ContextEstimate, none: Mapping[str, float], doubt: float) -> bool:
+        """Whether further parameters ended at a bound next to zero, and the others are compatible with zero."""
+        ended = {name for name in none if _next_to_zero(known, name)}
+        rest = {name: zero for name, zero in none.items() if name not in ended}
+        return bool(ended) and (not rest or chance(known, rest) >= doubt)
 
     def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel, goal: float = np.inf) -> FittedModel:
         """The model with the poorer effect, fitted from where the richer one's ended; of a `goal` see `Fitter.run`."""
@@ -251,6 +265,12 @@ class _Swap:
         near = (c for c in step.rivals if c.effect.site == site)
         needless = [c for c in near if name in (c.effect.effect.name, *c.effect.effect.holds)]
         return tuple(c for c in step.rivals if c not in needless)
+
+
+def _next_to_zero(known: ContextEstimate, name: str) -> bool:
+    row = known.space.index(name)
+    parameter = known.space.parameters[row]
+    return parameter.low >= 0.0 and parameter.ends(known.mean[row])[0]
 
 
 def _ended_early(fitted_model: FittedModel, goal: float) -> bool:

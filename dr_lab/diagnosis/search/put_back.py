@@ -21,6 +21,7 @@ class PutBack:
         compatible: whether these are compatible with zero, given the scatter between logs. Otherwise the effect was put
             back because the logs that score do not ask for them.
         certain: whether they differ from zero beyond doubt although few logs show their scatter badly.
+        at_limit: whether they ended at their bounds next to zero, where the effect is the special case.
         little: whether they close little of the little that the poorer model leaves beyond the noise.
         hidden: whether the time step of the model does much of what they change.
     """
@@ -30,6 +31,7 @@ class PutBack:
     further: Mapping[str, tuple[float, float]]
     compatible: bool
     certain: bool
+    at_limit: bool = False
     little: bool = False
     hidden: bool = False
 
@@ -37,12 +39,17 @@ class PutBack:
 def asked_for(poorer: FittedModel, richer: FittedModel, back: PutBack, extra: int, settings: EvidenceSettings) -> bool:
     """Whether the logs ask for the richer of two models, which has so many parameters more.
 
+    They do not where its further parameters ended next to zero: what it gains there is by how it is computed. Else they
+    do in two cases:
+
     1. The windows that score support it, and its further parameters differ from zero beyond doubt, given the scatter
        between logs. Where they do so even by F, which knows how few the logs are, the windows need not gain alike in
        all logs: a log that hardly excites the parameters gains little.
     2. It leaves noise, and the poorer one is less likely. Then it is no wrong model whose errors scatter from log to
        log. Where the poorer one leaves noise as well, the further parameters must also differ from zero as above.
     """
+    if back.at_limit:
+        return False
     if at_floor(richer.held_out, settings) and less_likely(poorer, richer, extra, settings):
         return not back.compatible or not at_floor(poorer.held_out, settings)
     gain, enough = paired_gain(poorer.held_out, richer.held_out, settings), supported

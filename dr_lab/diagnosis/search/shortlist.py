@@ -14,7 +14,7 @@ def shortlist(order: Sequence[int], placed: Sequence[PlacedEffect], most: int) -
     """
     half = order[: (most + 1) // 2]
     simple = [k for k in order if len(placed[k].parameters) == 1 and k not in half]
-    taken, turn = Counter(placed[k].site for k in half), dict[int, int]()
+    taken, turn = Counter(placed[k].site for k in half if len(placed[k].parameters) == 1), dict[int, int]()
     for k in simple:
         turn[k] = taken[placed[k].site]
         taken[placed[k].site] += 1

@@ -8,6 +8,8 @@ from dr_lab.diagnosis.search.shortlist import shortlist
 # Sites and numbers of parameters of candidates in the order of their promise.
 SHOULDER_FIRST = [("shoulder", 1), ("shoulder", 2), ("shoulder", 3), ("shoulder", 1), ("shoulder", 1), ("elbow", 1)]
 
+RICH_FIRST = [("axis", 5), ("axis", 3), ("axis", 1), ("world", 1), ("motor", 1)]
+
 
 def of(candidates: list[tuple[str, int]]) -> list[Any]:
     return [SimpleNamespace(site=site, parameters=range(count)) for site, count in candidates]
@@ -17,6 +19,7 @@ def of(candidates: list[tuple[str, int]]) -> list[Any]:
     ("candidates", "most", "fitted"),
     [
         pytest.param(SHOULDER_FIRST, 4, [0, 1, 5, 3], id="the other joint's first comes before the third of one"),
+        pytest.param(RICH_FIRST, 4, [0, 1, 2, 3], id="richer kinds do not take the simple one's turn"),
         pytest.param([("a", 2), ("a", 2), ("a", 3), ("a", 1)], 2, [0, 3], id="a simple one has its place"),
         pytest.param([("a", 2), ("b", 2), ("c", 2)], 2, [0, 1], id="without simple ones promise alone decides"),
         pytest.param(SHOULDER_FIRST, 9, [0, 1, 2, 3, 4, 5], id="all where there is room"),

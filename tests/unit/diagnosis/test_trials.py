@@ -121,6 +121,8 @@ def test_where_all_that_was_added_is_dropped_nothing_is_named(base: Array, verdi
 
 
 SKEW, TILT, SOFT = (placed(block(), name, "rail") for name in ("asymmetric_friction", "constant_offset", "armature"))
+SLIDING = placed(block(), "presliding_friction", "rail")
+CREEP = next(p for p in SLIDING.parameters if p.name.endswith("creep"))
 ASYMMETRY = f"{SKEW.label}.asymmetry"
 
 
@@ -202,6 +204,21 @@ def test_a_richer_effect_closes_half_of_a_gap_that_hardly_shows(
     assert [back.little for back in climbed.put_back] == ([True] if stays is SIMPLE else [])
 
 
+@pytest.mark.parametrize(("creep", "stays"), [(CREEP.low, SIMPLE), (CREEP.high, SLIDING)])
+def test_a_richer_effect_that_ended_where_it_is_its_special_case_is_put_back(
+    creep: float, stays: PlacedEffect, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever it gains there is by how it is computed; a way and a damping that are nothing say as little."""
+    known = {p.name: (p.low, 1.0) for p in SLIDING.parameters} | {CREEP.name: (creep, 0.01 * CREEP.high)}
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        return np.repeat(0.0 if SLIDING in effects else 3.0 if SIMPLE in effects else 20.0, BLOCKS)
+
+    climbed = climb(Machine((SIMPLE, SLIDING), left, known), monkeypatch)
+    assert labels(effects_of(climbed.models[-1])) == [stays.label]
+    assert [back.at_limit for back in climbed.put_back] == ([True] if stays is SIMPLE else [])
+
+
 class Uneven(Machine):
     """A machine whose five held-out logs ask for the richer effect unequally; in the last window it does harm."""
 
@@ -278,12 +295,15 @@ def test_rivals_that_are_richer_kinds_of_what_is_put_back_are_none_any_more(monk
 def test_a_report_tells_what_was_put_back_and_why() -> None:
     found = PutBack(SKEW.label, SIMPLE.label, {"asymmetry": (0.0004, 0.0054)}, compatible=True, certain=False)
     unasked = replace(found, compatible=False)
-    notes = put_back([found, unasked, replace(unasked, hidden=True), replace(unasked, little=True)])
-    told, other, coarse, little = (note.message for note in notes)
+    notes = put_back(
+        [found, unasked, replace(unasked, hidden=True), replace(unasked, little=True), replace(found, at_limit=True)]
+    )
+    told, other, coarse, little, limit = (note.message for note in notes)
     assert told == (
         "asymmetric_friction@rail was put back to coulomb_friction@rail: its further parameters are compatible with "
         "nothing (asymmetry 0.0004 ± 0.0054)."
     )
     assert "explain no more" in other
     assert "change little beside what the time step does" in coarse
+    assert "ended next to zero, where it is that" in limit
     assert "close a small part of the little that it leaves beyond the noise" in little
