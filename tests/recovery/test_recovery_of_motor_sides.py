@@ -57,6 +57,7 @@ def test_the_soft_shaft_is_found() -> None:
     assert found["rod.mass"] == pytest.approx(TRUTH["rod.mass"], rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_soft_shaft_is_found_from_the_motor() -> None:
     """There the link's inertia is not felt as a whole: rotor and compliance tell themselves apart."""
     hidden = MotorSideElasticity(SITE, ROTOR, compliance=0.01, damping=0.3)

@@ -38,7 +38,8 @@ def test_positions_between_steps_are_exact_for_cubics() -> None:
 
 def test_channels_are_joint_states_and_sensors() -> None:
     model = mujoco.MjModel.from_xml_string(XML)
-    assert set(available(model)) == {"arm.position", "arm.velocity", "sensor.gyro", "sensor.pose"}
+    axes = {f"sensor.gyro.{axis}" for axis in "xyz"}
+    assert set(available(model)) == {"arm.position", "arm.velocity", "sensor.gyro", "sensor.pose", *axes}
     with pytest.raises(UnknownNameError, match=r"Did you mean 'arm\.position'"):
         resolve(model, ["arm.positon"])
 
