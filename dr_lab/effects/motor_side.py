@@ -21,10 +21,11 @@ _FLAGS = ("_known", "_under_way", "_free")
 class MotorSideEffect(JointEffect):
     """An effect between a motor and the link that it drives, which encoders at the joint do not see directly.
 
-    The model's joint is the link's side, where the encoder sits. Of the inertia that the model gives the joint the
-    share `rotor` turns with the motor, at a distance δ before the link: J δ'' = tau_m − T − J q'' with the actuators'
-    torque tau_m and the torque T(δ, δ') that is passed on. Rotor and link together have the model's inertia, so that a
-    transmission without play leaves the model as it is, whatever the rotor's share.
+    The model's joint is the link's side. The encoder sits there, unless the effect says otherwise. Of the inertia that
+    the model gives the joint the share `rotor` turns with the motor, at a distance δ before the link:
+    J δ'' = tau_m − T − J q'' with the actuators' torque tau_m and the torque T(δ, δ') that is passed on. Rotor and link
+    together have the model's inertia, so that a transmission without play leaves the model as it is, whatever the
+    rotor's share.
 
     Attributes:
         inertias: smallest, nominal and largest rotor inertia, in units of the joint's effective inertia in the model's
@@ -57,6 +58,7 @@ class MotorSide(Law):
     2. The part with q'' takes inertia off the joint. So the coupling is implicit, and it stays stable for a rotor that
        outweighs its link. The rest is an applied force.
     3. If tau_m turns out to have been another (a clipped or late command), the next step makes up for the difference.
+    4. MuJoCo's actuators see the link. Where they have the motor's encoder, what they would give more is applied, too.
 
     Attributes:
         drive: what the joint's actuators give.

@@ -23,7 +23,8 @@ class MotorSideElasticity(JointElasticity):
 
     Parameters (nominal = absent): as of `JointElasticity`.
     Limits: driven hinge and slide joints; the motor's friction and the joint's stay with the link; other sensors of
-    the model see the link. Far below the resonance the link is as heavy as before, and the logs tell nothing.
+    the model see the link, and so do observations in training. Far below the resonance the link is as heavy as before,
+    and the logs tell nothing.
     Source: as of `JointElasticity`; De Luca and Book, Springer Handbook of Robotics (2016), chapter 11.
     """
 
