@@ -27,6 +27,7 @@ class Stepper:
     def __init__(self, batch: Batch, compiled: mujoco.MjModel, laws: Sequence[Law]) -> None:
         self._batch = batch
         self._laws = laws
+        self._with_encoders = [law for law in laws if law.reads_elsewhere]
         friction, armature, self._inertia = live = tuple(batch.expand(name) for name in CHANGED)
         self._own = tuple(values.copy() for values in live)  # without any law
         self._step = compiled.opt.timestep
@@ -116,7 +117,7 @@ class Stepper:
         if history is not None:
             begin = self._each(history.begin)
             self._recall(history, begin)
-            for law in self._laws:
+            for law in self._with_encoders:
                 law.place_joints(self._qpos, self._qvel)
         fields = {name: self._batch.bind(name) for name in record}
         kept = {name: np.empty((len(field), controls.shape[1], *field.shape[1:])) for name, field in fields.items()}
@@ -126,14 +127,14 @@ class Stepper:
                 self._read_encoders(kept, k - 1)  # laws have just ended the step before
             for name, field in fields.items():
                 kept[name][:, k] = field
-        if any(law.reads_elsewhere for law in self._laws):
+        if self._with_encoders:
             self._act(controls[:, -1].copy(), begin)
             self._read_encoders(kept, controls.shape[1] - 1)
         return kept
 
     def _read_encoders(self, kept: dict[str, Array], k: int) -> None:
         """Let the record of a step hold what encoders read after it."""
-        for law in self._laws:
+        for law in self._with_encoders:
             law.read_encoders(kept["qpos"][:, k], kept["qvel"][:, k])
 
     def _recall(self, history: History, begin: Array) -> None:
