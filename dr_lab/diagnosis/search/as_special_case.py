@@ -44,6 +44,17 @@ def special_case(richer: PlacedEffect, among: Sequence[PlacedEffect]) -> int | N
     return None
 
 
+def holds(richer: PlacedEffect, poorer: PlacedEffect) -> bool:
+    """Whether an effect is a special case of another one at its site, if only in the limit."""
+    return richer.site == poorer.site and poorer.effect.name in richer.effect.holds
+
+
+def special_cases(placed: Sequence[PlacedEffect], richer: Sequence[int], among: Sequence[int]) -> dict[int, int]:
+    """Place of an effect's special case among some others, by the effect's place; only where there is one."""
+    cases = {k: special_case(placed[k], [placed[j] for j in among]) for k in richer}
+    return {k: among[place] for k, place in cases.items() if place is not None}
+
+
 def reaching(effect: PlacedEffect, other: PlacedEffect) -> PlacedEffect:
     """An effect with the bounds of its special case, or of a richer one that it is a special case of, that were moved.
 

@@ -1,9 +1,10 @@
 """Fits of the candidates beside one model to a part of the windows."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from threading import Event
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,10 +18,14 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search import as_special_case
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
+from dr_lab.diagnosis.search.side_by_side import side_by_side
 from dr_lab.diagnosis.search.taken_away import taken_away
 from dr_lab.diagnosis.search.wider import reach, widened
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
+
+_In = TypeVar("_In")
+_Out = TypeVar("_Out")
 
 
 class CandidateFits:
@@ -47,6 +52,14 @@ class CandidateFits:
     def whole(self) -> bool:
         """Whether the part of the windows is all of them, so that nothing is fitted twice."""
         return self.thin is self.bench
+
+    def side_by_side(self, items: Sequence[_In], work: Callable[[_In], _Out]) -> list[_Out]:
+        """What the work gives for each item, in their order; see the function of that name."""
+        return side_by_side(items, work, self.bench.threads, self.stop)
+
+    def of(self, places: Sequence[int], work: Callable[[int], Candidate]) -> dict[int, Candidate]:
+        """The same for candidates, by their place."""
+        return dict(zip(places, self.side_by_side(places, work), strict=True))
 
     def look(self, effect: PlacedEffect) -> FirstLook:
         """An effect linearised on the part of the windows."""

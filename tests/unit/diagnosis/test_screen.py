@@ -1,11 +1,10 @@
-from collections.abc import Callable
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 import pytest
-from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
+from diagnosis_machines import pendulum, solver_settings
 from effect_machines import catalogue_effect, scales_of
+from screened_pendulum import OFFSET, bench_of, drive, lopsided, placed_of
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score, fitted_to_the_end
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
@@ -13,45 +12,7 @@ from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.diagnosis.search.screen import FirstLook, look
-from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.effect import place
-from dr_lab.effects.presliding_friction import PreslidingFriction
-
-NAMES = ("quadratic_drag", "viscous_friction", "constant_offset", "spring", "torque_scale", "actuator_delay")
-DRY_FRICTIONS = ("coulomb_friction", "stribeck_friction", "asymmetric_friction", "position_dependent_friction")
-OFFSET = 0.03  # N·m
-
-
-def push(data: mujoco.MjData) -> None:
-    data.qfrc_applied[0] = OFFSET
-
-
-def rub(data: mujoco.MjData) -> None:
-    data.qfrc_applied[0] = -OFFSET * np.tanh(data.qvel[0] / 0.005)
-
-
-def creep(data: mujoco.MjData) -> None:
-    data.qfrc_applied[0] = -OFFSET * np.tanh(data.qvel[0] / 0.3)
-
-
-def lopsided(data: mujoco.MjData) -> None:
-    rub(data)
-    data.qfrc_applied[0] *= 1.5 if data.qvel[0] > 0 else 0.5
-
-
-def drive(data: mujoco.MjData) -> None:
-    """The opposite of dry friction."""
-    data.qfrc_applied[0] = OFFSET * np.tanh(data.qvel[0] / 0.05)
-
-
-def bench_of(force: Callable[[mujoco.MjData], None] = push, **evidence: float) -> tuple[Bench, FittedModel]:
-    """A pendulum that a hidden force acts on, and the fit of the model without it."""
-    model = pendulum()
-    fit, held_out = (
-        windows_of(model, [swinging(n, model.nominal(), seed, force=force)]) for n, seed in (("a", 0), ("b", 1))
-    )
-    bench = Bench(fit, held_out, solver_settings(), evidence_settings(**evidence), threads=1)
-    return bench, fit_and_score(bench, model, model.space.nominal)
 
 
 def test_a_window_in_which_the_model_fails_is_looked_at() -> None:
@@ -91,65 +52,9 @@ def test_an_effect_that_would_have_to_be_negative_promises_nothing() -> None:
     assert looked(bench, base, "coulomb_friction", "hinge").gain < 0.05 * base.fit.cost
 
 
-@pytest.mark.parametrize(("most_fits", "least_promise"), [(9, 0.5), (3, 0.0)])
-def test_only_what_promises_enough_is_fitted(most_fits: int, least_promise: float) -> None:
-    bench, base = bench_of(most_fits=most_fits, least_promise=least_promise)
-    model, told = pendulum(), list[str]()
-    catalogue = {name: catalogue_effect(name) for name in NAMES}
-    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
-    ranking = rank(bench, base, placed, told.append).candidates
-    fitted = [c for c in ranking if c.fitted]
-    assert ranking[0].effect.effect.name == "constant_offset"
-    assert 1 <= len(fitted) <= min(most_fits, len(placed) - 1)
-    assert sorted(told) == sorted(p.label for p in placed)
-    for rest in (c for c in ranking if not c.fitted):
-        assert rest.gain.total == 0
-        assert rest.predicted <= min(c.predicted for c in fitted)
-        assert rest.fitted_model.held_out.chi2 == base.held_out.chi2
-    assert np.isfinite([c.predicted for c in ranking]).all()
-
-
-@pytest.mark.slow
-def test_what_holds_a_simpler_effect_does_not_take_its_place() -> None:
-    bench, base = bench_of(rub, most_fits=2, least_promise=0.0)
-    model, catalogue = pendulum(), {name: catalogue_effect(name) for name in DRY_FRICTIONS}
-    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
-    ranking = rank(bench, base, placed, lambda _: None).candidates
-    promised = {c.effect.effect.name: c.predicted for c in ranking}
-    assert sum(promise > promised["coulomb_friction"] for promise in promised.values()) >= 2
-    assert "coulomb_friction" in {c.effect.effect.name for c in ranking if c.fitted}
-
-
-@pytest.mark.slow
-def test_what_holds_the_best_one_is_fitted_although_others_promise_more() -> None:
-    bench, base = bench_of(creep, most_fits=2, least_promise=0.0)
-    model = pendulum()
-    soft = catalogue_effect("presliding_friction")
-    assert isinstance(soft, PreslidingFriction)
-    misled = replace(soft, creeps=(2e-3, 0.5, 0.5), start_shapes=[(3e-3, 0.5)])  # looks where it creeps too fast
-    catalogue = {**{name: catalogue_effect(name) for name in DRY_FRICTIONS[:3]}, soft.name: misled}
-    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
-    ranking = rank(bench, base, placed, lambda _: None).candidates
-    promised = {c.effect.effect.name: c.predicted for c in ranking}
-    assert promised["presliding_friction"] == min(promised.values())
-    assert {c.effect.effect.name for c in ranking if c.fitted} >= {"presliding_friction", "coulomb_friction"}
-
-
-def test_what_is_confused_with_the_best_one_is_fitted_although_no_place_is_left() -> None:
-    bench, base = bench_of(creep, most_fits=1, least_promise=0.0)
-    model, names = pendulum(), ("coulomb_friction", "load_dependent_friction", "spring")
-    catalogue = {name: catalogue_effect(name) for name in names}
-    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
-    ranking = rank(bench, base, placed, lambda _: None).candidates
-    assert min(c.predicted for c in ranking) > 0.01  # each is worth a fit
-    assert {c.effect.effect.name for c in ranking if c.fitted} == {"coulomb_friction", "load_dependent_friction"}
-
-
 def test_the_best_with_fewer_parameters_is_fitted_to_all_windows_although_another_leads() -> None:
     bench, base = bench_of(lopsided, screen_seconds=1.0, screen_windows=6)
-    model = pendulum()
-    catalogue = {name: catalogue_effect(name) for name in ("asymmetric_friction", "constant_offset")}
-    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
+    placed = placed_of(("asymmetric_friction", "constant_offset"))
     ranking = rank(bench, base, placed, lambda _: None).candidates
     assert [len(c.effect.parameters) for c in ranking] == [2, 1]
     leader, leaner = ranking

@@ -1,0 +1,124 @@
+"""Fits of the candidates beside one model to few windows, wave by wave: what promises most goes first."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from dr_lab.diagnosis.search.as_special_case import holds, special_cases
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.candidate_fits import CandidateFits
+from dr_lab.diagnosis.search.periods import with_periods
+from dr_lab.diagnosis.search.shortlist import shortlist
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.trajectory import Array
+
+
+class Waves:
+    """All candidates linearised, and fits of those that promise enough.
+
+    Args:
+        fits: of the candidates to a part of the windows.
+        placed: the candidates.
+        done: is told each label.
+
+    Attributes:
+        placed: the candidates; those whose law is periodic have the periods that the residuals show.
+    """
+
+    def __init__(self, fits: CandidateFits, placed: Sequence[PlacedEffect], done: Callable[[str], None]) -> None:
+        self._fits, self._bench, self._done = fits, fits.bench, done
+        self.placed = with_periods(fits.thin, fits.base.model, fits.start, placed)
+        self._looks = fits.side_by_side(self.placed, fits.look)
+        promise = self._promises()
+        order = np.argsort(-promise, kind="stable")
+        self._waiting = [int(k) for k in order if promise[k] >= self._bench.hope]
+        self._reached = 0.0  # the largest gain of a fit
+
+    def first(self) -> dict[int, Candidate]:
+        """The candidates, by place, that are fitted and scored at first: see `rank`, rule 2."""
+        settings, found = self._bench.evidence, dict[int, Candidate]()
+        reachable = max((self._looks[k].gain for k in self._waiting), default=0.0)
+        for _ in range(2):
+            self._fit(self._chosen(reachable, settings.most_fits - len(found)), found)
+            reachable = self._reached
+        self._fit(self._crowded_out(found), found)
+        self._widen(found)
+        return found
+
+    def next(self) -> dict[int, Candidate]:
+        """As many others of those that promise about as much as a fit has gained; empty where there are none."""
+        found: dict[int, Candidate] = {}
+        self._fit(self._chosen(self._reached, self._bench.evidence.most_fits), found)
+        self._widen(found)
+        return found
+
+    def unfitted(self, found: dict[int, Candidate]) -> dict[int, Candidate]:
+        """The candidates that are none of those found."""
+        left = [k for k in range(len(self.placed)) if k not in found]
+        return {k: self._told(self._fits.unfitted(self.placed[k], self._looks[k])) for k in left}
+
+    def _promises(self) -> Array:
+        """Evidence that each promises, on all windows if the few promise something, but so little that it is chance."""
+        fits, start = self._fits, self._fits.start
+        promise = np.array([self._bench.promise(each.gain, start) for each in self._looks])
+        if fits.whole or promise.max(initial=0.0) > self._bench.enough:
+            return promise
+        unsure = [int(k) for k in np.flatnonzero(promise >= self._bench.hope)]
+        promise[unsure] = fits.side_by_side(unsure, lambda k: fits.promise_of_all(self.placed[k], self._looks[k]))
+        return promise
+
+    def _chosen(self, reachable: float, most: int) -> list[int]:
+        """At most so many that wait and promise about as much as is reachable, and special cases of theirs."""
+        least = self._bench.evidence.least_promise * reachable
+        wave = shortlist([k for k in self._waiting if self._looks[k].gain >= least], self.placed, max(most, 0))
+        cases = (j for k in wave for j in self._waiting if holds(self.placed[k], self.placed[j]))
+        return list(dict.fromkeys([*wave, *cases]))
+
+    def _crowded_out(self, found: dict[int, Candidate]) -> list[int]:
+        """Effects that wait at the site of the best fitted one and are near it.
+
+        They hold it, or what it holds, as a special case, or they say that they are confused with that.
+        """
+        best = max(found, key=lambda k: found[k].gain.total, default=None)
+        if best is None:
+            return []
+        effect, site = self.placed[best].effect, self.placed[best].site
+        poorer = {effect.name, *effect.holds}
+        others = [k for k in self._waiting if self.placed[k].site == site]
+        near = {k: {*self.placed[k].effect.holds, *self.placed[k].effect.confused_with} for k in others}
+        return [k for k in others if poorer & near[k]]
+
+    def _fit(self, wave: list[int], found: dict[int, Candidate]) -> None:
+        """Fit some candidates. An effect waits for its special case, to which it may have nothing to add."""
+        wave.sort(key=lambda k: -len(self.placed[k].parameters))  # those that take longest begin
+        cases = special_cases(self.placed, wave, sorted({*wave, *found}))
+        fits, placed, looks = self._fits, self.placed, self._looks
+        alone = [k for k in wave if k not in cases]
+        if alone and not found:  # what the most promising one leaves tells which others are worth their end
+            first = max(alone, key=lambda k: looks[k].gain)
+            threads = self._bench.threads
+            found |= fits.of([first], lambda k: self._told(fits.fitted(placed[k], looks[k], threads=threads)))
+            alone.remove(first)
+        goal = fits.goal(list(found.values()))
+        found |= fits.of(alone, lambda k: self._told(fits.fitted(placed[k], looks[k], goal)))
+        found |= fits.of([*cases], lambda k: self._told(fits.fitted_beside(placed[k], looks[k], found[cases[k]])))
+        self._waiting = [k for k in self._waiting if k not in found]
+        self._reached = max([self._reached, *map(self._gained, found.values())])
+
+    def _widen(self, found: dict[int, Candidate]) -> None:
+        """Go on with the fits that ran into a bound which is no physics, where they gain enough to matter."""
+        settings, waiting = self._bench.evidence, list(found)
+        for _ in range(settings.widenings):
+            waiting = [k for k in waiting if self._gained(found[k]) >= settings.least_promise * self._reached]
+            farther = self._fits.side_by_side([found[k] for k in waiting], self._fits.farther)
+            moved = {k: candidate for k, candidate in zip(waiting, farther, strict=True) if candidate is not None}
+            found |= moved
+            self._reached = max([self._reached, *map(self._gained, moved.values())])
+            waiting = list(moved)
+
+    def _gained(self, candidate: Candidate) -> float:
+        return candidate.fitted_model.fit.below(self._fits.start)
+
+    def _told(self, candidate: Candidate) -> Candidate:
+        self._done(candidate.effect.label)
+        return candidate

@@ -1,0 +1,77 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_machines import pendulum
+from effect_machines import catalogue_effect, scales_of
+from screened_pendulum import DRY_FRICTIONS, NAMES, bench_of, creep, placed_of, rub
+
+from dr_lab.diagnosis.evidence.paired_gain import supported
+from dr_lab.diagnosis.search import waves
+from dr_lab.diagnosis.search.rank import rank
+from dr_lab.effects.catalogue import candidates
+from dr_lab.effects.presliding_friction import PreslidingFriction
+
+
+@pytest.mark.parametrize(("most_fits", "least_promise"), [(9, 0.5), (3, 0.0)])
+def test_only_what_promises_enough_is_fitted(most_fits: int, least_promise: float) -> None:
+    bench, base = bench_of(most_fits=most_fits, least_promise=least_promise)
+    placed, told = placed_of(NAMES), list[str]()
+    ranking = rank(bench, base, placed, told.append).candidates
+    fitted = [c for c in ranking if c.fitted]
+    assert ranking[0].effect.effect.name == "constant_offset"
+    assert 1 <= len(fitted) <= min(most_fits, len(placed) - 1)
+    assert sorted(told) == sorted(p.label for p in placed)
+    for rest in (c for c in ranking if not c.fitted):
+        assert rest.gain.total == 0
+        assert rest.predicted <= min(c.predicted for c in fitted)
+        assert rest.fitted_model.held_out.chi2 == base.held_out.chi2
+    assert np.isfinite([c.predicted for c in ranking]).all()
+
+
+@pytest.mark.slow
+def test_what_is_fitted_brings_its_special_case_along() -> None:
+    """Although several kinds that hold it promise more and only one place is left."""
+    bench, base = bench_of(rub, most_fits=1, least_promise=0.0)
+    placed = placed_of(DRY_FRICTIONS[:3])
+    ranking = rank(bench, base, placed, lambda _: None).candidates
+    promised = {c.effect.effect.name: c.predicted for c in ranking}
+    assert sum(promise > promised["coulomb_friction"] for promise in promised.values()) >= 2
+    assert "coulomb_friction" in {c.effect.effect.name for c in ranking if c.fitted}
+
+
+def test_others_have_their_turn_where_what_promised_most_gains_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Promises are turned round, so that the true effect is among the last."""
+    monkeypatch.setattr(waves, "shortlist", lambda order, placed, most: list(order)[::-1][:most])
+    bench, base = bench_of(most_fits=1, least_promise=0.0, least_hope=0.0)
+    placed = placed_of(NAMES)
+    ranking = rank(bench, base, placed, lambda _: None).candidates
+    best = ranking[0]
+    assert best.effect.effect.name == "constant_offset"
+    assert best.final
+    assert supported(best.gain, 1, bench.evidence)
+    first = min(ranking, key=lambda c: c.predicted)  # had the only place of the first wave
+    assert not (first.final and supported(first.gain, 1, bench.evidence))
+
+
+@pytest.mark.slow
+def test_what_holds_the_best_one_is_fitted_although_others_promise_more() -> None:
+    bench, base = bench_of(creep, most_fits=2, least_promise=0.0)
+    model = pendulum()
+    soft = catalogue_effect("presliding_friction")
+    assert isinstance(soft, PreslidingFriction)
+    misled = replace(soft, creeps=(2e-3, 0.5, 0.5), start_shapes=[(3e-3, 0.5)])  # looks where it creeps too fast
+    catalogue = {**{name: catalogue_effect(name) for name in DRY_FRICTIONS[:3]}, soft.name: misled}
+    placed = candidates(model, catalogue, scales_of(model, torque=0.5), model.nominal()).placed
+    ranking = rank(bench, base, placed, lambda _: None).candidates
+    promised = {c.effect.effect.name: c.predicted for c in ranking}
+    assert promised["presliding_friction"] == min(promised.values())
+    assert {c.effect.effect.name for c in ranking if c.fitted} >= {"presliding_friction", "coulomb_friction"}
+
+
+def test_what_is_confused_with_the_best_one_is_fitted_although_no_place_is_left() -> None:
+    bench, base = bench_of(creep, most_fits=1, least_promise=0.0)
+    placed = placed_of(("coulomb_friction", "load_dependent_friction", "spring"))
+    ranking = rank(bench, base, placed, lambda _: None).candidates
+    assert min(c.predicted for c in ranking) > 0.01  # each is worth a fit
+    assert {c.effect.effect.name for c in ranking if c.fitted} == {"coulomb_friction", "load_dependent_friction"}
