@@ -8,8 +8,8 @@ import numpy as np
 
 from dr_lab.comparison.experiment_machine import experiment_machine
 from dr_lab.comparison.study import Study
+from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.evidence.bench import FittedModel
-from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.next_experiment.machine import Contender
 from dr_lab.diagnosis.next_experiment.propose import Proposal, Refusal, separate, sharpen
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
@@ -54,9 +54,7 @@ def deciding_experiment(
 
 def contender(study: Study, fitted_model: FittedModel) -> Contender:
     """A fitted model with the uncertainty that the report states."""
-    model, fit = fitted_model.model, fitted_model.fit
-    found = estimate(model.space, fit, study.bench.fit, study.bench.evidence)
-    return Contender(model, fit.z, found.covariance)
+    return Contender(fitted_model.model, fitted_model.fit.z, known(study, fitted_model).covariance)
 
 
 def _entry(

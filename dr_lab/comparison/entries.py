@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.comparison.notes import study_notes
 from dr_lab.comparison.study import Study
+from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
@@ -102,7 +103,7 @@ def fitted(fit: Fit) -> FitEntry:
 def parameters(study: Study, fitted_model: FittedModel) -> tuple[ContextEstimate, Parameters]:
     """Estimate of a fitted context and its table, with the scatter between logs in percent (CV)."""
     space, bench = fitted_model.model.space, study.bench
-    found = estimate(space, fitted_model.fit, bench.fit, bench.evidence)
+    found = known(study, fitted_model)
     logs = per_log(space, fitted_model.fit, bench.fit)
     doubted = trust.doubts(found, fitted_model.fit, bench.fit, bench.evidence)
     scatters = [

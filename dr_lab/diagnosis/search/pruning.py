@@ -13,9 +13,9 @@ from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.as_special_case import reaching
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
+from dr_lab.diagnosis.search.hidden_by_step import hidden_by_step
 from dr_lab.diagnosis.search.put_back import PutBack, asked_for, closes_little
 from dr_lab.diagnosis.search.step import AddedEffect
-from dr_lab.diagnosis.search.step_error import hidden_by_step
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import PlacedEffect

@@ -48,8 +48,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
        that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most
        evidence are asked again there: few windows may not show what they add.
-    4. If the data support none of these, others of those that promise about as much as these gained have their turn, as
-       many at a time: the order of promises is rough where a model misses much.
+    4. If the data support none of these, as many others have their turn of those that promise about as much as these
+       gained: the order of promises is rough where a model misses much.
     5. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
        better than the base, it becomes the base, and candidates get no credit for it.
 
@@ -82,8 +82,8 @@ class _Contest:
     def ranking(self) -> Ranking:
         """All candidates, and the base that they are compared with."""
         found = self.final(self.waves.first())
-        while not any(map(self._supported, found.values())) and (wave := self.waves.next()):
-            found |= self.final(wave)
+        if not any(map(self._supported, found.values())):
+            found |= self.final(self.waves.next())
         return self.credited(_ordered([*found.values(), *self.waves.unfitted(found).values()]))
 
     def final(self, tried: dict[int, Candidate]) -> dict[int, Candidate]:

@@ -46,7 +46,7 @@ class Waves:
         return found
 
     def next(self) -> dict[int, Candidate]:
-        """As many others of those that promise about as much as a fit has gained; empty where there are none."""
+        """As many others of those that promise about as much as a fit has gained."""
         found: dict[int, Candidate] = {}
         self._fit(self._chosen(self._reached, self._bench.evidence.most_fits), found)
         self._widen(found)

@@ -1,44 +1,36 @@
-"""What the time step does to dry friction, beside what a richer law changes."""
+"""What the time step does to what is fitted."""
 
-import mujoco
 import numpy as np
 import pytest
-from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
-from effect_machines import catalogue_effect
+from diagnosis_machines import PENDULUM, PENDULUM_PARAMETERS, model_of, solver_settings, swinging, windows_of
 
 from dr_lab.diagnosis.checks.numerical_floor import in_parts
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
-from dr_lab.diagnosis.fit.scales import machine_scales
-from dr_lab.diagnosis.search.step_error import hidden_by_step
-from dr_lab.effects.effect import place
-from dr_lab.trajectory import Log
+from dr_lab.diagnosis.checks.step_error import step_shift
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.windows.finer import finer
 
-NOISE = 2e-6  # rad; the step of 2 ms moves the pendulum by a hundred times as much
-TORQUE = 0.1  # N·m
-
-
-def rubbing(asymmetry: float) -> list[Log]:
-    """Logs of a pendulum at a sixteenth of its model's step, with friction that hardly creeps."""
-    spec = in_parts(pendulum(), 16).spec
-
-    def push(data: mujoco.MjData) -> None:
-        way = np.tanh(data.qvel[0] / 1e-4)
-        data.qfrc_applied[0] = -TORQUE * way * (1 + asymmetry * way)
-
-    return [swinging(f"log_{k}", spec.compile(), k, force=push, seconds=1.2, noise=NOISE) for k in range(3)]
+PARTS = 16
+NOISE = 1e-5  # rad
 
 
-@pytest.mark.parametrize(("asymmetry", "hidden"), [(0.0, True), (0.3, False)])
-def test_a_richer_law_that_changes_no_more_than_the_time_step_does_is_told(asymmetry: float, *, hidden: bool) -> None:
-    model, logs = pendulum(), rubbing(asymmetry)
-    seen, unseen = (windows_of(model, part, noise=NOISE) for part in (logs[:2], logs[2:]))
-    bench = Bench(seen, unseen, solver_settings(tolerance=1e-3), evidence_settings(), 1)
-    scales = machine_scales(model.nominal(), logs[:2], 0.03)
-
-    def fitted(name: str) -> FittedModel:
-        effect = place(catalogue_effect(name), model.nominal(), "hinge", scales)
-        return fit_and_score(bench, model.with_effect(effect), model.with_effect(effect).space.nominal)
-
-    poorer, richer = fitted("coulomb_friction"), fitted("asymmetric_friction")
-    assert richer.held_out.chi2 < poorer.held_out.chi2
-    assert hidden_by_step(bench, poorer, richer) == hidden
+@pytest.mark.parametrize(
+    ("integrator", "friction"),
+    [
+        pytest.param("Euler", 0.0, id="a smooth machine whose damping the step hides"),
+        pytest.param("implicitfast", 0.05, id="dry friction"),
+    ],
+)
+def test_a_fit_at_a_finer_step_is_foretold(integrator: str, friction: float) -> None:
+    text = PENDULUM.replace("RK4", integrator).replace('damping="0.05"', f'damping="0.05" frictionloss="{friction}"')
+    model = model_of(text, PENDULUM_PARAMETERS)
+    fine = in_parts(model, PARTS)
+    windows = windows_of(model, [swinging("a", fine.nominal(), 0, noise=NOISE)], noise=NOISE)
+    replay = Replay(model, windows, 1)
+    settings = solver_settings(tolerance=1e-3)
+    coarse = Fitter(replay, settings).run(model.space.nominal)
+    foretold = step_shift(replay, coarse, settings, 1)
+    found = Fitter(Replay(fine, finer(windows, PARTS), 1), settings).run(coarse.z, coarse.delta)
+    moved = model.space.to_unit(found.z) - model.space.to_unit(coarse.z)
+    assert np.abs(moved).max() > 1e-4
+    np.testing.assert_allclose(foretold, moved, atol=0.15 * np.abs(moved).max())

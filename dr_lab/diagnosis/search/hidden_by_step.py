@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from dr_lab.diagnosis.checks.numerical_floor import in_parts
+from dr_lab.diagnosis.checks.step_error import step_error
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.fit.replay import Mask, Replay
 from dr_lab.diagnosis.windows.finer import finer
 from dr_lab.trajectory import Array
 
-_PARTS = 2
 _FINER = 4  # parts of the step, by which what it does is a quarter
 
 
@@ -37,32 +37,26 @@ def _does_half(bench: Bench, poorer: FittedModel, richer: FittedModel) -> bool:
     """Whether the time step does at least half of what a richer law changes.
 
     c·e ≥ c·c / 2 over the windows that score and that both simulate, c = r − r' being the difference of the two
-    models' residuals, and e the error of the poorer one's step (`_step_error`): so the step explains half of c, if not
+    models' residuals, and e the error of the poorer one's step: so the step explains half of c, if not
     more, the way that c goes. What the step does besides, parameters may take up.
     """
     replay = Replay(poorer.model, bench.held_out, bench.threads)
-    error, diverged = _step_error(replay, poorer, bench)
+    error, diverged = _not_taken_up(replay, poorer, bench)
     used = replay.scored & ~(diverged | poorer.states.infeasible | richer.states.infeasible)[:, None]
     change, error = (poorer.states.residuals - richer.states.residuals)[used], error[used]
     return bool(used.any() and change @ error >= change @ change / 2)
 
 
-def _step_error(replay: Replay, fitted_model: FittedModel, bench: Bench) -> tuple[Array, Mask]:
-    """Error of the step h in residuals (w, m), without what other starts take up; and which windows diverge (w,).
+def _not_taken_up(replay: Replay, fitted_model: FittedModel, bench: Bench) -> tuple[Array, Mask]:
+    """`step_error` of the windows that score, without what other starts take up; and which windows diverge (w,).
 
-    A force that jumps, as dry friction does, leaves an error that falls as h does. So two halves tell all of it:
-    2 (r(h) − r(h/2)), which is too much where it falls faster. What the starts take up is, to first order,
-    S (SᵀS + P)⁻¹ Sᵀ of it, S being the slopes of the fitted residuals by the states, P the precision of their prior.
-
-    Source: Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, 1993, section II.4 (extrapolation).
+    That is, to first order, S (SᵀS + P)⁻¹ Sᵀ of it, S being the slopes of the fitted residuals by the states, P the
+    precision of their prior.
     """
-    fine = Replay(in_parts(fitted_model.model, _PARTS), finer(bench.held_out, _PARTS), bench.threads)
-    fine.begin_like(replay)
     states = fitted_model.states
-    residuals, diverged = fine.residuals(fitted_model.fit.z[None], states.delta[None])
-    error = _PARTS / (_PARTS - 1) * (states.residuals - residuals[0])
+    error, diverged = step_error(replay, states, bench.threads)
     slopes = np.where(replay.fitted[..., None], states.slopes, 0.0)
     pull = slopes.transpose(0, 2, 1) @ np.where(replay.fitted, error, 0.0)[..., None]
     hessian = slopes.transpose(0, 2, 1) @ slopes + np.diag(bench.held_out.prior.std**-2.0)
     taken = states.slopes @ np.linalg.solve(hessian, pull)
-    return error - taken[..., 0], diverged[0]
+    return error - taken[..., 0], diverged
