@@ -10,6 +10,8 @@ from dr_lab.benchmark.observed import Compose, observe
 from dr_lab.benchmark.outcome import Outcome, Standing
 from dr_lab.comparison.climbing import climbed
 from dr_lab.comparison.entries import remaining
+from dr_lab.comparison.study import Study
+from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.ladder import Ladder
 
@@ -36,6 +38,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
     first, last = ladder.rungs[0], ladder.models[-1]
     verdict = ladder.verdict(study.bench.evidence)
     found = _found(ladder) if verdict != "unexplained" else []
+    own = {truth: values for truth in truths if (values := _own_values(study, ladder, truth))}
     return Outcome(
         case=case,
         truths=observed.truths,
@@ -46,7 +49,8 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
         standing={truth: standing for truth in truths if (standing := _standing(ladder, truth))},
         classes=classes.of(case, truths, found, observed, compose),
         magnitudes=observed.magnitudes,
-        fitted={truth: values for truth in truths if (values := _own_values(ladder, truth))},
+        fitted={truth: {name: value for name, (value, _) in values.items()} for truth, values in own.items()},
+        stated={truth: {name: std for name, (_, std) in values.items()} for truth, values in own.items()},
         chi2_base=ladder.base.held_out.chi2,
         chi2=last.held_out.chi2,
         remaining=remaining(last.held_out, study.bench.evidence).status,
@@ -86,12 +90,15 @@ def _standing(ladder: Ladder, truth: str) -> Standing | None:
     return None
 
 
-def _own_values(ladder: Ladder, truth: str) -> dict[str, float]:
-    """Fitted parameters of a truth, by short name, in the model that the answer leads to; empty if it is not found."""
+def _own_values(study: Study, ladder: Ladder, truth: str) -> dict[str, tuple[float, float]]:
+    """Fitted parameters of a truth with their ±, by short name, in the model that the answer leads to.
+
+    Empty if it is not found.
+    """
     rivals = [c.fitted_model for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
     for fitted_model in (ladder.models[-1], *rivals):
-        values = fitted_model.model.space.mapping(fitted_model.fit.z)
-        own = {k.removeprefix(f"{truth}."): float(v) for k, v in values.items() if k.startswith(f"{truth}.")}
-        if own:
-            return own
+        if any(effect.label == truth for effect in fitted_model.model.effects):
+            found = known(study, fitted_model)
+            rows = zip(found.space.names, found.mean.tolist(), found.std.tolist(), strict=True)
+            return {k.removeprefix(f"{truth}."): (v, std) for k, v, std in rows if k.startswith(f"{truth}.")}
     return {}

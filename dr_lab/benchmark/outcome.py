@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from dr_lab.benchmark.case import Case
 from dr_lab.reports.plain import Number, from_plain, to_plain
@@ -51,6 +51,7 @@ class Outcome:
         classes: for truths that were not named exactly, their equivalence class: label → number of parameters.
         magnitudes: numbers of each truth, by the plant's names.
         fitted: own parameters of each truth that was found, by short name.
+        stated: the standard deviations that are stated with them; empty in runs of older versions.
         chi2_base: held-out χ² per sample of the calibrated model.
         chi2: the same of the model with what was found.
         remaining: ``at_floor`` or ``unexplained``, what the last model leaves.
@@ -73,6 +74,7 @@ class Outcome:
     remaining: str
     cpu: float
     wall: float
+    stated: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def to_json(self) -> str:
         """As text."""

@@ -23,6 +23,7 @@ SAID = {
     "abstained_equivalent": "`equivalent` answered, one hidden effect",
     "abstained_none": "`none` answered, one hidden effect",
     "abstained_unexplained": "`unexplained` answered, one hidden effect",
+    "parameter_within_stated": "main parameter within two of its stated ±, right answers at the floor",
     "median_chi2": "median held-out χ²",
     "median_parameter_error": "median error of the main parameter",
     "median_cpu": "median CPU s a case",

@@ -1,6 +1,6 @@
 """What a benchmark's outcomes come to: rates with their intervals, and errors."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from scipy.stats import binomtest
@@ -12,6 +12,7 @@ from dr_lab.benchmark.scoring import Aliases
 from dr_lab.reports.benchmark import Rate
 
 CONFIDENCE = 0.95
+DEVIATIONS = 2.0  # to either side; 95 % of a Gaussian
 _ABSTENTIONS = ("equivalent", "none", "unexplained")
 
 
@@ -24,14 +25,14 @@ def rate(happened: Iterable[bool]) -> Rate | None:
     return Rate(sum(seen), len(seen), sum(seen) / len(seen), float(interval.low), float(interval.high))
 
 
-def rates(outcomes: Sequence[Outcome]) -> dict[str, Rate | None]:
+def rates(outcomes: Sequence[Outcome], parameter_aliases: Aliases) -> dict[str, Rate | None]:
     """The benchmark's rates, by name.
 
     ``top_1`` and ``top_3`` of machines with one effect, ``identifiable`` as ``top_1`` of those whose effect the data
     can show, ``both_found`` of those with several, ``doubles`` of those with two, ``false_alarm`` of those without
     any, ``wrong_with_confidence`` of all, ``outside_unexplained`` of those with an effect that the catalogue does not
     hold; ``abstained_equivalent``, ``…_none`` and ``…_unexplained`` of those with one effect: how often the answer was
-    that, right or not.
+    that, right or not. ``parameter_within_stated`` of the main parameters of right answers: see `within_stated`.
     """
     marks = {outcome.case: mark(outcome) for outcome in outcomes}
     single = _of("single", outcomes)
@@ -48,6 +49,7 @@ def rates(outcomes: Sequence[Outcome]) -> dict[str, Rate | None]:
             f"abstained_{kind}": rate(o.verdict == kind for o in single)
             for kind in ("equivalent", "none", "unexplained")
         },
+        "parameter_within_stated": rate(held for o in outcomes for held in within_stated(o, parameter_aliases)),
     }
 
 
@@ -74,16 +76,36 @@ def parameter_errors(outcome: Outcome, parameter_aliases: Aliases) -> dict[str, 
             the plant's names that the catalogue has too is the main one.
     """
     errors = {}
+    for truth, short, value in _main_parameters(outcome, parameter_aliases):
+        found = outcome.fitted[truth][short]
+        found = 1 / found if short.startswith("inverse_") and found else found
+        errors[f"{truth}.{short}"] = abs(abs(found) - abs(value)) / abs(value)
+    return errors
+
+
+def within_stated(outcome: Outcome, parameter_aliases: Aliases) -> list[bool]:
+    """Whether the stated interval, `DEVIATIONS` to either side, holds the main parameter of each truth that was found.
+
+    Of answers that are right and leave noise: what else a model misses, no interval can know.
+    """
+    if outcome.remaining != "at_floor" or not mark(outcome).right:
+        return []
+    held = []
+    for truth, short, value in _main_parameters(outcome, parameter_aliases):
+        std = outcome.stated.get(truth, {}).get(short)
+        if std is not None:
+            given = 1 / value if short.startswith("inverse_") else value
+            held.append(abs(abs(outcome.fitted[truth][short]) - abs(given)) <= DEVIATIONS * std)
+    return held
+
+
+def _main_parameters(outcome: Outcome, parameter_aliases: Aliases) -> Iterator[tuple[str, str, float]]:
+    """Each truth that was found with the short name of its main parameter and the plant's number for it."""
     for truth, fitted in outcome.fitted.items():
         own, names = outcome.magnitudes.get(truth, {}), parameter_aliases.get(truth.partition("@")[0], {})
-        for name, value in own.items():
-            short = names.get(name, name)
-            if short in fitted and value:
-                found = fitted[short]
-                found = 1 / found if short.startswith("inverse_") and found else found
-                errors[f"{truth}.{short}"] = abs(abs(found) - abs(value)) / abs(value)
-                break
-    return errors
+        main = next(((names.get(n, n), v) for n, v in own.items() if names.get(n, n) in fitted and v), None)
+        if main is not None:
+            yield truth, *main
 
 
 def _of(kind: Kind, outcomes: Sequence[Outcome]) -> list[Outcome]:

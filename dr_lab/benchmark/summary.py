@@ -25,7 +25,7 @@ def benchmark_report(outcomes: Sequence[Outcome], failed: Mapping[Case, str], sc
         scoring: by what answers are scored.
     """
     goals, aliases = scoring.goals, scoring.parameter_aliases
-    found, middle = rates(outcomes), medians(outcomes, aliases)
+    found, middle = rates(outcomes, aliases), medians(outcomes, aliases)
     values = {name: None if rate is None else rate.share for name, rate in found.items()} | middle
     machines = sorted({outcome.case.machine for outcome in outcomes})
     of_machine = {name: [o for o in outcomes if o.case.machine == name] for name in machines}
@@ -37,7 +37,9 @@ def benchmark_report(outcomes: Sequence[Outcome], failed: Mapping[Case, str], sc
             rates=found,
             medians=middle,
             goals={name: GoalEntry(goals.of(name), goals.met(name, v)) for name, v in values.items() if goals.of(name)},
-            machines={k: MachineEntry(len(own), rates(own), medians(own, aliases)) for k, own in of_machine.items()},
+            machines={
+                k: MachineEntry(len(own), rates(own, aliases), medians(own, aliases)) for k, own in of_machine.items()
+            },
             misses=tuple(_entry(outcome, aliases) for outcome in outcomes if not mark(outcome).right),
         )
     )
@@ -60,6 +62,10 @@ def answers(outcomes: Sequence[Outcome], effects: Mapping[str, Effect]) -> Confu
         pairs.append((truth, found, mark(outcome).right))
     ordered = sorted(effects.values(), key=lambda effect: (FAMILIES.index(effect.family), effect.name))
     return confusion(pairs, [*(effect.name for effect in ordered), "outside", "none", "unexplained"])
+
+
+def _machine(outcomes: Sequence[Outcome], parameter_aliases: Aliases) -> MachineEntry:
+    return MachineEntry(len(outcomes), rates(outcomes, parameter_aliases), medians(outcomes, parameter_aliases))
 
 
 def _entry(outcome: Outcome, parameter_aliases: Aliases) -> CaseEntry:

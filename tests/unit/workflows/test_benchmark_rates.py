@@ -13,7 +13,7 @@ from pretended_cases import A, B, C, case_of, named, outcome_of
 from recorder_samples import read_recording
 
 from dr_lab.benchmark.pages import report_page
-from dr_lab.benchmark.rates import parameter_errors, rate, rates
+from dr_lab.benchmark.rates import parameter_errors, rate, rates, within_stated
 from dr_lab.benchmark.scoring import Goals, Scoring
 from dr_lab.benchmark.summary import answers, benchmark_report, cases_csv
 from dr_lab.cli.folders import shipped
@@ -55,7 +55,7 @@ def test_no_case_has_no_rate() -> None:
 
 
 def test_rates_count_the_cases_that_they_speak_of() -> None:
-    found = {name: (r.count, r.of) for name, r in rates(OUTCOMES).items() if r is not None}
+    found = {name: (r.count, r.of) for name, r in rates(OUTCOMES, ALIASES).items() if r is not None}
     assert found == {
         "top_1": (2, 4),
         "top_3": (4, 4),
@@ -83,6 +83,32 @@ def test_parameter_errors_speak_the_catalogues_names() -> None:
     expected = {f"{A}.torque": pytest.approx(0.05), f"{B}.stiffness": pytest.approx(0.1)}
     assert parameter_errors(both, ALIASES) == expected
     assert parameter_errors(named(A, magnitudes={A: {"torque": 2e-3}}), ALIASES) == {}
+
+
+@pytest.mark.parametrize(
+    ("fitted", "std", "answer", "remaining", "within"),
+    [
+        pytest.param(0.26, 0.006, "saturation@motor", "at_floor", [True], id="within two of the reciprocal"),
+        pytest.param(0.26, 0.004, "saturation@motor", "at_floor", [False], id="beyond"),
+        pytest.param(-0.26, 0.006, "saturation@motor", "at_floor", [True], id="with the other sign"),
+        pytest.param(0.26, 0.006, "saturation@motor", "unexplained", [], id="the model misses something else"),
+        pytest.param(0.26, 0.006, B, "at_floor", [], id="another effect is named"),
+    ],
+)
+def test_stated_intervals_are_counted_where_the_answer_is_right(
+    fitted: float, std: float, answer: str, remaining: str, within: list[bool]
+) -> None:
+    limit = named(
+        "saturation@motor",
+        answer=answer,
+        remaining=remaining,
+        magnitudes={"saturation@motor": {"limit": 4.0}},
+        fitted={"saturation@motor": {"inverse_limit": fitted}},
+        stated={"saturation@motor": {"inverse_limit": std}},
+    )
+    assert within_stated(limit, ALIASES) == within
+    found = rates([limit, *OUTCOMES], ALIASES)["parameter_within_stated"]
+    assert [found and (found.count, found.of)] == ([(sum(within), 1)] if within else [None])
 
 
 def test_the_report_holds_goals_machines_and_misses(tmp_path: Path) -> None:
