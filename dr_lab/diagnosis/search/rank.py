@@ -4,7 +4,7 @@ Most candidates are out after a linear step on few windows. A fit to these windo
 Only those that stand are fitted to all windows, so the cost hardly grows with the catalogue or the length of the logs.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,6 +19,8 @@ from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.refits import Refits
 from dr_lab.diagnosis.search.waves import Waves
 from dr_lab.effects.effect import PlacedEffect
+
+_NONE: Mapping[int, Candidate] = {}
 
 
 class Ranking(NamedTuple):
@@ -48,8 +50,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
        that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most
        evidence are asked again there: few windows may not show what they add.
-    4. If the data support none of these, as many others have their turn of those that promise about as much as these
-       gained: the order of promises is rough where a model misses much.
+    4. If the data support none of these, as many others have their turn: of those that promise about as much as these
+       gained, for the order of promises is rough where a model misses much. These must stand beside the first, too.
     5. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
        better than the base, it becomes the base, and candidates get no credit for it.
 
@@ -81,24 +83,31 @@ class _Contest:
 
     def ranking(self) -> Ranking:
         """All candidates, and the base that they are compared with."""
-        found = self.final(self.waves.first())
+        first = self.waves.first()
+        found = self.final(first)
         if not any(map(self._supported, found.values())):
-            found |= self.final(self.waves.next())
+            found |= self.final(self.waves.next(), first)
         return self.credited(_ordered([*found.values(), *self.waves.unfitted(found).values()]))
 
-    def final(self, tried: dict[int, Candidate]) -> dict[int, Candidate]:
-        """The candidates by place; those that stand are fitted to all windows."""
+    def final(self, tried: Mapping[int, Candidate], before: Mapping[int, Candidate] = _NONE) -> dict[int, Candidate]:
+        """The candidates by place; those that stand are fitted to all windows.
+
+        Args:
+            tried: fitted to few windows.
+            before: others of which this was asked, fitted to few windows; those tried must stand beside them, too.
+        """
+        found = dict(tried)
         if not self.fits.whole:
-            standing = self._standing(tried)
+            standing = [k for k in self._standing({**before, **tried}) if k in tried]
             cases = special_cases(self.placed, standing, standing)
             others = [k for k in standing if k not in cases]
             limits = {k: j for k in others for j in standing if holds(self.placed[k], self.placed[j])}
             alone = [k for k in others if k not in limits]
-            beaten = self._refit_alone(alone, tried) if alone else np.inf
-            tried |= self.fits.of([*limits], lambda k: self.refits.refitted_beyond(tried[k], tried[limits[k]], beaten))
-            tried |= self.fits.of([*cases], lambda k: self.refits.refitted_beside(tried[k], tried[cases[k]], beaten))
-            self._ask_richer([k for k, c in tried.items() if c.fitted and k not in standing], tried)
-        return tried
+            beaten = self._refit_alone(alone, found) if alone else np.inf
+            found |= self.fits.of([*limits], lambda k: self.refits.refitted_beyond(found[k], found[limits[k]], beaten))
+            found |= self.fits.of([*cases], lambda k: self.refits.refitted_beside(found[k], found[cases[k]], beaten))
+            self._ask_richer([k for k, c in found.items() if c.fitted and k not in standing], found)
+        return found
 
     def _supported(self, candidate: Candidate) -> bool:
         """Whether the data support a candidate, by its fit to all windows."""
@@ -144,7 +153,7 @@ class _Contest:
         gains = (paired_gain(base.held_out, c.fitted_model.held_out, settings) if c.final else c.gain for c in found)
         return Ranking(base, _ordered(replace(c, gain=gain) for c, gain in zip(found, gains, strict=True)), back_from)
 
-    def _standing(self, tried: dict[int, Candidate]) -> list[int]:
+    def _standing(self, tried: Mapping[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat.
 
         A candidate whose fit gains less than is hoped for is out, whatever a linear step promised. Others stand as
