@@ -45,10 +45,7 @@ def rates(outcomes: Sequence[Outcome], parameter_aliases: Aliases) -> dict[str, 
         "false_alarm": rate(bool(o.found) for o in _of("none", outcomes)),
         "wrong_with_confidence": rate(marks[o.case].false for o in outcomes),
         "outside_unexplained": rate(marks[o.case].right for o in _of("outside", outcomes)),
-        **{
-            f"abstained_{kind}": rate(o.verdict == kind for o in single)
-            for kind in ("equivalent", "none", "unexplained")
-        },
+        **{f"abstained_{kind}": rate(o.verdict == kind for o in single) for kind in _ABSTENTIONS},
         "parameter_within_stated": rate(held for o in outcomes for held in within_stated(o, parameter_aliases)),
     }
 
