@@ -39,16 +39,18 @@ class Waves:
         settings, found = self._bench.evidence, dict[int, Candidate]()
         reachable = max((self._looks[k].gain for k in self._waiting), default=0.0)
         for _ in range(2):
-            self._fit(self._chosen(reachable, settings.most_fits - len(found)), found)
+            self._fit(self._chosen(settings.least_promise * reachable, settings.most_fits - len(found)), found)
             reachable = self._reached
         self._fit(self._crowded_out(found), found)
+        self._fit(self._chosen(self._reached, settings.most_fits), found)
         self._widen(found)
         return found
 
     def next(self) -> dict[int, Candidate]:
         """As many others of those that promise about as much as a fit has gained."""
         found: dict[int, Candidate] = {}
-        self._fit(self._chosen(self._reached, self._bench.evidence.most_fits), found)
+        settings = self._bench.evidence
+        self._fit(self._chosen(settings.least_promise * self._reached, settings.most_fits), found)
         self._widen(found)
         return found
 
@@ -67,9 +69,8 @@ class Waves:
         promise[unsure] = fits.side_by_side(unsure, lambda k: fits.promise_of_all(self.placed[k], self._looks[k]))
         return promise
 
-    def _chosen(self, reachable: float, most: int) -> list[int]:
-        """At most so many that wait and promise about as much as is reachable, and special cases of theirs."""
-        least = self._bench.evidence.least_promise * reachable
+    def _chosen(self, least: float, most: int) -> list[int]:
+        """At most so many that wait and promise so much, and special cases of theirs."""
         wave = shortlist([k for k in self._waiting if self._looks[k].gain >= least], self.placed, max(most, 0))
         cases = (j for k in wave for j in self._waiting if holds(self.placed[k], self.placed[j]))
         return list(dict.fromkeys([*wave, *cases]))

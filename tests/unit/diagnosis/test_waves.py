@@ -41,15 +41,31 @@ def test_what_is_fitted_brings_its_special_case_along() -> None:
 
 
 def test_others_have_their_turn_where_what_promised_most_gains_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Promises are turned round, so that the true effect is not the first."""
+    """Promises are turned round, so that the true effect is the last."""
     monkeypatch.setattr(waves, "shortlist", lambda order, placed, most: list(order)[::-1][:most])
     bench, base = bench_of(most_fits=1, least_promise=0.0, least_hope=0.0)
-    best, first = rank(bench, base, placed_of(("quadratic_drag", "constant_offset")), lambda _: None).candidates
-    assert first.fitted
-    assert not (first.final and supported(first.gain, 1, bench.evidence))
+    placed = placed_of(("viscous_friction", "quadratic_drag", "constant_offset"))
+    best, *first = rank(bench, base, placed, lambda _: None).candidates
+    for each in first:
+        assert each.fitted
+        assert not (each.final and supported(each.gain, 1, bench.evidence))
     assert best.effect.effect.name == "constant_offset"
     assert best.final
     assert supported(best.gain, 1, bench.evidence)
+
+
+def test_what_promises_more_than_the_best_one_gained_is_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Although the best one is supported, and the first place went to what holds special cases."""
+    monkeypatch.setattr(waves, "shortlist", lambda order, placed, most: sorted(order)[:most])
+    bench, base = bench_of(most_fits=1, least_promise=0.0)
+    names = ("asymmetric_friction", "constant_offset")
+    alone = rank(bench, base, placed_of(names[:1]), lambda _: None).candidates[0]
+    assert supported(alone.gain, 2, bench.evidence)
+    best, second = rank(bench, base, placed_of(names), lambda _: None).candidates
+    assert second.effect.effect.name == "asymmetric_friction"
+    assert alone.fitted_model.fit.below(base.fit) < best.predicted * base.fit.cost
+    assert best.effect.effect.name == "constant_offset"
+    assert best.final
 
 
 @pytest.mark.slow
