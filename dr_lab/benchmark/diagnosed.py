@@ -98,7 +98,7 @@ def _own_values(study: Study, ladder: Ladder, truth: str) -> dict[str, tuple[flo
     rivals = [c.fitted_model for c in ladder.steps[0].rivals] if len(ladder.steps) == 1 else []
     for fitted_model in (ladder.models[-1], *rivals):
         if any(effect.label == truth for effect in fitted_model.model.effects):
-            found = known(study, fitted_model)
+            found = known(study, fitted_model).estimate
             rows = zip(found.space.names, found.mean.tolist(), found.std.tolist(), strict=True)
             return {k.removeprefix(f"{truth}."): (v, std) for k, v, std in rows if k.startswith(f"{truth}.")}
     return {}

@@ -54,7 +54,7 @@ def deciding_experiment(
 
 def contender(study: Study, fitted_model: FittedModel) -> Contender:
     """A fitted model with the uncertainty that the report states."""
-    return Contender(fitted_model.model, fitted_model.fit.z, known(study, fitted_model).covariance)
+    return Contender(fitted_model.model, fitted_model.fit.z, known(study, fitted_model).estimate.covariance)
 
 
 def _entry(

@@ -103,7 +103,7 @@ def fitted(fit: Fit) -> FitEntry:
 def parameters(study: Study, fitted_model: FittedModel) -> tuple[ContextEstimate, Parameters]:
     """Estimate of a fitted context and its table, with the scatter between logs in percent (CV)."""
     space, bench = fitted_model.model.space, study.bench
-    found = known(study, fitted_model)
+    found, by_step = known(study, fitted_model)
     logs = per_log(space, fitted_model.fit, bench.fit)
     doubted = trust.doubts(found, fitted_model.fit, bench.fit, bench.evidence)
     scatters = [
@@ -112,6 +112,7 @@ def parameters(study: Study, fitted_model: FittedModel) -> tuple[ContextEstimate
             per_log=dict(zip(bench.fit.logs, logs[:, column].tolist(), strict=True)),
             doubts=tuple(doubted[name]),
             bounds=(float(space.low[column]), float(space.high[column])),
+            std_by_step=float(by_step[column]),
         )
         for column, name in enumerate(space.names)
     ]

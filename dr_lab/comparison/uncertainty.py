@@ -1,6 +1,7 @@
 """How well a fitted context is known, as reports state it."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,9 +11,22 @@ from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.physics.context import ContextEstimate
+from dr_lab.trajectory import Array
 
 
-def known(study: Study, fitted_model: FittedModel) -> ContextEstimate:
+class Known(NamedTuple):
+    """How well a context is known.
+
+    Attributes:
+        estimate: with all that makes it uncertain.
+        by_step: standard deviation that the time step alone gives each value, shape (n,).
+    """
+
+    estimate: ContextEstimate
+    by_step: Array
+
+
+def known(study: Study, fitted_model: FittedModel) -> Known:
     """A fitted context with all that makes it uncertain: noise, logs that disagree, and the time step.
 
     Values are those that make the model fit at its own step, for there it is used. At a step that hides nothing they
@@ -22,4 +36,4 @@ def known(study: Study, fitted_model: FittedModel) -> ContextEstimate:
     found = estimate(space, fit, bench.fit, bench.evidence)
     replay = Replay(fitted_model.model, bench.fit, bench.threads)
     away = space.span * step_shift(replay, fit, bench.solver, bench.threads)
-    return replace(found, covariance=found.covariance + np.outer(away, away))
+    return Known(replace(found, covariance=found.covariance + np.outer(away, away)), np.abs(away))

@@ -55,12 +55,13 @@ class NoteEntry:
 
 @dataclass(frozen=True)
 class LogScatterEntry:
-    """What the logs say of a parameter one by one, and why its interval may be wrong."""
+    """What the logs say of a parameter one by one, how much of its std the time step gives, and why that may be wrong."""
 
     cv_percent: Number = None
     per_log: ByChannel = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
     bounds: Interval = (None, None)
+    std_by_step: Number = None
 
 
 @dataclass(frozen=True)

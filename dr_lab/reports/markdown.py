@@ -24,6 +24,8 @@ from dr_lab.reports.tables import (
 from dr_lab.reports.typed import add_formula_command, view_command
 from dr_lab.reports.verdict import verdict_markdown
 
+_MOSTLY = 0.5  # share of the variance
+
 
 def report_markdown(report: GapReport) -> str:
     """Render a report of compare, fit, diagnose, add or close; see `gap_page`."""
@@ -97,7 +99,18 @@ def _trades(report: GapReport, parameters: Parameters) -> str:
         for doubt in () if row.scatter is None else row.scatter.doubts:
             doubted.setdefault(doubt, []).append(f"`{name}`")
     lines += [f"- Do not trust the intervals of {', '.join(names)}: {doubt}." for doubt, names in doubted.items()]
-    return "\n".join(lines)
+    return "\n".join([*lines, *_by_step(parameters)])
+
+
+def _by_step(parameters: Parameters) -> list[str]:
+    """A line on the values whose uncertainty is the time step's more than anything else's."""
+    told = {name: row.scatter.std_by_step for name, row in parameters.items() if row.scatter}
+    mostly = [
+        f"`{k}`" for k, by_step in told.items() if by_step and by_step**2 > _MOSTLY * (parameters[k].std or 0) ** 2
+    ]
+    if not mostly:
+        return []
+    return [f"- The time step gives most of the ± of {', '.join(mostly)}: a smaller one in the MJCF would narrow it."]
 
 
 def _missing_forces(report: GapReport) -> str:

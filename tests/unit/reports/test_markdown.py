@@ -62,6 +62,17 @@ def test_each_verdict_has_its_sentence(close_report: dict[str, Any], verdict: st
     assert words in page(close_report)
 
 
+@pytest.mark.parametrize(("share", "told"), [(0.70, False), (0.71, True)])
+def test_values_are_told_whose_uncertainty_is_mostly_the_time_steps(
+    close_report: dict[str, Any], share: float, told: bool
+) -> None:
+    """A little more than half of the variance is, or less."""
+    name = "coulomb_friction@arm.torque"
+    row = close_report["ladder"][-1]["parameters"][name]
+    row["std_by_step"] = share * row["std"]
+    assert (f"- The time step gives most of the ± of `{name}`" in page(close_report)) == told
+
+
 def test_effects_that_close_too_little_are_not_the_cause(close_report: dict[str, Any]) -> None:
     close_report |= {"verdict": "unexplained", "gap_closed": 0.47}
     told = "**Unexplained:** `coulomb_friction@arm` closes 47 % of a typical window's gap, too little to be the cause."
