@@ -55,7 +55,7 @@ class NoteEntry:
 
 @dataclass(frozen=True)
 class LogScatterEntry:
-    """What the logs say of a parameter one by one, how much of its std the time step gives, and why that may be wrong."""
+    """What the logs say of a parameter one by one; how much of its std the time step gives; why that may be wrong."""
 
     cv_percent: Number = None
     per_log: ByChannel = field(default_factory=dict)
