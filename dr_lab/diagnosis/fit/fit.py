@@ -26,6 +26,7 @@ class Fit(Point):
         converged: whether the certificate holds: a full linear step would lower the cost by less than the tolerance;
             else only short steps lower the cost, or none.
         late: whether it ended because at its pace it would not have reached its goal.
+        stuck: whether its last step raised the cost although all slopes had been taken where it ends.
     """
 
     equations: NormalEquations
@@ -35,6 +36,7 @@ class Fit(Point):
     iterations: int
     converged: bool
     late: bool = False
+    stuck: bool = False
 
     @property
     def order(self) -> tuple[int, float]:

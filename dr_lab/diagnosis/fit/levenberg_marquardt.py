@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.fit.fit import Fit, movable
+from dr_lab.diagnosis.fit.followed_slopes import FollowedSlopes, Fresh
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations, Room
 from dr_lab.diagnosis.fit.objective import Objective
 from dr_lab.diagnosis.fit.pace import Pace
@@ -21,7 +22,6 @@ from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.physics.straight import Straight
 from dr_lab.trajectory import Array
 
-_NONE, _MOST, _ALL = range(3)  # slopes that were taken where a fit is: none, all but those by bodies, all
 _WHOLE = np.ones(1)
 _FAR = 0.5  # of a step; where less of it fits best, damping grows
 _STAY = (np.empty(0), np.empty(0))
@@ -44,11 +44,10 @@ class Fitter:
         self.replay, self._rough, self.space = replay, rough, replay.model.space
         self._reach = [np.append(np.zeros(len(self.space.parameters) - len(far)), far) for far in reach]
         self.settings, self._objective = settings, Objective(replay, settings)
-        self._columns = np.arange(len(self.space.parameters))
         ways = Straight.of(replay.model)
         self._straight = ways if replay.windows.loaded.all() else ways.apart()
         self._bodies = np.array([p.prior is not None for p in self.space.parameters], bool)
-        self._needed = _MOST if rough else _ALL  # for the certificate
+        self._needed = Fresh.MOST if rough else Fresh.PARAMETERS  # for the certificate
 
     def run(
         self,
@@ -63,8 +62,9 @@ class Fitter:
         The certificate is that a full linear step within the bounds, with fresh slopes by the parameters, would lower
         the deviance by less than `settings.tolerance` (`Objective.negligible`). A descent that ends without it, because
         only steps shorter and shorter help or because it crawls, begins anew from its end, with states and slopes taken
-        anew, as long as that gains `settings.crawl_tolerance`. Windows that diverge at the start are left out; those
-        that the result can simulate come back. Either happens `settings.restarts` times at most.
+        anew, as long as that gains `settings.crawl_tolerance`, unless its last step failed with such slopes. Windows
+        that diverge at the start are left out; those that the result can simulate come back. Either happens
+        `settings.restarts` times at most.
 
         Args:
             z: start, shape (n,).
@@ -100,7 +100,7 @@ class Fitter:
 
     def settled(self, start: Point) -> tuple[Point, Slopes]:
         """A start with its states fitted, so that its cost tells something, and the slopes by these."""
-        state = self._differences(start, states=True, columns=self._columns[:0])
+        state = differences(self.replay, self.settings, start, states=True, columns=np.arange(0))
         point, slopes = self._polished(start, Slopes(state, state[..., :0]))
         return replace(point, cost=self._objective.cost(point, self._objective.weights(point))), slopes
 
@@ -120,8 +120,11 @@ class Fitter:
         return fit
 
     def _anew(self, fit: Fit, goal: float) -> Point | None:
-        """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done."""
-        if self._misses(fit, fit.equations, goal) or (fit.converged and not fit.infeasible.any()):
+        """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done.
+
+        One that is stuck is done, too: its slopes, all of them, were taken where it is.
+        """
+        if self._misses(fit, fit.equations, goal) or ((fit.converged or fit.stuck) and not fit.infeasible.any()):
             return None
         start = self.begin(fit.z, fit.delta)
         returned = bool((fit.infeasible & ~start.infeasible).any())
@@ -142,14 +145,14 @@ class Fitter:
 
     def _descend(self, best: Point, known: Slopes | None, most: int, goal: float = np.inf) -> Fit:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
-        settings, slopes, fresh = self.settings, self._first_slopes(best, known), _ALL if known is None else _NONE
-        best, weight, first = self._objective.linear(best, slopes)
-        linear, damping, taken, pace = first, settings.damping, 0, Pace(settings.crawl)
+        settings, slopes = self.settings, FollowedSlopes(self.replay, self.settings, best, known)
+        best, weight, first = self._objective.linear(best, slopes.now)
+        linear, damping, taken, stuck, pace = first, settings.damping, 0, False, Pace(settings.crawl)
         while True:
             predicted = linear.decrease(*self._free(best, linear))
             least, slow = self._worth(best)
             done = predicted <= least and not best.infeasible.all()
-            converged = done and (fresh >= self._needed or taken == 0)  # given slopes are those of the start
+            converged = done and (slopes.fresh >= self._needed or taken == 0)  # given slopes are those of the start
             short = damping > settings.damping_max or 2 * predicted < least * damping or pace.crawls(slow)
             late = pace.too_slow(best.cost - goal, settings.iterations - taken)
             late &= not (converged or best.infeasible.any())
@@ -157,29 +160,31 @@ class Fitter:
             if converged or taken >= most or (short and not done) or late or given_up:
                 break
             if done:
-                slopes, fresh = self._renewed(best, slopes, states=False), _ALL
-                best, weight, linear = self._objective.linear(best, slopes)
+                slopes.renew(best, Fresh.PARAMETERS)
+                best, weight, linear = self._objective.linear(best, slopes.now)
                 continue
             taken += 1
-            (trial, share), nearby = self._trial(best, linear, damping, weight), slopes
+            (trial, share), nearby = self._trial(best, linear, damping, weight), slopes.now
             if best.cost - trial.cost < settings.hindered * predicted:
-                trial, nearby = self._mended(best, trial, slopes, weight)
+                trial, nearby = self._mended(best, trial, slopes.now, weight)
             gain = best.cost - trial.cost
             pace.add(gain)
-            if gain >= 0:
-                damping *= settings.damping_up if share < _FAR else 1.0 / settings.damping_down
-                fresh = self._asked(gain, predicted) if taken < most else _NONE  # nobody asks at the end
-                best, slopes = trial, self._after(best, trial, slopes, nearby, fresh)
-            elif fresh < _ALL:
-                slopes, fresh = self._renewed(best, slopes), _ALL
-            else:
-                damping *= settings.damping_up
+            stuck = gain < 0 and slopes.fresh == Fresh.ALL
+            if stuck:
+                damping = max(settings.damping_up * damping, settings.damping)
                 continue
-            best, weight, linear = self._objective.linear(best, slopes)
+            if gain < 0:
+                slopes.renew(best, Fresh.ALL)
+            else:
+                damping *= settings.damping_up if share < _FAR else 1.0 / settings.damping_down
+                asked = slopes.asked(gain, predicted) if taken < most else Fresh.NONE  # nobody asks at the end
+                slopes.follow(best, trial, nearby, asked)
+                best = trial
+            best, weight, linear = self._objective.linear(best, slopes.now)
             if self._rough and 0 <= gain <= least:
                 break
         costs = np.where(best.infeasible, 0.0, self._objective.window_costs(best, weight))
-        ended = (linear, first, costs, slopes, taken, converged, late)
+        ended = (linear, first, costs, slopes.now, taken, converged, late, stuck)
         return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
 
     def outlooks(self, z: Array, delta: Array, known: Slopes, first: Point | None = None) -> list[Fit]:
@@ -191,7 +196,8 @@ class Fitter:
             known: slopes for the states and the first parameters, which need no simulation then.
             first: with the residuals at the first context, where it is the one of another model.
         """
-        found = around(self.replay, self.settings, z, delta, self._columns[known.parameter.shape[2] :], first)
+        columns = np.arange(known.parameter.shape[2], len(self.space.parameters))
+        found = around(self.replay, self.settings, z, delta, columns, first)
         fits = list[Fit]()
         for context, residuals, infeasible, rest in zip(z, *found, strict=True):
             slopes = Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
@@ -227,45 +233,6 @@ class Fitter:
         found = polished(self.replay, self.settings, trial, slopes.state, worse & ~trial.infeasible)
         point = replace(trial, delta=found.delta, residuals=found.residuals)
         return replace(point, cost=self._objective.cost(point, weight)), Slopes(found.slopes, slopes.parameter)
-
-    def _first_slopes(self, point: Point, known: Slopes | None) -> Slopes:
-        if known is None:
-            columns = self._differences(point, states=True, columns=self._columns)
-            return Slopes(columns[..., : self.replay.nstate], columns[..., self.replay.nstate :])
-        given = known.parameter.shape[2]
-        rest = self._differences(point, states=False, columns=self._columns[given:])
-        return Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
-
-    def _asked(self, gain: float, predicted: float) -> int:
-        """Which slopes must be taken anew after a step that gains so much: `_NONE`, `_MOST` or `_ALL`.
-
-        Beside an effect, which bends more, slopes by the many parameters of bodies hold for a while.
-        """
-        if gain >= self.settings.foretold * predicted:
-            return _NONE
-        lazy = self._bodies.any() and self.replay.model.effects and gain >= self.settings.foreseen * predicted
-        return _MOST if lazy else _ALL
-
-    def _renewed(self, point: Point, near: Slopes, which: int = _ALL, *, states: bool = True) -> Slopes:
-        """Slopes at a point by all parameters or by `_MOST`, and maybe by the states; the others as they are nearby."""
-        columns = self._columns if which == _ALL else self._columns[~self._bodies]
-        found, count = self._differences(point, states=states, columns=columns), self.replay.nstate if states else 0
-        parameter = near.parameter.copy()
-        parameter[..., columns] = found[..., count:]
-        return Slopes(found[..., :count] if states else near.state, parameter)
-
-    def _after(self, before: Point, after: Point, slopes: Slopes, nearby: Slopes, fresh: int) -> Slopes:
-        """Slopes after a step, as fresh as is asked; those before it follow it unless windows were mended, `nearby`."""
-        if fresh:
-            far = before.cost - after.cost > self.settings.refresh * before.cost
-            return self._renewed(after, nearby, fresh, states=far)
-        if nearby is not slopes:
-            return nearby
-        move = self.space.to_unit(after.z) - self.space.to_unit(before.z)
-        return slopes.secant(after.residuals - before.residuals, after.delta - before.delta, move)
-
-    def _differences(self, point: Point, *, states: bool, columns: NDArray[np.intp]) -> Array:
-        return differences(self.replay, self.settings, point, states=states, columns=columns)
 
     def _free(
         self, point: Point, linear: NormalEquations, below: Array | float = 0.0, above: Array | float = 0.0
