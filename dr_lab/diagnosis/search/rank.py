@@ -156,7 +156,7 @@ class _Contest:
     def _standing(self, tried: Mapping[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat.
 
-        A candidate whose fit gains less than is hoped for is out, whatever a linear step promised. Others stand as
+        A candidate whose fit gains less than is hoped for (`_gains`) is out, whatever was promised. Others stand as
         well, for few windows flatter the best one:
 
         1. Its special cases: a fit of hard friction ends early more often than one that softens it, so a richer effect
@@ -182,10 +182,15 @@ class _Contest:
         return standing
 
     def _gains(self, candidate: Candidate) -> bool:
-        """Whether a fit to few windows gains as much as a linear step must promise."""
+        """Whether a fit to few windows gains as much as a linear step must promise, and not in the worst ones alone.
+
+        Evidence that is negative in the very windows that were fitted is bought: a wild window is met at the cost of
+        the typical ones.
+        """
         start = self.fits.start
         gained = candidate.fitted_model.fit.below(start)
-        return candidate.fitted and self.bench.promise(gained, start) >= self.bench.hope
+        enough = self.bench.promise(gained, start) >= self.bench.hope
+        return candidate.fitted and enough and candidate.gain.total > 0
 
     def _needless(self, candidate: Candidate, other: Candidate) -> bool:
         """Whether a candidate with more parameters than another one hardly explains more."""
