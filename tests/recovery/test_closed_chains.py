@@ -15,7 +15,7 @@ FRICTION = 2.0  # N
 def test_init_finds_the_zero_that_closes_the_chain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("crank.xml").write_text(MJCF.format(""), encoding="utf-8")
-    assert main(["init", "crank.xml", *written(tmp_path, logs("abc", 3.0), 0.4)]) == 0
+    assert main(["init", "crank.xml", *written(tmp_path, logs("ab", 3.0), 0.4)]) == 0
     page = yaml.safe_load(Path("mine/measurements/slider_crank.yaml").read_text(encoding="utf-8"))
     assert page["outputs"]["slider.position"]["offset"] == pytest.approx(-0.4, abs=1e-4)
 

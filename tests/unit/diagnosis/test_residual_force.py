@@ -106,7 +106,7 @@ def test_of_a_closed_chain_the_first_joint_bears_the_force_and_all_masses_count(
     """A slider-crank by its own equation, of whose torque 0.1 N·m are not logged."""
     torque, xml = 0.1, MJCF.format('solref="0.002 1"').replace('mass="1"', 'mass="1.05"')
     model = model_of(xml.replace('integrator="implicitfast"', 'integrator="RK4"').replace("0.01", "0.02"))
-    (log,) = logs("a", seconds=4.0, noise=(1e-4, 1e-5))
+    (log,) = logs("a", seconds=2.0, noise=(1e-4, 1e-5))
     motor = log.commands["motor"]
     found = forces(
         model,
