@@ -225,7 +225,7 @@ def _one_channel(worse: ChannelScore, better: ChannelScore, both: NDArray[np.boo
     """
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     least = better if better.chi2 <= worse.chi2 else worse
-    return (_deviance(theirs, count) - _deviance(ours, count)) / least.colour, _gap(theirs, ours, count)
+    return (deviance(theirs, count) - deviance(ours, count)) / least.colour, _gap(theirs, ours, count)
 
 
 def _gap(worse: Array, better: Array, count: Array) -> float:
@@ -234,7 +234,7 @@ def _gap(worse: Array, better: Array, count: Array) -> float:
     return min((before - after) / (before - 1), 1.0) if before > 1 else 1.0
 
 
-def _deviance(sums: Array, count: Array) -> Array:
+def deviance(sums: Array, count: Array) -> Array:
     """−2 ln L of each window, but for a constant, at the likeliest variance of at least the noise's."""
     level = sums / np.maximum(count, _LEAST)
     return count * np.where(level > 1, 1 + np.log(np.maximum(level, 1)), level)

@@ -124,14 +124,23 @@ class NormalEquations:
             free: parameters that may move, shape (p,).
             room: how far each may move; None for any distance.
         """
-        states = np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0]
-        information, gradient = (rows.sum(0) for rows in self.window_information())
-        slope, whole = gradient + self.prior_gradient, information + np.diag(self.prior)
+        alone, windows, move = self._full_step(free, room)
+        gained = windows.sum() - float(move @ (2 * self.prior_gradient + self.prior * move))
+        return float(alone.sum()) + max(float(gained), 0.0)
 
-        root = inverse_root(information[np.ix_(free, free)], self.prior[free])
+    def window_decreases(self, free: Mask, room: Room | None = None) -> Array:
+        """By how much that step lowers the cost of each window, without the parameters' prior, shape (w,)."""
+        alone, windows, _ = self._full_step(free, room)
+        return alone + windows
+
+    def _full_step(self, free: Mask, room: Room | None) -> tuple[Array, Array, Array]:
+        """Each window's gain by its states alone (w,), what the parameters add to it (w,), and their move (p,)."""
+        states = np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0]
+        information, gradient = self.window_information()
+        slope, whole = gradient.sum(0) + self.prior_gradient, information.sum(0) + np.diag(self.prior)
+        root = inverse_root(information.sum(0)[np.ix_(free, free)], self.prior[free])
         move = within(-root @ (root.T @ slope[free]), whole, slope, free, room)
-        gained = -float(slope @ move) - float(move @ (slope + whole @ move))
-        return float((self.state_gradient * states).sum()) + max(gained, 0.0)
+        return (self.state_gradient * states).sum(1), -(2 * gradient + information @ move) @ move, move
 
     def information(self) -> Array:
         """Information about the parameters once the states are eliminated, prior included, shape (p, p)."""

@@ -50,8 +50,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
        that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most
        evidence are asked again there: few windows may not show what they add.
-    4. If the data support none of these, as many others have their turn: of those that promise about as much as these
-       gained, for the order of promises is rough where a model misses much. These must stand beside the first, too.
+    4. If the data support none of these, as many others have their turn: those that promise most in typical windows,
+       for what promises most in all may meet a few wild ones alone. These must stand beside the first, too.
     5. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
        better than the base, it becomes the base, and candidates get no credit for it.
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dr_lab.diagnosis.evidence.paired_gain import deviance
 from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.identifiability import Identifiability, identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
@@ -22,6 +23,8 @@ class FirstLook:
         best: context of the best of these linear steps, shape (n,).
         identifiability: what the data can say of it.
         gain: by how much the fit's cost could fall below that without the effect, by that step.
+        evidence: what the best of these steps gains window by window, as `deviance` counts it: one wild window counts
+            little, and what gets worse counts, too.
     """
 
     absent: Fit
@@ -29,6 +32,7 @@ class FirstLook:
     best: Array
     identifiability: Identifiability
     gain: float
+    evidence: float
 
 
 def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> FirstLook:
@@ -49,12 +53,20 @@ def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> FirstLook:
     known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
     gains = [linear_gain(fitter, fit, base) for fit in fits]
     absent, best = replace(fits[0], slopes=base.slopes), int(np.argmax(gains))
-    return FirstLook(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best])
+    evidence = max(_evidence(fitter, fit, base) for fit in fits)
+    return FirstLook(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best], evidence)
 
 
 def linear_gain(fitter: Fitter, fit: Fit, base: Fit) -> float:
     """How far below a base's cost a full linear step leads; parameters that it would push through bounds stay."""
     return fit.below(base) + fit.first.decrease(free(fitter, fit))
+
+
+def _evidence(fitter: Fitter, fit: Fit, base: Fit) -> float:
+    """What a full linear step gains over a base in the windows that both simulate."""
+    left = np.maximum(fit.window_costs - fit.first.window_decreases(free(fitter, fit)), 0.0)
+    both, count = ~(fit.infeasible | base.infeasible), fitter.replay.fitted.sum(1)
+    return float((deviance(base.window_costs, count) - deviance(left, count))[both].sum())
 
 
 def free(fitter: Fitter, fit: Fit) -> Mask:

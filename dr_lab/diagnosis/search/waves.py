@@ -47,10 +47,10 @@ class Waves:
         return found
 
     def next(self) -> dict[int, Candidate]:
-        """As many others of those that promise about as much as a fit has gained."""
+        """As many others: those that promise most in typical windows, where those before may have met wild ones."""
         found: dict[int, Candidate] = {}
-        settings = self._bench.evidence
-        self._fit(self._chosen(settings.least_promise * self._reached, settings.most_fits), found)
+        self._waiting.sort(key=lambda k: -self._looks[k].evidence)
+        self._fit(self._chosen(0.0, self._bench.evidence.most_fits), found)
         self._widen(found)
         return found
 

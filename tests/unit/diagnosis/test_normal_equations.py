@@ -63,6 +63,25 @@ def test_the_predicted_decrease_is_that_of_the_dense_quadratic() -> None:
         kept = np.concatenate([np.ones(W * S, bool), free])
         expected = gradient[kept] @ np.linalg.solve(hessian[np.ix_(kept, kept)], gradient[kept])
         np.testing.assert_allclose(equations.decrease(free), expected)
+        np.testing.assert_allclose(equations.window_decreases(free), window_decreases(p, free))
+
+
+def window_decreases(p: dict[str, np.ndarray], free: np.ndarray) -> list[float]:
+    """Of each window's own cost, its state's prior included, by the dense step."""
+    hessian, gradient = dense(p)
+    kept, step = np.concatenate([np.ones(W * S, bool), free]), np.zeros(W * S + P)
+    step[kept] = -np.linalg.solve(hessian[np.ix_(kept, kept)], gradient[kept])
+    found = []
+    for w in range(W):
+        state = step[w * S : (w + 1) * S]
+        change = p["state_jacobian"][w] @ state + p["parameter_jacobian"][w] @ step[W * S :]
+        costs = [
+            (p["weight"][w] * (p["residual"][w] + share * change) ** 2).sum()
+            + (p["state_precision"] * (p["delta"][w] + share * state) ** 2).sum()
+            for share in (0.0, 1.0)
+        ]
+        found.append(costs[0] - costs[1])
+    return found
 
 
 def test_parameters_that_replace_one_another_are_left_to_the_prior() -> None:

@@ -7,7 +7,7 @@ from effect_machines import catalogue_effect, scales_of
 from screened_pendulum import OFFSET, bench_of, drive, lopsided, placed_of
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score, fitted_to_the_end
-from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported
+from dr_lab.diagnosis.evidence.paired_gain import deviance, paired_gain, supported
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.rank import rank
@@ -43,6 +43,8 @@ def test_a_linear_effect_gains_what_was_predicted() -> None:
     fitter = Fitter(Replay(model.with_effect(effect), bench.fit, 1), bench.solver)
     fit = fitter.run(first.absent.z, first.absent.delta)
     assert first.gain == pytest.approx(base.fit.cost - fit.cost, rel=0.02)
+    before, after = (deviance(each.window_costs, fitter.replay.fitted.sum(1)).sum() for each in (base.fit, fit))
+    assert first.evidence == pytest.approx(before - after, rel=0.02)
     assert fit.z[-1] == pytest.approx(OFFSET, rel=0.02)
 
 

@@ -8,6 +8,7 @@ from screened_pendulum import DRY_FRICTIONS, NAMES, bench_of, creep, placed_of, 
 
 from dr_lab.diagnosis.evidence.paired_gain import supported
 from dr_lab.diagnosis.search import waves
+from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.presliding_friction import PreslidingFriction
@@ -89,3 +90,15 @@ def test_what_is_confused_with_the_best_one_is_fitted_although_no_place_is_left(
     ranking = rank(bench, base, placed, lambda _: None).candidates
     assert min(c.predicted for c in ranking) > 0.01  # each is worth a fit
     assert {c.effect.effect.name for c in ranking if c.fitted} == {"coulomb_friction", "load_dependent_friction"}
+
+
+def test_the_next_ones_are_those_that_promise_most_in_typical_windows() -> None:
+    bench, base = bench_of(most_fits=1, least_hope=0.0)
+    chosen = []
+    for first, last in ((2.0, 1.0), (1.0, 2.0)):
+        asked = waves.Waves(CandidateFits(bench.beside(base), base), placed_of(NAMES[:2]), lambda _: None)
+        evidence = dict(zip(asked.placed, (first, last), strict=True))
+        asked._looks = [replace(look, evidence=evidence[p]) for p, look in zip(asked.placed, asked._looks, strict=True)]
+        (place,) = asked.next()
+        chosen.append(asked.placed[place].effect.name)
+    assert chosen == [*NAMES[:2]]
