@@ -36,6 +36,17 @@ def cable(position: Array) -> Array:
     return np.array([-0.04 * pull, -0.02 * pull])
 
 
+def hose(position: Array) -> Array:
+    """A hose of 0.3 m and 15 N/m from a point beside the shoulder to the forearm's centre; slack where that is near."""
+    turned = np.array([position[0], position.sum()])
+    levers = np.array([0.3, 0.16]) * np.array([np.sin(turned), -np.cos(turned)])  # (x, z) of both links
+    way = np.array([0.35, 0.9]) - np.array([0.0, 0.8]) - levers.sum(1)
+    far = float(np.linalg.norm(way))
+    pull = 15.0 * max(0.0, far - 0.3) * way / far
+    turning = [levers.sum(1), levers[:, 1]]  # of the forearm's centre about either joint
+    return np.array([pull @ [-z, x] for x, z in turning])
+
+
 def log(name: str, seed: int, length: float, force: Force) -> Log:
     """Encoders of the arm under random steps of both torques."""
     arm, time = on_paper(length, UPPER, FORE, DAMPING), clock(round(SECONDS / STEP))
@@ -71,6 +82,11 @@ def model() -> Model:
     [
         ("link_length", "forearm", 0.325, none, {"excess": 0.025}),
         ("joint_coupling", "elbow", 0.3, cable, {"stiffness": 800.0 * 0.04**2, "ratio": -0.5, "rest": 0.125}),
+        pytest.param(
+            *("cable_force", "forearm", 0.3, hose),
+            {"stiffness": 15.0, "anchor_x": 0.35, "anchor_y": 0.0, "anchor_z": 0.9, "length": 0.3},
+            marks=pytest.mark.slow,  # a minute: four starts, and kinks where the hose slackens
+        ),
     ],
 )
 def test_the_arm_is_found(name: str, site: str, length: float, force: Force, truth: Mapping[str, float]) -> None:
@@ -80,8 +96,9 @@ def test_the_arm_is_found(name: str, site: str, length: float, force: Force, tru
     extended = plain.with_effect(one)
     windows = cut(logs, measured(logs), plain.nominal(), windows_settings())
     fitter = Fitter(Replay(extended, windows, 1), solver_settings())
-    fit = fitter.run(extended.space.vector(one.starts[-1] if one.starts else {}))
+    fits = [fitter.run(extended.space.vector(start)) for start in one.starts or ({},)]
+    fit = min(fits, key=lambda each: each.cost)
     assert fit.cost / fitter.replay.fitted.sum() == pytest.approx(1.0, abs=0.15)
     expected = {"upper_arm.mass": UPPER, "forearm.mass": FORE, **{f"{one.label}.{k}": v for k, v in truth.items()}}
     for key, value in extended.space.mapping(fit.z).items():
-        assert value == pytest.approx(expected[key], rel=0.05), key
+        assert value == pytest.approx(expected[key], rel=0.05, abs=0.02), key

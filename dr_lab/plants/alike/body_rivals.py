@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from dr_lab.plants.alike.course import Course
@@ -83,6 +84,25 @@ def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
     wider = felt(slope(machine.with_inertia_scaled(body, 1 + _SMALL), _SMALL))
     if wider:
         yield Rival(f"inertia_error@{body}", 1, linear(*map(lacked, wider)))
+    pulls = _pulls(response.course, body)
+    if len(felt(*pulls)) > 1:
+        yield Rival(f"cable_force@{body}", 5, linear(*map(lacked, pulls), positive=(True, False, False, False)))
+
+
+def _pulls(course: Course, body: str) -> list[Array]:
+    """What a cable to a body's centre p that is never slack takes, by k and by each entry of k a, shape (K, n) each.
+
+    k (a − p) through the centre's Jacobian, with a its anchor.
+    """
+    model, data, row = course.machine.model, mujoco.MjData(course.machine.model), course.machine.model.body(body).id
+    turning, columns = np.zeros((3, model.nv)), []
+    for position in course.position:
+        data.qpos[:] = position
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_jacBodyCom(model, data, turning, None, row)
+        columns.append(np.stack([data.xipos[row] @ turning, *-turning]))
+    return list(np.stack(columns, axis=1))
 
 
 def _of_world(response: _Response) -> Iterator[Rival]:

@@ -40,10 +40,12 @@ def test_what_a_planar_arm_feels() -> None:
         "payload@upper": 2,
         "centre_of_mass_offset@upper": 2,
         "inertia_error@upper": 1,
+        "cable_force@upper": 5,
         "payload@lower": 2,
         "centre_of_mass_offset@lower": 2,
         "link_length@lower": 1,
         "inertia_error@lower": 1,
+        "cable_force@lower": 5,
         "base_tilt@world": 1,
         "air_drag@world": 1,
     }
