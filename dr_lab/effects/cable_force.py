@@ -9,12 +9,14 @@ import numpy as np
 
 from dr_lab.effects.body_effect import body_of, moving_bodies
 from dr_lab.effects.effect import Effect, Scales
+from dr_lab.effects.generalised_forces import pulls
 from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 _HINGE, _SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
-_AXES = ("x", "y", "z")
+_AXES: tuple[str, ...] = ("x", "y", "z")
+_NAMES = tuple(f"anchor_{axis}" for axis in _AXES)
 
 
 @dataclass(frozen=True)
@@ -26,9 +28,10 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
     ``cable_force@<body>`` with springlength (0, L). With L = 0 it is a spring, F = k (a − p), linear in k and k a.
 
     Parameters (nominal = absent): stiffness k ≥ 0 [N/m]; anchor_x, anchor_y, anchor_z [m] in the world, and length
-    L ≥ 0 [m], which act only where k > 0 (fits start away from absent, with a cable that is never slack).
-    Limits: bodies that a hinge turns; to one that only slides it is a spring. The cable has no mass and no friction, and touches nothing. Where the
-    machine moves in a plane, the anchor's distance from it is known from slack cables alone.
+    L ≥ 0 [m], which act only where k > 0 (fits start away from absent, with a cable that is never slack). The anchor
+    lies in the plane of a planar machine: it has no coordinate along an axis in which no pull moves a joint.
+    Limits: bodies that a hinge turns; to one that only slides it is a spring. The cable has no mass and no friction,
+    and touches nothing.
     Source: Hooke's law; MuJoCo 4.0, XML reference, tendon/spatial/springlength.
 
     Attributes:
@@ -38,6 +41,8 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
         around: how far the anchor may lie from the centre in the reference pose along each axis, in reaches.
         start: k of the fits that start away from absent, share of its upper bound.
         start_anchors: anchors of these fits, from the centre in the reference pose, in reaches.
+        sensitive: a direction counts as felt above this share of the force of an equal pull in the worst direction.
+        poses: number of states in which that is looked for.
     """
 
     factor: float
@@ -45,6 +50,8 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
     around: float
     start: float
     start_anchors: tuple[tuple[float, float, float], ...]
+    sensitive: float
+    poses: int
 
     name: ClassVar[str] = "cable_force"
     family: ClassVar[str] = "environment"
@@ -53,7 +60,7 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
         "force residual at several joints at once, towards one point, perhaps in some poses alone"
     )
     confused_with: ClassVar[tuple[str, ...]] = ("spring", "constant_offset", "payload", "base_tilt", "end_stop")
-    shapes: ClassVar[tuple[str, ...]] = (*(f"anchor_{axis}" for axis in _AXES), "length")
+    shapes: ClassVar[tuple[str, ...]] = (*_NAMES, "length")
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the moving bodies with mass that a hinge turns."""
@@ -61,7 +68,7 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Stiffness, anchor and length."""
-        reach, centre = _reach(model, site), _centre(model, site)
+        reach, centre = _reach(model, site), dict(zip(_AXES, _centre(model, site).tolist(), strict=True))
         largest = max(
             scales.torque.get(model.joint(joint).name, 0.0) / (reach if kind == _SLIDE else reach**2)
             for joint, kind in _joints(model, site)
@@ -69,7 +76,10 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
         far = self.around * reach
         return (
             Parameter("stiffness", "N/m", 0.0, 0.0, max(self.factor * largest, self.least)),
-            *(Parameter(f"anchor_{axis}", "m", c, c - far, c + far) for axis, c in zip(_AXES, centre, strict=True)),
+            *(
+                Parameter(f"anchor_{axis}", "m", centre[axis], centre[axis] - far, centre[axis] + far)
+                for axis in self._felt(model, site)
+            ),
             Parameter("length", "m", 0.0, 0.0, far),
         )
 
@@ -88,17 +98,23 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
         label = f"{self.name}@{site}"
         tendon = spec.tendon(label)
         tendon.stiffness, tendon.springlength = [values["stiffness"], 0.0, 0.0], [0.0, values["length"]]
-        spec.site(f"{label}.anchor").pos = [values[f"anchor_{axis}"] for axis in _AXES]
+        anchor = spec.site(f"{label}.anchor")
+        anchor.pos = [values.get(f"anchor_{axis}", own) for axis, own in zip(_AXES, anchor.pos, strict=True)]
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """A light spring towards several anchors: from each one linear step leads to any other."""
         stiffness, *anchor, _ = parameters
         light = {"stiffness": self.start * stiffness.high}
-        shares = np.asarray(self.start_anchors) / self.around
-        return tuple(
-            light | {p.name: p.nominal + share * p.span / 2 for p, share in zip(anchor, row, strict=True)}
-            for row in shares.tolist()
-        )
+        shares = [
+            dict(zip(_NAMES, (np.asarray(row) / self.around).tolist(), strict=True)) for row in self.start_anchors
+        ]
+        placed = [{p.name: p.nominal + row[p.name] * p.span / 2 for p in anchor} for row in shares]
+        return tuple(light | row for k, row in enumerate(placed) if row not in placed[:k])
+
+    def _felt(self, model: mujoco.MjModel, site: str) -> tuple[str, ...]:
+        """Axes along which a pull at the centre moves a joint in some pose."""
+        force = np.abs(pulls(model, model.body(site).id, self.poses)).max(axis=(0, 2))
+        return tuple(axis for axis, each in zip(_AXES, force, strict=True) if each > self.sensitive * force.max())
 
 
 def _joints(model: mujoco.MjModel, body: str) -> Iterator[tuple[int, int]]:

@@ -28,6 +28,14 @@ def fluid_forces(model: mujoco.MjModel, poses: int) -> Array:
     return forces
 
 
+def pulls(model: mujoco.MjModel, body: int, poses: int) -> Array:
+    """Forces on the joints of 1 N at a body's centre of mass along each axis of the world, shape (poses, 3, nv)."""
+    forces = np.zeros((poses, 3, model.nv))
+    for pose, data in enumerate(_states(model, poses)):
+        mujoco.mj_jacBodyCom(model, data, forces[pose], None, body)
+    return forces
+
+
 def _states(model: mujoco.MjModel, poses: int) -> Iterator[mujoco.MjData]:
     """States in motion, with positions and velocities worked out.
 

@@ -9,6 +9,7 @@ from typing import Self
 import mujoco
 import numpy as np
 
+from dr_lab.plants.cable import Cable
 from dr_lab.plants.inertia import moved, with_point
 from dr_lab.plants.machine import Gravity, Matrix, Vector, index
 from dr_lab.plants.mjcf_nominal import MjcfNominal
@@ -59,6 +60,7 @@ class MujocoMachine:
         actuators: names of the actuators.
         gears: joint and law of what gears add.
         couplings: cables between joints.
+        cables: those between the world and a body.
     """
 
     model: mujoco.MjModel
@@ -67,6 +69,7 @@ class MujocoMachine:
     actuators: tuple[str, ...]
     gears: tuple[tuple[int, GearLaw], ...] = ()
     couplings: tuple[Coupling, ...] = ()
+    cables: tuple[Cable, ...] = ()
 
     @classmethod
     def of(cls, model: mujoco.MjModel) -> Self:
@@ -149,6 +152,11 @@ class MujocoMachine:
         """With a cable between two joints."""
         return replace(self, couplings=(*self.couplings, coupling))
 
+    def with_cable(self, cable: Cable) -> Self:
+        """With a cable between the world and a body."""
+        self._row(cable.body)
+        return replace(self, cables=(*self.cables, cable))
+
     def with_link_longer(self, body: str, by: float) -> Self:
         """With a body, and all that hangs on it, farther by so many m from the axis of its parent's last hinge."""
         model, row, way = copy.copy(self.model), self._row(body), self._way(body)
@@ -196,12 +204,25 @@ class MujocoMachine:
         return self._altered(model)
 
     def _altered(self, model: mujoco.MjModel) -> Self:
-        return replace(type(self).of(model), gears=self.gears, couplings=self.couplings)
+        return replace(type(self).of(model), gears=self.gears, couplings=self.couplings, cables=self.cables)
 
     def _coupled(self, position: Vector, applied: Vector) -> Vector:
         for coupling in self.couplings:
             applied = coupling.added(position, applied)
+        for cable in self.cables:
+            place, turning = self.centre(np.asarray(position, np.float64), cable.body)
+            applied = (applied + cable.pull(place) @ turning).tolist()
         return applied
+
+    def centre(self, position: Array, body: str) -> tuple[Array, Array]:
+        """A body's centre of mass in the world, m, shape (3,), and its Jacobian, shape (3, n)."""
+        data, row = mujoco.MjData(self.model), self._row(body)
+        data.qpos[:] = position
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        turning = np.zeros((3, self.model.nv))
+        mujoco.mj_jacBodyCom(self.model, data, turning, None, row)
+        return data.xipos[row].copy(), turning
 
     def _arm(self, body: str) -> tuple[Array, Array]:
         """Where a body's last joint is, and the way from there to its centre across its axis, m, shape (3,).

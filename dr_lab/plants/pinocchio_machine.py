@@ -67,6 +67,18 @@ class PinocchioMachine(MujocoMachine):
             total += jacobian[:3].T @ force + jacobian[3:].T @ (torque + np.cross(reach, force))
         return total
 
+    def centre(self, position: Array, body: str) -> tuple[Array, Array]:
+        """A body's centre of mass in the world, m, shape (3,), and its Jacobian, shape (3, n)."""
+        engine, (model, data) = pinocchio(), self._tree
+        engine.computeJointJacobians(model, data, position)
+        number, reach, *_ = next(
+            box for box in self._boxes[::-1] if self.model.jnt_bodyid[box[0] - 1] == self._row(body)
+        )
+        frame, world = data.oMi[number], engine.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        jacobian = np.reshape(engine.getJointJacobian(model, data, number, world), (6, len(position)))
+        way = frame.rotation @ reach
+        return frame.translation + way, jacobian[:3] + np.cross(jacobian[3:], way, axisa=0).T
+
     @cached_property
     def _tree(self) -> tuple[Any, Any]:
         model = tree(self.model)

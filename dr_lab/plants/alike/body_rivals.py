@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 
 from dr_lab.plants.alike.course import Course
@@ -94,15 +93,8 @@ def _pulls(course: Course, body: str) -> list[Array]:
 
     k (a − p) through the centre's Jacobian, with a its anchor.
     """
-    model, data, row = course.machine.model, mujoco.MjData(course.machine.model), course.machine.model.body(body).id
-    turning, columns = np.zeros((3, model.nv)), []
-    for position in course.position:
-        data.qpos[:] = position
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_jacBodyCom(model, data, turning, None, row)
-        columns.append(np.stack([data.xipos[row] @ turning, *-turning]))
-    return list(np.stack(columns, axis=1))
+    found = (course.machine.centre(position, body) for position in course.position)
+    return list(np.stack([np.stack([place @ turning, *-turning]) for place, turning in found], axis=1))
 
 
 def _of_world(response: _Response) -> Iterator[Rival]:

@@ -11,6 +11,7 @@ from strangers import STRANGERS, needs_pinocchio
 from dr_lab.cli.compose import compose
 from dr_lab.cli.folders import shipped
 from dr_lab.errors import ModelError
+from dr_lab.plants.cable import Cable
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.no_effect import NoEffect
 from dr_lab.plants.machine import Vector
@@ -32,6 +33,7 @@ ALTERED: dict[str, Callable[[MujocoMachine], MujocoMachine]] = {
     "drive": lambda m: m.with_drive_scaled(m.actuators[-1], 0.8),
     "link": lambda m: m.with_link_longer(m.bodies[-1], 0.03) if m.link(m.bodies[-1]) else m,
     "cable": lambda m: m.with_coupling(Coupling((0, len(m.joints) - 1), (0.03, -0.02), 0.004, 900.0)),
+    "hose": lambda m: m.with_cable(Cable(m.bodies[-1], np.array([0.9, -0.4, 1.5]), 0.1, 80.0)),
     "medium": lambda m: m.with_medium(2.0, (1.0, -2.0, 0.0)),
 }
 
