@@ -103,6 +103,21 @@ class MujocoMachine:
         mujoco.mj_fullM(self.model, data, dense)
         return dense.tolist(), (data.qfrc_smooth + data.qfrc_constraint).tolist()
 
+    def lacking(self, position: Array, velocity: Array, acceleration: Array, command: Array) -> Array:
+        """M q'' − f, the forces that it lacks to move like that, N·m or N, shape (K, n).
+
+        Args:
+            position: rad or m, shape (K, n).
+            velocity: the same.
+            acceleration: the same.
+            command: shape (K, actuators).
+        """
+        none, rows = [0.0] * len(self.joints), []
+        for q, v, a, u in zip(position, velocity, acceleration, command, strict=True):
+            mass, force = self.terms(q.tolist(), v.tolist(), u.tolist(), none)
+            rows.append(np.asarray(mass) @ a - force)
+        return np.asarray(rows)
+
     def with_armature(self, joint: str, inertia: float) -> Self:
         """With rotor inertia at a joint."""
         model = copy.copy(self.model)

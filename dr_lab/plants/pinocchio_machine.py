@@ -44,10 +44,25 @@ class PinocchioMachine(MujocoMachine):
             force = force + self._drag(q, v)
         return np.reshape(mass, (len(q), len(q))).tolist(), force.tolist()
 
+    def lacking(self, position: Array, velocity: Array, acceleration: Array, command: Array) -> Array:
+        """M q'' − f; without gears, whose law asks for f itself, by the recursive Newton–Euler algorithm at once."""
+        if self.gears:
+            return super().lacking(position, velocity, acceleration, command)
+        engine, (model, data) = pinocchio(), self._tree
+        states = zip(position, velocity, acceleration, strict=True)
+        asked = np.stack([engine.rnea(model, data, *state) for state in states])
+        asked += self.model.dof_damping * velocity - self._drive(position, velocity, command)
+        if self.couplings or self.cables:
+            asked -= [self._coupled(q.tolist(), [0.0] * len(q)) for q in position]
+        if self.model.opt.density > 0:
+            asked -= [self._drag(q, v) for q, v in zip(position, velocity, strict=True)]
+        return asked
+
     def _drive(self, q: Array, v: Array, command: Array) -> Array:
+        """Forces of the drives at each joint, shape (…, n), as positions and velocities are."""
         joint, gear, gain, bias = self._drives
-        force = gear * (gain * command + bias[:, 0] + gear * (bias[:, 1] * q[joint] + bias[:, 2] * v[joint]))
-        return np.asarray(np.bincount(joint, weights=force, minlength=len(q)), dtype=np.float64)
+        pulled = bias[:, 1] * q[..., joint] + bias[:, 2] * v[..., joint]
+        return np.asarray((gear * (gain * command + bias[:, 0] + gear * pulled)) @ self._driven, dtype=np.float64)
 
     def _drag(self, q: Array, v: Array) -> Array:
         """Generalised force of the medium, shape (n,)."""
@@ -76,8 +91,9 @@ class PinocchioMachine(MujocoMachine):
         )
         frame, world = data.oMi[number], engine.ReferenceFrame.LOCAL_WORLD_ALIGNED
         jacobian = np.reshape(engine.getJointJacobian(model, data, number, world), (6, len(position)))
-        way = frame.rotation @ reach
-        return frame.translation + way, jacobian[:3] + np.cross(jacobian[3:], way, axisa=0).T
+        x, y, z = way = frame.rotation @ reach
+        turned = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])  # of a turn about each axis, as columns
+        return frame.translation + way, jacobian[:3] + turned @ jacobian[3:]
 
     @cached_property
     def _tree(self) -> tuple[Any, Any]:
@@ -94,6 +110,11 @@ class PinocchioMachine(MujocoMachine):
             raise ModelError("A machine of Pinocchio is driven at its joints, by motors or position controllers alone.")
         bias = model.actuator_biasprm[:, :3] * (model.actuator_biastype == _AFFINE)[:, None]
         return model.actuator_trnid[:, 0].astype(np.intp), model.actuator_gear[:, 0], model.actuator_gainprm[:, 0], bias
+
+    @cached_property
+    def _driven(self) -> Array:
+        """1 where an actuator drives a joint, shape (actuators, n)."""
+        return np.eye(len(self.joints))[self._drives[0]]
 
     @cached_property
     def _boxes(self) -> list[tuple[int, Array, Array, Array]]:

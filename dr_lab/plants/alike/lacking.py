@@ -21,11 +21,7 @@ def lacking(course: Course, machine: MujocoMachine, command: Array) -> Array:
         machine: whose equations are asked.
         command: mean over each interval, shape (K, actuators).
     """
-    none, rows = [0.0] * len(machine.joints), []
-    for q, v, a, u in zip(course.position, course.velocity, course.acceleration, command, strict=True):
-        mass, force = machine.terms(q.tolist(), v.tolist(), u.tolist(), none)
-        rows.append(np.asarray(mass) @ a - force)
-    return np.asarray(rows)
+    return machine.lacking(course.position, course.velocity, course.acceleration, command)
 
 
 def lacking_with(course: Course, effect: HiddenEffect) -> Array:

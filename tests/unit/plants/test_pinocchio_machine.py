@@ -60,6 +60,21 @@ def test_both_engines_accelerate_alike(name: str) -> None:
             np.testing.assert_allclose(accelerations(alter(theirs), *state) / size, expected / size, rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("name", STRANGERS)
+def test_both_engines_lack_the_same_along_a_motion(name: str) -> None:
+    model, generator = model_of(name), np.random.default_rng(2)
+    ours, theirs = MujocoMachine.of(model), PinocchioMachine.of(model)
+
+    def geared(machine: MujocoMachine) -> MujocoMachine:
+        return machine.with_gear_law(machine.joints[0], lambda drive, outside, v: 0.1 * drive - outside + v)
+
+    for alter in (lambda m: m, geared, *ALTERED.values()):
+        motion = [generator.uniform(-2, 2, (3, size)) for size in (model.nq, model.nv, model.nv, model.nu)]
+        expected = alter(ours).lacking(*motion)
+        size = max(float(np.abs(expected).max()), 1.0)
+        np.testing.assert_allclose(alter(theirs).lacking(*motion) / size, expected / size, rtol=0, atol=1e-9)
+
+
 def test_a_weaker_position_gain_pulls_less() -> None:
     machine = PinocchioMachine.of(model_of("paddle"))
     none, at = [0.0], [0.5]
