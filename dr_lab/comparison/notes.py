@@ -48,7 +48,8 @@ def fit_notes(models: Sequence[FittedModel]) -> list[NoteEntry]:
             told = f"{name} lacks {lost} of {len(fit.infeasible)} windows, whose simulation diverges."
             notes.append(NoteEntry(f"{told} Its parameters hold for the others alone.", "infeasible_windows"))
         if not fit.converged:
-            told = f"{name} did not converge in {fit.iterations} steps: its parameters may not be the best."
+            steps = f"{fit.iterations} step{'s' if fit.iterations != 1 else ''}"
+            told = f"{name} did not converge in {steps}: its parameters may not be the best."
             notes.append(NoteEntry(f"{told} Raise solver.iterations, or begin nearer.", "not_converged"))
     return notes
 
