@@ -108,6 +108,21 @@ def acceleration(model: mujoco.MjModel, qpos: float = 0.0, qvel: float = 0.0, ct
     return float(data.qacc[0])
 
 
+def energies(model: mujoco.MjModel, qpos: list[float], qvel: list[float]) -> Array:
+    """Kinetic and potential energy in 500 steps of RK4 without damping, J."""
+    model.dof_damping[:] = 0.0
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    data, found = mujoco.MjData(model), []
+    data.qpos[:], data.qvel[:] = qpos, qvel
+    for _ in range(500):
+        mujoco.mj_step(model, data)
+        mujoco.mj_energyPos(model, data)
+        mujoco.mj_energyVel(model, data)
+        found.append(float(data.energy.sum()))
+    return np.array(found)
+
+
 def replayed(model: Model, z: Array, controls: Array, past: Array, seed: int = 0) -> Array:
     """Positions of one window under contexts z (c, n), all from the same random state, shape (c, s + 1, nq)."""
     compiled = model.nominal()

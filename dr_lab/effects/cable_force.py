@@ -41,7 +41,8 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
         around: how far the anchor may lie from the centre in the reference pose along each axis, in reaches.
         start: k of the fits that start away from absent, share of its upper bound.
         start_anchors: anchors of these fits, from the centre in the reference pose, in reaches.
-        sensitive: a direction counts as felt above this share of the force of an equal pull in the worst direction.
+        sensitive: a direction counts as felt above this share of the force of an equal pull in the worst direction,
+            and of its torque at a lever of the model's size.
         poses: number of states in which that is looked for.
     """
 
@@ -63,8 +64,9 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
     shapes: ClassVar[tuple[str, ...]] = (*_NAMES, "length")
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """Names of the moving bodies with mass that a hinge turns."""
-        return tuple(b for b in moving_bodies(model) if any(kind == _HINGE for _, kind in _joints(model, b)))
+        """Names of the moving bodies with mass that a hinge turns, and at whose centre a pull moves a joint."""
+        turned = (b for b in moving_bodies(model) if any(kind == _HINGE for _, kind in _joints(model, b)))
+        return tuple(body for body in turned if self._felt(model, body))
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Stiffness, anchor and length."""
@@ -112,9 +114,10 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
         return tuple(light | row for k, row in enumerate(placed) if row not in placed[:k])
 
     def _felt(self, model: mujoco.MjModel, site: str) -> tuple[str, ...]:
-        """Axes along which a pull at the centre moves a joint in some pose."""
+        """Axes along which a pull at the centre moves a joint in some pose; none where it lies on all hinges' axes."""
         force = np.abs(pulls(model, model.body(site).id, self.poses)).max(axis=(0, 2))
-        return tuple(axis for axis, each in zip(_AXES, force, strict=True) if each > self.sensitive * force.max())
+        least = self.sensitive * max(float(force.max()), model.stat.extent)
+        return tuple(axis for axis, each in zip(_AXES, force, strict=True) if each > least)
 
 
 def _joints(model: mujoco.MjModel, body: str) -> Iterator[tuple[int, int]]:

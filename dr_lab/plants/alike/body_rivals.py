@@ -84,8 +84,10 @@ def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
     if wider:
         yield Rival(f"inertia_error@{body}", 1, linear(*map(lacked, wider)))
     pulls = _pulls(response.course, body)
-    if len(felt(*pulls)) > 1:
-        yield Rival(f"cable_force@{body}", 5, linear(*map(lacked, pulls), positive=(True, False, False, False)))
+    anchor = len(felt(*pulls[1:]))
+    if anchor:
+        signs = (True, False, False, False)
+        yield Rival(f"cable_force@{body}", 2 + anchor, linear(*map(lacked, pulls), positive=signs))
 
 
 def _pulls(course: Course, body: str) -> list[Array]:

@@ -1,7 +1,7 @@
 import mujoco
 import numpy as np
 import pytest
-from effect_machines import CONF, catalogue_effect, scales_of, with_effect
+from effect_machines import CONF, catalogue_effect, energies, scales_of, with_effect
 
 from dr_lab.effects.effect import place
 from dr_lab.physics.model import Model, load
@@ -47,17 +47,7 @@ def test_a_slack_cable_pulls_nothing() -> None:
 
 
 def test_energy_is_kept() -> None:
-    model = cabled()
-    model.dof_damping[:] = 0.0
-    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
-    data, energy = mujoco.MjData(model), []
-    data.qpos[:], data.qvel[:] = [0.8, -0.5], [2.0, 1.0]
-    for _ in range(500):
-        mujoco.mj_step(model, data)
-        mujoco.mj_energyPos(model, data)
-        mujoco.mj_energyVel(model, data)
-        energy.append(float(data.energy.sum()))
+    energy = energies(cabled(), [0.8, -0.5], [2.0, 1.0])
     assert np.ptp(energy) < 1e-4 * abs(energy[0])
 
 
@@ -67,11 +57,13 @@ def test_without_stiffness_it_is_absent() -> None:
         np.testing.assert_array_equal(passive(absent, q)[0], passive(plain, q)[0])
 
 
-def test_bodies_that_fly_or_only_slide_have_none() -> None:
+def test_bodies_that_fly_only_slide_or_turn_about_their_centre_have_none() -> None:
     effect = catalogue_effect("cable_force")
     assert effect.sites(elbow().nominal()) == ("upper_arm", "forearm")
     flying = "<mujoco><worldbody><body name='b'><freejoint/><geom size='0.1'/></body></worldbody></mujoco>"
     assert effect.sites(mujoco.MjModel.from_xml_string(flying)) == ()
+    wheel = "<mujoco><worldbody><body name='b'><joint/><geom size='0.1' pos='1e-17 0 0'/></body></worldbody></mujoco>"
+    assert effect.sites(mujoco.MjModel.from_xml_string(wheel)) == ()
     assert effect.sites(load("cartpole", CONF / "model" / "cartpole.xml", {}).nominal()) == ("pole",)
 
 

@@ -1,7 +1,7 @@
 import mujoco
 import numpy as np
 import pytest
-from effect_machines import CONF, block, catalogue_effect, hanging, scales_of, with_effect
+from effect_machines import CONF, block, catalogue_effect, energies, hanging, scales_of, with_effect
 
 from dr_lab.effects.effect import place
 from dr_lab.physics.model import Model, load
@@ -37,18 +37,7 @@ def test_a_rest_of_minus_one_is_a_number_like_others() -> None:
 
 
 def test_energy_is_kept() -> None:
-    model = coupled()
-    model.dof_damping[:] = 0.0
-    model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
-    data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:] = [0.8, -0.5], [2.0, 1.0]
-    energy = []
-    for _ in range(500):
-        mujoco.mj_step(model, data)
-        mujoco.mj_energyPos(model, data)
-        mujoco.mj_energyVel(model, data)
-        energy.append(float(data.energy.sum()))
+    energy = energies(coupled(), [0.8, -0.5], [2.0, 1.0])
     assert np.ptp(energy) < 1e-4 * abs(energy[0])
 
 
