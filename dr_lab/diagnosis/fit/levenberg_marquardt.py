@@ -16,7 +16,7 @@ from dr_lab.diagnosis.fit.objective import Objective
 from dr_lab.diagnosis.fit.pace import Pace
 from dr_lab.diagnosis.fit.point import Point, better_start
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.fit.slopes import Slopes, around, differences
+from dr_lab.diagnosis.fit.slopes import Slopes, quick_around, quick_differences
 from dr_lab.diagnosis.fit.states import polished
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.physics.straight import Straight
@@ -100,7 +100,7 @@ class Fitter:
 
     def settled(self, start: Point) -> tuple[Point, Slopes]:
         """A start with its states fitted, so that its cost tells something, and the slopes by these."""
-        state = differences(self.replay, self.settings, start, states=True, columns=np.arange(0))
+        state = quick_differences(self.replay, self.settings, start, states=True, columns=np.arange(0))
         point, slopes = self._polished(start, Slopes(state, state[..., :0]))
         return replace(point, cost=self._objective.cost(point, self._objective.weights(point))), slopes
 
@@ -169,12 +169,12 @@ class Fitter:
                 trial, nearby = self._mended(best, trial, slopes.now, weight)
             gain = best.cost - trial.cost
             pace.add(gain)
-            stuck = gain < 0 and slopes.fresh == Fresh.ALL
+            stuck = gain < 0 and slopes.fresh == Fresh.EXACT
             if stuck:
                 damping = max(settings.damping_up * damping, settings.damping)
                 continue
             if gain < 0:
-                slopes.renew(best, Fresh.ALL)
+                slopes.renew_all(best)
             else:
                 damping *= settings.damping_up if share < _FAR else 1.0 / settings.damping_down
                 asked = slopes.asked(gain, predicted) if taken < most else Fresh.NONE  # nobody asks at the end
@@ -197,7 +197,7 @@ class Fitter:
             first: with the residuals at the first context, where it is the one of another model.
         """
         columns = np.arange(known.parameter.shape[2], len(self.space.parameters))
-        found = around(self.replay, self.settings, z, delta, columns, first)
+        found = quick_around(self.replay, self.settings, z, delta, columns, first)
         fits = list[Fit]()
         for context, residuals, infeasible, rest in zip(z, *found, strict=True):
             slopes = Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 from threading import Event
 
@@ -22,6 +22,7 @@ from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
 from dr_lab.physics.signal import Reading
 from dr_lab.physics.simulator import Simulator
+from dr_lab.physics.single_stage import single_stage
 from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
@@ -77,6 +78,16 @@ class Replay:
         """The replay of as much of the windows as estimates their starts; itself where that is all."""
         windows = until_known(self.windows)
         return self if windows is self.windows else Replay(self.model, windows, self._threads, self._stop)
+
+    @cached_property
+    def quick(self) -> "Replay":
+        """The replay by steps that evaluate the model once, which slopes are taken by; itself if its own steps do."""
+        model = single_stage(self.model)
+        if model is self.model:
+            return self
+        found = Replay(model, self.windows, self._threads, self._stop)
+        found.begin_like(self)
+        return found
 
     @property
     def nstate(self) -> int:

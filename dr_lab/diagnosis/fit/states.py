@@ -9,7 +9,7 @@ from scipy.stats import chi2
 
 from dr_lab.diagnosis.fit.point import Point, better_start, take, window_costs
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.fit.slopes import differences
+from dr_lab.diagnosis.fit.slopes import quick_differences
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import Windows
@@ -219,5 +219,5 @@ class _Part:
             infeasible=point.infeasible[self.rows],
         )
         slopes = slopes.copy()
-        slopes[self.rows] = differences(self.replay, self.settings, here, states=True, columns=_NO_PARAMETER)
+        slopes[self.rows] = quick_differences(self.replay, self.settings, here, states=True, columns=_NO_PARAMETER)
         return slopes
