@@ -1,7 +1,4 @@
-"""Slopes that follow a descent, taken anew only where its steps ask for it.
-
-Those by which a step failed are taken anew by the model's own steps; all others by cheaper ones (`quick_differences`).
-"""
+"""Slopes that follow a descent, taken anew only where its steps ask for it."""
 
 from enum import IntEnum
 
@@ -9,7 +6,7 @@ import numpy as np
 
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.fit.slopes import Slopes, differences, quick_differences
+from dr_lab.diagnosis.fit.slopes import Slopes, quick_differences
 from dr_lab.diagnosis.settings import SolverSettings
 
 
@@ -20,7 +17,6 @@ class Fresh(IntEnum):
     MOST = 1  # by the parameters, but those of free bodies
     PARAMETERS = 2
     ALL = 3  # by the states, too
-    EXACT = 4  # all, by the model's own steps
 
 
 class FollowedSlopes:
@@ -41,23 +37,17 @@ class FollowedSlopes:
         self._replay, self._settings, self._space = replay, settings, replay.model.space
         self._columns = np.arange(len(self._space.parameters))
         self._bodies = np.array([p.prior is not None for p in self._space.parameters], bool)
-        self._all = Fresh.EXACT if replay.quick is replay else Fresh.ALL
         self.now = self._first(point, known)
-        self.fresh = self._all if known is None else Fresh.NONE
+        self.fresh = Fresh.ALL if known is None else Fresh.NONE
 
     def renew(self, point: Point, which: Fresh) -> None:
         """Take so many of the slopes at the point of the descent."""
-        states, take = which >= Fresh.ALL, differences if which == Fresh.EXACT else quick_differences
+        states = which == Fresh.ALL
         columns = self._columns[~self._bodies] if which == Fresh.MOST else self._columns
-        found = take(self._replay, self._settings, point, states=states, columns=columns)
+        found = quick_differences(self._replay, self._settings, point, states=states, columns=columns)
         count, parameter = self._replay.nstate if states else 0, self.now.parameter.copy()
         parameter[..., columns] = found[..., count:]
-        self.now = Slopes(found[..., :count] if states else self.now.state, parameter)
-        self.fresh = max(which, self._all) if states else which
-
-    def renew_all(self, point: Point) -> None:
-        """Take all slopes there; where that was done, by the model's own steps."""
-        self.renew(point, Fresh.EXACT if self.fresh == Fresh.ALL else Fresh.ALL)
+        self.now, self.fresh = Slopes(found[..., :count] if states else self.now.state, parameter), which
 
     def follow(self, before: Point, after: Point, nearby: Slopes, asked: Fresh) -> None:
         """Go with a step; slopes that are not asked for follow it unless windows were mended, whose are `nearby`.

@@ -169,12 +169,12 @@ class Fitter:
                 trial, nearby = self._mended(best, trial, slopes.now, weight)
             gain = best.cost - trial.cost
             pace.add(gain)
-            stuck = gain < 0 and slopes.fresh == Fresh.EXACT
+            stuck = gain < 0 and slopes.fresh == Fresh.ALL
             if stuck:
                 damping = max(settings.damping_up * damping, settings.damping)
                 continue
             if gain < 0:
-                slopes.renew_all(best)
+                slopes.renew(best, Fresh.ALL)
             else:
                 damping *= settings.damping_up if share < _FAR else 1.0 / settings.damping_down
                 asked = slopes.asked(gain, predicted) if taken < most else Fresh.NONE  # nobody asks at the end
