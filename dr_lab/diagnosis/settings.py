@@ -98,9 +98,12 @@ class SolverSettings:
 
     Attributes:
         iterations: accepted or rejected steps after which a descent begins anew; not where a fit ends.
-        crawl: the same number of steps in a row that together lower the deviance by less than `crawl_tolerance`.
+        crawl: number of steps in a row after which a fit ends if together they lower the deviance by less than
+            `crawl_tolerance`, and move it up and down by less than `crawl_swing` times that.
         crawl_tolerance: see there; a descent that begins anew must gain as much. Where steps meet kinks no certificate
             comes, and a fit could go on for hundreds of steps that no comparison would notice.
+        crawl_swing: see there.
+        pace: number of steps in a row that tell whether a fit reaches its goal in time.
         tolerance: a fit has converged when a full linear step would lower the deviance n ln(cost) by less than this, n
             residuals being independent.
         state_tolerance: the states of a window alone are found when a step lowers its cost by less than this share.
@@ -134,6 +137,8 @@ class SolverSettings:
     iterations: Count
     crawl: Count
     crawl_tolerance: NotNegative
+    crawl_swing: NotNegative
+    pace: Count
     tolerance: NotNegative
     state_tolerance: NotNegative
     rough_tolerance: NotNegative
@@ -160,8 +165,8 @@ class SolverSettings:
 
     @property
     def patient(self) -> "SolverSettings":
-        """The same for a fit that is to end as low as it can: it crawls on as long as that gains the tolerance."""
-        return replace(self, crawl_tolerance=self.tolerance)
+        """The same for a fit that is to end lower: it crawls on for twice as many steps."""
+        return replace(self, crawl=2 * self.crawl)
 
 
 @dataclass(frozen=True)

@@ -183,9 +183,9 @@ def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None,
 
 
 def fitted_to_the_end(bench: Bench, fitted_model: FittedModel) -> FittedModel:
-    """A model whose fit crawls on as long as that gains (`SolverSettings.patient`); itself where it has converged.
+    """A model whose fit crawls on for longer (`SolverSettings.patient`); itself where it has converged.
 
-    Candidates need not end as low as they can to be compared; what others are compared with does.
+    Candidates need not end as low as they can to be compared; what others are compared with ends lower.
     """
     fit, model = fitted_model.fit, fitted_model.model
     if fit.converged:

@@ -26,7 +26,8 @@ class Fit(Point):
         converged: whether the certificate holds: a full linear step would lower the cost by less than the tolerance;
             else only short steps lower the cost, or none.
         late: whether it ended because at its pace it would not have reached its goal.
-        stuck: whether its last step raised the cost although all slopes had been taken where it ends.
+        over: whether its last steps show that it gains nothing more: the last one raised the cost although all slopes
+            had been taken where it ends, or they moved the cost by too little for any comparison.
     """
 
     equations: NormalEquations
@@ -36,7 +37,7 @@ class Fit(Point):
     iterations: int
     converged: bool
     late: bool = False
-    stuck: bool = False
+    over: bool = False
 
     @property
     def order(self) -> tuple[int, float]:

@@ -61,10 +61,10 @@ class Fitter:
 
         The certificate is that a full linear step within the bounds, with fresh slopes by the parameters, would lower
         the deviance by less than `settings.tolerance` (`Objective.negligible`). A descent that ends without it, because
-        only steps shorter and shorter help or because it crawls, begins anew from its end, with states and slopes taken
-        anew, as long as that gains `settings.crawl_tolerance`, unless its last step failed with such slopes. Windows
-        that diverge at the start are left out; those that the result can simulate come back. Either happens
-        `settings.restarts` times at most.
+        only steps shorter and shorter help, begins anew from its end, with states and slopes taken anew, as long as
+        that gains `settings.crawl_tolerance`, unless it is over: its last step failed with such slopes, or it crawls (a
+        rough fit, whose steps are worth more, begins anew then). Windows that diverge at the start are left out; those
+        that the result can simulate come back. Either happens `settings.restarts` times at most.
 
         Args:
             z: start, shape (n,).
@@ -122,9 +122,9 @@ class Fitter:
     def _anew(self, fit: Fit, goal: float) -> Point | None:
         """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done.
 
-        One that is stuck is done, too: its slopes, all of them, were taken where it is.
+        One that is over is done, too.
         """
-        if self._misses(fit, fit.equations, goal) or ((fit.converged or fit.stuck) and not fit.infeasible.any()):
+        if self._misses(fit, fit.equations, goal) or ((fit.converged or fit.over) and not fit.infeasible.any()):
             return None
         start = self.begin(fit.z, fit.delta)
         returned = bool((fit.infeasible & ~start.infeasible).any())
@@ -147,13 +147,14 @@ class Fitter:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
         settings, slopes = self.settings, FollowedSlopes(self.replay, self.settings, best, known)
         best, weight, first = self._objective.linear(best, slopes.now)
-        linear, damping, taken, stuck, pace = first, settings.damping, 0, False, Pace(settings.crawl)
+        linear, damping, taken, failed, pace = first, settings.damping, 0, False, Pace(settings)
         while True:
             predicted = linear.decrease(*self._free(best, linear))
             least, slow = self._worth(best)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (slopes.fresh >= self._needed or taken == 0)  # given slopes are those of the start
-            short = damping > settings.damping_max or 2 * predicted < least * damping or pace.crawls(slow)
+            crawls = pace.crawls(slow)
+            short = damping > settings.damping_max or 2 * predicted < least * damping or crawls
             late = pace.too_slow(best.cost - goal, settings.iterations - taken)
             late &= not (converged or best.infeasible.any())
             given_up = (taken or not self._rough) and self._misses(best, linear, goal)
@@ -169,8 +170,8 @@ class Fitter:
                 trial, nearby = self._mended(best, trial, slopes.now, weight)
             gain = best.cost - trial.cost
             pace.add(gain)
-            stuck = gain < 0 and slopes.fresh == Fresh.ALL
-            if stuck:
+            failed = gain < 0 and slopes.fresh == Fresh.ALL
+            if failed:
                 damping = max(settings.damping_up * damping, settings.damping)
                 continue
             if gain < 0:
@@ -184,7 +185,8 @@ class Fitter:
             if self._rough and 0 <= gain <= least:
                 break
         costs = np.where(best.infeasible, 0.0, self._objective.window_costs(best, weight))
-        ended = (linear, first, costs, slopes.now, taken, converged, late, stuck)
+        over = failed or (crawls and not self._rough)
+        ended = (linear, first, costs, slopes.now, taken, converged, late, over)
         return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
 
     def outlooks(self, z: Array, delta: Array, known: Slopes, first: Point | None = None) -> list[Fit]:

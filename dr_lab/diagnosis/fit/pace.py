@@ -2,29 +2,41 @@
 
 from collections import deque
 
+from dr_lab.diagnosis.settings import SolverSettings
+
 
 class Pace:
     """The gains of the last steps.
 
     Args:
-        count: number of steps that tell a pace; of fewer nothing is said.
+        settings: how many steps tell a pace, and that a descent crawls; of fewer nothing is said.
     """
 
-    def __init__(self, count: int) -> None:
-        self._gains = deque[float](maxlen=count)
+    def __init__(self, settings: SolverSettings) -> None:
+        self._settings = settings
+        self._gains = deque[float](maxlen=max(settings.crawl, settings.pace))
 
     def add(self, gain: float) -> None:
-        """Take note of a step; one that would raise the cost is not made and gains nothing."""
-        self._gains.append(max(gain, 0.0))
+        """Take note of a step; one that would raise the cost is not made, and its gain is negative."""
+        self._gains.append(gain)
 
     def crawls(self, least: float) -> bool:
-        """Whether the last steps together gained less than so much."""
-        return self._known and sum(self._gains) < least
+        """Whether the last steps together gained less than so much, and moved the cost up and down by little more.
+
+        Steps that would raise it by much meet a bend, behind which shorter ones may gain.
+        """
+        last, swing = self._last(self._settings.crawl), self._settings.crawl_swing
+        return bool(last) and _gained(last) < least and sum(map(abs, last)) < swing * least
 
     def too_slow(self, distance: float, steps: int) -> bool:
         """Whether the cost would not fall by a distance in so many steps more."""
-        return self._known and sum(self._gains) / len(self._gains) * steps < distance
+        last = self._last(self._settings.pace)
+        return bool(last) and _gained(last) / len(last) * steps < distance
 
-    @property
-    def _known(self) -> bool:
-        return len(self._gains) == self._gains.maxlen
+    def _last(self, count: int) -> list[float]:
+        """The gains of so many steps; none where there were fewer."""
+        return list(self._gains)[-count:] if len(self._gains) >= count else []
+
+
+def _gained(gains: list[float]) -> float:
+    return sum(max(gain, 0.0) for gain in gains)

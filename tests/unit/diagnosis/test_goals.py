@@ -54,7 +54,7 @@ def test_a_bound_that_may_be_moved_does_not_foretell_the_end() -> None:
 @pytest.mark.parametrize(("iterations", "late"), [(15, True), (60, False)])
 def test_a_fit_that_at_its_pace_would_not_reach_its_goal_in_time_ends(iterations: int, *, late: bool) -> None:
     """Damping that never falls keeps the steps short, whatever a full step foretells: some 6 % of the cost each."""
-    slow = solver_settings(iterations=iterations, damping=30.0, damping_down=1.0, crawl=5, restarts=0)
+    slow = solver_settings(iterations=iterations, damping=30.0, damping_down=1.0, pace=5, restarts=0)
     fitter = Fitter(replay(), slow)
     nominal = fitter.space.nominal
     goal = 0.1 * fitter.run(nominal, iterations=0).cost
