@@ -28,6 +28,11 @@ def creep(data: mujoco.MjData) -> None:
     data.qfrc_applied[0] = -OFFSET * np.tanh(data.qvel[0] / 0.3)
 
 
+def bear(data: mujoco.MjData) -> None:
+    """Friction of a tenth of what the bearing carries."""
+    data.qfrc_applied[0] = -0.1 * abs(data.qfrc_bias[0]) * np.tanh(data.qvel[0] / 0.005)
+
+
 def lopsided(data: mujoco.MjData) -> None:
     rub(data)
     data.qfrc_applied[0] *= 1.5 if data.qvel[0] > 0 else 0.5

@@ -76,15 +76,17 @@ class Waves:
         return list(dict.fromkeys([*wave, *cases]))
 
     def _crowded_out(self, found: dict[int, Candidate]) -> list[int]:
-        """Effects that wait at the site of the best fitted one and are near it.
+        """Effects that wait at the site of the best fitted one and are near it, or near another there like it.
 
-        They hold it, or what it holds, as a special case, or they say that they are confused with that.
+        They hold one, or what it holds, as a special case, or they say that they are confused with that. Those are alike
+        that gain `least_named` of what the best one does: which of them leads, few windows hardly tell.
         """
         best = max(found, key=lambda k: found[k].gain.total, default=None)
         if best is None:
             return []
-        effect, site = self.placed[best].effect, self.placed[best].site
-        poorer = {effect.name, *effect.holds}
+        site, least = self.placed[best].site, self._bench.evidence.least_named * self._gained(found[best])
+        alike = [k for k in found if self.placed[k].site == site and self._gained(found[k]) >= least]
+        poorer = {name for k in alike for name in (self.placed[k].effect.name, *self.placed[k].effect.holds)}
         others = [k for k in self._waiting if self.placed[k].site == site]
         near = {k: {*self.placed[k].effect.holds, *self.placed[k].effect.confused_with} for k in others}
         return [k for k in others if poorer & near[k]]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from diagnosis_machines import pendulum
 from effect_machines import catalogue_effect, scales_of
-from screened_pendulum import DRY_FRICTIONS, NAMES, bench_of, creep, placed_of, rub
+from screened_pendulum import DRY_FRICTIONS, NAMES, bear, bench_of, creep, placed_of, rub
 
 from dr_lab.diagnosis.evidence.paired_gain import supported
 from dr_lab.diagnosis.search import waves
@@ -90,6 +90,16 @@ def test_what_is_confused_with_the_best_one_is_fitted_although_no_place_is_left(
     ranking = rank(bench, base, placed, lambda _: None).candidates
     assert min(c.predicted for c in ranking) > 0.01  # each is worth a fit
     assert {c.effect.effect.name for c in ranking if c.fitted} == {"coulomb_friction", "load_dependent_friction"}
+
+
+def test_what_holds_one_that_gains_about_as_much_as_the_best_is_fitted() -> None:
+    bench, base = bench_of(bear, most_fits=2, least_promise=0.0)
+    fits = CandidateFits(bench, base)
+    contest = waves.Waves(fits, placed_of(("coulomb_friction", "load_dependent_friction", "asymmetric_friction")), print)
+    found = {contest.placed[k].effect.name: each for k, each in contest.first().items()}
+    best, other = found["load_dependent_friction"], found["coulomb_friction"]
+    assert best.gain.total > other.gain.total
+    assert found["asymmetric_friction"].fitted
 
 
 def test_the_next_ones_are_those_that_promise_most_in_typical_windows() -> None:
