@@ -183,17 +183,18 @@ def fitted(bench: Bench, model: Model, start: Array, delta: Array | None = None,
 
 
 def fitted_to_the_end(bench: Bench, fitted_model: FittedModel) -> FittedModel:
-    """A model whose fit crawls on for longer (`SolverSettings.patient`); itself where it has converged.
+    """A model whose fit goes on by exact slopes and crawls for longer (`SolverSettings.patient`).
 
-    Candidates need not end as low as they can to be compared; what others are compared with ends lower.
+    Candidates need not end as low as they can to be compared; what others are compared with, and whose parameters are
+    told with their standard deviations, ends lower. A fit that converged by exact slopes stays as it is.
     """
-    fit, model = fitted_model.fit, fitted_model.model
-    if fit.converged:
+    fit, replay = fitted_model.fit, Replay(fitted_model.model, bench.fit, bench.threads)
+    if fit.converged and replay.quick is replay:
         return fitted_model
-    further = Fitter(Replay(model, bench.fit, bench.threads), bench.solver.patient).go_on(fit)
-    if further.order >= fit.order:
+    further = Fitter(replay.exact(), bench.solver.patient).run(fit.z, fit.delta)
+    if further.order > fit.order:
         return fitted_model
-    return scored(bench, model, further, near=fitted_model.states)
+    return scored(bench, fitted_model.model, further, near=fitted_model.states)
 
 
 def beyond_doubt(bench: Bench, fitted_model: FittedModel) -> float:

@@ -79,6 +79,12 @@ class Replay:
         windows = until_known(self.windows)
         return self if windows is self.windows else Replay(self.model, windows, self._threads, self._stop)
 
+    def exact(self) -> "Replay":
+        """The same, where slopes are taken by the model's own steps, too."""
+        found = Replay(self.model, self.windows, self._threads, self._stop)
+        found.quick = found
+        return found
+
     @cached_property
     def quick(self) -> "Replay":
         """The replay by steps that evaluate the model once, which slopes are taken by; itself if its own steps do."""

@@ -78,8 +78,8 @@ class Waves:
     def _crowded_out(self, found: dict[int, Candidate]) -> list[int]:
         """Effects that wait at the site of the best fitted one and are near it, or near another there like it.
 
-        They hold one, or what it holds, as a special case, or they say that they are confused with that. Those are alike
-        that gain `least_named` of what the best one does: which of them leads, few windows hardly tell.
+        They hold one, or what it holds, as a special case, or they say that they are confused with that. Alike are
+        those that gain `least_named` of what the best one does: which of them leads, few windows hardly tell.
         """
         best = max(found, key=lambda k: found[k].gain.total, default=None)
         if best is None:

@@ -76,4 +76,14 @@ def test_a_fit_that_ended_early_goes_on_to_its_end() -> None:
     assert late.fit.converged
     assert late.fit.cost == pytest.approx(base.fit.cost, rel=1e-3)
     assert late.held_out.chi2 == pytest.approx(base.held_out.chi2, rel=1e-2)
-    assert fitted_to_the_end(bench, base) is base
+
+
+def test_what_others_are_compared_with_ends_where_exact_slopes_lead() -> None:
+    bench, base = bench_of()
+    end = fitted_to_the_end(bench, base).fit
+    assert end.converged
+    assert end.cost <= base.fit.cost
+    replay = Replay(base.model, bench.fit, 1).exact()
+    exact = Fitter(replay, bench.solver).run(end.z, end.delta, iterations=0).slopes
+    for found, known in ((end.slopes.state, exact.state), (end.slopes.parameter, exact.parameter)):
+        assert np.linalg.norm(found - known) < 1e-3 * np.linalg.norm(known)

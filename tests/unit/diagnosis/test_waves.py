@@ -95,7 +95,9 @@ def test_what_is_confused_with_the_best_one_is_fitted_although_no_place_is_left(
 def test_what_holds_one_that_gains_about_as_much_as_the_best_is_fitted() -> None:
     bench, base = bench_of(bear, most_fits=2, least_promise=0.0)
     fits = CandidateFits(bench, base)
-    contest = waves.Waves(fits, placed_of(("coulomb_friction", "load_dependent_friction", "asymmetric_friction")), print)
+    contest = waves.Waves(
+        fits, placed_of(("coulomb_friction", "load_dependent_friction", "asymmetric_friction")), print
+    )
     found = {contest.placed[k].effect.name: each for k, each in contest.first().items()}
     best, other = found["load_dependent_friction"], found["coulomb_friction"]
     assert best.gain.total > other.gain.total
