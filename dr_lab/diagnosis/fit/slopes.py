@@ -59,7 +59,7 @@ def quick_differences(
     model's own.
     """
     quick = replay.quick
-    if quick is not replay:
+    if quick is not replay and (states or len(columns)):
         z, deltas, steps = _moved(replay, settings, point, states, columns)
         z, deltas = np.concatenate([point.z[None], z]), np.concatenate([point.delta[None], deltas])
         found, lost = _in_parts(quick, settings, z, deltas)
