@@ -1,16 +1,30 @@
-"""What makes tests cheaper and changes nothing that they see: texts are parsed once, cycles looked for less often."""
+"""What makes tests cheaper and changes nothing that they see.
+
+1. Texts are parsed once.
+2. The same choice of files is composed once.
+3. Cycles are looked for less often.
+"""
 
 import gc
 import io
 import os
 import pickle
+from dataclasses import replace
 from functools import wraps
 from pathlib import Path
 from typing import IO, Any
 
+from hydra._internal import config_loader_impl as loader
+from hydra._internal.config_repository import IConfigRepository
+from hydra._internal.defaults_list import DefaultsList
+from hydra.core.default_element import ResultDefault
+from hydra.core.override_parser.types import Override
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
+SHIPPED = str(Path(__file__).parents[1] / "conf")
 _parsed: dict[str, bytes] = {}
+_chosen: dict[tuple[object, ...], DefaultsList] = {}
+_merged: dict[int, bytes] = {}  # by the identity of a list that stays in _chosen
 
 
 def parse_once() -> None:
@@ -32,6 +46,46 @@ def parse_once() -> None:
         return loaded_text(file_) if isinstance(file_, io.TextIOBase) and file_.seekable() else load(file_)
 
     OmegaConf.load = staticmethod(loaded)
+
+
+def compose_once() -> None:
+    """Let Hydra choose and merge the shipped files once for all commands that choose the same ones.
+
+    What it does afterwards, such as setting values, is done for each command.
+    """
+    choose, merge = loader.create_defaults_list, loader.ConfigLoaderImpl._compose_config_from_defaults_list
+
+    @wraps(choose)
+    def chosen(
+        repo: IConfigRepository,
+        config_name: str | None,
+        overrides_list: list[Override],
+        prepend_hydra: bool,
+        skip_missing: bool,
+    ) -> DefaultsList:
+        sources = tuple(f"{source.scheme()}://{source.path}" for source in repo.get_sources())
+        given = [each for each in overrides_list if not each.is_sweep_override()]
+        groups = [not isinstance(each.value(), dict) and repo.group_exists(each.key_or_group) for each in given]
+        lines = tuple(each.input_line for each, group in zip(given, groups, strict=True) if group)
+        asked = (sources, config_name, lines, prepend_hydra, skip_missing)
+        if asked not in _chosen:
+            found = choose(repo, config_name, overrides_list, prepend_hydra, skip_missing)
+            if any(source.startswith("file://") and source != f"file://{SHIPPED}" for source in sources):
+                return found  # a test may write these files anew
+            _chosen[asked] = found
+        values = [each for each, group in zip(given, groups, strict=True) if not group]
+        return replace(_chosen[asked], config_overrides=values)
+
+    @wraps(merge)
+    def merged(self: loader.ConfigLoaderImpl, defaults: list[ResultDefault], repo: IConfigRepository) -> DictConfig:
+        if not any(defaults is each.defaults for each in _chosen.values()):
+            return merge(self, defaults, repo)
+        if id(defaults) not in _merged:
+            _merged[id(defaults)] = pickle.dumps(merge(self, defaults, repo))
+        return pickle.loads(_merged[id(defaults)])
+
+    loader.create_defaults_list = chosen
+    loader.ConfigLoaderImpl._compose_config_from_defaults_list = merged
 
 
 def look_for_cycles_rarely() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from dr_lab.trajectory import Array, Log, Signal
 
 CRANK, ROD = 0.1, 0.3  # m
+SAMPLE = 0.004  # s
 CRANK_INERTIA, ROD_MASS, SLIDER_MASS = 0.004, 0.2, 1.05  # kg·m², kg, kg; the model's slider has 1 kg
 MJCF = """<mujoco model="slider_crank">
   <compiler angle="radian"/>
@@ -84,9 +85,10 @@ def logs(
     names: str, seconds: float = 8.0, friction: float = 0.0, noise: tuple[float, float] = (1e-3, 1e-4)
 ) -> list[Log]:
     """Logs of crank and slider under sums of sines, every 4 ms, one for each letter; noise in rad and m."""
-    step, held, count = 2.5e-4, 16, len(names)
+    held, count = 16 if friction else 4, len(names)  # steps for a sample; friction that creeps within 2 mm/s needs more
+    step = SAMPLE / held
     rng = np.random.default_rng(list(names.encode()))
-    time: Array = np.asarray(held * step * np.arange(round(seconds / (held * step))), np.float64)
+    time: Array = np.asarray(SAMPLE * np.arange(round(seconds / SAMPLE)), np.float64)
     rate, phase, size = (
         rng.uniform(low, high, (count, 3, 1)) for low, high in ((0.3, 1.5), (0.0, 2 * np.pi), (0.3, 0.6))
     )

@@ -44,7 +44,7 @@ def proposed(training: Training) -> Array:
     return training.learner.source.z
 
 
-@pytest.mark.parametrize("shown", ["false", "true"])
+@pytest.mark.parametrize("shown", ["false", pytest.param("true", marks=pytest.mark.slow)])
 def test_lean_and_torchrl_end_with_the_same_proposals(shown: str) -> None:
     lean, torchrl = (trained(kind, f"env.show_context={shown}") for kind in ("lean", "torchrl"))
     assert len(rounds(lean)) > 2

@@ -85,15 +85,9 @@ def left_by(process: subprocess.Popen[str], folder: Path, sent: tuple[signal.Sig
     return {path.name for path in left}
 
 
-@pytest.mark.parametrize(
-    ("part", "moment"),
-    [
-        ("report", "open"),
-        pytest.param("review", "os.rename", marks=pytest.mark.slow),
-        pytest.param("report", "os.rename", marks=pytest.mark.slow),
-        pytest.param("review", "open", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("part", ["report", "review"])
+@pytest.mark.parametrize("moment", ["open", "os.rename"])
 def test_while_a_file_is_written(tmp_path: Path, part: str, moment: str) -> None:
     """The run presses Ctrl-C itself, just as it makes the temporary file and just before that takes its name."""
     folder = tmp_path / "run"

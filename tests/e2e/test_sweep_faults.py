@@ -113,6 +113,7 @@ def test_two_sweeps_in_one_folder_then_ctrl_c(sweeps: Sweeps, tmp_path: Path, mo
     assert [row["status"] for row in table(folder)] == ["unfinished", "waiting"]
 
 
+@pytest.mark.slow
 def test_full_disk(sweeps: Sweeps, tmp_path: Path) -> None:
     arguments = ("value=1", "size=10000", "hydra.sweep.dir=swept")
     assert sweeps.run("value=1,2,3,4,5,6", *arguments[1:], PROBE_FILE_LIMIT="500") == 2  # too few for the list of jobs

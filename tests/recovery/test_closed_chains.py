@@ -12,6 +12,7 @@ from dr_lab.__main__ import main
 FRICTION = 2.0  # N
 
 
+@pytest.mark.slow
 def test_init_finds_the_zero_that_closes_the_chain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("crank.xml").write_text(MJCF.format(""), encoding="utf-8")

@@ -47,17 +47,13 @@ def climbed(force: Force, *names: str) -> tuple[Bench, Ladder]:
     return bench, climb(bench, base, effects, scales, compiled, most=3, watch=lambda _: lambda _: None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "names", "found"),
     [
-        pytest.param(sprung, ("spring",), {"spring@hinge"}, marks=pytest.mark.slow),
+        (sprung, ("spring",), {"spring@hinge"}),
         (limited, ("saturation",), {"saturation@drive"}),
-        pytest.param(
-            limited_and_sprung,
-            ("spring", "saturation"),
-            {"spring@hinge", "saturation@drive"},
-            marks=pytest.mark.slow,
-        ),
+        (limited_and_sprung, ("spring", "saturation"), {"spring@hinge", "saturation@drive"}),
     ],
 )
 def test_an_effect_is_found_alone_and_no_other_moves_it_on(force: Force, names: tuple[str], found: set[str]) -> None:

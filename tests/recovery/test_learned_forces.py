@@ -55,6 +55,7 @@ def test_where_nothing_is_missing_nothing_is_learned() -> None:
     assert lessons(study, calibrate(study), lambda text: None) == ()
 
 
+@pytest.mark.slow
 def test_without_held_out_logs_that_could_judge_it_nothing_is_learned() -> None:
     study = prepare(Comparison(pendulum(), measured([log(seed, magnet) for seed in range(2)]), comparison_settings()))
     phases: list[str] = []

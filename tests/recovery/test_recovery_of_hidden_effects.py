@@ -22,7 +22,6 @@ HIDDEN = {
     "furuta/sensor_time_offset_pole": ("sensor_time_offset@pole.offset", 8e-3, 0.01),
     "furuta/base_tilt": ("base_tilt@world.about_x", 0.05, 0.02),
 }
-FASTEST = ("furuta/sensor_time_offset_pole",)  # the demo of `tests/e2e` has Coulomb friction
 
 
 def diagnosed(hidden: str, folder: Path, plant: list[str], overrides: list[str]) -> tuple[Study, Rung]:
@@ -42,9 +41,8 @@ def quickly(hidden: str, folder: Path) -> tuple[Study, Rung]:
     return diagnosed(hidden, folder, plant, [*data, "windows.seconds=4.8", f"effect=[{','.join(FEW)}]"])
 
 
-@pytest.mark.parametrize(
-    "hidden", [pytest.param(each, marks=[] if each in FASTEST else [pytest.mark.slow]) for each in HIDDEN]
-)
+@pytest.mark.slow  # the demo of `tests/e2e` has Coulomb friction
+@pytest.mark.parametrize("hidden", HIDDEN)
 def test_the_hidden_effect_is_named_and_measured(hidden: str, tmp_path: Path) -> None:
     parameter, truth, tolerance = HIDDEN[hidden]
     study, rung = quickly(hidden, tmp_path)

@@ -48,6 +48,7 @@ def fitted(hidden: HiddenEffect, start: Mapping[str, float]) -> tuple[dict[str, 
     return values, fit.cost / float(fitter.replay.fitted.sum())
 
 
+@pytest.mark.slow
 def test_the_soft_shaft_is_found() -> None:
     """The product of rotor and compliance tells itself best: below the resonance the link sees no more."""
     hidden = JointElasticity(SITE, ROTOR, compliance=0.02, damping=0.3)

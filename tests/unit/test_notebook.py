@@ -66,6 +66,7 @@ def test_logs_are_those_of_the_command(tmp_path: Path) -> None:
     assert made.read_bytes() == (tmp_path / "typed" / made.name).read_bytes()
 
 
+@pytest.mark.slow
 def test_a_policy_is_that_of_the_command_is_evaluated_and_is_no_other_run_s(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

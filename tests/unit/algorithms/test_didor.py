@@ -59,7 +59,7 @@ def experience(algorithm: Algorithm, returns: Callable[[Array], Array] = feasibl
     return PretendedExperience(returns, PointCollector(algorithm.collecting, n=SLOTS), source)
 
 
-@pytest.mark.parametrize("made", [didor, ensemble, pytest.param(p2pdrl, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("made", [didor, *(pytest.param(made, marks=pytest.mark.slow) for made in (ensemble, p2pdrl))])
 def test_reaches_the_optimum(made: Callable[[], Algorithm]) -> None:
     algorithm = made()
     assert mean_reward(algorithm.deployed) < mean_reward(best) - 0.2

@@ -145,7 +145,7 @@ def experience(algorithm: TRPO) -> Experience:
     return Experience(collector, algorithm.policies["policy"], cast(Any, None), UniformRandomizer(GAIN, {}))
 
 
-@pytest.mark.parametrize("every", [1, 4])
+@pytest.mark.parametrize("every", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_the_bound_holds_at_every_step_and_the_optimum_is_reached(every: int) -> None:
     """At the optimum a step as long as the bound only wanders about it, so the best policy on the way is asked."""
     algorithm = trpo(step=partial(TrustRegion, **REGION | {"max_kl": 0.05, "hessian_every": every}))
@@ -170,7 +170,7 @@ def test_nothing_moves_where_no_action_is_better_than_another() -> None:
     assert torch.equal(parameters.vector, vector)
 
 
-@pytest.mark.parametrize("baseline", [LINEAR, critic()])
+@pytest.mark.parametrize("baseline", [LINEAR, pytest.param(critic(), marks=pytest.mark.slow)])
 def test_the_clipped_step_learns_too(baseline: Baseline) -> None:
     algorithm = trpo(baseline=baseline, step=clipped())
     played = experience(algorithm)

@@ -57,6 +57,7 @@ def test_what_the_hinge_feels_is_recovered() -> None:
     assert fitted().held_out.chi2 < 1.1
 
 
+@pytest.mark.slow
 def test_the_logs_know_three_of_ten_combinations() -> None:
     base = known()
     assert (base.count, base.rank, base.known) == (10, 3, 3)

@@ -36,6 +36,7 @@ def test_a_rough_fit_takes_a_step_before_it_is_given_up() -> None:
     assert taken == [0, 1]
 
 
+@pytest.mark.slow
 def test_a_bound_that_may_be_moved_does_not_foretell_the_end() -> None:
     """The truth's damping lies at twice its upper bound: a fit stops there, and is wanted all the same."""
     model = pendulum()

@@ -90,7 +90,7 @@ def test_a_dead_zone_stays_beside_what_is_no_function_of_the_command() -> None:
     assert law.gain.gap < 0.3
 
 
-@pytest.mark.parametrize(("truth", "refuted"), [(squared, True), (dead, False)])
+@pytest.mark.parametrize(("truth", "refuted"), [(squared, True), pytest.param(dead, False, marks=pytest.mark.slow)])
 def test_equals_are_refuted_together_or_not_at_all(truth: Callable[[float], float], refuted: bool) -> None:
     """Under a squared command a dead zone and a weak motor are; under a dead zone a power law and itself are not."""
     effects = ("dead_zone", "torque_scale") if refuted else ("command_power", "dead_zone")

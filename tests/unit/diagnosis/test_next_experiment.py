@@ -122,6 +122,7 @@ def test_the_same_seed_proposes_the_same() -> None:
     assert np.array_equal(again.commands["drive"].value, deciding().commands["drive"].value)
 
 
+@pytest.mark.slow
 def test_what_is_the_same_to_every_experiment_is_not_separated() -> None:
     """A constant force along a horizontal rail and a rail that is not level."""
     offset, tilt = contender("constant_offset", 0.5), placed(block(), "base_tilt", "world")
@@ -189,6 +190,7 @@ def test_what_is_well_known_is_not_sharpened() -> None:
     assert sharpen(contender("coulomb_friction", 1.0, std=1e-4), machine(COULOMB), settings()) is None
 
 
+@pytest.mark.slow
 def test_the_command_uses_a_range_that_is_not_symmetric() -> None:
     found = proposed(separate(COULOMB, VISCOUS, machine(COULOMB, way=50.0, speed=50.0, low=1.0), settings()))
     value = found.commands["drive"].value

@@ -1,6 +1,7 @@
 """Logs that contradict a closed chain, and chains that come apart."""
 
 from dataclasses import replace
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -13,8 +14,12 @@ from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Log, Noise
 from tests.diagnosis_machines import measured, model_check_settings, windows_settings
 
-LOGS = logs("ab", seconds=3.0)
 NOISE = {"crank.position": Noise(1e-3, "rad", "given"), "slider.position": Noise(1e-4, "m", "given")}
+
+
+@cache
+def closed() -> list[Log]:
+    return logs("ab", seconds=3.0)
 
 
 def crank(solref: str = "") -> Model:
@@ -31,11 +36,11 @@ def opened(found: list[Log]) -> OpenChain | None:
 
 
 def test_chains_that_are_closed_up_to_noise_are_not_told() -> None:
-    assert opened(LOGS) is None
+    assert opened(closed()) is None
 
 
 def test_a_crank_alone_contradicts_nothing() -> None:
-    alone = [replace(log, outputs={"crank.position": log.outputs["crank.position"]}) for log in LOGS]
+    alone = [replace(log, outputs={"crank.position": log.outputs["crank.position"]}) for log in closed()]
     assert opened(alone) is None
     assert opened([read_as(log, "crank.position", -1, 0.4) for log in alone]) is None
 
@@ -45,7 +50,7 @@ def test_a_crank_alone_contradicts_nothing() -> None:
     [("slider.position", 1, 0.4), ("slider.position", -1, 0.0), ("slider.position", -1, 0.4)],
 )
 def test_a_zero_and_a_direction_that_close_them_are_found(channel: str, sign: int, offset: float) -> None:
-    found = opened([read_as(log, channel, sign, offset) for log in LOGS])
+    found = opened([read_as(log, channel, sign, offset) for log in closed()])
     assert found is not None
     assert found.mending is not None
     assert (found.mending.channel, found.mending.sign) == (channel, sign)
@@ -58,22 +63,22 @@ def test_lengths_that_are_wrong_are_told_without_a_remedy() -> None:
     spec = mujoco.MjSpec.from_string(MJCF.format(""))
     spec.body("rod").pos = [0.15, 0.0, 0.0]
     spec.body("slider").pos = [0.45, 0.0, 0.0]
-    found = open_chain(spec.compile(), LOGS, NOISE, model_check_settings())
+    found = open_chain(spec.compile(), closed(), NOISE, model_check_settings())
     assert found is not None
     assert found.mending is None
     assert "a length of the model" in found.message
 
 
 def test_a_chain_whose_softness_nobody_chose_becomes_firm_and_is_told() -> None:
-    model, data = crank(), measured(LOGS, noise=1e-3)
-    found = firm_loops(model, LOGS, data, windows_settings(), 1)
+    model, data = crank(), measured(closed(), noise=1e-3)
+    found = firm_loops(model, closed(), data, windows_settings(), 1)
     assert found.share > 1
     assert found.solref == "0.002 1"
     assert list(found.model.spec.equalities[0].solref) == [0.002, 1.0]
     assert list(model.spec.equalities[0].solref) == [0.02, 1.0]
     assert "wrist come apart" in found.message
     given = crank('solref="0.05 1"')
-    assert firm_loops(given, LOGS, data, windows_settings(), 1).model is given
+    assert firm_loops(given, closed(), data, windows_settings(), 1).model is given
 
 
 def test_what_draws_a_body_after_a_mocap_body_stays_soft() -> None:
@@ -82,7 +87,7 @@ def test_what_draws_a_body_after_a_mocap_body_stays_soft() -> None:
     spec.delete(spec.equalities[0])
     spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY, name1=hand.name, name2="slider")
     model = from_spec("drawn", spec, {})
-    assert firm_loops(model, LOGS, measured(LOGS, noise=1e-3), windows_settings(), 1).model is model
+    assert firm_loops(model, closed(), measured(closed(), noise=1e-3), windows_settings(), 1).model is model
 
 
 def test_a_firm_chain_stays_closed_where_a_soft_one_opens() -> None:

@@ -32,8 +32,7 @@ def test_the_cart_pole_s_motor_is_off_for_the_first_half_second() -> None:
         assert "[0.7:" in fault.remedy
 
 
-@pytest.mark.parametrize(
-    "experiment", [pytest.param("quanser_cartpole", marks=pytest.mark.slow), "quanser_qube", "emps"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("experiment", ["quanser_cartpole", "quanser_qube", "emps"])
 def test_sound_logs_are_not_called_faulty(experiment: str) -> None:
     assert told(experiment) == ()

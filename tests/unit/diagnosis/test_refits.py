@@ -100,6 +100,7 @@ def test_a_richer_kind_is_asked_on_all_windows_what_few_do_not_show() -> None:
     assert found.fitted_model.fit.cost < 0.8 * limit.fitted_model.fit.cost
 
 
+@pytest.mark.slow
 def test_a_richer_kind_that_adds_nothing_on_all_windows_is_left() -> None:
     fits = fits_of(rubbing)
     soft, limit = tried(fits, "presliding_friction"), refitted(fits, "coulomb_friction")

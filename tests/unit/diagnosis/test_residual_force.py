@@ -58,7 +58,9 @@ def test_a_constant_torque_is_recovered(settings: WindowSettings, torque: float)
     assert np.std(found) < 0.012
 
 
-@pytest.mark.parametrize("settings", SHORT, ids=["predicted", "refitted"])
+@pytest.mark.parametrize(
+    "settings", [pytest.param(SHORT[0], marks=pytest.mark.slow), SHORT[1]], ids=["predicted", "refitted"]
+)
 def test_forces_of_a_right_model_scatter_as_their_noise_says(settings: WindowSettings) -> None:
     model = pendulum()
     logs = [swinging(f"log_{k}", model.nominal(), k) for k in range(8)]

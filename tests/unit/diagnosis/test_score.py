@@ -79,6 +79,7 @@ def sparse(seed: int) -> Log:
     return replace(log, outputs={signal.name: thinned})
 
 
+@pytest.mark.slow
 def test_the_noise_floor_is_one_however_few_samples_a_window_has() -> None:
     model = pendulum()
     windows = windows_of(model, [sparse(k) for k in range(6)], windows_settings(seconds=1000.0, smoother=0.1))

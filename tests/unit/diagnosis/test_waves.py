@@ -14,7 +14,7 @@ from dr_lab.effects.catalogue import candidates
 from dr_lab.effects.presliding_friction import PreslidingFriction
 
 
-@pytest.mark.parametrize(("most_fits", "least_promise"), [(9, 0.5), (3, 0.0)])
+@pytest.mark.parametrize(("most_fits", "least_promise"), [(9, 0.5), pytest.param(3, 0.0, marks=pytest.mark.slow)])
 def test_only_what_promises_enough_is_fitted(most_fits: int, least_promise: float) -> None:
     bench, base = bench_of(most_fits=most_fits, least_promise=least_promise)
     placed, told = placed_of(NAMES), list[str]()

@@ -84,6 +84,7 @@ def test_without_the_divergence_a_gaussian_collapses() -> None:
     assert entropy[0.0] < entropy[0.24] - 1.0
 
 
+@pytest.mark.slow
 def test_without_the_divergence_cells_collapse() -> None:
     assert cells("learned", alpha=0.0)[2] < cells("learned", alpha=0.2)[2] - 0.3
 

@@ -110,6 +110,7 @@ def test_a_walk_that_does_not_move_is_cut() -> None:
     assert walk.step(torch.ones(3, 1)).cut.tolist() == [True, False, False]
 
 
+@pytest.mark.slow
 def test_proposals_begin_as_a_walk_without_a_preference() -> None:
     one = svpg(count=40)
     proposed = torch.cat([one.propose().flatten() for _ in range(300)])

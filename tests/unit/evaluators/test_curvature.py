@@ -73,6 +73,7 @@ def test_both_ends_of_the_spectrum_are_those_of_the_closed_form(tmp_path: Path) 
     assert told[-1] == 1.0
 
 
+@pytest.mark.slow
 def test_along_an_eigenvector_the_return_bends_as_it_says(tmp_path: Path) -> None:
     found = evaluator().evaluate(subject(actor(), setting=still()), tmp_path, print)
     with (tmp_path / "along.csv").open(encoding="utf-8") as file:

@@ -66,7 +66,7 @@ def test_too_little_to_be_seen_is_of_the_class_of_the_base() -> None:
 @pytest.mark.parametrize(
     "truth",
     [
-        hidden("command_power", "site=motor", "full=0.5"),
+        pytest.param(hidden("command_power", "site=motor", "full=0.5"), marks=pytest.mark.slow),
         pytest.param(hidden("warming", "site=wheel", "cold=0.02", "constant=0.5"), marks=pytest.mark.slow),
         pytest.param(hidden("creeping_friction", "site=wheel", "torque=0.04", "creep=0.2"), marks=pytest.mark.slow),
         hidden("bending_friction", "site=wheel", "torque=0.04", "stiffness=4.0"),

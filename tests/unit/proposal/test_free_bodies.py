@@ -106,6 +106,7 @@ def test_what_was_written_compares(capsys: pytest.CaptureFixture[str]) -> None:
     assert "sensor.frame_orientation" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_what_an_accelerometer_reads_is_compared_in_its_unit() -> None:
     """Of a body that nothing holds: what the motors pull, over the mass."""
 

@@ -23,7 +23,7 @@ Columns = Callable[[Motion], Mapping[str, Array]]
 
 @cache
 def motions() -> tuple[Motion, ...]:
-    return tuple(Motion(seed) for seed in range(3))
+    return tuple(Motion(seed, seconds=4.0) for seed in range(3))
 
 
 @pytest.fixture(autouse=True)
@@ -239,6 +239,7 @@ def test_shapes_that_overlap_all_the_time_are_told_and_excluded(capsys: pytest.C
     assert mujoco.MjModel.from_xml_path("mine/model/two.xml").nexclude == 1
 
 
+@pytest.mark.slow
 def test_a_coarse_time_step_is_told_and_a_urdf_gets_a_fine_one(capsys: pytest.CaptureFixture[str]) -> None:
     Path("two.xml").write_text(MJCF.replace('timestep="0.002" integrator="RK4"', 'timestep="0.01"'))
     proposed("two.xml", write_logs(plain))

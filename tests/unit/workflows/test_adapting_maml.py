@@ -62,6 +62,7 @@ def test_a_meta_learner_is_adapted_as_it_was_trained(subject: Subject) -> None:
     assert np.argmin(np.abs(adapted(subject, z[::-1].copy(), 0)[0] - before)) == 3
 
 
+@pytest.mark.slow
 def test_the_table_of_adaptations_begins_with_the_returns_of_the_grid(run: Path, tmp_path: Path) -> None:
     few = ["evaluator.repeats=2", "evaluator.updates=2", "evaluator.episodes=1", "evaluator.shown=3"]
     report = evaluated(run, tmp_path / "adapted", "evaluator=adaptation", CELLS, *few)

@@ -76,7 +76,9 @@ CASES: dict[str, Callable[[], MeasurementSet]] = {
 }
 
 
-@pytest.mark.parametrize("case", [pytest.param("slow", marks=pytest.mark.slow), "short", "none held out"])
+@pytest.mark.parametrize(
+    "case", [*(pytest.param(case, marks=pytest.mark.slow) for case in ("slow", "short")), "none held out"]
+)
 def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> None:
     report = fitted(pendulum(), CASES[case](), tmp_path)
     assert 0.3 < (report.ladder[0].held_out.chi2 or 0.0) < 2.0
@@ -118,6 +120,7 @@ def test_of_a_long_log_the_beginning_is_shown_and_the_note_says_so(tmp_path: Pat
     assert max(path["t"]) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_where_commands_begin_after_what_is_shown_the_first_window_on_is_shown(tmp_path: Path) -> None:
     late = logs()[1]
     (command,) = late.commands.values()
@@ -130,6 +133,7 @@ def test_where_commands_begin_after_what_is_shown_the_first_window_on_is_shown(t
     assert max(path["t"]) == pytest.approx(2.56, abs=0.003)  # 1.5 s + 0.06 s of commands before the first window + 1 s
 
 
+@pytest.mark.slow
 def test_a_log_too_long_for_any_window_that_may_be_shown_is_left_out_and_the_report_stands(tmp_path: Path) -> None:
     report = fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path, "recorder.longest=0.2")
     (note,) = [note for note in report.notes if note.kind == "shown"]
@@ -163,6 +167,7 @@ def test_actuators_and_joints_that_no_channel_shows_are_told(tmp_path: Path) -> 
     assert "Measured: sensor.gyro." in notes["no_output"]
 
 
+@pytest.mark.slow
 def test_an_imu_alone_without_commands_is_enough(tmp_path: Path) -> None:
     model = model_of(BLIND, DAMPING)
     found = []

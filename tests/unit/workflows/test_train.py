@@ -111,8 +111,6 @@ def test_only_a_run_with_the_same_settings_is_gone_on_with(tmp_path: Path) -> No
     going_on = [f"resume={first}", "frames=320", "threads=2", "recorder.episodes=1", "checkpoint_every=500"]
     for setting, told in (
         ("algorithm.gamma=0.5", r"algorithm\.gamma is 0\.5, there 0\.99\. "),
-        ("seed=1", r"seed is 1, there 0\. "),
-        ("algorithm.surrogate.clip=0.3", r"algorithm\.surrogate\.clip is 0\.3, there 0\.2\. "),
         ("env.task.frame_skip=1", r"env\.task\.frame_skip is 1, there \d+\. "),
         ("~algorithm.surrogate.clip", r"algorithm\.surrogate\.clip is absent, there 0\.2\. "),
     ):
