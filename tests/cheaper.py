@@ -16,7 +16,7 @@ from typing import IO, Any
 
 from hydra._internal import config_loader_impl as loader
 from hydra._internal.config_repository import IConfigRepository
-from hydra._internal.defaults_list import DefaultsList
+from hydra._internal.defaults_list import DefaultsList, create_defaults_list
 from hydra.core.default_element import ResultDefault
 from hydra.core.override_parser.types import Override
 from omegaconf import DictConfig, ListConfig, OmegaConf
@@ -53,7 +53,7 @@ def compose_once() -> None:
 
     What it does afterwards, such as setting values, is done for each command.
     """
-    choose, merge = loader.create_defaults_list, loader.ConfigLoaderImpl._compose_config_from_defaults_list
+    choose, merge = create_defaults_list, loader.ConfigLoaderImpl._compose_config_from_defaults_list
 
     @wraps(choose)
     def chosen(
@@ -84,7 +84,7 @@ def compose_once() -> None:
             _merged[id(defaults)] = pickle.dumps(merge(self, defaults, repo))
         return pickle.loads(_merged[id(defaults)])
 
-    loader.create_defaults_list = chosen
+    loader.create_defaults_list = chosen  # pyright: ignore[reportPrivateImportUsage]
     loader.ConfigLoaderImpl._compose_config_from_defaults_list = merged
 
 

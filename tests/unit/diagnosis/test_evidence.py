@@ -289,8 +289,7 @@ def noise_fitted(parameters: int, seed: int) -> tuple[Score, Score, float]:
     return plain, replace(held_out, foretold=foretold(fitted, others)), -24 * float(error @ error)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("parameters", [1, 3])
+@pytest.mark.parametrize("parameters", [pytest.param(count, marks=pytest.mark.slow) for count in (1, 3)])
 def test_the_bound_holds_what_the_fit_at_hand_costs(parameters: int) -> None:
     found = [noise_fitted(parameters, seed) for seed in range(400)]
     held = [paired_gain(plain, better, SETTINGS).total_low <= truth for plain, better, truth in found]
