@@ -22,6 +22,7 @@ from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.scales import machine_scales, with_replay
 from dr_lab.diagnosis.fit.states import fit_states
+from dr_lab.diagnosis.fit.touching import may_touch
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.folds import folds
@@ -144,8 +145,9 @@ def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
 def _bench(model: Model, comparison: Comparison, resolution: float) -> Bench:
     """Windows on which models are compared; no delay below `resolution` in s is told from none."""
     measured, settings, compiled = comparison.measurements, comparison.settings, model.nominal()
-    fit = cut(measured.fit, measured, compiled, settings.windows)
-    scored = cut(measured.held_out, measured, compiled, settings.windows) if measured.held_out else fit
+    windows = settings.windows.of_machine(compiled.nv)
+    fit = cut(measured.fit, measured, compiled, windows)
+    scored = cut(measured.held_out, measured, compiled, windows) if measured.held_out else fit
     chooses, confirms = (fit, None) if scored is fit else folds(scored)
     threads = thread_count(settings.threads)
     return Bench(fit, chooses, settings.solver, settings.evidence, threads, resolution, confirms)
@@ -172,7 +174,7 @@ def _explains(model: Model, bench: Bench, check: ModelCheckSettings) -> bool:
     It is given up where it is foretold to leave far more in the windows that it sees.
     """
     few = bench.screening()
-    dear = bool(model.inertials) and few is not bench
+    dear = (model.inertials or may_touch(model.nominal())) and few is not bench
     if dear and _hopeful(model, few, check) is None:
         return False
     fit = _hopeful(model, bench, check)

@@ -37,6 +37,8 @@ class WindowSettings:
         prior_scale: standard deviations of the noise that the first estimate may be wrong by.
         unmeasured_position: prior standard deviation of a joint position that is not measured, rad or m.
         unmeasured_velocity: the same of its velocity, rad/s or m/s.
+        footing: how far above the ground a foot may seem to be that stands, m.
+        unknowns: most positions and velocities that are unknown at the starts of all windows together.
 
     Raises:
         ConfigError: a number is too small.
@@ -58,6 +60,8 @@ class WindowSettings:
     prior_scale: Positive
     unmeasured_position: Positive
     unmeasured_velocity: Positive
+    footing: Positive
+    unknowns: Count
 
     def __post_init__(self) -> None:
         require_bounds(self, "windows")
@@ -71,6 +75,10 @@ class WindowSettings:
     def of_length(self, length: float) -> "WindowSettings":
         """The same with windows of one length alone."""
         return replace(self, length=length, longest=length)
+
+    def of_machine(self, dofs: int) -> "WindowSettings":
+        """The same with fewer windows of a machine of many degrees of freedom, which is seen by as many sensors."""
+        return replace(self, seconds=min(self.seconds, self.length * max(1, self.unknowns // (2 * dofs))))
 
     @property
     def most(self) -> int:
@@ -114,12 +122,14 @@ class SolverSettings:
         foreseen: share of what a fit gains that a linear step foretells, at least; a fit ends that cannot reach by that
             the cost that is asked for.
         hindered: share of the decrease that a linear step foretells below which states are fitted window by window.
+        mended: by how much a linear step must lower the deviance for that to be worth its time.
         damping: first value of λ.
         damping_up: factor on λ after a rejected step.
         damping_down: divisor of λ after an accepted step.
         damping_max: give up when λ exceeds it.
         parameter_step: finite-difference step of a parameter, in widths of its bounds.
         state_step: finite-difference step of an initial state, in prior standard deviations.
+        touching: factor on both where shapes touch one another.
         huber: residuals beyond this many robust standard deviations count linearly.
         prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
         plausible: probability below which a window's χ² passes for noise; else its start is sought from the prior, too.
@@ -146,12 +156,14 @@ class SolverSettings:
     foretold: NotNegative
     foreseen: Positive
     hindered: NotNegative
+    mended: NotNegative
     damping: Positive
     damping_up: Annotated[float, at_least(1.0)]
     damping_down: Annotated[float, at_least(1.0)]
     damping_max: Positive
     parameter_step: Positive
     state_step: Positive
+    touching: Annotated[float, at_least(1.0)]
     huber: Positive
     prior_spans: Positive
     plausible: Confidence

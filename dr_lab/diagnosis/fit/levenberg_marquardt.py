@@ -165,9 +165,8 @@ class Fitter:
                 best, weight, linear = self._objective.linear(best, slopes.now)
                 continue
             taken += 1
-            (trial, share), nearby = self._trial(best, linear, damping, weight), slopes.now
-            if best.cost - trial.cost < settings.hindered * predicted:
-                trial, nearby = self._mended(best, trial, slopes.now, weight)
+            trial, share = self._trial(best, linear, damping, weight)
+            trial, nearby = self._mended(best, trial, slopes.now, weight, predicted)
             gain = best.cost - trial.cost
             pace.add(gain)
             failed = gain < 0 and slopes.fresh == Fresh.ALL
@@ -224,12 +223,16 @@ class Fitter:
         point = replace(point, delta=found.delta, residuals=found.residuals, infeasible=found.infeasible)
         return point, Slopes(found.slopes, slopes.parameter)
 
-    def _mended(self, best: Point, trial: Point, slopes: Slopes, weight: Array) -> tuple[Point, Slopes]:
-        """A trial with the states of those windows fitted anew, each on its own, that became worse.
+    def _mended(
+        self, best: Point, trial: Point, slopes: Slopes, weight: Array, predicted: float
+    ) -> tuple[Point, Slopes]:
+        """A hindered trial with the states of those windows fitted anew, each on its own, that became worse.
 
-        Where few windows meet a kink (a joint that sticks, a contact), all others would have to go in short steps.
+        Where few windows meet a kink (a joint that sticks), all others would have to go in short steps. Where shapes
+        touch, or a linear step foretells little, that costs more than it saves.
         """
-        if not np.isfinite(trial.cost):
+        hindered = best.cost - trial.cost < self.settings.hindered * predicted and np.isfinite(trial.cost)
+        if not hindered or self.replay.touching or predicted < self._objective.negligible(best, self.settings.mended):
             return trial, slopes
         worse = self._objective.window_costs(trial, weight) > self._objective.window_costs(best, weight)
         found = polished(self.replay, self.settings, trial, slopes.state, worse & ~trial.infeasible)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.fit.point import huber_weights
+from dr_lab.diagnosis.fit.touching import may_touch, touches
 from dr_lab.diagnosis.windows.channels import Channel, Tape, available, residual
 from dr_lab.diagnosis.windows.invert_reading import reach, unread
 from dr_lab.diagnosis.windows.run_in import RunIn
@@ -55,8 +56,7 @@ class Replay:
         self._stop = stop
         self._simulators: dict[int, Simulator] = {}
         self._absent = _absent(model, windows)
-        compiled = model.nominal()
-        self._compiled = compiled
+        self._compiled = compiled = model.nominal()
         self._controls = _widen(windows.controls, compiled.nu)
         self._past = _widen(windows.past, compiled.nu)
         before = windows.before
@@ -72,16 +72,16 @@ class Replay:
 
     def part(self, rows: NDArray[np.intp]) -> "Replay":
         """The replay of some of the windows, at these places."""
-        return Replay(self.model, self.windows.pick(rows), self._threads, self._stop)
+        return self._like(self.model, self.windows.pick(rows))
 
     def until_known(self) -> "Replay":
         """The replay of as much of the windows as estimates their starts; itself where that is all."""
         windows = until_known(self.windows)
-        return self if windows is self.windows else Replay(self.model, windows, self._threads, self._stop)
+        return self if windows is self.windows else self._like(self.model, windows)
 
     def exact(self) -> "Replay":
         """The same, where slopes are taken by the model's own steps, too."""
-        found = Replay(self.model, self.windows, self._threads, self._stop)
+        found = self._like(self.model, self.windows)
         found.quick = found
         return found
 
@@ -91,8 +91,20 @@ class Replay:
         model = single_stage(self.model)
         if model is self.model:
             return self
-        found = Replay(model, self.windows, self._threads, self._stop)
+        found = self._like(model, self.windows)
         found.begin_like(self)
+        return found
+
+    @cached_property
+    def touching(self) -> bool:
+        """Whether shapes touch one another in the windows at the nominal context."""
+        start = self.model.space.nominal[None], np.zeros((1, len(self.windows), self.nstate))
+        return may_touch(self._compiled) and touches(self._compiled, self.simulate(*start)[0].qpos[0])
+
+    def _like(self, model: Model, windows: Windows) -> "Replay":
+        """The replay of the same motion by another model's steps, or of a part of it."""
+        found = Replay(model, windows, self._threads, self._stop)
+        found.touching = self.touching
         return found
 
     @property

@@ -124,7 +124,7 @@ def around(
     """
     space, count = replay.model.space, len(columns)
     unit = space.to_unit(z)
-    steps = np.where(unit[:, columns] > 0.5, -1.0, 1.0) * settings.parameter_step
+    steps = np.where(unit[:, columns] > 0.5, -1.0, 1.0) * settings.parameter_step * _widened(replay, settings)
     units = np.repeat(unit[:, None], 1 + count, axis=1)
     units[:, 1 + np.arange(count), columns] += steps
     contexts = space.from_unit(units)
@@ -147,8 +147,9 @@ def _moved(
     """Contexts (k, n) and states (k, w, nstate), each moved by one step from a point, and the steps (k,)."""
     space = replay.model.space
     unit = space.to_unit(point.z)
-    state_steps = settings.state_step * replay.windows.prior.std if states else np.zeros(0)
-    unit_steps = np.where(unit[columns] > 0.5, -1.0, 1.0) * settings.parameter_step
+    wider = _widened(replay, settings)
+    state_steps = settings.state_step * wider * replay.windows.prior.std if states else np.zeros(0)
+    unit_steps = np.where(unit[columns] > 0.5, -1.0, 1.0) * settings.parameter_step * wider
     steps, first = np.concatenate([state_steps, unit_steps]), len(state_steps)
     units, deltas = np.tile(unit, (len(steps), 1)), np.tile(point.delta, (len(steps), 1, 1))
     for i, step in enumerate(state_steps):
@@ -156,6 +157,11 @@ def _moved(
     for j, (column, step) in enumerate(zip(columns, unit_steps, strict=True)):
         units[first + j, column] += step
     return space.from_unit(units), deltas, steps
+
+
+def _widened(replay: Replay, settings: SolverSettings) -> float:
+    """How many times wider steps are: where shapes touch, narrow ones show the jags that impacts make in the cost."""
+    return settings.touching if replay.touching else 1.0
 
 
 def _columns(moved: Array, here: Array, steps: Array, infeasible: Mask) -> Array:

@@ -179,12 +179,14 @@ class _Search:
         return window_costs(point, weight, self.precision)
 
     def _steps(self, point: Point, slopes: Array, weight: Array, damping: Array, active: NDArray[np.bool_]) -> Array:
-        weighted = (slopes * weight[..., None]).transpose(0, 2, 1)
+        slopes, steps = slopes[active], np.zeros_like(point.delta)
+        weighted = (slopes * weight[active, :, None]).transpose(0, 2, 1)
         hessian = weighted @ slopes + np.diag(self.precision)
-        gradient = (weighted @ point.residuals[..., None])[..., 0] + self.precision * point.delta
+        gradient = (weighted @ point.residuals[active, :, None])[..., 0] + self.precision * point.delta[active]
         diagonal = np.einsum("wii->wi", hessian)
-        damped = hessian + (damping[:, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
-        return np.where(active[:, None], -np.linalg.solve(damped, gradient[..., None])[..., 0], 0.0)
+        damped = hessian + (damping[active, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
+        steps[active] = -np.linalg.solve(damped, gradient[..., None])[..., 0]
+        return steps
 
 
 class _Part:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.commands import actuator_columns, averages
-from dr_lab.diagnosis.windows.start import Before, StartPrior, motion_before
+from dr_lab.diagnosis.windows.start import Before, motion_before
+from dr_lab.diagnosis.windows.start_prior import StartPrior
 from dr_lab.physics.activations import holders, resting, time_constants
 from dr_lab.physics.follow import follow
 from dr_lab.trajectory import Array, Log

@@ -1,89 +1,21 @@
 """First estimates of the windows' initial states, and how far they may be wrong."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.windows.channels import Channel, available, unmeasured_joints
-from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, Tangent, following, tangent
-from dr_lab.diagnosis.windows.free_start import FreeBody, continuous, free_bodies, turn_between, turning
-from dr_lab.measurements.smoothing import LocalFit, local_polynomial
+from dr_lab.diagnosis.windows.channels import available, unmeasured_joints
+from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, tangent
+from dr_lab.diagnosis.windows.free_start import free_bodies, place_by_sensors
+from dr_lab.diagnosis.windows.local_fits import DEGREE, fits
+from dr_lab.diagnosis.windows.standing import stand
+from dr_lab.diagnosis.windows.start_prior import StartPrior
+from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.trajectory import Array, Log, Noise, Signal
-
-_DEGREE = 3  # of the local polynomials
-_DEPENDENT = 1e-3  # of a singular value: joints of a closed chain whose motions differ by less move together
-
-
-@dataclass(frozen=True)
-class StartPrior:
-    """Gaussian prior of the windows' initial states.
-
-    Attributes:
-        qpos: mean positions, shape (w, nq).
-        qvel: mean velocities, shape (w, nv).
-        qacc: mean accelerations, which tell the state a little earlier or later, shape (w, nv).
-        std: prior standard deviations of the unknowns: s of the state, then the k activations that nothing before the
-            start tells, then what commands did between their samples, shape (s + k + u,).
-        tangent: what the unknowns of the state do where chains are closed; None where they are changes of the positions
-            and velocities in the tangent space, s = 2 nv.
-    """
-
-    qpos: Array
-    qvel: Array
-    qacc: Array
-    std: Array
-    tangent: Tangent | None = None
-
-    @property
-    def nstate(self) -> int:
-        """Number s of unknowns of the state."""
-        return 2 * self.qvel.shape[1] if self.tangent is None else self.tangent.basis.shape[2]
-
-    def pick(self, rows: NDArray[np.intp]) -> "StartPrior":
-        """The prior of some windows."""
-        kept = self.tangent and self.tangent.pick(rows)
-        return StartPrior(self.qpos[rows], self.qvel[rows], self.qacc[rows], self.std, kept)
-
-    def change(self, unknowns: Array, moved: Array) -> Array:
-        """Changes of positions and velocities: those of unknowns (…, w, s or more), and others (…, w, 2 nv).
-
-        Of the others only what opens no chain counts.
-        """
-        of_state = unknowns[..., : self.nstate]
-        if self.tangent is None:
-            return of_state + moved
-        along = of_state + np.einsum("wks,...ws->...wk", self.tangent.inverse, moved)
-        return np.einsum("wsk,...wk->...ws", self.tangent.basis, along)
-
-    def unknowns(self, change: Array) -> Array:
-        """The unknowns that changes of positions and velocities (…, w, 2 nv) are, as far as they open no chain."""
-        return change if self.tangent is None else np.einsum("wks,...ws->...wk", self.tangent.inverse, change)
-
-    def independent(self, dofs: Sequence[int]) -> list[int]:
-        """Those of some degrees of freedom that can move while the ones before them rest, in half of the windows."""
-        if self.tangent is None:
-            return list(dofs)
-        kept = list[int]()
-        for dof in dofs:
-            rows = self.tangent.velocities[:, [*kept, dof]]
-            rows = rows / np.maximum(np.linalg.norm(rows, axis=2, keepdims=True), np.finfo(float).tiny)
-            if np.median(np.linalg.matrix_rank(rows, rtol=_DEPENDENT)) > len(kept):
-                kept.append(dof)
-        return kept
-
-    def carried(self, dofs: Sequence[int]) -> Array:
-        """Velocities of all joints while one of some degrees of freedom moves by 1, the others resting, (w, nv, n)."""
-        if self.tangent is None:
-            return np.broadcast_to(np.eye(self.qvel.shape[1])[:, list(dofs)], (*self.qvel.shape, len(dofs)))
-        return following(self.tangent.velocities, dofs)
-
-    def slope(self, slopes: Array, change: Array) -> Array:
-        """What changes of positions and velocities (w, 2 nv) do to residuals with slopes (w, m, s or more), (w, m)."""
-        return np.einsum("wms,ws->wm", slopes[..., : self.nstate], self.unknowns(change))
 
 
 @dataclass(frozen=True)
@@ -134,7 +66,7 @@ def motion_before(
 
 def _path(signal: Signal, times: Array, smoother: float) -> tuple[Array, Array]:
     """Position and velocity at times of shape (w, p); at rest before the log."""
-    fit = local_polynomial(signal, np.maximum(times, signal.time[0]).ravel(), smoother, degree=_DEGREE)
+    fit = local_polynomial(signal, np.maximum(times, signal.time[0]).ravel(), smoother, degree=DEGREE)
     slope = np.where(times < signal.time[0], 0.0, fit.slope.reshape(times.shape))
     return fit.value.reshape(times.shape), slope
 
@@ -166,16 +98,18 @@ def estimate_starts(
         channel, nv = available(model)[name], model.nv
         floor = noise[name].std * np.array([1.0, 1 / settings.smoother])
         if channel.kind == "position":
-            means, wrong = _fits(logs, name, begins, settings)
+            means, wrong = fits(logs, name, begins, settings)
             qpos[:, channel.address], qvel[:, channel.dof], qacc[:, channel.dof] = means
             std[[channel.dof, nv + channel.dof]] = settings.prior_scale * np.maximum(floor, wrong[:2])
         elif channel.kind == "velocity" and name.removesuffix("velocity") + "position" not in logs[0].outputs:
-            means, wrong = _fits(logs, name, begins, settings)
+            means, wrong = fits(logs, name, begins, settings)
             qvel[:, channel.dof], qacc[:, channel.dof] = means[:2]
             std[nv + channel.dof] = settings.prior_scale * max(floor[0], wrong[0])
     prior = StartPrior(qpos, qvel, qacc, std)
     for body in free_bodies(model, logs[0].outputs):
-        _place(prior, body, logs, begins, noise, settings)
+        place_by_sensors(prior, body, logs, begins, noise, settings)
+        if not body.position:
+            stand(prior, body, model, settings)
     return _closed(prior, model, logs[0].outputs)
 
 
@@ -218,71 +152,3 @@ def placed(model: mujoco.MjModel, measured: Collection[str]) -> NDArray[np.bool_
         known[body.dof : body.dof + 3] = body.position is not None
         known[body.dof + 3 : body.dof + 6] = body.orientation is not None
     return known
-
-
-def _place(
-    prior: StartPrior,
-    body: FreeBody,
-    logs: Sequence[Log],
-    begins: Sequence[Array],
-    noise: Mapping[str, Noise],
-    settings: WindowSettings,
-) -> None:
-    """Write a free body's place, orientation and velocities into the prior, as far as sensors show them."""
-    widths, nv = (settings.smoother, settings.smoother / 2), prior.qvel.shape[1]
-    for channel, address, dof in (
-        (body.position, body.address, body.dof),
-        (body.orientation, body.address + 3, body.dof + 3),
-    ):
-        if channel is None:
-            continue
-        wide, narrow = (_vectors(logs, channel, begins, width, settings) for width in widths)
-        missed, error = wide[0] - narrow[0], noise[channel.name].std
-        if channel is body.orientation:
-            wide, narrow = turning(*wide), turning(*narrow)
-            missed, error = turn_between(narrow[0], wide[0]), 2.0 * error  # a turn by φ moves a unit quaternion by φ/2
-        dofs = np.arange(dof, dof + 3)
-        prior.qpos[:, address : address + wide[0].shape[1]] = wide[0]
-        prior.qvel[:, dofs], prior.qacc[:, dofs] = wide[1:]
-        for first, wrong, floor in ((0, missed, error), (nv, wide[1] - narrow[1], error / settings.smoother)):
-            prior.std[first + dofs] = settings.prior_scale * np.maximum(floor, np.sqrt((wrong**2).mean(0)))
-
-
-def starts_known(signal: Signal, begins: Array, settings: WindowSettings) -> NDArray[np.bool_]:
-    """Which starts have enough samples that they may know of."""
-    if settings.run_in <= 0:
-        return np.full(len(begins), len(signal) > _DEGREE)
-    return np.searchsorted(signal.time, begins + (settings.margin + settings.run_in)) > _DEGREE
-
-
-def _fits(logs: Sequence[Log], name: str, begins: Sequence[Array], settings: WindowSettings) -> tuple[Array, Array]:
-    """Value, slope and curvature at each start, shape (3, w), and what the polynomial misses of each, shape (3,)."""
-    signals = [log.outputs[name] for log in logs]
-    wide, narrow = (
-        np.stack(_local(signals, begins, width, settings)) for width in (settings.smoother, settings.smoother / 2)
-    )
-    return wide, np.sqrt(((wide - narrow) ** 2).mean(1))
-
-
-def _vectors(
-    logs: Sequence[Log], channel: Channel, begins: Sequence[Array], width: float, settings: WindowSettings
-) -> tuple[Array, Array, Array]:
-    """Value, slope and curvature of a vector channel at each start, shape (w, size) each."""
-    signals = [log.outputs[channel.name] for log in logs]
-    if channel.kind == "orientation":
-        signals = [replace(signal, value=continuous(signal.value)) for signal in signals]
-    return _local(signals, begins, width, settings)
-
-
-def _local(
-    signals: Sequence[Signal], begins: Sequence[Array], width: float, settings: WindowSettings
-) -> tuple[Array, Array, Array]:
-    """Value, slope and curvature at each start, from samples that it may know of, shape (w,) or (w, size) each."""
-    lead = settings.margin + settings.run_in
-    fits = []
-    for signal, begin in zip(signals, begins, strict=True):
-        # A sample at the end of the run-in belongs to the scored part.
-        known = np.nextafter(begin + lead, -np.inf) if settings.run_in > 0 else np.inf
-        fits.append(local_polynomial(signal, begin, width, until=known, degree=_DEGREE))
-    value, slope, curvature = (np.concatenate([getattr(f, part) for f in fits]) for part in LocalFit._fields[:3])
-    return value, slope, curvature

@@ -11,7 +11,9 @@ from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.activations import Activations, activations, run_in_of
 from dr_lab.diagnosis.windows.channels import Channel, require_numbers, resolve
 from dr_lab.diagnosis.windows.commands import actuator_columns, averages
-from dr_lab.diagnosis.windows.start import Before, StartPrior, estimate_starts, motion_before, starts_known
+from dr_lab.diagnosis.windows.local_fits import starts_known
+from dr_lab.diagnosis.windows.start import Before, estimate_starts, motion_before
+from dr_lab.diagnosis.windows.start_prior import StartPrior
 from dr_lab.diagnosis.windows.unlogged import Unlogged, unlogged
 from dr_lab.errors import DataError
 from dr_lab.trajectory import Array, Log, MeasurementSet, Noise
@@ -171,8 +173,7 @@ def windows_at(
 def _with_hidden(prior: StartPrior, hidden: Activations | None, missing: Unlogged | None) -> StartPrior:
     """The prior with what is not known of activations, and of commands between their samples."""
     of_commands = np.ones(0 if missing is None else missing.column.shape[1])
-    std = np.concatenate([prior.std, np.zeros(0) if hidden is None else hidden.std, of_commands])
-    return replace(prior, std=std)
+    return replace(prior, std=np.concatenate([prior.std, np.zeros(0) if hidden is None else hidden.std, of_commands]))
 
 
 def _step_counts(model: mujoco.MjModel, settings: WindowSettings) -> tuple[int, int, int]:

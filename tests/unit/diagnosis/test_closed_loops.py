@@ -6,7 +6,8 @@ import pytest
 from slider_crank import MJCF, place, rod_angle, slopes
 
 from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, tangent
-from dr_lab.diagnosis.windows.start import StartPrior, untold_joints
+from dr_lab.diagnosis.windows.start import untold_joints
+from dr_lab.diagnosis.windows.start_prior import StartPrior
 from dr_lab.trajectory import Array
 
 MODEL = mujoco.MjModel.from_xml_string(MJCF.format('solref="0.002 1"'))

@@ -229,7 +229,7 @@ def test_a_descent_that_crawls_ends_and_begins_not_anew(
     def crawling(self: Fitter, best: Point, *_: object) -> tuple[Point, float]:
         return replace(best, cost=best.cost - 0.05 * Objective(replay, settings).negligible(best, 1.0)), 1.0
 
-    def left(self: Fitter, best: Point, trial: Point, slopes: Slopes, weight: Array) -> tuple[Point, Slopes]:
+    def left(self: Fitter, best: Point, trial: Point, slopes: Slopes, *_: object) -> tuple[Point, Slopes]:
         return trial, slopes
 
     monkeypatch.setattr(Fitter, "_trial", crawling)

@@ -5,7 +5,8 @@ import numpy as np
 from diagnosis_machines import log_of, measured, model_of, windows_settings
 from scipy.spatial.transform import Rotation
 
-from dr_lab.diagnosis.windows.free_start import continuous, free_bodies, turning
+from dr_lab.diagnosis.windows.free_start import free_bodies
+from dr_lab.diagnosis.windows.orientations import continuous, turning
 from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.trajectory import Array, Log, Noise
 
@@ -71,6 +72,42 @@ def test_only_frames_in_the_world_place_a_body() -> None:
     (body,) = free_bodies(compiled, CHANNELS)
     assert (body.address, body.dof) == (0, 0)
     assert free_bodies(compiled, CHANNELS[:1])[0].orientation is None
-    assert free_bodies(compiled, ()) == ()
-    inertial = XML.replace('"xbody"', '"body"')
-    assert free_bodies(model_of(inertial).nominal(), CHANNELS) == ()
+    (blind,) = free_bodies(compiled, ())
+    assert (blind.position, blind.orientation) == (None, None)
+    relative = XML.replace('objname="cube"/></sensor>', 'objname="cube" reftype="xbody" refname="cube"/></sensor>')
+    (seen,) = free_bodies(model_of(relative).nominal(), CHANNELS)
+    assert (seen.position is None, seen.orientation) == (False, None)
+
+
+MOUNT, TURN = np.array([0.1, -0.05, 0.2]), Rotation.from_rotvec([0.3, 1.0, -0.5])  # of an IMU's board in the cube
+WELDED = XML.replace(
+    "</body></worldbody>",
+    '<body name="board" pos="0.1 -0.05 0.2" quat="{}"><site name="imu"/></body></body></worldbody>',
+).format(" ".join(map(str, TURN.as_quat(scalar_first=True))))
+
+
+def test_a_site_on_what_is_welded_to_a_body_places_it_as_its_own_frame_does() -> None:
+    log, time, qpos, _ = fallen()
+    frames = Rotation.from_quat(qpos[:, 3:], scalar_first=True)
+    of_site = {
+        "sensor.place": (time, qpos[:, :3] + frames.apply(MOUNT)),
+        "sensor.turn": (time, (frames * TURN).as_quat(scalar_first=True)),
+    }
+    site = WELDED.replace('objtype="xbody" objname="cube"', 'objtype="site" objname="imu"')
+    noise = {"sensor.place": Noise(1e-3, "m", "given"), "sensor.turn": Noise(5e-3, "", "given")}
+    priors = []
+    for xml, one in ((WELDED, log), (site, log_of("toss", of_site))):
+        data = measured([one])
+        data.noise.update(noise)  # pyright: ignore[reportAttributeAccessIssue]
+        priors.append(cut([one], data, model_of(xml).nominal(), windows_settings(length=0.15)).prior)
+    own, mounted = priors
+    np.testing.assert_allclose(mounted.qpos[:, :3], own.qpos[:, :3], atol=1e-4)
+    np.testing.assert_allclose(mounted.qpos[:, 3:], own.qpos[:, 3:], atol=1e-9)
+    np.testing.assert_allclose(mounted.qvel, own.qvel, atol=5e-2)
+    np.testing.assert_allclose(mounted.qacc[:, 3:], own.qacc[:, 3:], atol=1e-6)
+
+
+def test_a_place_away_from_the_frame_without_an_orientation_places_nothing() -> None:
+    site = WELDED.replace('objtype="xbody" objname="cube"', 'objtype="site" objname="imu"')
+    (body,) = free_bodies(model_of(site).nominal(), CHANNELS[:1])
+    assert body.position is None

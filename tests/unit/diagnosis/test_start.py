@@ -5,7 +5,7 @@ import pytest
 from diagnosis_machines import NOISE, clock, measured, model_of, pendulum, predicted_settings, windows_settings
 
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.windows.start import StartPrior
+from dr_lab.diagnosis.windows.start_prior import StartPrior
 from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.trajectory import Array, Log, Signal
 

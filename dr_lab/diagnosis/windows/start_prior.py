@@ -1,0 +1,80 @@
+"""What is thought of the windows' initial states before they are fitted."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dr_lab.diagnosis.windows.closed_loops import Tangent, following
+from dr_lab.trajectory import Array
+
+_DEPENDENT = 1e-3  # of a singular value: joints of a closed chain whose motions differ by less move together
+
+
+@dataclass(frozen=True)
+class StartPrior:
+    """Gaussian prior of the windows' initial states.
+
+    Attributes:
+        qpos: mean positions, shape (w, nq).
+        qvel: mean velocities, shape (w, nv).
+        qacc: mean accelerations, which tell the state a little earlier or later, shape (w, nv).
+        std: prior standard deviations of the unknowns: s of the state, then the k activations that nothing before the
+            start tells, then what commands did between their samples, shape (s + k + u,).
+        tangent: what the unknowns of the state do where chains are closed; None where they are changes of the positions
+            and velocities in the tangent space, s = 2 nv.
+    """
+
+    qpos: Array
+    qvel: Array
+    qacc: Array
+    std: Array
+    tangent: Tangent | None = None
+
+    @property
+    def nstate(self) -> int:
+        """Number s of unknowns of the state."""
+        return 2 * self.qvel.shape[1] if self.tangent is None else self.tangent.basis.shape[2]
+
+    def pick(self, rows: NDArray[np.intp]) -> "StartPrior":
+        """The prior of some windows."""
+        kept = self.tangent and self.tangent.pick(rows)
+        return StartPrior(self.qpos[rows], self.qvel[rows], self.qacc[rows], self.std, kept)
+
+    def change(self, unknowns: Array, moved: Array) -> Array:
+        """Changes of positions and velocities: those of unknowns (…, w, s or more), and others (…, w, 2 nv).
+
+        Of the others only what opens no chain counts.
+        """
+        of_state = unknowns[..., : self.nstate]
+        if self.tangent is None:
+            return of_state + moved
+        along = of_state + np.einsum("wks,...ws->...wk", self.tangent.inverse, moved)
+        return np.einsum("wsk,...wk->...ws", self.tangent.basis, along)
+
+    def unknowns(self, change: Array) -> Array:
+        """The unknowns that changes of positions and velocities (…, w, 2 nv) are, as far as they open no chain."""
+        return change if self.tangent is None else np.einsum("wks,...ws->...wk", self.tangent.inverse, change)
+
+    def independent(self, dofs: Sequence[int]) -> list[int]:
+        """Those of some degrees of freedom that can move while the ones before them rest, in half of the windows."""
+        if self.tangent is None:
+            return list(dofs)
+        kept = list[int]()
+        for dof in dofs:
+            rows = self.tangent.velocities[:, [*kept, dof]]
+            rows = rows / np.maximum(np.linalg.norm(rows, axis=2, keepdims=True), np.finfo(float).tiny)
+            if np.median(np.linalg.matrix_rank(rows, rtol=_DEPENDENT)) > len(kept):
+                kept.append(dof)
+        return kept
+
+    def carried(self, dofs: Sequence[int]) -> Array:
+        """Velocities of all joints while one of some degrees of freedom moves by 1, the others resting, (w, nv, n)."""
+        if self.tangent is None:
+            return np.broadcast_to(np.eye(self.qvel.shape[1])[:, list(dofs)], (*self.qvel.shape, len(dofs)))
+        return following(self.tangent.velocities, dofs)
+
+    def slope(self, slopes: Array, change: Array) -> Array:
+        """What changes of positions and velocities (w, 2 nv) do to residuals with slopes (w, m, s or more), (w, m)."""
+        return np.einsum("wms,ws->wm", slopes[..., : self.nstate], self.unknowns(change))
