@@ -186,10 +186,11 @@ def fitted_to_the_end(bench: Bench, fitted_model: FittedModel) -> FittedModel:
     """A model whose fit goes on by exact slopes and crawls for longer (`SolverSettings.patient`).
 
     Candidates need not end as low as they can to be compared; what others are compared with, and whose parameters are
-    told with their standard deviations, ends lower. A fit that converged by exact slopes stays as it is.
+    told with their standard deviations, ends lower. A fit by exact slopes stays as it is where it converged, or where
+    shapes touch: among their jags no certificate comes.
     """
     fit, replay = fitted_model.fit, Replay(fitted_model.model, bench.fit, bench.threads)
-    if fit.converged and replay.quick is replay:
+    if replay.quick is replay and (fit.converged or replay.touching):
         return fitted_model
     further = Fitter(replay.exact(), bench.solver.patient).run(fit.z, fit.delta)
     if further.order > fit.order:
