@@ -130,7 +130,7 @@ def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
         model=refined.model,
         compiled=compiled,
         bench=bench,
-        predicted=cut(scored, measured, compiled, settings.predicted),
+        predicted=cut(scored, measured, compiled, settings.predicted.of_machine(compiled.nv)),
         short=short,
         few=_spread(len(short), settings.localise.formula.windows),
         fits=StateFits(settings.solver, count),
