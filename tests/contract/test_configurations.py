@@ -108,6 +108,7 @@ def test_measurements_compose(measurements: str, monkeypatch: pytest.MonkeyPatch
     check_verb("compare", [f"measurements={measurements}"], monkeypatch)
 
 
+@pytest.mark.slow
 def test_help_shows_the_experiments_of_the_verb() -> None:
     groups = {verb: choices(compose_with_hydra(verb, [], FOLDERS)) for verb in verbs()}
     shown = {verb: set(experiments_of(groups[verb], FOLDERS)) for verb in verbs()}

@@ -90,6 +90,7 @@ def hidden_in(case: Case) -> list[str]:
 FLYING = {"viscous_drag"}
 
 
+@pytest.mark.slow
 def test_strangers_hide_the_whole_catalogue_at_three_magnitudes() -> None:
     cases, catalogue = cases_of("strangers"), set(every("effect", (shipped(),)))
     kinds = collections.Counter(case.kind for case in cases)

@@ -121,6 +121,7 @@ def test_while_nothing_has_begun(tmp_path: Path) -> None:
     assert interrupted(tmp_path / "run", "compare", *SMALL, when=lambda: time.monotonic() > pressed) <= {"config.yaml"}
 
 
+@pytest.mark.slow
 def test_candidates_stop_at_their_next_simulation() -> None:
     cfg = compose("diagnose", [*SMALL, FEW, "threads=2"])
     study = prepare(instantiate(cfg.comparison, _convert_="all"))

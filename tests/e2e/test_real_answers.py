@@ -24,7 +24,7 @@ def answered(folder: Path, *words: str) -> list[str]:
     ("ball", "effects"),
     [
         pytest.param("bowling_ball", [], marks=pytest.mark.slow),
-        ("golf_ball", []),
+        pytest.param("golf_ball", [], marks=pytest.mark.slow),
         pytest.param("orange_whiffle_ball", ["viscous_friction@ball"], marks=pytest.mark.slow),
     ],
 )

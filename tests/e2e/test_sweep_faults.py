@@ -98,6 +98,7 @@ def test_study_killed_at_twenty_random_moments(sweeps: Sweeps, tmp_path: Path) -
     assert table(tmp_path / "killed") == table(tmp_path / "whole")
 
 
+@pytest.mark.slow
 def test_two_sweeps_in_one_folder_then_ctrl_c(sweeps: Sweeps, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "swept"
     arguments = ("value=1,2", "seconds=60", "hydra.sweep.dir=swept")

@@ -81,7 +81,14 @@ def model() -> Model:
     ("name", "site", "length", "force", "truth"),
     [
         ("link_length", "forearm", 0.325, none, {"excess": 0.025}),
-        ("joint_coupling", "elbow", 0.3, cable, {"stiffness": 800.0 * 0.04**2, "ratio": -0.5, "rest": 0.125}),
+        pytest.param(
+            "joint_coupling",
+            "elbow",
+            0.3,
+            cable,
+            {"stiffness": 800.0 * 0.04**2, "ratio": -0.5, "rest": 0.125},
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             *("cable_force", "forearm", 0.3, hose),
             {"stiffness": 15.0, "anchor_x": 0.35, "anchor_z": 0.9, "length": 0.3},

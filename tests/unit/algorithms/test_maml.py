@@ -67,7 +67,8 @@ def tasks(seed: int = 0) -> Proposals:
     return Proposals(rng.uniform(-0.5, 0.5, (TASKS, 2)), np.arange(100, 100 + TASKS))
 
 
-@pytest.mark.parametrize("every", [pytest.param(1, marks=pytest.mark.slow), 5])
+@pytest.mark.slow
+@pytest.mark.parametrize("every", [1, 5])
 def test_an_update_learns_to_help(every: int) -> None:
     algorithm = maml(step=partial(TrustRegion, **REGION | {"hessian_every": every}))
     played = experience(algorithm)

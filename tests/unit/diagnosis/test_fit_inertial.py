@@ -65,6 +65,7 @@ def test_the_logs_know_three_of_ten_combinations() -> None:
     assert {f"rod.inertial.{name}" for name in ("shift_y", "stretch_y", "shear_xy")} <= set(base.held)
 
 
+@pytest.mark.slow
 def test_what_they_do_not_know_stays_at_the_model_file() -> None:
     """Of all bodies that move alike, the fit ends with the one that is nearest to the nominal one."""
     z, space = fitted().fit.z, fitted().model.space

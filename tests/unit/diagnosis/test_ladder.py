@@ -83,7 +83,8 @@ def test_what_another_missing_effect_leaves_in_doubt_is_added_on_trial_and_stays
     assert ladder.verdict(evidence_settings()) == "named"
 
 
-@pytest.mark.parametrize("most", [1, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("most", [1, 3])
 def test_what_stays_in_doubt_is_dropped_in_the_end(most: int) -> None:
     ladder = climbed("constant_offset", most=most, asked=SURE)
     assert ladder.rungs[0].verdict.trial == ("constant_offset@hinge",)
@@ -109,6 +110,7 @@ def test_where_the_fit_logs_score_no_model_has_logs_apart() -> None:
     assert not any(found.apart for found in (base, *(c.fitted_model for c in ladder.rungs[0].ranking)))
 
 
+@pytest.mark.slow
 def test_no_more_effects_are_added_than_allowed() -> None:
     ladder = climbed("coulomb_friction", "constant_offset", most=1)
     assert len(ladder.steps) == 1

@@ -77,6 +77,7 @@ def test_a_squared_command_is_no_dead_zone() -> None:
     assert Ladder(ladder.rungs, ladder.base, ladder.steps, laws=(law,)).verdict(bench.evidence) == "unexplained"
 
 
+@pytest.mark.slow
 def test_a_law_that_leaves_noise_alone_is_not_checked() -> None:
     ladder, laws, _ = judged("dead_zone", "drive", dead)
     assert laws == ()

@@ -145,6 +145,7 @@ def test_where_the_machine_runs_away_by_itself_the_limit_is_told() -> None:
     assert found.reason == "the range of rail"
 
 
+@pytest.mark.slow
 def test_an_experiment_that_no_refit_can_simulate_is_not_proposed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dr_lab.diagnosis.next_experiment.aims.missed", lambda *_: -np.inf)
     found = separate(COULOMB, VISCOUS, machine(COULOMB), settings(refitted=2))

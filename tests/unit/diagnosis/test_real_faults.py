@@ -21,6 +21,7 @@ def told(experiment: str, *overrides: str) -> tuple[Fault, ...]:
     return suspect_faults(comparison.model, comparison.measurements, comparison.settings.faults)
 
 
+@pytest.mark.slow
 def test_the_cart_pole_s_motor_is_off_for_the_first_half_second() -> None:
     """In all 15 logs the cart rolls out by 4 mm at most from 0.2 to 0.5 s, and then moves 23 mm or more in 0.3 s."""
     faults = told("quanser_cartpole", "measurements.fit=[qcp*19-3*]", "measurements.held_out=[qcp*19-4*,qcp*19-2*]")

@@ -55,6 +55,7 @@ def test_others_have_their_turn_where_what_promised_most_gains_nothing(monkeypat
     assert supported(best.gain, 1, bench.evidence)
 
 
+@pytest.mark.slow
 def test_what_promises_more_than_the_best_one_gained_is_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Although the best one is supported, and the first place went to what holds special cases."""
     monkeypatch.setattr(waves, "shortlist", lambda order, placed, most: sorted(order)[:most])
@@ -84,6 +85,7 @@ def test_what_holds_the_best_one_is_fitted_although_others_promise_more() -> Non
     assert {c.effect.effect.name for c in ranking if c.fitted} >= {"presliding_friction", "coulomb_friction"}
 
 
+@pytest.mark.slow
 def test_what_is_confused_with_the_best_one_is_fitted_although_no_place_is_left() -> None:
     bench, base = bench_of(creep, most_fits=1, least_promise=0.0)
     placed = placed_of(("coulomb_friction", "load_dependent_friction", "spring"))

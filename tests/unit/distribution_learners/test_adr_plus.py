@@ -79,6 +79,7 @@ def test_contexts_like_the_experts_are_proposed_more_often(z: float, expected: t
     assert low < share_of_hard(learner, 250) < high
 
 
+@pytest.mark.slow
 def test_a_large_penalty_keeps_the_particles_where_the_prior_is() -> None:
     moved_by = dict[float, float]()
     for penalty in (0.0, 100.0):

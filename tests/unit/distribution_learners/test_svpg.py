@@ -128,6 +128,7 @@ def test_proposals_gather_where_the_reward_is() -> None:
     assert (torch.cat(late[-100:]) > 0.7).float().mean() > 0.6  # 0.3 of a walk without a preference
 
 
+@pytest.mark.slow
 def test_heat_keeps_particles_apart() -> None:
     spreads = []
     for temperature in (0.01, 1000.0):

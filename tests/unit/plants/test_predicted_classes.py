@@ -69,7 +69,7 @@ def test_too_little_to_be_seen_is_of_the_class_of_the_base() -> None:
         pytest.param(hidden("command_power", "site=motor", "full=0.5"), marks=pytest.mark.slow),
         pytest.param(hidden("warming", "site=wheel", "cold=0.02", "constant=0.5"), marks=pytest.mark.slow),
         pytest.param(hidden("creeping_friction", "site=wheel", "torque=0.04", "creep=0.2"), marks=pytest.mark.slow),
-        hidden("bending_friction", "site=wheel", "torque=0.04", "stiffness=4.0"),
+        pytest.param(hidden("bending_friction", "site=wheel", "torque=0.04", "stiffness=4.0"), marks=pytest.mark.slow),
     ],
 )
 def test_powers_drifts_and_soft_friction_are_none_of_the_poorer_effects(truth: list[str]) -> None:
@@ -79,6 +79,7 @@ def test_powers_drifts_and_soft_friction_are_none_of_the_poorer_effects(truth: l
     assert names.isdisjoint({"base", "dead_zone", "saturation", "coulomb_friction", "viscous_friction"})
 
 
+@pytest.mark.slow
 @needs_pinocchio
 def test_a_creep_that_is_too_slow_to_show_is_coulomb_friction() -> None:
     ((label, known),) = classes(*hidden("creeping_friction", "site=wheel", "torque=0.04", "creep=1e-3")).items()
@@ -86,6 +87,7 @@ def test_a_creep_that_is_too_slow_to_show_is_coulomb_friction() -> None:
     assert "coulomb_friction@wheel" in known
 
 
+@pytest.mark.slow
 @needs_pinocchio
 def test_a_wrong_zero_is_a_leaning_base_to_a_wheel() -> None:
     (known,) = classes(*hidden("sensor_bias", "site=wheel", "bias=0.05")).values()

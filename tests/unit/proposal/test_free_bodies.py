@@ -99,6 +99,7 @@ def test_a_free_body_gets_the_sensors_that_the_logs_ask_for() -> None:
     assert [model.sensor(i).name for i in range(3)] == ["frame_position", "frame_orientation", "frame_rate"]
 
 
+@pytest.mark.slow
 def test_what_was_written_compares(capsys: pytest.CaptureFixture[str]) -> None:
     proposed(BARE, *(flight(seed) for seed in range(3)))
     run = ["--config-dir", "mine", "model=drone", "measurements=drone", "hydra.run.dir=run"]

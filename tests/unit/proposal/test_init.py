@@ -91,8 +91,8 @@ READINGS: dict[str, tuple[Columns, Rows, Rows]] = {
 
 
 def robots_and_readings() -> Iterator[object]:
-    """Each table beside one robot; beside the other one it is left to the slow tests."""
-    for (name, reading), fast in zip(READINGS.items(), ("two.xml", "two.urdf", "two.xml"), strict=True):
+    """Tables with names beside one robot each; what remains is left to the slow tests."""
+    for (name, reading), fast in zip(READINGS.items(), ("two.xml", "two.urdf", "none"), strict=True):
         for robot in ("two.urdf", "two.xml"):
             marks = [] if robot == fast else [pytest.mark.slow]
             yield pytest.param(robot, *reading, id=f"{name}-{robot}", marks=marks)
@@ -192,7 +192,11 @@ def test_a_servo_is_added_where_commands_are_positions(capsys: pytest.CaptureFix
         (["other.xml", "logs/*.csv"], r"No series of the logs fits a joint of the robot. Joints: a, b, c"),
         (["unknown_robot", "logs/*.csv"], r"There is no file or folder 'unknown_robot'.*robot_descriptions"),
         (["two.xml", "other/log.csv"], r"log.csv has no clock: .*Add a column time"),
-        (["two.xml", "still/log.csv"], r"No series of the logs fits a joint|moves as shoulder, elbow do"),
+        pytest.param(
+            ["two.xml", "still/log.csv"],
+            r"No series of the logs fits a joint|moves as shoulder, elbow do",
+            marks=pytest.mark.slow,
+        ),
         (["two.xml"], r"No value for logs"),
     ],
 )

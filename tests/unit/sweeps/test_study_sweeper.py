@@ -86,6 +86,7 @@ def test_nothing_is_proposed_after_a_failure_where_that_is_wanted(sweep: Sweep, 
     assert [row["status"] for row in table(tmp_path / "swept")] == ["failed"]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::optuna.exceptions.ExperimentalWarning")
 def test_several_objectives_give_those_that_none_beats(sweep: Sweep, tmp_path: Path) -> None:
     two = (

@@ -45,6 +45,7 @@ def motions() -> tuple[Array, Array]:
     return np.stack([there[0], qpos]), np.stack([there[1], qvel])
 
 
+@pytest.mark.slow
 def test_it_moves_otherwise_than_the_model() -> None:
     (there, here), _ = motions()
     assert np.abs(there - here)[:, :, :4].max() > 0.05

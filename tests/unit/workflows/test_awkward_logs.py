@@ -112,6 +112,7 @@ def test_nothing_is_called_held_out_where_nothing_is(tmp_path: Path, capsys: pyt
         assert not re.search("held.out", told.replace(said, ""))
 
 
+@pytest.mark.slow
 def test_of_a_long_log_the_beginning_is_shown_and_the_note_says_so(tmp_path: Path) -> None:
     report = fitted(pendulum(), measured(logs()[:1], logs()[1:]), tmp_path, "recorder.longest=1.0")
     (note,) = [note for note in report.notes if note.kind == "shown"]

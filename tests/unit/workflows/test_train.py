@@ -70,6 +70,7 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
     assert load(tmp_path / "second" / "checkpoint.pt")["history"][-1]["frames"] == 640
 
 
+@pytest.mark.slow
 def test_a_run_that_is_resumed_at_its_end_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(tmp_path / "first", "frames=320")
     assert "nothing is left" not in capsys.readouterr().out
@@ -77,6 +78,7 @@ def test_a_run_that_is_resumed_at_its_end_says_so(tmp_path: Path, capsys: pytest
     assert "has played 320 control steps, and frames is 160: nothing is left to be trained" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_report_calls_the_algorithm_by_its_name(tmp_path: Path) -> None:
     assert run(tmp_path / "one", "frames=160").algorithm == "PPO"
     assert run(tmp_path / "other", "algorithm=epopt", "frames=160").algorithm == "EPOpt"
