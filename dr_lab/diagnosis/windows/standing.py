@@ -6,7 +6,7 @@ from itertools import product
 import mujoco
 import numpy as np
 from scipy.optimize import root_scalar
-from scipy.stats import median_abs_deviation
+from scipy.stats import median_abs_deviation, norm
 
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.free_start import FreeBody
@@ -15,9 +15,7 @@ from dr_lab.trajectory import Array
 
 _FAR, _NEAR = 10.0, 1e-5  # m: how far the ground is looked for, and how exactly it is met
 _LOCKED = 1e6  # m²; armature of a locked joint for each kilogram of the machine
-_SECOND = 1.0  # s
 _UPRIGHT = 0.5  # share of an axis that gravity has
-_MAD_OF_GAUSSIAN = 0.6745  # standard deviations: the median distance from the mean
 _LOWERED = 20  # times at most; a plane takes one, a slope or a field of heights some more
 
 
@@ -33,7 +31,7 @@ def stand(prior: StartPrior, body: FreeBody, model: mujoco.MjModel, settings: Wi
     4. It sinks until the contacts carry it as if its joints were locked.
 
     The height's standard deviation is the footing. The velocity's is `prior_scale` times the scatter of the feet that
-    stand, told by the median of its size, where two or more do; it is at least the footing a second.
+    stand, told by the median of its size, where two or more do; it is at least the footing in a window's length.
     """
     pull = float(np.linalg.norm(model.opt.gravity))
     pairs = _feet(model, body.body)
@@ -54,10 +52,9 @@ def stand(prior: StartPrior, body: FreeBody, model: mujoco.MjModel, settings: Wi
     if stands:
         prior.std[body.dof + np.flatnonzero(np.abs(up) > _UPRIGHT)] = settings.footing
     if scatter:
-        wrong = median_abs_deviation(np.concatenate(scatter)) / _MAD_OF_GAUSSIAN
-        prior.std[model.nv + speed.start : model.nv + speed.stop] = np.maximum(
-            settings.prior_scale * wrong, settings.footing / _SECOND
-        )
+        wrong = median_abs_deviation(np.concatenate(scatter), scale=float(norm.ppf(0.75)))
+        std = np.maximum(settings.prior_scale * wrong, settings.footing / settings.length)
+        prior.std[model.nv + speed.start : model.nv + speed.stop] = std
 
 
 def _feet(model: mujoco.MjModel, body: int) -> list[tuple[int, int]]:
