@@ -2,7 +2,7 @@
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 FILLED = "…"
@@ -28,15 +28,16 @@ def templates(package: Path) -> list[str]:
     return [text for tree in trees for text in _texts(tree)]
 
 
-def said_by(message: str, template: str) -> bool:
-    """Whether the fixed parts of a quoted message stand in a template, in their order.
+def said(message: str, texts: Iterable[str]) -> bool:
+    """Whether the fixed parts of a quoted message stand in one of the texts, in their order.
 
     Args:
         message: as quoted.
-        template: as `templates` gives it.
+        texts: as `templates` gives them.
     """
     parts = (re.escape(part.strip()) for part in message.split(FILLED))
-    return re.search(".*".join(part for part in parts if part), template, re.DOTALL) is not None
+    pattern = re.compile(".*".join(part for part in parts if part), re.DOTALL)
+    return any(pattern.search(text) for text in texts)
 
 
 def _texts(tree: ast.AST) -> Iterator[str]:

@@ -69,7 +69,7 @@ def cases_of(preset: str) -> tuple[Case, ...]:
     return compose_arguments("benchmark", [f"benchmark={preset}"], (shipped(),))["plan"].chosen()
 
 
-@pytest.mark.parametrize("preset", ["full", "quick"])
+@pytest.mark.parametrize("preset", [pytest.param("full", marks=pytest.mark.slow), "quick"])
 def test_presets_expand(preset: str) -> None:
     cases = cases_of(preset)
     machines = {name for name in MACHINES if machine_of(name).single}
@@ -120,6 +120,7 @@ def test_entries_give_every_number_that_is_asked_for() -> None:
                 assert "site" in asked, (name, label)
 
 
+@pytest.mark.slow
 def test_the_table_is_part_of_the_strangers() -> None:
     assert set(cases_of("table")) <= set(cases_of("strangers"))
 

@@ -38,6 +38,7 @@ def test_calibration_at_the_real_command_finds_the_recorded_mass(folder: Path) -
     assert abs(mass["value"] - 0.1) < 4 * mass["std"] < 0.002
 
 
+@pytest.mark.slow
 def test_comparison_leaves_a_folder_that_explains_itself(folder: Path) -> None:
     run = folder / "compared"
     assert main(["compare", f"--config-dir={folder}/logs", *READ, f"hydra.run.dir={run}"]) == 0

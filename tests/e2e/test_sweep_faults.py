@@ -62,6 +62,7 @@ def require_whole_study(folder: Path, trials: int) -> None:
     assert best["trial"] == study.best_trial.number
 
 
+@pytest.mark.slow
 def test_home_that_cannot_be_written(sweeps: Sweeps, tmp_path: Path) -> None:
     nowhere = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"), "/proc/nothing")  # not even by root
     assert sweeps.run("value=1,2", "seconds=0", f"hydra.sweep.dir={tmp_path / 'swept'}", **nowhere) == 0, sweeps.told()

@@ -84,14 +84,14 @@ def test_pages_are_built_and_not_kept(pages: dict[str, str], tmp_path: Path, mon
 
 
 def test_questions_quote_what_the_source_says() -> None:
-    asked, said = messages.quoted(DOCS / "faq.md"), messages.templates(ROOT / "dr_lab")
+    asked, texts = messages.quoted(DOCS / "faq.md"), messages.templates(ROOT / "dr_lab")
     assert len(asked) >= 20
-    assert [message for message in asked if not any(messages.said_by(message, text) for text in said)] == []
+    assert [message for message in asked if not messages.said(message, texts)] == []
 
 
 def test_a_message_that_is_no_longer_said_is_seen() -> None:
-    assert messages.said_by("no … in …. Did", "There is no … … in …. Did you mean")
-    assert not messages.said_by("in … There is no", "There is no … in …")
+    assert messages.said("no … in …. Did", ["There is no … … in …. Did you mean"])
+    assert not messages.said("in … There is no", ["There is no … in …"])
 
 
 def test_a_notebook_becomes_text_and_code(tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ SHORT = (
 LIGHT = "import sys, dr_lab; print(*({'torch', 'mujoco', 'numpy', 'hydra'} & {*sys.modules}))"
 
 
+@pytest.mark.slow
 def test_a_verb_is_a_method_that_does_what_the_command_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     report = Comparison.load("furuta", "furuta", *SMALL).compare()

@@ -53,6 +53,7 @@ def test_of_one_teacher_the_student_becomes_its_copy() -> None:
     torch.testing.assert_close(one.log_std, other.log_std + 0.3, rtol=0.0, atol=0.05)
 
 
+@pytest.mark.slow
 def test_of_two_teachers_in_the_same_states_it_becomes_the_gaussian_of_both_moments() -> None:
     # KL(teacher‖student) is least at the mean, with the variance about it: σ² + (gap/2)².
     one, rows = student(), states(400, 0)

@@ -79,7 +79,7 @@ def value_at(loss: MAMLLoss, batch: TensorDict, vector: Tensor, like: dict[str, 
     return float(loss.outer(loss.policy(parts_of(vector, like), batch), loss.rows_after(batch)))
 
 
-@pytest.mark.parametrize("updates", [1, 2])
+@pytest.mark.parametrize("updates", [1, pytest.param(2, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("inner", [ScoreLoss(), ClippedLoss(0.3)])
 @pytest.mark.parametrize("rate", [FixedRate, LearnedRate])
 def test_the_gradient_of_second_order_is_that_of_finite_differences(

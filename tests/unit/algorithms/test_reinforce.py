@@ -166,7 +166,7 @@ def experience(algorithm: Reinforce) -> Experience:
     return Experience(collector, algorithm.policies["policy"], cast(Any, None), source)
 
 
-@pytest.mark.parametrize("baseline", [MEAN, LINEAR])
+@pytest.mark.parametrize("baseline", [MEAN, pytest.param(LINEAR, marks=pytest.mark.slow)])
 def test_reaches_the_optimum_which_is_linear(baseline: Baseline) -> None:
     algorithm = reinforce(baseline=baseline)
     played = experience(algorithm)

@@ -182,7 +182,9 @@ def test_completion_knows_the_users_folder(
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
-@pytest.mark.parametrize("install", ["dr-lab -sc install=bash", "dr-lab compare -sc install=bash"])
+@pytest.mark.parametrize(
+    "install", ["dr-lab -sc install=bash", pytest.param("dr-lab compare -sc install=bash", marks=pytest.mark.slow)]
+)
 def test_completion_in_bash(install: str) -> None:
     script = f"""
         PATH={PROGRAM.parent}:$PATH

@@ -141,6 +141,7 @@ def test_multirun_runs_every_combination(dr_lab: CommandLine) -> None:
     assert dr_lab.calls[3]["run_dir"].name == "3"
 
 
+@pytest.mark.slow
 def test_multirun_over_a_name_with_a_dot(dr_lab: CommandLine) -> None:
     swept = ("model.parameters.arm.mass.low=1.25,1.5", "model.parameters.arm.mass.high=3.0,4.0")
     assert dr_lab("compare", "-m", *swept, "hydra.sweep.dir=swept") == 0

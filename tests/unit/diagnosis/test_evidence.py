@@ -165,6 +165,7 @@ def coloured(logs: int, windows: int, seed: int) -> np.ndarray:
     return np.asarray(lfilter([np.sqrt(1 - 0.3**2)], [1.0, -0.3], noise, axis=1))[:, 50:].ravel()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("logs", "windows", "least", "count"), [(1, 12, 4, 4), (2, 12, 8, 8), (1, 90, 8, 30)])
 def test_the_interval_holds_the_truth_as_often_as_it_says(logs: int, windows: int, least: int, count: int) -> None:
     settings = replace(SETTINGS, least_blocks=least)

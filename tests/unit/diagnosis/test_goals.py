@@ -52,7 +52,7 @@ def test_a_bound_that_may_be_moved_does_not_foretell_the_end() -> None:
     assert moved.z[1] == model.space.high[1]
 
 
-@pytest.mark.parametrize(("iterations", "late"), [(15, True), (60, False)])
+@pytest.mark.parametrize(("iterations", "late"), [(15, True), pytest.param(60, False, marks=pytest.mark.slow)])
 def test_a_fit_that_at_its_pace_would_not_reach_its_goal_in_time_ends(iterations: int, *, late: bool) -> None:
     """Damping that never falls keeps the steps short, whatever a full step foretells: some 6 % of the cost each."""
     slow = solver_settings(iterations=iterations, damping=30.0, damping_down=1.0, pace=5, restarts=0)

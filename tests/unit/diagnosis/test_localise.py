@@ -62,7 +62,7 @@ def test_an_error_at_high_speed_is_found_there() -> None:
     assert worst.share > 1.5 * worst.samples
 
 
-@pytest.mark.parametrize("size", [1.0, 0.1])
+@pytest.mark.parametrize("size", [pytest.param(1.0, marks=pytest.mark.slow), 0.1])
 def test_an_error_on_one_side_is_found_there(size: float) -> None:
     worst = regions(pendulum(), logs_with(size, lambda data: bool(data.qpos[0] > 0.4)))[0]
     assert 0.35 < limit(worst.region, "hinge position", ">") < 0.65

@@ -152,6 +152,7 @@ def test_an_experiment_that_no_refit_can_simulate_is_not_proposed(monkeypatch: p
     assert found == Refusal("a stable simulation")
 
 
+@pytest.mark.slow
 def test_a_shorter_experiment_is_tried_where_none_is_possible() -> None:
     """A drift by 0.05 N of 2 kg: 0.11 m in 3 s, 0.03 m in 1.5 s."""
     drifting = contender("constant_offset", 0.05)
@@ -168,6 +169,7 @@ def test_a_time_without_room_for_commands_or_a_window_is_refused(duration: float
     assert "too little time" in found.reason
 
 
+@pytest.mark.slow
 def test_an_experiment_sharpens_what_is_poorly_known() -> None:
     """The linear forecast of a friction's standard deviation is what a fit to the experiment's log then has."""
     unsure = contender("coulomb_friction", 1.0, std=0.5)

@@ -35,6 +35,7 @@ def opened(found: list[Log]) -> OpenChain | None:
     return open_chain(crank().nominal(), found, NOISE, model_check_settings())
 
 
+@pytest.mark.slow
 def test_chains_that_are_closed_up_to_noise_are_not_told() -> None:
     assert opened(closed()) is None
 

@@ -92,6 +92,7 @@ def test_an_effect_that_stays_above_its_limit_is_not_fitted_to_the_end() -> None
     assert Refits(fits).refitted_beyond(soft, untried).final
 
 
+@pytest.mark.slow
 def test_a_richer_kind_is_asked_on_all_windows_what_few_do_not_show() -> None:
     fits = fits_of(creeping)
     soft, limit = tried(fits, "presliding_friction"), refitted(fits, "coulomb_friction")

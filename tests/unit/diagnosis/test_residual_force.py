@@ -104,6 +104,7 @@ def test_windows_that_diverge_have_no_force() -> None:
     np.testing.assert_array_equal(np.isnan(residual_forces(replay, fit, solver_settings())["hinge"].force), lost)
 
 
+@pytest.mark.slow
 def test_of_a_closed_chain_the_first_joint_bears_the_force_and_all_masses_count() -> None:
     """A slider-crank by its own equation, of whose torque 0.1 N·m are not logged."""
     torque, xml = 0.1, MJCF.format('solref="0.002 1"').replace('mass="1"', 'mass="1.05"')

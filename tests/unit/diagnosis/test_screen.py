@@ -54,6 +54,7 @@ def test_an_effect_that_would_have_to_be_negative_promises_nothing() -> None:
     assert looked(bench, base, "coulomb_friction", "hinge").gain < 0.05 * base.fit.cost
 
 
+@pytest.mark.slow
 def test_the_best_with_fewer_parameters_is_fitted_to_all_windows_although_another_leads() -> None:
     bench, base = bench_of(lopsided, screen_seconds=1.0, screen_windows=6)
     placed = placed_of(("asymmetric_friction", "constant_offset"))

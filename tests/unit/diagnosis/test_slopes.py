@@ -67,7 +67,7 @@ def test_where_cheaper_steps_diverge_slopes_are_the_models_own() -> None:
     assert np.abs(found).max() > 0
 
 
-@pytest.mark.parametrize("far", [0.3, 2.0])
+@pytest.mark.parametrize("far", [0.3, pytest.param(2.0, marks=pytest.mark.slow)])
 def test_a_fit_ends_where_it_does_by_exact_slopes(far: float, monkeypatch: pytest.MonkeyPatch) -> None:
     replay, settings = replay_of(pendulum()), solver_settings()
     z = np.array([far, 0.3])

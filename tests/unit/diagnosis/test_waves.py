@@ -41,6 +41,7 @@ def test_what_is_fitted_brings_its_special_case_along() -> None:
     assert "coulomb_friction" in {c.effect.effect.name for c in ranking if c.fitted}
 
 
+@pytest.mark.slow
 def test_others_have_their_turn_where_what_promised_most_gains_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Promises are turned round, so that the true effect is the last."""
     monkeypatch.setattr(waves, "shortlist", lambda order, placed, most: list(order)[::-1][:most])

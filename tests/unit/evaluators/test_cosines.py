@@ -31,6 +31,7 @@ def test_gradients_without_noise_have_the_cosine_of_their_angle() -> None:
     assert found.sign.tolist() == [[1, -1, -1], [-1, 1, 1], [-1, 1, 1]]
 
 
+@pytest.mark.slow
 def test_noise_shrinks_cosines_and_the_correction_undoes_it() -> None:
     # ‖ḡ‖² = 1 + 20·6.25/100 = 2.25, so that a cosine of 1 is seen as 1/2.25 on average.
     found = [compared(*(episodes(MEAN, 100, 2.5, 10 * seed + k) for k in range(3)), resamples=1) for seed in range(20)]

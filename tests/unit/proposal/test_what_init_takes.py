@@ -78,6 +78,7 @@ def test_a_log_that_cannot_be_used_is_left_out_with_the_reason(here: Path, capsy
     assert "log_1: Log 'log_1': channel 'shoulder.position'" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_folder_with_a_scene_beside_the_robot_and_its_meshes(here: Path) -> None:
     folder = here / "menagerie" / "acme_two"
     (folder / "assets").mkdir(parents=True)

@@ -147,6 +147,7 @@ def test_a_study_takes_no_jobs_but_its_own(sweep: Sweep, tmp_path: Path, capsys:
     assert not (swept / "1").exists()
 
 
+@pytest.mark.slow
 def test_a_study_of_before_goes_on_and_stays_one(
     sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -95,6 +95,7 @@ def test_awkward_logs_give_values_and_a_report(case: str, tmp_path: Path) -> Non
     assert not {"no_command", "no_output"} & {note.kind for note in report.notes}
 
 
+@pytest.mark.slow
 def test_nothing_is_called_held_out_where_nothing_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     report = add(
         short_comparison(pendulum(), measured([slow(log) for log in logs(1.5)])),
@@ -200,6 +201,7 @@ def test_windows_that_diverge_are_counted_in_the_report_and_told(
         assert told in " ".join(text.split())
 
 
+@pytest.mark.slow
 def test_a_fit_that_has_too_few_steps_is_told_not_to_have_converged(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -211,6 +213,7 @@ def test_a_fit_that_has_too_few_steps_is_told_not_to_have_converged(
         assert "The calibration did not converge in 1 step:" in " ".join(text.split())
 
 
+@pytest.mark.slow
 def test_a_parameter_that_ends_at_its_bound_is_marked_on_the_screen(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -41,6 +41,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_what_was_trained_on_is_recorded_as_it_was_composed(run: Path) -> None:
     text = (run / "config.yaml").read_text(encoding="utf-8")
     assert "mjcf: ${conf:model/furuta.xml}" in text

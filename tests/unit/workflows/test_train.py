@@ -107,6 +107,7 @@ def test_a_run_that_cannot_be_continued_is_told(tmp_path: Path) -> None:
         run(tmp_path / "run", "frames=160", f"resume={tmp_path / 'nowhere'}")
 
 
+@pytest.mark.slow
 def test_only_a_run_with_the_same_settings_is_gone_on_with(tmp_path: Path) -> None:
     first = tmp_path / "first"
     job(first, *OVERRIDES, "frames=160")
