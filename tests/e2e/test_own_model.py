@@ -61,6 +61,7 @@ def test_what_cannot_act_is_left_out_and_said(mine: tuple[str, ...]) -> None:
     )
 
 
+@pytest.mark.slow
 def test_adding_it_is_refused_at_once(mine: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["add", *mine, "effect=actuator_delay", "effect.actuator=drive"]) == 2
     assert "Take its delay out of the MJCF" in capsys.readouterr().err

@@ -36,6 +36,7 @@ def found(*dampings: float) -> Any:  # noqa: ANN401 (an entry all of whose numbe
     return entry
 
 
+@pytest.mark.slow
 def test_noise_does_not_pass_for_a_force_that_effects_leave() -> None:
     entry = found(DAMPING - 0.005, DAMPING)
     assert entry.noise > entry.rms_first / 3  # with it, a fifth would seem left

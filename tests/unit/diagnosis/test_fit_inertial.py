@@ -79,6 +79,7 @@ def test_what_they_do_not_know_stays_at_the_model_file() -> None:
     assert (np.abs(z) < 0.9 * space.high).all()
 
 
+@pytest.mark.slow
 def test_the_report_tells_the_bodies_mass_with_its_doubt() -> None:
     one = fitted()
     found = estimate(one.model.space, one.fit, bench().fit, evidence_settings())

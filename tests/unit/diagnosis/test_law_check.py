@@ -84,6 +84,7 @@ def test_a_law_that_leaves_noise_alone_is_not_checked() -> None:
     assert ladder.models[1].values()["dead_zone@drive.width"] == pytest.approx(WIDTH, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_dead_zone_stays_beside_what_is_no_function_of_the_command() -> None:
     ladder, (law,), _ = judged("dead_zone", "drive", dead, unmodelled=0.05)
     assert ladder.models[1].held_out.chi2 > 2.0

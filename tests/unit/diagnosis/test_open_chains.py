@@ -40,6 +40,7 @@ def test_chains_that_are_closed_up_to_noise_are_not_told() -> None:
     assert opened(closed()) is None
 
 
+@pytest.mark.slow
 def test_a_crank_alone_contradicts_nothing() -> None:
     alone = [replace(log, outputs={"crank.position": log.outputs["crank.position"]}) for log in closed()]
     assert opened(alone) is None

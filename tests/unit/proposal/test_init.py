@@ -230,7 +230,11 @@ def test_what_is_there_is_not_written_over(capsys: pytest.CaptureFixture[str]) -
     assert Path("mine/model/two.yaml").read_text() == "my own work"
     assert main(["init", "two.xml", *logs, "overwrite=true"]) == 0
     assert "parameters:" in Path("mine/model/two.yaml").read_text()
-    assert main(["init", "two.xml", *logs, "output=other", "name=arm"]) == 0
+
+
+@pytest.mark.slow
+def test_folder_and_name_are_those_asked_for() -> None:
+    assert main(["init", "two.xml", *write_logs(plain), "output=other", "name=arm"]) == 0
     assert Path("other/measurements/arm.yaml").is_file()
 
 

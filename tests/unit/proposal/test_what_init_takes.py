@@ -68,6 +68,7 @@ def test_compressed_tables_and_a_single_log(here: Path) -> None:
     assert (found["fit"], found["held_out"]) == (["log_0[:3.96]"], ["log_0[3.96:]"])
 
 
+@pytest.mark.slow
 def test_a_log_that_cannot_be_used_is_left_out_with_the_reason(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     logs = plain_logs(here / "logs", 4)
     text = logs[1].read_text().splitlines()

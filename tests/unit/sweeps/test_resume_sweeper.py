@@ -202,6 +202,7 @@ def test_jobs_that_die_again_do_not_keep_others_from_their_turn(
     assert [row["status"] for row in table(tmp_path / "swept")] == ["unfinished", "unfinished", "completed"]
 
 
+@pytest.mark.slow
 def test_why_a_job_could_not_begin(
     sweep: Sweep, sweeps: Sweeps, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -134,6 +134,7 @@ def test_another_objective_is_refused_once_a_trial_has_succeeded(tmp_path: Path)
         SweepStudy(tmp_path, ["other"], ["minimize"], space, RandomSampler, seed=0)
 
 
+@pytest.mark.slow
 def test_a_study_takes_no_jobs_but_its_own(sweep: Sweep, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     swept, typed = tmp_path / "swept", (*STUDY, "value=interval(0,6)")
     assert sweep(*typed, "hydra.sweeper.n_trials=1") == 0

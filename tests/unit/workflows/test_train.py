@@ -84,6 +84,7 @@ def test_a_report_calls_the_algorithm_by_its_name(tmp_path: Path) -> None:
     assert run(tmp_path / "other", "algorithm=epopt", "frames=160").algorithm == "EPOpt"
 
 
+@pytest.mark.slow
 def test_a_run_keeps_its_last_policies_and_deploys_the_best_of_them(tmp_path: Path) -> None:
     report = run(tmp_path / "run", "frames=1920")
     kept = load(tmp_path / "run" / "checkpoint.pt")
