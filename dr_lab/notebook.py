@@ -15,6 +15,7 @@ from dr_lab.cli.folders import shipped
 from dr_lab.cli.groups import defaults_of
 from dr_lab.cli.job import Job, build
 from dr_lab.cli.provenance import write_config
+from dr_lab.cli.threads import algebra_on_one_thread
 from dr_lab.comparison.comparison import Comparison
 from dr_lab.recorders.look import Look
 from dr_lab.reports.evaluate import EvaluateReport
@@ -128,7 +129,8 @@ class NotebookComparison(Comparison):
         folder.mkdir(parents=True, exist_ok=run_dir is not None)
         if all(getattr(self, part) is getattr(self.loaded, part) for part in ("model", "measurements", "settings")):
             write_config(folder, verb, typed, "run", cfg)
-        return workflow(comparison=self, recorder=self.recorder, run_dir=folder, **arguments)
+        with algebra_on_one_thread():
+            return workflow(comparison=self, recorder=self.recorder, run_dir=folder, **arguments)
 
 
 def record(*overrides: str, config_dir: Path | None = None, run_dir: Path | None = None) -> tuple[Path, ...]:

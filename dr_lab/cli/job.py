@@ -16,6 +16,7 @@ from omegaconf import DictConfig
 from dr_lab.cli.arguments import COMPOSE, RESUME, RUN_DIR, arguments_of, compose_arguments, workflow_of
 from dr_lab.cli.provenance import CONFIG_FILE, write_config
 from dr_lab.cli.resuming import require_same_settings
+from dr_lab.cli.threads import algebra_on_one_thread
 from dr_lab.errors import ConfigError
 from dr_lab.reports.typed import view_command
 
@@ -79,7 +80,8 @@ def run_job(job: Job, cfg: DictConfig) -> None:
         raise
     if RUN_DIR in arguments and arguments[RUN_DIR] != job.output_dir:
         print(f"{_shortest(job.output_dir)} holds another run; this one goes to {_shortest(arguments[RUN_DIR])}.\n")
-    workflow(**arguments)
+    with algebra_on_one_thread():
+        workflow(**arguments)
     if RUN_DIR in arguments:
         folder = _shortest(arguments[RUN_DIR])
         print(f"\nRun folder: {folder}")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from dr_lab.comparison import entries
 from dr_lab.comparison.localised import predicted_score
 from dr_lab.comparison.study import Study
-from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score, fitted_to_the_end
+from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score, fitted_for_comparison, fitted_to_the_end
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.reports.gap_entries import ParameterEntry, RungEntry
@@ -28,7 +28,16 @@ class Described:
 
 def calibrate(study: Study) -> FittedModel:
     """Fit the model as given, no effect added."""
-    return fitted_to_the_end(study.bench, fit_and_score(study.bench, study.model, study.model.space.nominal))
+    return fitted_to_the_end(study.bench, _fitted(study))
+
+
+def calibrated(study: Study) -> FittedModel:
+    """`calibrate` where the model is only what others are compared with, which takes less where bodies are free."""
+    return fitted_for_comparison(study.bench, _fitted(study))
+
+
+def _fitted(study: Study) -> FittedModel:
+    return fit_and_score(study.bench, study.model, study.model.space.nominal)
 
 
 def describe(study: Study, fitted_model: FittedModel) -> Described:

@@ -9,7 +9,7 @@ windows that choose nothing (`dr_lab.diagnosis.windows.folds`).
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from dr_lab.comparison.calibrated import calibrate
+from dr_lab.comparison.calibrated import calibrated
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.confirmation import confirm
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
@@ -107,12 +107,13 @@ def _first_settled(
 
 def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase) -> Ladder:
     phase("Calibrating the model")
-    base = calibrate(study)
+    base = calibrated(study)
     ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
     if not most:
         cases = SpecialCases(effects, study.scales, study.compiled)
         ladder = ladder.with_first_step().pruned(study.bench, cases)
     ladder = as_far_as_it_predicts(study, ladder)
+    ladder = ladder.ended(study.bench) if study.model.inertials else ladder
     found = confirm(study.bench, study.predicted, ladder.base, ladder.models[-1], study.fits)
     return replace(ladder, confirmation=found)
 

@@ -198,6 +198,14 @@ def fitted_to_the_end(bench: Bench, fitted_model: FittedModel) -> FittedModel:
     return scored(bench, fitted_model.model, further, near=fitted_model.states)
 
 
+def fitted_for_comparison(bench: Bench, fitted_model: FittedModel) -> FittedModel:
+    """A model that others are compared with: fitted to the end but where bodies are free, whose slopes are dear.
+
+    Of those only the model that is the answer goes on: what lies between is little beside what an effect must gain.
+    """
+    return fitted_model if fitted_model.model.inertials else fitted_to_the_end(bench, fitted_model)
+
+
 def beyond_doubt(bench: Bench, fitted_model: FittedModel) -> float:
     """Cost above which another model is worse than a fitted one without a doubt; see `Fitter.run`."""
     return bench.beside(fitted_model).cost_at(fitted_model.fit, bench.enough)

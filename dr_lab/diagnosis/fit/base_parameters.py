@@ -58,7 +58,7 @@ def base_parameters(equations: NormalEquations, names: Sequence[str], rows: NDAr
         names: names of all its parameters.
         rows: places of those that are looked at.
     """
-    information = equations.window_information()[0].sum(0)
+    information = equations.reduced.information
     others = np.setdiff1d(np.arange(len(names)), rows)
     root = inverse_root(information[np.ix_(others, others)], equations.prior[others])
     absorbed = root.T @ information[np.ix_(others, rows)]

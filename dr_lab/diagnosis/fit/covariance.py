@@ -24,8 +24,8 @@ def estimate(space: ContextSpace, fit: Fit, windows: Windows, settings: Evidence
     (one Gauss–Newton step per resample from the logs' own gradients), so that it covers logs that disagree and
     residuals that are coloured. A single log is resampled in blocks of consecutive windows instead.
     """
-    information, _ = fit.equations.window_information()
-    formal, span = inverse_root(information.sum(0), fit.equations.prior), np.diag(space.span)
+    formal = inverse_root(fit.equations.reduced.information, fit.equations.prior)
+    span = np.diag(space.span)
     return ContextEstimate(space, fit.z, span @ _larger(formal, _scatter(fit, windows, settings)) @ span)
 
 

@@ -35,7 +35,7 @@ def identifiability(equations: NormalEquations, effect_parameters: int) -> Ident
     eigenvalues. The weak prior is part of I_θθ only, so a parameter that the data do not move absorbs nothing. The
     replacement is −I_θθ⁻¹ I_θφ e for the combination e of the effect's parameters that the data show best.
     """
-    total = equations.window_information()[0].sum(0)
+    total = equations.reduced.information
     n = len(total) - effect_parameters
     alone = total[n:, n:]
     root = inverse_root(total[:n, :n], equations.prior[:n])

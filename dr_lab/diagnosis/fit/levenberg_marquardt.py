@@ -202,8 +202,15 @@ class Fitter:
         fits = list[Fit]()
         for context, residuals, infeasible, rest in zip(z, *found, strict=True):
             slopes = Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
-            fits.append(self._descend(Point(context, delta, residuals, np.inf, infeasible), slopes, 0))
+            fits.append(self._linearised(Point(context, delta, residuals, np.inf, infeasible), slopes))
         return fits
+
+    def _linearised(self, point: Point, slopes: Slopes) -> Fit:
+        """A fit that takes no step."""
+        point, weight, linear = self._objective.linear(point, slopes)
+        costs = np.where(point.infeasible, 0.0, self._objective.window_costs(point, weight))
+        ended = (linear, linear, costs, slopes, 0, False)
+        return Fit(point.z, point.delta, point.residuals, point.cost, point.infeasible, *ended)
 
     def begin(self, z: Array, delta: Array) -> Point:
         """A start, with its cost: in each window the given state correction, or none where that fits better.
@@ -243,7 +250,7 @@ class Fitter:
         self, point: Point, linear: NormalEquations, below: Array | float = 0.0, above: Array | float = 0.0
     ) -> tuple[NDArray[np.bool_], Room]:
         """Parameters that no bound holds back, and how far they may move, with bounds so many widths farther out."""
-        gradient, unit = linear.window_information()[1].sum(0) + linear.prior_gradient, self.space.to_unit(point.z)
+        gradient, unit = linear.slope, self.space.to_unit(point.z)
         free = movable((unit + below) / (1.0 + below + above), gradient)
         return free, (np.minimum(-below - unit, 0.0), np.maximum(1.0 + above - unit, 0.0))
 

@@ -1,6 +1,8 @@
 """Normal equations of a fit whose windows' initial states are eliminated by a Schur complement."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,34 @@ Mask = NDArray[np.bool_]
 Room = tuple[Array, Array]  # the lowest and the highest move of each parameter, shapes (p,)
 _ROUNDING = 1e-13  # of eigenvalues, relative to the largest
 _APART = 1e-12  # of scaled moves, so that an entry without room still has two ends
+
+
+class Reduced(NamedTuple):
+    """What is left of normal equations once the states are eliminated, without the parameters' prior.
+
+    Attributes:
+        information: Σ_w (JθᵀWJθ − (JθᵀWJx)(JxᵀWJx + P)⁻¹(JxᵀWJθ)), shape (p, p).
+        gradient: its counterpart of every window, shape (w, p).
+        gain: by how much a parameter moves the states that fit best, (JxᵀWJx + P)⁻¹ JxᵀWJθ, shape (w, s, p).
+        states: minus the step of the states alone, shape (w, s).
+    """
+
+    information: Array
+    gradient: Array
+    gain: Array
+    states: Array
+
+
+class Decrease(NamedTuple):
+    """By how much a step lowers the cost.
+
+    Attributes:
+        total: of all windows and priors; 0 at least for what the parameters add to the states.
+        windows: of each window, without the parameters' prior, shape (w,).
+    """
+
+    total: float
+    windows: Array
 
 
 @dataclass(frozen=True)
@@ -118,29 +148,38 @@ class NormalEquations:
         return found, -(offset + gain @ found)
 
     def decrease(self, free: Mask, room: Room | None = None) -> float:
+        """By how much a full step lowers the cost; see `full_step`."""
+        return self.full_step(free, room).total
+
+    def full_step(self, free: Mask, room: Room | None = None) -> Decrease:
         """By how much a full step of the free parameters and of all states lowers Σ wr² + priors, to second order.
 
         Args:
             free: parameters that may move, shape (p,).
             room: how far each may move; None for any distance.
         """
-        alone, windows, move = self._full_step(free, room)
-        gained = windows.sum() - float(move @ (2 * self.prior_gradient + self.prior * move))
-        return float(alone.sum()) + max(float(gained), 0.0)
-
-    def window_decreases(self, free: Mask, room: Room | None = None) -> Array:
-        """By how much that step lowers the cost of each window, without the parameters' prior, shape (w,)."""
-        alone, windows, _ = self._full_step(free, room)
-        return alone + windows
-
-    def _full_step(self, free: Mask, room: Room | None) -> tuple[Array, Array, Array]:
-        """Each window's gain by its states alone (w,), what the parameters add to it (w,), and their move (p,)."""
-        states = np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0]
-        information, gradient = self.window_information()
-        slope, whole = gradient.sum(0) + self.prior_gradient, information.sum(0) + np.diag(self.prior)
-        root = inverse_root(information.sum(0)[np.ix_(free, free)], self.prior[free])
+        reduced, slope = self.reduced, self.slope
+        root = inverse_root(reduced.information[np.ix_(free, free)], self.prior[free])
+        whole = reduced.information + np.diag(self.prior)
         move = within(-root @ (root.T @ slope[free]), whole, slope, free, room)
-        return (self.state_gradient * states).sum(1), -(2 * gradient + information @ move) @ move, move
+        curved = self.parameter @ move - (self.mixed.transpose(0, 2, 1) @ (reduced.gain @ move)[..., None])[..., 0]
+        alone, moved = (self.state_gradient * reduced.states).sum(1), -(2 * reduced.gradient + curved) @ move
+        gained = moved.sum() - float(move @ (2 * self.prior_gradient + self.prior * move))
+        return Decrease(float(alone.sum()) + max(float(gained), 0.0), alone + moved)
+
+    @property
+    def slope(self) -> Array:
+        """Gradient by the parameters once the states are eliminated, prior included, shape (p,)."""
+        return self.reduced.gradient.sum(0) + self.prior_gradient
+
+    @cached_property
+    def reduced(self) -> Reduced:
+        """The equations of the parameters alone, without their prior."""
+        gain = np.asarray(np.linalg.solve(self.state, self.mixed), np.float64)
+        states = np.asarray(np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0], np.float64)
+        through = self.mixed.reshape(-1, self.mixed.shape[-1]).T @ gain.reshape(-1, gain.shape[-1])
+        gradient = self.parameter_gradient - (self.mixed.transpose(0, 2, 1) @ states[..., None])[..., 0]
+        return Reduced(self.parameter.sum(0) - through, gradient, gain, states)
 
     def information(self) -> Array:
         """Information about the parameters once the states are eliminated, prior included, shape (p, p)."""

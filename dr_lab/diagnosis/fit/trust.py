@@ -44,7 +44,7 @@ def worst_direction(space: ContextSpace, fit: Fit) -> dict[str, float]:
     The eigenvector of the information, the starts being eliminated, with the smallest eigenvalue: parameters of this
     combination trade against each other. Entries that are small are left out.
     """
-    return _told(_eigenvector(fit.equations.window_information()[0].sum(0)), space.names)
+    return _told(_eigenvector(fit.equations.reduced.information), space.names)
 
 
 def _eigenvector(information: Array) -> Array:

@@ -71,9 +71,8 @@ def _step(bench: Bench, fitted_model: FittedModel, free: Array) -> Array:
         prior=prior,
         prior_gradient=prior * np.append(unit, np.zeros(count)),
     )
-    gradient = linear.window_information()[1].sum(0) + linear.prior_gradient
     inside = np.append(space.to_unit(fit.z), np.full(count, 0.5))
-    return linear.step(0.0, movable(inside, gradient))[0]
+    return linear.step(0.0, movable(inside, linear.slope))[0]
 
 
 def _settled(bench: Bench, replay: Replay, point: Point, slopes: Slopes) -> Array:

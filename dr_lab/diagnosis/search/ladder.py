@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import mujoco
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_to_the_end
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_for_comparison, fitted_to_the_end
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
@@ -85,6 +85,12 @@ class Ladder:
         if not self.steps:
             return replace(self, base=last)
         return replace(self, steps=(*self.steps[:-1], replace(self.steps[-1], fitted_model=last)))
+
+    def ended(self, bench: Bench) -> "Ladder":
+        """The ladder with its last model, which is the answer, fitted to the end; in the rung that judged it, too."""
+        last, end = self.models[-1], fitted_to_the_end(bench, self.models[-1])
+        rungs = tuple(replace(rung, base=end) if rung.base is last else rung for rung in self.rungs)
+        return replace(self.topped(end), rungs=rungs)
 
     def gained(self, settings: EvidenceSettings) -> Gain:
         """What all added effects gain together over the calibrated model."""
@@ -218,7 +224,7 @@ def _with_rung(
 
 
 def _ended(bench: Bench, step: AddedEffect) -> AddedEffect:
-    return replace(step, fitted_model=fitted_to_the_end(bench, step.fitted_model))
+    return replace(step, fitted_model=fitted_for_comparison(bench, step.fitted_model))
 
 
 def step_from(rung: Rung) -> AddedEffect:

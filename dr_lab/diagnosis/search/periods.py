@@ -176,8 +176,8 @@ class _Spectrum:
         follows = np.concatenate([linear.mixed, linear.state_gradient[..., None]], axis=2)
         across = np.einsum("wmf,wman->fan", beside, weighted, optimize=True)
         across -= np.einsum("wsf,wsan->fan", follows, taken, optimize=True)
-        information, gradient = (rows.sum(0) for rows in linear.window_information())
-        return _of_pairs(within, across, information + np.diag(linear.prior), gradient)
+        reduced = linear.reduced
+        return _of_pairs(within, across, reduced.information + np.diag(linear.prior), reduced.gradient.sum(0))
 
 
 def _waves(position: Array, numbers: Array) -> Array:

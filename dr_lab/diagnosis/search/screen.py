@@ -8,6 +8,7 @@ from dr_lab.diagnosis.evidence.paired_gain import deviance
 from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.identifiability import Identifiability, identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.normal_equations import Decrease
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.trajectory import Array
@@ -51,9 +52,10 @@ def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> FirstLook:
             rows[-1][space.index(name)] = value
     fits = fitter.outlooks(np.stack(rows), base.delta, base.slopes, base)
     known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
-    gains = [linear_gain(fitter, fit, base) for fit in fits]
+    steps = [fit.first.full_step(free(fitter, fit)) for fit in fits]
+    gains = [fit.below(base) + step.total for fit, step in zip(fits, steps, strict=True)]
     absent, best = replace(fits[0], slopes=base.slopes), int(np.argmax(gains))
-    evidence = max(_evidence(fitter, fit, base) for fit in fits)
+    evidence = max(_evidence(fitter, fit, step, base) for fit, step in zip(fits, steps, strict=True))
     return FirstLook(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best], evidence)
 
 
@@ -62,14 +64,13 @@ def linear_gain(fitter: Fitter, fit: Fit, base: Fit) -> float:
     return fit.below(base) + fit.first.decrease(free(fitter, fit))
 
 
-def _evidence(fitter: Fitter, fit: Fit, base: Fit) -> float:
+def _evidence(fitter: Fitter, fit: Fit, step: Decrease, base: Fit) -> float:
     """What a full linear step gains over a base in the windows that both simulate."""
-    left = np.maximum(fit.window_costs - fit.first.window_decreases(free(fitter, fit)), 0.0)
+    left = np.maximum(fit.window_costs - step.windows, 0.0)
     both, count = ~(fit.infeasible | base.infeasible), fitter.replay.fitted.sum(1)
     return float((deviance(base.window_costs, count) - deviance(left, count))[both].sum())
 
 
 def free(fitter: Fitter, fit: Fit) -> Mask:
     """Parameters that a linear step from the start of a fit would not push through their bounds, shape (n,)."""
-    gradient = fit.first.window_information()[1].sum(0) + fit.first.prior_gradient
-    return movable(fitter.space.to_unit(fit.z), gradient)
+    return movable(fitter.space.to_unit(fit.z), fit.first.slope)

@@ -63,7 +63,7 @@ def test_the_predicted_decrease_is_that_of_the_dense_quadratic() -> None:
         kept = np.concatenate([np.ones(W * S, bool), free])
         expected = gradient[kept] @ np.linalg.solve(hessian[np.ix_(kept, kept)], gradient[kept])
         np.testing.assert_allclose(equations.decrease(free), expected)
-        np.testing.assert_allclose(equations.window_decreases(free), window_decreases(p, free))
+        np.testing.assert_allclose(equations.full_step(free).windows, window_decreases(p, free))
 
 
 def window_decreases(p: dict[str, np.ndarray], free: np.ndarray) -> list[float]:
