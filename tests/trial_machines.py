@@ -97,7 +97,7 @@ def candidate(base: FittedModel, found: FittedModel) -> Candidate:
 def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Ladder:
     """The ladder of a machine."""
     prepare(machine, monkeypatch)
-    monkeypatch.setattr(ladder, "fitted_to_the_end", lambda _, fitted_model: fitted_model)
+    monkeypatch.setattr(ladder, "fitted_for_comparison", lambda _, fitted_model: fitted_model)
     return ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=lambda _: lambda _: None)
 
 

@@ -14,6 +14,7 @@ from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.trajectory import Array
 
 _MIDDLE = (0.1587, 0.8413)  # one standard deviation to either side of a Gaussian's mean
+_PART = 100  # resamples at a time; of an arm with 77 parameters, all of them at once take a gigabyte
 _LEAST = 1e-300
 
 
@@ -54,7 +55,8 @@ def _scatter(fit: Fit, windows: Windows, settings: EvidenceSettings) -> Array:
     if count == 1:
         return np.zeros_like(information[0])
     picks = np.random.default_rng(settings.seed).integers(0, count, (settings.resamples, count))
-    found = _steps(fit, information[picks].sum(1), gradient[picks].sum(1))
+    parts = np.array_split(picks, -(-len(picks) // _PART))
+    found = np.concatenate([_steps(fit, information[rows].sum(1), gradient[rows].sum(1)) for rows in parts])
     # Resampling n blocks shows only (n − 1)/n of their scatter.
     scatter = np.cov(found.T, ddof=1).reshape(information.shape[1:]) * count / (count - 1)
     # One step leads astray from resamples that lack the logs that tell a parameter; the middle 68 % tell the spread.

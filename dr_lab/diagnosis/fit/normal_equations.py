@@ -177,7 +177,7 @@ class NormalEquations:
         """The equations of the parameters alone, without their prior."""
         gain = np.asarray(np.linalg.solve(self.state, self.mixed), np.float64)
         states = np.asarray(np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0], np.float64)
-        through = self.mixed.reshape(-1, self.mixed.shape[-1]).T @ gain.reshape(-1, gain.shape[-1])
+        through = np.tensordot(self.mixed, gain, axes=((0, 1), (0, 1)))
         gradient = self.parameter_gradient - (self.mixed.transpose(0, 2, 1) @ states[..., None])[..., 0]
         return Reduced(self.parameter.sum(0) - through, gradient, gain, states)
 

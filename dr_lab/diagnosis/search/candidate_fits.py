@@ -161,10 +161,23 @@ class CandidateFits:
         return self.at_absent(effect, first.absent, first.identifiability, first.gain / self.start.cost)
 
     def without(self, candidate: Candidate) -> Fit:
-        """The model without an effect, fitted from where the fit with it ended."""
-        replay = Replay(self.base.model, self.bench.fit, self.bench.threads, self.stop)  # nothing runs beside it
-        fitter = Fitter(replay, self.bench.solver)
-        return fitter.rerun(*taken_away(fitter, candidate.fitted_model), goal=self.base.fit.cost)
+        """The model without an effect, fitted from where the fit with it ended; the base's fit where that is as good.
+
+        Where bodies are free, whose slopes are dear, few windows tell first whether a better one can be reached.
+        """
+        if self.base.model.inertials and not self.whole:
+            rows = self.bench.screened(self.base.fit)
+            part = replace(candidate.fitted_model, fit=candidate.fitted_model.fit.pick(rows))
+            if self._without(self.thin, part, self.start).order >= self.start.order:
+                return self.base.fit
+        return min(
+            self.base.fit, self._without(self.bench, candidate.fitted_model, self.base.fit), key=lambda f: f.order
+        )
+
+    def _without(self, bench: Bench, whole: FittedModel, base: Fit) -> Fit:
+        replay = Replay(self.base.model, bench.fit, self.bench.threads, self.stop)  # nothing runs beside it
+        fitter = Fitter(replay, bench.solver)
+        return fitter.rerun(*taken_away(fitter, whole), goal=base.cost)
 
     def _thinned(self) -> Fit:
         part = self.base.fit.pick(self.bench.screened(self.base.fit))

@@ -146,7 +146,7 @@ class _Contest:
         if leader is None:
             return Ranking(self.base, found)
         back_from = leader.fitted_model.fit
-        best = min(self.base.fit, self.fits.without(leader), key=lambda fit: fit.order)
+        best = self.fits.without(leader)
         if self.base.fit.cost - best.cost <= self.bench.negligible_share * best.cost:
             return Ranking(self.base, found, back_from)
         base = scored(self.bench, self.base.model, best, near=self.base.states)
