@@ -32,12 +32,12 @@ def test_only_what_promises_enough_is_fitted(most_fits: int, least_promise: floa
 
 @pytest.mark.slow
 def test_what_is_fitted_brings_its_special_case_along() -> None:
-    """Although several kinds that hold it promise more and only one place is left."""
+    """Although a kind that holds it promises more and only one place is left."""
     bench, base = bench_of(rub, most_fits=1, least_promise=0.0)
     placed = placed_of(DRY_FRICTIONS[:3])
     ranking = rank(bench, base, placed, lambda _: None).candidates
     promised = {c.effect.effect.name: c.predicted for c in ranking}
-    assert sum(promise > promised["coulomb_friction"] for promise in promised.values()) >= 2
+    assert sum(promise > promised["coulomb_friction"] for promise in promised.values()) >= 1
     assert "coulomb_friction" in {c.effect.effect.name for c in ranking if c.fitted}
 
 

@@ -252,8 +252,8 @@ def test_a_coarse_time_step_is_told_and_a_urdf_gets_a_fine_one(capsys: pytest.Ca
     Path("two.xml").write_text(MJCF.replace('timestep="0.002" integrator="RK4"', 'timestep="0.01"'))
     proposed("two.xml", write_logs(plain))
     assert "The time step of 0.01 s alone moves" in capsys.readouterr().out
-    proposed("two.urdf", write_logs(plain), "overwrite=true", "proposal.timestep=0.02")
-    assert mujoco.MjModel.from_xml_path("mine/model/two.xml").opt.timestep < 0.02
+    proposed("two.urdf", write_logs(plain), "overwrite=true", "proposal.timestep=0.03")
+    assert mujoco.MjModel.from_xml_path("mine/model/two.xml").opt.timestep < 0.03
 
 
 def test_the_peak_of_the_commands_is_as_planned() -> None:
