@@ -1,6 +1,5 @@
 """The verbs in a notebook: a comparison whose verbs are methods, and functions that make logs, train and evaluate."""
 
-import functools
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -199,7 +198,12 @@ def _job(
     entries = defaults_of(shipped() / f"{verb}.yaml")
     (base,) = (str(entry["base"]) for entry in entries if isinstance(entry, dict) and "base" in entry)
     workflow, arguments = build(Job(verb, tuple(overrides), base, folder, folders), cfg)
-    return functools.partial(workflow, **arguments)
+
+    def run() -> Any:  # noqa: ANN401  each verb returns its own
+        with algebra_on_one_thread():
+            return workflow(**arguments)
+
+    return run
 
 
 def _folders(config_dir: Path | None) -> tuple[Path, ...]:
