@@ -13,6 +13,7 @@ def threads() -> list[int]:
 def test_algebra_has_one_thread_for_as_long_as_work_goes_on() -> None:
     with threadpool_limits(2, user_api="blas"):
         before = threads()
+        assert before
         with algebra_on_one_thread():
             assert threads() == [1] * len(before)
         assert threads() == before
