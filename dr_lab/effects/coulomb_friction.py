@@ -37,7 +37,12 @@ class CoulombFriction(DryFrictionEffect, SpecEdit):
     family: ClassVar[str] = "friction"
     law: ClassVar[str] = "tau = -tau_c sign(v)"
     fingerprint: ClassVar[str] = "force residual jumps with the sign of velocity; swings decay linearly and then stop"
-    confused_with: ClassVar[tuple[str, ...]] = ("stribeck_friction", "presliding_friction", "viscous_friction")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "stribeck_friction",
+        "presliding_friction",
+        "soft_friction",
+        "viscous_friction",
+    )
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The torque."""

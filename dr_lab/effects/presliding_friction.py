@@ -64,6 +64,7 @@ class PreslidingFriction(JointEffect, ForceLaw):
         "coulomb_friction",
         "stribeck_friction",
         "lugre_friction",
+        "soft_friction",
         "hysteresis",
         "viscous_friction",
     )

@@ -35,7 +35,13 @@ SMALL_ONES = {
     "two_joints_in_air": MOTOR.replace("<option ", '<option density="1.2" '),
     "two_joints_servo": SMALL % '<position name="drive" joint="rail" kp="50" kv="3"/>',
 }
-UNSEEN = {("ball", "payload", "ball")}  # all masses fall alike
+UNSEEN = {
+    ("ball", "payload", "ball", "mass"),  # all masses fall alike
+    # these joints do not come to rest
+    ("arm", "soft_friction", "shoulder_lift", "softness"),
+    ("arm", "soft_friction", "wrist_1", "softness"),
+    ("ball", "soft_friction", "ball", "softness"),
+}
 # Between them they have all kinds of sites; the other models are left to the slow tests.
 ARCHETYPES = (
     "cube",  # a free body with contacts and sensors
@@ -215,7 +221,7 @@ def test_every_parameter_is_seen(model: str, effect: str, site: str) -> None:
     extended, one = put(model, effect, site)
     for index, parameter in enumerate(one.parameters):
         changes = any(shows(extended, index, z) for z in (vectors(extended, one), at_ends(extended)))
-        assert changes != ((model, effect, site) in UNSEEN), parameter.name
+        assert changes != ((model, effect, site, parameter.name.rpartition(".")[2]) in UNSEEN), parameter.name
 
 
 def test_absent_has_a_usable_slope_or_starts(model: str, effect: str, site: str) -> None:

@@ -59,6 +59,7 @@ def test_what_an_effect_holds_is_in_the_catalogue_and_poorer() -> None:
         ("position_dependent_friction", "coulomb_friction"),
         ("presliding_friction", "coulomb_friction"),
         ("rigid_payload", "payload"),
+        ("soft_friction", "coulomb_friction"),
         ("stribeck_friction", "coulomb_friction"),
         ("torque_speed_limit", "saturation"),
     }

@@ -45,9 +45,7 @@ def test_two_commands_name_the_friction_of_the_elbow(
     assert main(["init", robot, *map(str, logs)]) == 0
     assert main(["close", "--config-dir", "mine", "model=two", "measurements=two", "hydra.run.dir=run"]) == 0
     report = json.loads(Path("run/report.json").read_text(encoding="utf-8"))
-    # The machine's friction creeps, as MuJoCo's does: what is named after it, a small inertia, is no cause of the gap.
-    assert report["ladder"][1]["effects"] == ["coulomb_friction@elbow"]
-    torque = report["ladder"][1]["parameters"]["coulomb_friction@elbow.torque"]
-    assert torque["value"] == pytest.approx(FRICTION, rel=0.05)
-    before, after = (report["ladder"][k]["held_out"]["chi2"] for k in (0, 1))
-    assert after < 0.05 * before
+    assert (report["verdict"], report["ladder"][-1]["effects"]) == ("named", ["soft_friction@elbow"])
+    torque = report["ladder"][1]["parameters"]["soft_friction@elbow.torque"]
+    assert torque["value"] == pytest.approx(FRICTION, rel=0.01)
+    assert report["ladder"][1]["held_out"]["chi2"] < 1.1

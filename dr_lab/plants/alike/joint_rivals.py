@@ -25,6 +25,7 @@ def joint_rivals(course: Course, grids: Grids, load: Array) -> Iterator[Rival]:
         yield from _frictions(course, grids, load[:, row], row, joint)
         yield from _fading(course, grids, row, joint)
         yield _creeping(course, grids, row, joint)
+        yield _soft(course, grids, row, joint)
         yield _falling(course, grids, row, joint)
         yield from _forces(course, grids, row, joint)
         yield from _readings(course, grids, row, joint)
@@ -66,6 +67,16 @@ def _creeping(course: Course, grids: Grids, row: int, joint: str) -> Rival:
         bends = [gripped(v, course.step, way, np.tanh(v / creep), creep) for creep in slow]
         choices += mixed([pushing(-bend, row, count) for bend in bends])
     return Rival(f"presliding_friction@{joint}", 4, tuple(choices))
+
+
+def _soft(course: Course, grids: Grids, row: int, joint: str) -> Rival:
+    """Friction that grows with the speed up to its size, or is hard."""
+    v, count = course.velocity[:, row], course.position.shape[1]
+    slow = np.abs(v).max() * np.asarray(grids.creeps)
+    shapes = [-np.clip(v / creep, -1.0, 1.0) for creep in slow]
+    hard = -np.where(course.held[:, row], 0.0, course.direction[:, row])
+    choices = [linear(pushing(shape, row, count), positive=True)[0] for shape in (hard, *shapes)]
+    return Rival(f"soft_friction@{joint}", 2, tuple(choices))
 
 
 def _falling(course: Course, grids: Grids, row: int, joint: str) -> Rival:
