@@ -1,7 +1,7 @@
 """A shaft, belt or harmonic drive that twists between motor and link, where the encoder sits at the motor."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import mujoco
@@ -10,6 +10,7 @@ import numpy as np
 from dr_lab.effects.joint_drive import JointDrive
 from dr_lab.effects.joint_elasticity import JointElasticity, Twisting
 from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 
@@ -21,7 +22,8 @@ class MotorSideElasticity(JointElasticity):
     window's start the motor is where the measurements are, so that the spring bears T = tau_m − J (q + δ)'', and
     δ + eta δ' = C T.
 
-    Parameters (nominal = absent): as of `JointElasticity`.
+    Parameters (nominal = absent): as of `JointElasticity`; the rotor is at least so heavy that the feedback of the
+    actuators, which is taken at the start of a step, stops it within the step and no sooner: J ≥ h K_v + h² K_p.
     Limits: driven hinge and slide joints; the motor's friction and the joint's stay with the link; other sensors of
     the model see the link, and so do observations in training. Far below the resonance the link is as heavy as before,
     and the logs tell nothing.
@@ -34,6 +36,12 @@ class MotorSideElasticity(JointElasticity):
         "residual that rings at one frequency after jumps of the command; the motor answers lightly"
     )
     confused_with: ClassVar[tuple[str, ...]] = ("joint_elasticity", "backlash", "armature", "presliding_friction")
+
+    def rotor(self, model: mujoco.MjModel, site: str) -> Parameter:
+        """The inertia on the motor's side."""
+        found, drive, step = super().rotor(model, site), JointDrive.of([model], site), model.opt.timestep
+        stopped = float(-step * drive.by_velocity[0] - step**2 * drive.by_position[0])
+        return replace(found, low=float(np.clip(stopped, found.low, found.nominal)))
 
     def force_law(self, site: str, values: Mapping[str, Array], models: Sequence[mujoco.MjModel]) -> Law:
         """The motor on its spring."""
