@@ -14,6 +14,7 @@ from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.screen import linear_gain
 from dr_lab.effects.effect import PlacedEffect
+from dr_lab.trajectory import Array
 
 
 class Begun(NamedTuple):
@@ -45,6 +46,9 @@ class Refits:
     def begun(self, candidate: Candidate) -> Begun:
         """Where a candidate's fit to all windows begins: where that to few windows ended, with the states fitted.
 
+        What the few windows left absent may act in others, as the second of two end stops does; so it also begins where
+        the effect's further starts have that, if this is better.
+
         An effect that acts at once and promises little begins at absent, where the base's slopes are known.
         """
         effect, base = candidate.effect, self._base.fit
@@ -55,7 +59,8 @@ class Refits:
                 return Begun(
                     Point(absent.z, absent.delta, absent.residuals, absent.cost, absent.infeasible), base.slopes
                 )
-        return Begun(*fitter.settled(self._own_end(fitter, candidate)))
+        begun = map(fitter.settled, (self._own_end(fitter, candidate, z) for z in self._ends(fitter, candidate)))
+        return Begun(*min(begun, key=lambda each: (int(each[0].infeasible.sum()), each[0].cost)))
 
     def refitted(self, candidate: Candidate, begun: Begun, beaten: float = np.inf, threads: int = 1) -> Candidate:
         """A candidate fitted to all windows, or left absent if it does not gain enough there.
@@ -84,7 +89,10 @@ class Refits:
         effect, poorer = reaching(candidate.effect, limit.effect), limit.fitted_model
         fitter, goal = self._fits.fitter(self._bench, effect), min(self._bench.cost_at(poorer.fit, 0.0), beaten)
         there, gain = self._in_the_limit(fitter, effect, candidate, limit)
-        end, below = self._own_end(fitter, candidate), self._bench.beside(poorer).hoped(poorer.fit)
+        end, below = (
+            self._own_end(fitter, candidate, candidate.fitted_model.fit.z),
+            self._bench.beside(poorer).hoped(poorer.fit),
+        )
         again = fitter.rerun_below(end, there, below, goal) if gain > 0 else fitter.rerun(end, goal=goal)
         if again.cost > goal:
             return candidate
@@ -129,16 +137,28 @@ class Refits:
         fitter, beside = self._fits.fitter(self._bench, effect), self._bench.beside(poorer.fitted_model)
         below = beside.hoped(poorer.fitted_model.fit)
         goal = min(below, beaten)
-        again = fitter.rerun_below(self._own_end(fitter, candidate), there, below, goal)
+        end = self._own_end(fitter, candidate, candidate.fitted_model.fit.z)
+        again = fitter.rerun_below(end, there, below, goal)
         if again.cost > goal:
             return candidate
         return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
 
-    def _own_end(self, fitter: Fitter, candidate: Candidate) -> Point:
-        """All windows where the fit to few of them ended."""
-        fit, delta = candidate.fitted_model.fit, self._base.fit.delta.copy()
-        delta[self._bench.screened(self._base.fit)] = fit.delta
-        return fitter.begin(fit.z, delta)
+    def _ends(self, fitter: Fitter, candidate: Candidate) -> Array:
+        """Where the fit to few windows ended, and there with what is absent as the effect's starts have it, (c, n)."""
+        space, z = fitter.space, candidate.fitted_model.fit.z
+        ends = [z]
+        for start in candidate.effect.starts:
+            ends.append(z.copy())
+            for name, value in start.items():
+                place = space.index(name)
+                ends[-1][place] = value if z[place] == space.nominal[place] else z[place]
+        return np.unique(np.stack(ends), axis=0)
+
+    def _own_end(self, fitter: Fitter, candidate: Candidate, z: Array) -> Point:
+        """All windows at a context, with the states that the fit to few of them ended with."""
+        delta = self._base.fit.delta.copy()
+        delta[self._bench.screened(self._base.fit)] = candidate.fitted_model.fit.delta
+        return fitter.begin(z, delta)
 
     def _absent(self, fitter: Fitter, effect: PlacedEffect) -> Fit:
         """An effect linearised at absent on all windows."""

@@ -34,6 +34,11 @@ def push(data: mujoco.MjData) -> None:
     data.qfrc_applied[0] = OFFSET
 
 
+def stopping(data: mujoco.MjData) -> None:
+    place = float(data.qpos[0])
+    data.qfrc_applied[0] = -20.0 * (place - np.clip(place, -0.4, 0.4))
+
+
 def effect_of(name: str) -> PlacedEffect:
     model = pendulum()
     return place(
@@ -168,3 +173,18 @@ def test_more_threads_change_no_fit(begun: tuple[Refits, Candidate, Begun]) -> N
     one, two = (refits.refitted(candidate, start, threads=count).fitted_model.fit for count in (1, 2))
     assert one.cost == two.cost
     np.testing.assert_array_equal(one.z, two.z)
+
+
+def test_what_few_windows_leave_absent_is_begun_anew_in_all() -> None:
+    fits = fits_of(stopping)
+    found = tried(fits, "end_stop")
+    space, low = fits.fitter(fits.thin, found.effect).space, "end_stop@hinge.lower"
+    place, fit = space.index(low), found.fitted_model.fit
+    assert fit.z[place] > space.nominal[place]  # both stops act in these windows
+    one_sided = fit.z.copy()
+    one_sided[place] = space.nominal[place]
+    upper_alone = replace(found, fitted_model=replace(found.fitted_model, fit=replace(fit, z=one_sided)))
+    begun = Refits(fits).begun(upper_alone)
+    start = next(s[low] for s in found.effect.starts if s[low] != space.nominal[place])
+    assert begun.start.z[place] == start
+    np.testing.assert_array_equal(np.delete(begun.start.z, place), np.delete(fit.z, place))
