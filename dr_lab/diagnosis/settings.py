@@ -135,8 +135,9 @@ class SolverSettings:
         plausible: probability below which a window's χ² passes for noise; else its start is sought from the prior, too.
         polish_iterations: steps of windows that are fitted on their own between joint steps.
         start_iterations: steps spent on each further start before the best one goes on.
-        restarts: most times that a fit begins anew from its end, because it has not converged or because windows that
-            diverged at its start do so no more.
+        restarts: most times that a fit begins anew from its end, because it has not converged, because windows that
+            diverged at its start do so no more, or because the states of windows that stray end lower from elsewhere.
+        stray: times the median window's cost, above which a window strays.
         batch: most simulations at a time for the columns of a Jacobian, though all windows of one column; it bounds
             the memory.
 
@@ -170,6 +171,7 @@ class SolverSettings:
     polish_iterations: Count
     start_iterations: Count
     restarts: Natural
+    stray: Positive
     batch: Count
 
     def __post_init__(self) -> None:

@@ -17,7 +17,7 @@ from dr_lab.diagnosis.fit.pace import Pace
 from dr_lab.diagnosis.fit.point import Point, better_start
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes, quick_around, quick_differences
-from dr_lab.diagnosis.fit.states import polished
+from dr_lab.diagnosis.fit.states import polished, restarted
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.physics.straight import Straight
 from dr_lab.trajectory import Array
@@ -122,13 +122,27 @@ class Fitter:
     def _anew(self, fit: Fit, goal: float) -> Point | None:
         """Where a fit goes on: with windows that come back, or because it did not converge; None where it is done.
 
-        One that is over is done, too.
+        One that is over is done, too, unless windows stray whose states end lower from elsewhere.
         """
-        if self._misses(fit, fit.equations, goal) or ((fit.converged or fit.over) and not fit.infeasible.any()):
+        if self._misses(fit, fit.equations, goal):
             return None
+        if (fit.converged or fit.over) and not fit.infeasible.any():
+            return self._recovered(fit)
         start = self.begin(fit.z, fit.delta)
         returned = bool((fit.infeasible & ~start.infeasible).any())
         return start if returned or (not fit.converged and not fit.infeasible.all()) else None
+
+    def _recovered(self, fit: Fit) -> Point | None:
+        """A fit with the states of straying windows sought from their prior's mean; None where that gains too little.
+
+        A window that misses an impact or sticks where the machine slides outweighs all others, which pay for it.
+        """
+        stray = fit.window_costs > self.settings.stray * float(np.median(fit.window_costs))
+        if not stray.any():
+            return None
+        found = restarted(self.replay, self.settings, fit, fit.slopes.state, stray)
+        start = replace(found, cost=self._objective.cost(found, self._objective.weights(found)))
+        return start if fit.cost - start.cost > self._worth(fit)[1] else None
 
     def _worth(self, point: Point) -> tuple[float, float]:
         """By how much a full step, and several steps in a row, must lower the cost to be worth their time."""

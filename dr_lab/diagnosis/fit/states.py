@@ -100,6 +100,18 @@ def polished(
     return _Search(replay, solver, point.z).descend(point, slopes, active, solver.polish_iterations)
 
 
+def restarted(
+    replay: Replay, solver: SolverSettings, point: Point, slopes: Array, windows: NDArray[np.bool_]
+) -> StateFit:
+    """The states of a point; in some windows (w,) sought from their prior's mean, where they end lower from there.
+
+    Arguments as for `polished`.
+    """
+    search = _Search(replay, solver, point.z)
+    here = StateFit(point.z, point.delta, point.residuals, point.cost, point.infeasible, slopes)
+    return search.restarted(here, np.where(windows[:, None], 0.0, point.delta), windows)
+
+
 class _Search:
     """State of the search over all windows of one replay."""
 
@@ -118,6 +130,11 @@ class _Search:
         found = self.descend(first, near.slopes, ~first.infeasible)
         poor = self._poor(found) & ~mean.infeasible
         return self._better(found, self.descend(mean, None, poor)) if poor.any() else found
+
+    def restarted(self, found: StateFit, delta: Array, windows: NDArray[np.bool_]) -> StateFit:
+        """The better of states and of those to which a search in some windows leads from elsewhere."""
+        start = self._point(delta)
+        return self._better(found, self.descend(start, None, windows & ~start.infeasible))
 
     def _poor(self, found: StateFit) -> NDArray[np.bool_]:
         """Windows whose χ² noise as large as in the median window, or as the sensors', would hardly leave."""
