@@ -234,7 +234,7 @@ def test_a_descent_that_crawls_ends_and_begins_not_anew(
 
     monkeypatch.setattr(Fitter, "_trial", crawling)
     monkeypatch.setattr(Fitter, "_mended", left)
-    model, settings = pendulum(), solver_settings(crawl=crawl, pace=20, iterations=40, restarts=1)
+    model, settings = pendulum(), solver_settings(crawl=crawl, pace=20, iterations=40, restarts=1, stray=1e9)
     replay = Replay(model, windows_of(model, logs_of(model, TRUTH, 1)), 1)
     fit = Fitter(replay, settings.patient if patient else settings).run(model.space.nominal)
     assert not fit.converged
