@@ -89,8 +89,7 @@ class Fitter:
 
     def rerun(self, *starts: Point, goal: float = np.inf) -> Fit:
         """Fit from the best of starts whose states were fitted elsewhere, as `begin` gives them; `goal` as in `run`."""
-        settled = map(self.settled, starts)
-        return self._certified(*min(settled, key=lambda each: (int(each[0].infeasible.sum()), each[0].cost)), goal)
+        return self._certified(*self.settled(*starts), goal)
 
     def rerun_below(self, start: Point, there: Fit, below: float, goal: float = np.inf) -> Fit:
         """`rerun` from a start whose cost is below so much once its states are fitted, else `go_on` from a fit."""
@@ -98,8 +97,11 @@ class Fitter:
         lost = (here[0].infeasible & ~there.infeasible).any()
         return self.go_on(there, goal) if lost or here[0].cost >= below else self._certified(*here, goal)
 
-    def settled(self, start: Point) -> tuple[Point, Slopes]:
-        """A start with its states fitted, so that its cost tells something, and the slopes by these."""
+    def settled(self, *starts: Point) -> tuple[Point, Slopes]:
+        """The best of starts with their states fitted, so that their costs tell something, and the slopes by these."""
+        return min(map(self._settled, starts), key=lambda each: (int(each[0].infeasible.sum()), each[0].cost))
+
+    def _settled(self, start: Point) -> tuple[Point, Slopes]:
         state = quick_differences(self.replay, self.settings, start, states=True, columns=np.arange(0))
         point, slopes = self._polished(start, Slopes(state, state[..., :0]))
         return replace(point, cost=self._objective.cost(point, self._objective.weights(point))), slopes

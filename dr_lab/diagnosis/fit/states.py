@@ -109,7 +109,8 @@ def restarted(
     """
     search = _Search(replay, solver, point.z)
     here = StateFit(point.z, point.delta, point.residuals, point.cost, point.infeasible, slopes)
-    return search.restarted(here, np.where(windows[:, None], 0.0, point.delta), windows)
+    start = search.point(np.where(windows[:, None], 0.0, point.delta))
+    return search.restarted(here, start, windows)
 
 
 class _Search:
@@ -123,18 +124,17 @@ class _Search:
 
     def run(self, near: StateFit | None) -> StateFit:
         """The best states, from the prior's mean or from near; where near led to poor ones, from the mean as well."""
-        mean = self._point(np.zeros((len(self.replay.windows), self.replay.nstate)))
+        mean = self.point(np.zeros((len(self.replay.windows), self.replay.nstate)))
         if near is None:
             return self.descend(mean, None, ~mean.infeasible)
-        first = better_start(mean, self._point(near.delta), self._weights(mean), self.precision)
+        first = better_start(mean, self.point(near.delta), self._weights(mean), self.precision)
         found = self.descend(first, near.slopes, ~first.infeasible)
-        poor = self._poor(found) & ~mean.infeasible
-        return self._better(found, self.descend(mean, None, poor)) if poor.any() else found
+        return self.restarted(found, mean, self._poor(found))
 
-    def restarted(self, found: StateFit, delta: Array, windows: NDArray[np.bool_]) -> StateFit:
-        """The better of states and of those to which a search in some windows leads from elsewhere."""
-        start = self._point(delta)
-        return self._better(found, self.descend(start, None, windows & ~start.infeasible))
+    def restarted(self, found: StateFit, start: Point, windows: NDArray[np.bool_]) -> StateFit:
+        """The better of states and of those to which a search in some windows leads from another start."""
+        active = windows & ~start.infeasible
+        return self._better(found, self.descend(start, None, active)) if active.any() else found
 
     def _poor(self, found: StateFit) -> NDArray[np.bool_]:
         """Windows whose χ² noise as large as in the median window, or as the sensors', would hardly leave."""
@@ -188,7 +188,8 @@ class _Search:
     def _weights(self, point: Point) -> Array:
         return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
 
-    def _point(self, delta: Array) -> Point:
+    def point(self, delta: Array) -> Point:
+        """State corrections (w, s), simulated; of unknown cost."""
         residuals, infeasible = self.replay.residuals(self.z[None], delta[None])
         return Point(self.z, delta, residuals[0], np.inf, infeasible[0])
 

@@ -59,8 +59,7 @@ class Refits:
                 return Begun(
                     Point(absent.z, absent.delta, absent.residuals, absent.cost, absent.infeasible), base.slopes
                 )
-        begun = map(fitter.settled, (self._own_end(fitter, candidate, z) for z in self._ends(fitter, candidate)))
-        return Begun(*min(begun, key=lambda each: (int(each[0].infeasible.sum()), each[0].cost)))
+        return Begun(*fitter.settled(*(self._there(fitter, candidate, z) for z in self._ends(fitter, candidate))))
 
     def refitted(self, candidate: Candidate, begun: Begun, beaten: float = np.inf, threads: int = 1) -> Candidate:
         """A candidate fitted to all windows, or left absent if it does not gain enough there.
@@ -89,10 +88,7 @@ class Refits:
         effect, poorer = reaching(candidate.effect, limit.effect), limit.fitted_model
         fitter, goal = self._fits.fitter(self._bench, effect), min(self._bench.cost_at(poorer.fit, 0.0), beaten)
         there, gain = self._in_the_limit(fitter, effect, candidate, limit)
-        end, below = (
-            self._own_end(fitter, candidate, candidate.fitted_model.fit.z),
-            self._bench.beside(poorer).hoped(poorer.fit),
-        )
+        end, below = self._own_end(fitter, candidate), self._bench.beside(poorer).hoped(poorer.fit)
         again = fitter.rerun_below(end, there, below, goal) if gain > 0 else fitter.rerun(end, goal=goal)
         if again.cost > goal:
             return candidate
@@ -137,8 +133,7 @@ class Refits:
         fitter, beside = self._fits.fitter(self._bench, effect), self._bench.beside(poorer.fitted_model)
         below = beside.hoped(poorer.fitted_model.fit)
         goal = min(below, beaten)
-        end = self._own_end(fitter, candidate, candidate.fitted_model.fit.z)
-        again = fitter.rerun_below(end, there, below, goal)
+        again = fitter.rerun_below(self._own_end(fitter, candidate), there, below, goal)
         if again.cost > goal:
             return candidate
         return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
@@ -154,7 +149,11 @@ class Refits:
                 ends[-1][place] = value if z[place] == space.nominal[place] else z[place]
         return np.unique(np.stack(ends), axis=0)
 
-    def _own_end(self, fitter: Fitter, candidate: Candidate, z: Array) -> Point:
+    def _own_end(self, fitter: Fitter, candidate: Candidate) -> Point:
+        """All windows where the fit to few of them ended."""
+        return self._there(fitter, candidate, candidate.fitted_model.fit.z)
+
+    def _there(self, fitter: Fitter, candidate: Candidate, z: Array) -> Point:
         """All windows at a context, with the states that the fit to few of them ended with."""
         delta = self._base.fit.delta.copy()
         delta[self._bench.screened(self._base.fit)] = candidate.fitted_model.fit.delta
