@@ -2,8 +2,9 @@
 
 Every run is a process of its own; the arms take turns, seed after seed, so that all meet the same load of the machine.
 Beside the wall time stands the CPU time of all threads, which other work on the machine hardly changes. Finished runs
-are kept in a file, and the same command goes on where it was interrupted. The final policy plays its most likely
-actions in gymnasium's environment.
+are kept in a file, and the same command goes on where it was interrupted. All policies play in gymnasium's environment:
+the final one its most likely actions; those at the last ten checkpoints, which lie 40 960 control steps apart, their
+most likely actions and actions that they draw.
 
 sb3      stable-baselines3's PPO, its defaults, 8 environments; needs `pip install stable-baselines3`
 matched  dr_lab, algorithm=ppo_sb3: the same settings
@@ -14,16 +15,19 @@ tuned    dr_lab, algorithm=ppo
 """
 
 import argparse
+import copy
 import json
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -32,19 +36,40 @@ from rich.console import Console
 from rich.table import Table
 
 from dr_lab.cli.compose import compose
+from dr_lab.collectors.collector import Policy
 from dr_lab.evaluators.statistics import iqm_interval
 from dr_lab.training.plan import Plan
+from dr_lab.training.policy_snapshots import PolicySnapshots
 from dr_lab.trajectory import Array
 
 TASK = "Hopper-v5"
 OURS = {"matched": ["algorithm=ppo_sb3", "episodes=8"], "tuned": ["algorithm=ppo"]}
 SLOTS = 8  # environments of stable-baselines3
 PLAYED = 20  # episodes of the final policy
+KEPT, EACH = 10, 5  # checkpoints that are played, and episodes of each, with and without exploration
+EVERY = 40_960  # control steps between two checkpoints, as conf/train.yaml has it
+LOW = 2000.0  # return of a seed that failed
 CONFIDENCE, RESAMPLES = 0.95, 2000
 CLOCKS = ("seconds", "cpu")  # of the wall, of all threads
+LAST = ("last deterministic", "last stochastic")  # returns at the last checkpoints, without exploration and with it
+RETURNS = ("final", *LAST)  # of the final policy, and these
 
 Act = Callable[[Array], Array]
 """Action for one observation."""
+
+
+class Trained(NamedTuple):
+    """What a run leads to.
+
+    Attributes:
+        spent: wall and CPU seconds of the training.
+        final: the last policy, without exploration.
+        kept: policies at the last checkpoints, without exploration and with it.
+    """
+
+    spent: Array
+    final: Act
+    kept: list[tuple[Act, Act]]
 
 
 def clocks() -> Array:
@@ -52,45 +77,81 @@ def clocks() -> Array:
     return np.array([time.perf_counter(), time.process_time()])
 
 
-def train_ours(arm: str, seed: int, frames: int) -> tuple[Array, Act]:
-    """Wall and CPU seconds of training with dr_lab, and the policy."""
+def train_ours(arm: str, seed: int, frames: int) -> Trained:
+    """Train with dr_lab."""
     overrides = ["env=hopper", "randomizer=fixed", f"seed={seed}", f"frames={frames}", *OURS[arm]]
-    plan: Plan = instantiate(compose("train", overrides).plan, _convert_="all")
+    plan: Plan = instantiate(compose("train", [*overrides, f"checkpoint_every={EVERY}"]).plan, _convert_="all")
     with tempfile.TemporaryDirectory() as folder:
         training = plan.assemble(Path(folder) / "checkpoint.pt")
+        snapshots = PolicySnapshots(training.algorithm, KEPT)
+
+        def watch(figures: object, finished: object) -> None:
+            del figures, finished
+            if training.trainer.due or training.trainer.frames >= frames:
+                snapshots.take(training.trainer.frames)
+
         begin = clocks()
         with closing(training.trainer):
-            training.trainer.run(frames, lambda figures, finished: None)
+            training.trainer.run(frames, watch)
         spent = clocks() - begin
-    policy = training.algorithm.deployed
+    kept = [(acting(each.deployed), acting(each.exploring)) for each in snapshots.restored()]
+    return Trained(spent, kept[-1][0], kept)
+
+
+def acting(policy: Policy) -> Act:
+    """What a policy of dr_lab does."""
 
     def act(observation: Array) -> Array:
         with torch.no_grad():
             return policy(torch.from_numpy(observation.astype(np.float32))[None]).numpy()[0]
 
-    return spent, act
+    return act
 
 
-def train_theirs(seed: int, frames: int) -> tuple[Array, Act]:
-    """Wall and CPU seconds of training with stable-baselines3, and the policy."""
+def train_theirs(seed: int, frames: int) -> Trained:
+    """Train with stable-baselines3."""
     from stable_baselines3 import PPO  # pyright: ignore[reportMissingImports] # noqa: PLC0415 (not of this project)
+    from stable_baselines3.common.callbacks import (  # pyright: ignore[reportMissingImports] # noqa: PLC0415
+        ConvertCallback,
+        EveryNTimesteps,
+    )
     from stable_baselines3.common.env_util import (  # pyright: ignore[reportMissingImports] # noqa: PLC0415
         make_vec_env,
     )
 
-    model = PPO("MlpPolicy", make_vec_env(TASK, SLOTS, seed=seed), seed=seed, device="cpu")
+    def made() -> PPO:
+        return PPO("MlpPolicy", make_vec_env(TASK, SLOTS, seed=seed), seed=seed, device="cpu")
+
+    model, states = made(), deque[dict[str, torch.Tensor]](maxlen=KEPT)
+
+    def keep(local_names: dict[str, object], global_names: dict[str, object]) -> bool:
+        del local_names, global_names
+        states.append(copy.deepcopy(model.policy.state_dict()))
+        return True
+
     begin = clocks()
-    model.learn(frames)
+    model.learn(frames, EveryNTimesteps(EVERY, ConvertCallback(keep)))
     spent = clocks() - begin
-    return spent, lambda observation: model.predict(observation, deterministic=True)[0]
+    keep({}, {})
+    kept = list[tuple[Act, Act]]()
+    for state in states:
+        policy = made().policy
+        policy.load_state_dict(state)
+        kept.append((predicting(policy.predict, True), predicting(policy.predict, False)))
+    return Trained(spent, kept[-1][0], kept)
 
 
-def play(act: Act, seed: int) -> list[float]:
+def predicting(predict: Callable[..., tuple[Array, object]], deterministic: bool) -> Act:
+    """What a policy of stable-baselines3 does."""
+    return lambda observation: predict(observation, deterministic=deterministic)[0]
+
+
+def play(act: Act, seed: int, episodes: int) -> list[float]:
     """Returns of episodes in gymnasium's environment."""
     import gymnasium  # noqa: PLC0415 (what it imports is pretended in this process alone)
 
     env, returns = gymnasium.make(TASK), []
-    for episode in range(PLAYED):
+    for episode in range(episodes):
         observation, _ = env.reset(seed=1000 * seed + episode)
         total, over = 0.0, False
         while not over:
@@ -104,8 +165,11 @@ def one(arm: str, seed: int, frames: int) -> None:
     """Train, play, print the result as JSON."""
     sys.modules.setdefault("imageio", ModuleType("imageio"))  # imported by gymnasium to write videos
     torch.set_num_threads(1)  # a second thread helps no arm with networks this small
-    (seconds, cpu), act = train_theirs(seed, frames) if arm == "sb3" else train_ours(arm, seed, frames)
-    row = {"arm": arm, "seed": seed, "frames": frames, "seconds": seconds, "cpu": cpu, "returns": play(act, seed)}
+    trained = train_theirs(seed, frames) if arm == "sb3" else train_ours(arm, seed, frames)
+    row = {"arm": arm, "seed": seed, "frames": frames, **dict(zip(CLOCKS, trained.spent, strict=True))}
+    row["final"] = play(trained.final, seed, PLAYED)
+    means = [[float(np.mean(play(act, seed, EACH))) for act in pair] for pair in trained.kept]
+    row |= dict(zip(LAST, zip(*means, strict=True), strict=True))
     print(json.dumps(row))
 
 
@@ -123,17 +187,23 @@ def collected(options: argparse.Namespace) -> list[dict[str, object]]:
         with kept.open("a") as file:
             file.write(line + "\n")
         found[arm, seed, options.frames] = row = json.loads(line)
-        Console().print(f"{arm} seed {seed}: {row['seconds']:.0f} s, return {np.mean(row['returns']):.0f}")
+        Console().print(f"{arm} seed {seed}: {row['seconds']:.0f} s, return {np.mean(row['final']):.0f}")
     return [found[arm, seed, options.frames] for arm, seed in wanted]
 
 
 def summary(rows: Sequence[dict[str, object]], arm: str) -> dict[str, float]:
-    """Median wall and CPU seconds, and the interquartile mean over the seeds' mean returns."""
+    """Median wall and CPU seconds, and over the seeds the returns of the final policy and at the last checkpoints.
+
+    Of each kind of return a seed has a mean; of these the interquartile mean, its interval, and the share below `LOW`.
+    """
     own = [row for row in rows if row["arm"] == arm]
-    returns = np.array([np.asarray(row["returns"], float).mean() for row in own], float)
-    found = iqm_interval(returns, CONFIDENCE, RESAMPLES, 0)
-    spent = {clock: statistics.median(float(str(row[clock])) for row in own) for clock in CLOCKS}
-    return {**spent, "return": found.value, "low": found.low, "high": found.high, "worst": returns.min()}
+    found = {clock: statistics.median(float(str(row[clock])) for row in own) for clock in CLOCKS}
+    for kind in RETURNS:
+        means = np.array([np.asarray(row[kind], float).mean() for row in own], float)
+        interval = iqm_interval(means, CONFIDENCE, RESAMPLES, 0)
+        found |= {kind: interval.value, f"{kind}.low": interval.low, f"{kind}.high": interval.high}
+        found |= {f"{kind}.worst": means.min(), f"{kind}.failed": float((means < LOW).mean())}
+    return found
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -150,13 +220,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
         return
     rows = collected(options)
     figures = {arm: summary(rows, arm) for arm in options.arms.split(",")}
-    table = Table("arm", "wall s", "× faster", "CPU s", "× less", "return (IQM)", "interval", "worst seed")
+    table = Table("arm", "wall s", "× faster", "CPU s", "× less")
+    returns = Table("arm", "return", "IQM", "interval", "worst seed", f"seeds below {LOW:.0f}")
     for arm, each in figures.items():
         ratios = {clock: f"{figures['sb3'][clock] / each[clock]:.2f}" if "sb3" in figures else "–" for clock in CLOCKS}
         times = [text for clock in CLOCKS for text in (f"{each[clock]:.0f}", ratios[clock])]
-        interval = f"{each['low']:.0f} … {each['high']:.0f}"
-        table.add_row(arm, *times, f"{each['return']:.0f}", interval, f"{each['worst']:.0f}")
+        table.add_row(arm, *times)
+        for kind in RETURNS:
+            interval = f"{each[f'{kind}.low']:.0f} … {each[f'{kind}.high']:.0f}"
+            worst = (f"{each[f'{kind}.worst']:.0f}", f"{each[f'{kind}.failed']:.0%}")
+            returns.add_row(arm, kind, f"{each[kind]:.0f}", interval, *worst)
     Console().print(table)
+    Console().print(returns)
     print(json.dumps({"seeds": options.seeds, "frames": options.frames, **figures}))
 
 
