@@ -39,16 +39,27 @@ class Bristles(InternalState):
         bend = np.tanh(speed / self.creep)
         return bend, (1.0 - bend**2) / self.creep
 
+    def follow(self, qvel: Array, step: float) -> None:
+        """Bend along a motion."""
+        bend = self.of(len(qvel))
+        steady, _, turns = self._course(np.ascontiguousarray(qvel[:, :, self.dof].T), step)
+        for end, left in zip(steady, np.exp(-turns), strict=True):
+            bend = end + (bend - end) * left
+        self.state = bend
+
+    def _course(self, speed: Array, step: float) -> tuple[Array, Array, Array]:
+        """What `settled` gives at speeds, and the number of time constants in a step."""
+        steady, slope = self.settled(speed)
+        fast = np.abs(speed) / np.maximum(np.abs(steady), _TINY)  # large where nothing holds them at high speed
+        slipped = np.where(speed == 0.0, self.creep, fast)
+        return steady, slope, slipped * step / np.maximum(self.way, _TINY)
+
     def act(self, moment: Moment, influence: Influence) -> None:
         """Add the force of a step, and go on to its end."""
         bend = self.of(len(moment.qvel))
         speed, step = moment.qvel[:, self.dof], moment.step
-        steady, slope = self.settled(speed)
-        fast = np.abs(speed) / np.maximum(np.abs(steady), _TINY)  # large where nothing holds them at high speed
-        slipped = np.where(speed == 0.0, self.creep, fast)
-        way = np.maximum(self.way, _TINY)
-        turns = slipped * step / way  # time constants in a step
-        left = np.exp(-turns)
+        steady, slope, turns = self._course(speed, step)
+        way, left = np.maximum(self.way, _TINY), np.exp(-turns)
         share = (1.0 - left) / turns  # of the bend at the start in the step's mean
         mean = steady + (bend - steady) * share
         # ∂mean/∂v; the mean's share falls with the way gone in the step

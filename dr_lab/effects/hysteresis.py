@@ -94,6 +94,12 @@ class _Yielding(InternalState):
     torque: Array
     way: Array
 
+    def follow(self, qvel: Array, step: float) -> None:
+        stretch = self.of(len(qvel))
+        for way in step * qvel[:, :, self.dof].T:
+            stretch = np.clip(stretch + way, -self.way, self.way)
+        self.state = stretch
+
     def act(self, moment: Moment, influence: Influence) -> None:
         stretch = self.of(len(moment.qvel))
         half = moment.step / 2 * moment.qvel[:, self.dof]

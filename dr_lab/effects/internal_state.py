@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.physics.law import Law
+from dr_lab.physics.law import MotionLaw
 from dr_lab.trajectory import Array
 
 
 @dataclass
-class InternalState(Law):
-    """A law that goes on from one number for each simulation, which is 0 at rest.
+class InternalState(MotionLaw):
+    """A law that goes on from one number for each simulation, which is 0 at rest and follows the motion.
 
     Attributes:
         state: the numbers, shape (n,).

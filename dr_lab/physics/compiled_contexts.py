@@ -31,6 +31,8 @@ class CompiledContexts:
         self._batch = batch
         self._compiled = compiled
         self._expanded = set(CHANGED)
+        self._own = packed(compiled)
+        self._differed = np.zeros(len(self._own), bool)  # bytes in which a model differed from the batch's
         self._unchanged: dict[str, Array] = {}
 
     def write(self, models: Sequence[mujoco.MjModel], rows: NDArray[np.intp], z: Array) -> None:
@@ -44,14 +46,33 @@ class CompiledContexts:
         for name, values in self._unchanged.items():
             self._batch.expand(name)[:] = values
         unique, which = distinct(models)
-        for name in MODEL_FIELDS:
-            values = np.array([field_of(model, name) for model in unique])
-            if name in self._expanded or (values != field_of(self._compiled, name)).any():
-                self._expanded.add(name)
-                self._batch.expand(name)[rows] = values[which]
+        for model in unique:
+            self._expand_for(model)
+        for name in self._expanded:
+            self._batch.expand(name)[rows] = np.array([field_of(model, name) for model in unique])[which]
         if self.bodies is not None:
             self.bodies.write(self._batch, z, rows)
         self._unchanged = {name: self._batch.expand(name).copy() for name in CHANGED}
+
+    def _expand_for(self, model: mujoco.MjModel) -> None:
+        """Note the fields in which a model differs; bytes that differed before belong to fields that are known."""
+        found = packed(model)
+        alike = len(found) == len(self._own)
+        if alike:
+            new = (found != self._own) & ~self._differed
+            if not new.any():
+                return
+            self._differed |= new
+        self._expanded |= {
+            name for name in MODEL_FIELDS if (field_of(model, name) != field_of(self._compiled, name)).any()
+        }
+
+
+def packed(model: mujoco.MjModel) -> NDArray[np.uint8]:
+    """All of a model as bytes, in MuJoCo's order."""
+    buffer = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    return buffer
 
 
 def distinct(models: Sequence[mujoco.MjModel]) -> tuple[list[mujoco.MjModel], NDArray[np.intp]]:

@@ -113,3 +113,16 @@ class Law(ABC):
     def remember(self, memory: Array) -> None:
         """Go on from what `memory` of an equal law was."""
         del memory
+
+
+class MotionLaw(Law):
+    """A law whose memory depends on how the joints move alone, so that it can follow a measured motion at once."""
+
+    @abstractmethod
+    def follow(self, qvel: Array, step: float) -> None:
+        """Go along a motion before the simulations begin, as in steps that are simulated.
+
+        Args:
+            qvel: velocities in the middle of p steps, shape (n, p, nv).
+            step: length of a step in s.
+        """

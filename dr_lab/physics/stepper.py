@@ -7,7 +7,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from dr_lab.physics.law import History, Influence, Law, Moment
+from dr_lab.physics.law import History, Influence, Law, Moment, MotionLaw
 from dr_lab.trajectory import Array
 
 # Fields of the model that laws change from step to step. MuJoCo takes the mass matrix of simple joints from dof_M0.
@@ -41,6 +41,7 @@ class Stepper:
         # A field shows what a call computed only if it was bound before.
         self._computed = (batch.bind("qfrc_actuator"), batch.bind("qfrc_bias"))
         self._forces = self._computed  # of the last step
+        self._recalled: tuple[History, list[Array]] | None = None  # a history, and what laws remember of it
 
     def rest(self, rows: NDArray[np.intp]) -> None:
         """Forget what came before in these simulations."""
@@ -113,10 +114,11 @@ class Stepper:
             The fields after every step, as `Batch.rollout` gives them, shape (nsim, s, …).
         """
         self.rest(np.arange(self._batch.nsim))
+        self._influence.friction[:], self._influence.armature[:], self._inertia[:] = self._own
         begin: Array | float = 0.0
         if history is not None:
             begin = self._each(history.begin)
-            self._recall(history, begin)
+            self._remember(history, begin)
             for law in self._with_encoders:
                 law.place_joints(self._qpos, self._qvel)
         fields = {name: self._batch.bind(name) for name in record}
@@ -137,10 +139,28 @@ class Stepper:
         for law in self._with_encoders:
             law.read_encoders(kept["qpos"][:, k], kept["qvel"][:, k])
 
-    def _recall(self, history: History, begin: Array) -> None:
-        """Let laws that remember see what was measured before, behind the others; what they do has no effect then."""
+    def _remember(self, history: History, begin: Array) -> None:
+        """Let laws remember what was measured before: it is recalled once, however many states begin there."""
         if not any(law.remembers for law in self._laws):
             return
+        if self._recalled is None or self._recalled[0] is not history:
+            self._recall(history, begin)
+            self._recalled = (history, [law.memory.copy() for law in self._laws])
+        for law, memory in zip(self._laws, self._recalled[1], strict=True):
+            law.remember(memory.copy())
+
+    def _recall(self, history: History, begin: Array) -> None:
+        """Let laws that remember see what was measured before, behind the others; what they do has no effect then."""
+        stepwise = list[Law]()
+        for law in self._laws:
+            if isinstance(law, MotionLaw):
+                law.follow(self._each(history.qvel), self._step)
+            else:
+                stepwise.append(law)
+        if any(law.remembers for law in stepwise):
+            self._recall_stepwise(stepwise, history, begin)
+
+    def _recall_stepwise(self, laws: Sequence[Law], history: History, begin: Array) -> None:
         count, (friction, armature, _) = history.qpos.shape[1], self._own
         still = np.zeros_like(friction)
         for k in range(count):
@@ -150,7 +170,7 @@ class Stepper:
             control = self._each(history.controls[:, k])
             influence = Influence(control, np.zeros_like(friction), friction.copy(), armature.copy())
             moment = Moment(self._step, time, qpos, qvel, gained, still, still)
-            for law in self._laws:
+            for law in laws:
                 law.replay_history(moment, influence)
 
     def _each(self, rows: Array) -> Array:

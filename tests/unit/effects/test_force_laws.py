@@ -11,7 +11,8 @@ from dr_lab.effects.formula import Formula
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
-from dr_lab.physics.simulator import Rollout, Simulator
+from dr_lab.physics.rollout import Rollout
+from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
 
 MASS = 2.0  # kg, of the block
