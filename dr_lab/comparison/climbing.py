@@ -96,7 +96,7 @@ def _first_settled(
     for length in lengths[1:2] if doubtful else lengths[1:]:
         why = "The answer is in doubt" if doubtful else "A gap remains that nothing explains"
         phase(f"{why}: windows of {length:.3g} s")
-        longer = _with_windows(study, length, len(lengths))
+        longer = _with_windows(study, length, len(lengths), first[1] if doubtful else None)
         if longer is None:
             break
         ladder = _ladder(longer, effects, most, watch, phase)
@@ -128,17 +128,29 @@ def _settled(study: Study, ladder: Ladder) -> bool:
     return _explained(study, ladder) and (sure or at_floor(ladder.models[-1].held_out, study.bench.evidence))
 
 
-def _with_windows(study: Study, length: float, tries: int) -> Study | None:
-    """The study with longer windows; None where the logs have no room for them."""
-    settings = study.settings
+def _with_windows(study: Study, length: float, tries: int, doubtful: Ladder | None) -> Study | None:
+    """The study with longer windows; None where the logs have no room for them.
+
+    Where these only settle a doubt, the time step may move an output by its share of what the doubtful answer leaves
+    there, rather than of the noise: a finer one would cost more, and tell no more.
+    """
+    settings, check = study.settings, study.settings.model_check
     confidence = 1 - (1 - settings.evidence.confidence) / tries
+    share = check.least_share if doubtful is None else check.least_share * _left(doubtful)
     try:
         return study.with_settings(
             replace(
                 settings,
                 windows=settings.windows.of_length(length),
                 evidence=replace(settings.evidence, confidence=confidence),
+                model_check=replace(check, least_share=share),
             )
         )
     except DataError:
         return None
+
+
+def _left(ladder: Ladder) -> float:
+    """What the last model leaves of the channel that it explains best, in noise standard deviations; at least 1."""
+    least = min((channel.chi2 for channel in ladder.models[-1].held_out.channels.values()), default=1.0)
+    return max(1.0, least) ** 0.5

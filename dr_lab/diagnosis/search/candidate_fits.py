@@ -1,6 +1,6 @@
 """Fits of the candidates beside one model to a part of the windows."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from threading import Event
@@ -18,7 +18,7 @@ from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search import as_special_case
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
-from dr_lab.diagnosis.search.side_by_side import side_by_side
+from dr_lab.diagnosis.search.side_by_side import one_behind_another, side_by_side
 from dr_lab.diagnosis.search.taken_away import taken_away
 from dr_lab.diagnosis.search.wider import reach, widened
 from dr_lab.effects.effect import PlacedEffect
@@ -60,6 +60,16 @@ class CandidateFits:
     def of(self, places: Sequence[int], work: Callable[[int], Candidate]) -> dict[int, Candidate]:
         """The same for candidates, by their place."""
         return dict(zip(places, self.side_by_side(places, work), strict=True))
+
+    def behind(
+        self, places: Sequence[int], before: Mapping[int, int], work: Callable[[int, Candidate | None], Candidate]
+    ) -> dict[int, Candidate]:
+        """The same where some wait for a candidate at another place; see `one_behind_another`."""
+        return dict(zip(places, one_behind_another(places, before, work, self.bench.threads, self.stop), strict=True))
+
+    def threads_of(self, count: int) -> int:
+        """Threads of each of so many fits that run side by side."""
+        return max(1, self.bench.threads // max(count, 1))
 
     def look(self, effect: PlacedEffect) -> FirstLook:
         """An effect linearised on the part of the windows."""
@@ -203,10 +213,12 @@ class CandidateFits:
         predicted, seen = first.gain / self.start.cost, self.thin.fit
         return Candidate(effect, fitted_model, gain, first.identifiability, predicted, seen, final=False)
 
-    def candidate(self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float) -> Candidate:
+    def candidate(
+        self, effect: PlacedEffect, fit: Fit, known: Identifiability, predicted: float, threads: int = 1
+    ) -> Candidate:
         """A candidate that is fitted to all windows."""
         model = self.base.model.with_effect(effect)
-        fitted_model = scored(self.bench, model, fit, 1, self.base.states, self.stop)
+        fitted_model = scored(self.bench, model, fit, threads, self.base.states, self.stop)
         gain = paired_gain(self.base.held_out, fitted_model.held_out, self.bench.evidence)
         seen = resolved(effect, fitted_model.values(), self.bench.timing_resolution)
         return Candidate(effect, fitted_model, gain, known, predicted, self.bench.fit, resolved=seen)

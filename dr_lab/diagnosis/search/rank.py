@@ -6,6 +6,7 @@ Only those that stand are fitted to all windows, so the cost hardly grows with t
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -55,9 +56,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
     5. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
        better than the base, it becomes the base, and candidates get no credit for it.
 
-    If the base became better beyond doubt, all candidates are ranked anew beside it. They run side by side, one thread
-    each, and one that others wait for on all threads, so that no core is asked for twice. A failure or Ctrl-C ends all
-    of them at their next simulation.
+    If the base became better beyond doubt, all candidates are ranked anew beside it. They run side by side and share
+    the threads, so that no core is asked for twice. A failure or Ctrl-C ends all of them at their next simulation.
     """
     ranking = _Contest(bench, base, placed, done).ranking()
     for _ in range(bench.solver.restarts):
@@ -104,8 +104,8 @@ class _Contest:
             limits = {k: j for k in others for j in standing if holds(self.placed[k], self.placed[j])}
             alone = [k for k in others if k not in limits]
             beaten = self._refit_alone(alone, found) if alone else np.inf
-            found |= self.fits.of([*limits], lambda k: self.refits.refitted_beyond(found[k], found[limits[k]], beaten))
-            found |= self.fits.of([*cases], lambda k: self.refits.refitted_beside(found[k], found[cases[k]], beaten))
+            found |= self._refit_near(limits, partial(self.refits.refitted_beyond, beaten=beaten), found)
+            found |= self._refit_near(cases, partial(self.refits.refitted_beside, beaten=beaten), found)
             self._ask_richer([k for k, c in found.items() if c.fitted and k not in standing], found)
         return found
 
@@ -120,22 +120,30 @@ class _Contest:
             return
         richer = [k for k in places if holds(self.placed[k], self.placed[best])]
         cases = special_cases(self.placed, richer, [best])
-        limits = [k for k in richer if k not in cases]
-        tried |= self.fits.of([*cases], lambda k: self.refits.refitted_beside(tried[k], tried[best]))
-        tried |= self.fits.of(limits, lambda k: self.refits.refitted_if_promising(tried[k], tried[best]))
+        limits = {k: best for k in richer if k not in cases}
+        tried |= self._refit_near(cases, self.refits.refitted_beside, tried)
+        tried |= self._refit_near(limits, self.refits.refitted_if_promising, tried)
+
+    def _refit_near(
+        self, near: Mapping[int, int], refitted: Callable[..., Candidate], tried: Mapping[int, Candidate]
+    ) -> dict[int, Candidate]:
+        """Candidates fitted to all windows beside another one, whose place is given for each."""
+        threads = self.fits.threads_of(len(near))
+        return self.fits.of([*near], lambda k: refitted(tried[k], tried[near[k]], threads=threads))
 
     def _refit_alone(self, places: Sequence[int], tried: dict[int, Candidate]) -> float:
         """Fit candidates to all windows, the one with the best start first; the cost above which that one beats others.
 
         What it leaves tells which others are worth their end.
         """
-        starts = self.fits.side_by_side(places, lambda k: self.refits.begun(tried[k]))
+        share = self.fits.threads_of(len(places))
+        starts = self.fits.side_by_side(places, lambda k: self.refits.begun(tried[k], share))
         begun = dict(zip(places, starts, strict=True))
         first, *others = sorted(places, key=lambda k: begun[k].start.cost)
-        threads = self.bench.threads
+        threads, share = self.bench.threads, self.fits.threads_of(len(others))
         tried |= self.fits.of([first], lambda k: self.refits.refitted(tried[k], begun[k], threads=threads))
         beaten = self.refits.beaten_by(tried[first])
-        tried |= self.fits.of(others, lambda k: self.refits.refitted(tried[k], begun[k], beaten))
+        tried |= self.fits.of(others, lambda k: self.refits.refitted(tried[k], begun[k], beaten, share))
         return beaten
 
     def credited(self, found: tuple[Candidate, ...]) -> Ranking:

@@ -30,7 +30,7 @@ class Begun(NamedTuple):
 
 
 class Refits:
-    """How candidates are fitted to all windows, each on one thread.
+    """How candidates are fitted to all windows, each on as many `threads` as its fit is given.
 
     Args:
         fits: of the candidates to a part of the windows.
@@ -43,7 +43,7 @@ class Refits:
         """Cost on all windows above which a candidate beats others without a doubt; ∞ if it has no fit there."""
         return self._bench.cost_at(candidate.fitted_model.fit, self._bench.enough) if candidate.final else np.inf
 
-    def begun(self, candidate: Candidate) -> Begun:
+    def begun(self, candidate: Candidate, threads: int = 1) -> Begun:
         """Where a candidate's fit to all windows begins: where that to few windows ended, with the states fitted.
 
         What the few windows left absent may act in others, as the second of two end stops does; so it also begins where
@@ -52,7 +52,7 @@ class Refits:
         An effect that acts at once and promises little begins at absent, where the base's slopes are known.
         """
         effect, base = candidate.effect, self._base.fit
-        fitter = self._fits.fitter(self._bench, effect)
+        fitter = self._fits.fitter(self._bench, effect, threads)
         if not effect.starts:
             absent = self._absent(fitter, effect)
             if self._bench.promise(linear_gain(fitter, absent, base), base) < self._bench.enough:
@@ -64,44 +64,46 @@ class Refits:
     def refitted(self, candidate: Candidate, begun: Begun, beaten: float = np.inf, threads: int = 1) -> Candidate:
         """A candidate fitted to all windows, or left absent if it does not gain enough there.
 
-        One that is foretold to stay above a cost at which it is `beaten` is left as it is. One that is fitted while no
-        other is may have more `threads`.
+        One that is foretold to stay above a cost at which it is `beaten` is left as it is.
         """
         effect, hoped = candidate.effect, self._bench.hoped(self._base.fit)
         fitter, goal = self._fits.fitter(self._bench, effect, threads), min(hoped, beaten)
         again = fitter.run(begun.start.z, begun.start.delta, begun.slopes, goal=goal)
         if again.cost <= goal:
-            return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
+            return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted, threads)
         if beaten < hoped:
             return candidate
         absent = replace(self._absent(fitter, effect), slopes=self._base.fit.slopes)  # to save memory
         return self._fits.at_absent(effect, absent, candidate.identifiability, candidate.predicted)
 
-    def refitted_beyond(self, candidate: Candidate, limit: Candidate, beaten: float = np.inf) -> Candidate:
+    def refitted_beyond(
+        self, candidate: Candidate, limit: Candidate, beaten: float = np.inf, threads: int = 1
+    ) -> Candidate:
         """The same for an effect of which a standing one is the limit, where its fit begins if it may gain from there.
 
         On few windows it may lead because its fit went on farther. It begins where that ended only if this is better by
         enough to matter. One that is foretold to stay above is left.
         """
         if not limit.final:
-            return self.refitted(candidate, self.begun(candidate), beaten)
+            return self.refitted(candidate, self.begun(candidate, threads), beaten, threads)
         effect, poorer = reaching(candidate.effect, limit.effect), limit.fitted_model
-        fitter, goal = self._fits.fitter(self._bench, effect), min(self._bench.cost_at(poorer.fit, 0.0), beaten)
+        fitter = self._fits.fitter(self._bench, effect, threads)
+        goal = min(self._bench.cost_at(poorer.fit, 0.0), beaten)
         there, gain = self._in_the_limit(fitter, effect, candidate, limit)
         end, below = self._own_end(fitter, candidate), self._bench.beside(poorer).hoped(poorer.fit)
         again = fitter.rerun_below(end, there, below, goal) if gain > 0 else fitter.rerun(end, goal=goal)
         if again.cost > goal:
             return candidate
-        return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
+        return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted, threads)
 
-    def refitted_if_promising(self, candidate: Candidate, limit: Candidate) -> Candidate:
+    def refitted_if_promising(self, candidate: Candidate, limit: Candidate, threads: int = 1) -> Candidate:
         """The same where a linear step from the limit promises enough; an effect that promises too little is left."""
         effect, base = reaching(candidate.effect, limit.effect), limit.fitted_model.fit
-        _, gain = self._in_the_limit(self._fits.fitter(self._bench, effect), effect, candidate, limit)
+        _, gain = self._in_the_limit(self._fits.fitter(self._bench, effect, threads), effect, candidate, limit)
         beside, extra = self._bench.beside(limit.fitted_model), len(effect.parameters) - len(limit.effect.parameters)
         if beside.promise(gain, base, extra) < beside.hope:
             return candidate
-        return self.refitted_beyond(candidate, limit, beside.hoped(base))
+        return self.refitted_beyond(candidate, limit, beside.hoped(base), threads)
 
     def _in_the_limit(
         self, fitter: Fitter, effect: PlacedEffect, candidate: Candidate, limit: Candidate
@@ -115,28 +117,30 @@ class Refits:
         lost = (there.infeasible & ~poorer.fit.infeasible).any()
         return there, 0.0 if lost else linear_gain(fitter, there, poorer.fit)
 
-    def refitted_beside(self, candidate: Candidate, poorer: Candidate, beaten: float = np.inf) -> Candidate:
+    def refitted_beside(
+        self, candidate: Candidate, poorer: Candidate, beaten: float = np.inf, threads: int = 1
+    ) -> Candidate:
         """The same for an effect whose special case stands, if a linear step from there promises enough.
 
         The fit begins there, or where that to few windows ended if this gains enough at once. One that gains too little
         is left.
         """
         if not poorer.final:
-            return self.refitted(candidate, self.begun(candidate), beaten)
+            return self.refitted(candidate, self.begun(candidate, threads), beaten, threads)
         effect = reaching(candidate.effect, poorer.effect)
         further = self._fits.further(self._bench, effect, poorer)
         if further is None:
-            return self.refitted_beyond(candidate, poorer, beaten)
+            return self.refitted_beyond(candidate, poorer, beaten, threads)
         there, more = further
         if not more:
             return candidate
-        fitter, beside = self._fits.fitter(self._bench, effect), self._bench.beside(poorer.fitted_model)
+        fitter, beside = self._fits.fitter(self._bench, effect, threads), self._bench.beside(poorer.fitted_model)
         below = beside.hoped(poorer.fitted_model.fit)
         goal = min(below, beaten)
         again = fitter.rerun_below(self._own_end(fitter, candidate), there, below, goal)
         if again.cost > goal:
             return candidate
-        return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted)
+        return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted, threads)
 
     def _ends(self, fitter: Fitter, candidate: Candidate) -> Array:
         """Where the fit to few windows ended, and there with what is absent as the effect's starts have it, (c, n)."""

@@ -1,7 +1,7 @@
 """The same work on many items, one thread each."""
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from threading import Event
 from typing import TypeVar
 
@@ -28,3 +28,33 @@ def side_by_side(items: Sequence[_In], work: Callable[[_In], _Out], threads: int
             pool.shutdown(cancel_futures=True)
             raise
     return [job.result() for job in jobs]
+
+
+def one_behind_another(
+    places: Sequence[int],
+    before: Mapping[int, int],
+    work: Callable[[int, _Out | None], _Out],
+    threads: int,
+    stop: Event,
+) -> list[_Out]:
+    """The same for places, some of which wait for what the work gives for an earlier one, which their work is given.
+
+    Args:
+        places: those that others wait for come before these.
+        before: which place one waits for; one that is not among the places has nothing to give.
+        work: looks at `stop` now and then.
+        threads: as for `side_by_side`.
+        stop: as there.
+    """
+    made = {place: Future[_Out]() for place in places}
+
+    def run(place: int) -> _Out:
+        try:
+            waited = made.get(before.get(place, -1))
+            made[place].set_result(work(place, None if waited is None else waited.result()))
+        except BaseException as error:  # those that wait for it end, too
+            made[place].set_exception(error)
+            raise
+        return made[place].result()
+
+    return side_by_side(places, run, threads, stop)

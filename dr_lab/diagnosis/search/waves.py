@@ -102,9 +102,14 @@ class Waves:
             threads = self._bench.threads
             found |= fits.of([first], lambda k: self._told(fits.fitted(placed[k], looks[k], threads=threads)))
             alone.remove(first)
-        goal = fits.goal(list(found.values()))
-        found |= fits.of(alone, lambda k: self._told(fits.fitted(placed[k], looks[k], goal)))
-        found |= fits.of([*cases], lambda k: self._told(fits.fitted_beside(placed[k], looks[k], found[cases[k]])))
+        goal, known = fits.goal(list(found.values())), dict(found)
+
+        def fitted(k: int, case: Candidate | None) -> Candidate:
+            if k not in cases:
+                return self._told(fits.fitted(placed[k], looks[k], goal))
+            return self._told(fits.fitted_beside(placed[k], looks[k], case or known[cases[k]]))
+
+        found |= fits.behind([*alone, *cases], cases, fitted)
         self._waiting = [k for k in self._waiting if k not in found]
         self._reached = max([self._reached, *map(self._gained, found.values())])
 

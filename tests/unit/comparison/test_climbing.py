@@ -12,7 +12,7 @@ from diagnosis_machines import comparison_settings, evidence_settings, windows_s
 from dr_lab.comparison import climbing
 from dr_lab.comparison.comparison import ComparisonSettings
 from dr_lab.comparison.study import Study
-from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.errors import DataError
@@ -22,7 +22,7 @@ from dr_lab.errors import DataError
 class Answer:
     """A ladder of which only the verdict is known, what confirms it, and whether noise alone remains.
 
-    `enough` says whether the windows that confirm are enough to know.
+    `enough` says whether the windows that confirm are enough to know, `channels` holds χ² of some.
     """
 
     kind: str
@@ -30,6 +30,7 @@ class Answer:
     status: str = "confirmed"
     chi2: float = 100.0
     enough: bool = True
+    channels: tuple[float, ...] = ()
 
     @property
     def confirmation(self) -> SimpleNamespace | None:
@@ -37,7 +38,8 @@ class Answer:
 
     @property
     def models(self) -> list[SimpleNamespace]:
-        return [SimpleNamespace(held_out=score([self.chi2] * 8))]
+        known = {str(chi2): channel(chi2) for chi2 in self.channels}
+        return [SimpleNamespace(held_out=replace(score([self.chi2] * 8), channels=known))]
 
     def verdict(self, settings: EvidenceSettings) -> str:
         del settings
@@ -110,6 +112,32 @@ def test_the_shortest_windows_that_explain_the_gap(
     assert confidence == pytest.approx([0.97, 0.99, 0.99][: len(confidence)])  # Bonferroni over three lengths
 
 
+@pytest.mark.parametrize(
+    ("first", "chi2", "share"),
+    [
+        (DOUBTFUL, [16.0, 400.0], 0.8),  # of the channel that is explained best
+        (DOUBTFUL, [0.5, 400.0], 0.2),
+        (NOTHING, [16.0, 400.0], 0.2),  # what explains the gap may leave noise alone
+    ],
+)
+def test_a_doubt_is_asked_again_with_a_step_that_does_not_show_beside_what_is_left(
+    monkeypatch: pytest.MonkeyPatch, first: Answer, chi2: list[float], share: float
+) -> None:
+    shares, answers = list[float](), iter([replace(first, channels=tuple(chi2)), NOTHING, NOTHING])
+
+    def climb(made: Study, *known: object) -> Ladder:
+        del known
+        shares.append(made.settings.model_check.least_share)
+        return cast(Ladder, next(answers))
+
+    monkeypatch.setattr(climbing, "_ladder", climb)
+    check = replace(comparison_settings().model_check, least_share=0.2)
+    settings = comparison_settings(windows=windows_settings(length=0.3, longest=2.7), model_check=check)
+    study = cast(Study, Windowed(settings, 9.0))
+    climbing.climbed(study, {}, most=1, watch=lambda _: lambda _: None, phase=lambda _: None)
+    assert shares[:2] == pytest.approx([0.2, share])
+
+
 @dataclass(frozen=True)
 class Rising:
     """A ladder of models of which only the errors in windows with known starts are known, by their number of steps."""
@@ -131,6 +159,11 @@ class Rising:
 
     def without_last(self) -> "Rising":
         return replace(self, errors=self.errors[:-1])
+
+
+def channel(chi2: float) -> ChannelScore:
+    """A channel of eight windows with ten residuals each."""
+    return ChannelScore(np.full(8, 10 * chi2), np.full(8, 10.0), 1.0, False)
 
 
 def score(chi2: list[float]) -> Score:
