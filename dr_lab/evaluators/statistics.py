@@ -1,5 +1,6 @@
 """What a few returns say: interquartile mean, its interval, who is better, means of contexts, the worst tenth."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,14 +67,15 @@ def improvement_interval(ours: Array, theirs: Array, confidence: float, resample
         seed: of the bootstrap.
 
     Returns:
-        NaN throughout where either has no result; where either has but one, the ends are NaN.
+        NaN throughout where either has no result. The ends are NaN where results are so few that all of one method
+        would lie above all of the other by chance, with probability 2/C(k+m, k), more often than the interval may err:
+        a bootstrap of them would be sure.
     """
     ours, theirs = (values[np.isfinite(values)] for values in (ours, theirs))
-    fewest = min(len(ours), len(theirs))
-    if fewest == 0:
+    if min(len(ours), len(theirs)) == 0:
         return Interval(np.nan, np.nan, np.nan)
     value = float(_improvement(ours, theirs))
-    if fewest == 1:
+    if 2.0 / math.comb(len(ours) + len(theirs), len(ours)) > 1.0 - confidence:
         return Interval(value, np.nan, np.nan)
     rng, alpha = np.random.default_rng(seed), (1.0 - confidence) / 2.0
     drawn = [values[rng.integers(len(values), size=(resamples, len(values)))] for values in (ours, theirs)]

@@ -23,7 +23,8 @@ from dr_lab.sweeps.overrides import differing
 _INTERVALS = "Interquartile means over the runs of a row, with {:g} % bootstrap intervals."
 _LARGER = (
     "larger is the probability that the figure is larger in one of these runs than in one of {}: 0.5 where neither is "
-    "better, in doubt as long as its interval holds 0.5."
+    "better, in doubt as long as its interval holds 0.5. It is left out where runs are so few that chance alone would "
+    "often put all of one row above all of the other."
 )
 
 _TOLD = 4  # groups that the first sentence compares
@@ -91,7 +92,7 @@ def _short(keys: Sequence[str]) -> list[str]:
 def _told(cell: Cell, members: int) -> list[str]:
     """Of how many runs of a group a figure is, the figure, and whether it is larger than that of the reference."""
     larger = cell.larger if isinstance(cell, Estimate) else None
-    known = "" if larger is None or larger.low != larger.low else _interval(larger)  # of one run it would be 0 or 1
+    known = "" if larger is None or larger.low != larger.low else _interval(larger)  # of few runs it is 0 or 1
     return [_runs(cell, members), _cell(cell), known]
 
 

@@ -16,14 +16,23 @@ def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
 
 
 def test_the_probability_of_improvement_is_that_of_mann_and_whitney() -> None:
-    ours, theirs = np.array([3.0, 1.0, 4.0, 1.5, np.nan]), np.array([2.0, 7.0, 1.0])
+    ours, theirs = np.array([3.0, 1.0, 4.0, 1.5, np.nan]), np.array([2.0, 7.0, 1.0, 9.0])
     found = improvement_interval(ours, theirs, 0.95, 500, 0)
-    assert found.value == pytest.approx(mannwhitneyu(ours[:4], theirs).statistic / 12)
+    assert found.value == pytest.approx(mannwhitneyu(ours[:4], theirs).statistic / 16)
     assert found.low < found.value < found.high
     certain = improvement_interval(ours + 10.0, theirs, 0.95, 500, 0)
     assert (certain.value, certain.low, certain.high) == (1.0, 1.0, 1.0)
-    assert np.isnan(improvement_interval(ours, theirs[:1], 0.95, 500, 0).low)
     assert np.isnan(improvement_interval(ours, theirs[:0], 0.95, 500, 0).value)
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "enough"), [(1, 9, False), (2, 2, False), (3, 3, False), (4, 3, False), (4, 4, True)]
+)
+def test_few_results_have_a_probability_without_an_interval(ours: int, theirs: int, enough: bool) -> None:
+    """All of one above all of the other: by chance 2/10, 1/3, 1/10, 2/35, 1/35."""
+    found = improvement_interval(10.0 + np.arange(ours), np.arange(theirs) / 10, 0.95, 100, 0)
+    assert found.value == 1.0
+    assert np.isfinite(found.low) == enough
 
 
 def test_the_lower_tail_takes_its_share_exactly() -> None:

@@ -33,19 +33,20 @@ def test_what_all_runs_share_is_said_once() -> None:
 
 
 def test_a_group_is_better_than_the_reference_with_a_probability() -> None:
-    groups = [group("none", 1.0, 2.0, 3.0), group("lsdr", 2.0, 4.0, 5.0)]
+    groups = [group("none", 1.0, 2.0, 3.0, 0.0), group("lsdr", 2.0, 4.0, 5.0, 4.0)]
     cells = [summed_up(each, FIGURES, STATISTICS, groups[0]) for each in groups]
     page = summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0]).markdown()
     larger: Any = cells[1]["final_return"]
-    assert larger.larger.value == pytest.approx(7.5 / 9)  # of nine pairs one is lost, one is a tie
-    assert larger.larger.low < 7.5 / 9 < larger.larger.high
+    assert larger.larger.value == pytest.approx(14.5 / 16)  # of 16 pairs one is lost, one is a tie
+    assert larger.larger.low < 14.5 / 16 < larger.larger.high
     assert "than in one of none:" in page
-    assert "| final_return | lsdr | 3 | 3.667 (2 … 5) | 0.8333 (" in page
+    assert "| final_return | lsdr | 4 | 4 (2 … 5) | 0.9062 (" in page
     assert cells[0]["final_return"] == summed_up(groups[0], FIGURES, STATISTICS)["final_return"]
 
 
-def test_single_runs_are_not_better_with_a_probability() -> None:
-    groups = [group("none", 1.0), group("lsdr", 2.0)]
+@pytest.mark.parametrize("count", [1, 3])
+def test_few_runs_are_not_better_with_a_probability(count: int) -> None:
+    groups = [group("none", *[1.0] * count), group("lsdr", *[2.0] * count)]
     cells = [summed_up(each, FIGURES, STATISTICS, groups[0]) for each in groups]
     assert "larger" not in summary_page("sweep", groups, cells, {}, [], STATISTICS, groups[0]).markdown()
 
