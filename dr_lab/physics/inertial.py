@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Annotated
 
 import mujoco
@@ -74,12 +75,18 @@ class BodyInertial:
 
     def write(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
         """Set it in a fresh spec (the caller's copy)."""
-        found = self.at({p.name: np.array([values[p.name]]) for p in self.parameters})
+        theta = np.array([[values[p.name] for p in self.parameters]])
+        found = self.shape.at(theta) if theta.any() else self._nominal
         body = spec.body(self.body)
         body.mass, body.ipos = float(found.mass[0]), found.centre[0]
         body.iquat, body.inertia = found.axes[0], found.moments[0]
         body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT  # the file's euler or axes would win over iquat
         body.fullinertia, body.simple = np.full(6, np.nan), False
+
+    @cached_property
+    def _nominal(self) -> Inertial:
+        """The body as in the file, whose numbers are all 0. It is compiled again and again where bodies are apart."""
+        return self.shape.at(np.zeros((1, len(self.parameters))))
 
 
 def require_alone(model: str, targets: Iterable[Target | SharedTarget], spec: mujoco.MjSpec, given: object) -> None:

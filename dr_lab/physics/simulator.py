@@ -61,22 +61,31 @@ class Simulator:
         nsim: number of simulations.
         threads: C threads; None takes every core this process may use.
         persistent: whether each simulation keeps its own `MjData`, which `ContactForces` asks for.
+        nominal: the model compiled at its nominal context where that is known, the caller's own copy.
 
     Raises:
         ConfigError: there are fewer threads than one.
     """
 
-    def __init__(self, model: Model, nsim: int, threads: int | None = None, *, persistent: bool = False) -> None:
+    def __init__(
+        self,
+        model: Model,
+        nsim: int,
+        threads: int | None = None,
+        *,
+        persistent: bool = False,
+        nominal: mujoco.MjModel | None = None,
+    ) -> None:
         self.model = model
-        self.compiled = _lean(model.nominal())
+        self.compiled = _lean(nominal or model.nominal())
         self.batch = Batch(self.compiled, nsim, thread_count(threads), persistent)
         self._fields = FieldContexts(model, self.compiled) if FieldContexts.possible(model, self.compiled) else None
         bodies = BodyContexts(model.space, model.inertials, self.compiled) if model.bodies_apart else None
         self._models: list[mujoco.MjModel] = [self.compiled] * nsim
         self._uncompiled = np.zeros(nsim, bool)
-        nominal = np.tile(model.space.nominal, (nsim, 1))
-        self._lawful = bool(model.laws(nominal, self._models))
-        self._contexts, self._written = nominal, CompiledContexts(self.batch, self.compiled, bodies)
+        contexts = np.tile(model.space.nominal, (nsim, 1))
+        self._lawful = bool(model.laws(contexts, self._models))
+        self._contexts, self._written = contexts, CompiledContexts(self.batch, self.compiled, bodies)
         self._stepper: Stepper | None = None
         self._given: Array | None = None  # contexts of all simulations, where they were given at once
         # Only models whose fields are copied need the same pictures.

@@ -1,5 +1,6 @@
 """Residuals of all windows for many contexts and initial states, as one batch of simulations."""
 
+import copy
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
@@ -278,12 +279,11 @@ class Replay:
 
     def _simulator(self, nsim: int) -> Simulator:
         if nsim not in self._simulators:
-            self._simulators[nsim] = Simulator(self.model, nsim, self._threads)
+            self._simulators[nsim] = Simulator(self.model, nsim, self._threads, nominal=copy.copy(self._compiled))
         return self._simulators[nsim]
 
     def _mask(self, which: str) -> Mask:
-        masks = [np.repeat(getattr(s, which), s.channel.size, axis=1) for s in self.windows.samples]
-        return np.concatenate(masks, axis=1)
+        return np.concatenate([np.repeat(getattr(s, which), s.channel.size, 1) for s in self.windows.samples], axis=1)
 
 
 def _absent(model: Model, windows: Windows) -> Mask | None:

@@ -65,7 +65,12 @@ def decide(
     kind = _kind(base, group, status, settings)
     doubtful = [c for c in helpful if kind == "unexplained" and _passes(worth_a_trial, c, settings)]
     trial = _inseparable(doubtful, settings)
-    reason = _reason(kind, base, group, status, settings, scored) + _prospect(trial, settings)
+    near = helpful[:1] if kind == "unexplained" and not trial else []
+    reason = (
+        _reason(kind, base, group, status, settings, scored)
+        + _prospect(trial, settings)
+        + _nearest(base, near, settings)
+    )
     return Verdict(kind, labels, status, tuple(c.effect.label for c in trial), absorbed, reason)
 
 
@@ -128,6 +133,14 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
         f"it differs from window to window ({confidence:.3g} % interval from {number(gain.trial_low)}, "
         f"{100 * settings.confidence:.3g} % interval from {number(gain.total_low)})."
     )
+
+
+def _nearest(base: FittedModel, near: Sequence[Candidate], settings: EvidenceSettings) -> str:
+    """What explains most though the evidence for it is too weak, in words."""
+    if not near:
+        return ""
+    worth = _worth(base, near[0], settings)
+    return f" {near[0].effect.label} comes nearest. It {worth} which is not beyond doubt: record more."
 
 
 def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) -> str:

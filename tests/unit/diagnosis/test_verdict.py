@@ -119,6 +119,19 @@ def test_a_gap_that_nothing_closes_is_unexplained() -> None:
     assert "above the noise floor" in verdict.reason
 
 
+def drop(chi2: float) -> Score:
+    """One window that holds three independent residuals."""
+    return replace(few(chi2), chi2=chi2, window_sum=np.array([3.0 * chi2]), window_count=np.array([3.0]))
+
+
+def test_of_too_little_data_the_nearest_effect_is_told() -> None:
+    base = model(drop(656.0))
+    reason = decide(base, [candidate(base, "quadratic_drag", drop(39.5), CLEAR)], SETTINGS).reason
+    assert "No effect of the catalogue lowers that beyond doubt. quadratic_drag@rail comes nearest." in reason
+    assert "27 needed), mean χ² 656.000 before and 39.500 after, which is not beyond doubt" in reason
+    assert "comes nearest" not in judged(20.0, ("coulomb_friction", 20.0)).reason
+
+
 def test_an_effect_that_closes_a_trifle_of_a_wide_gap_is_not_named() -> None:
     assert judged(20.0, ("coulomb_friction", 19.0)).kind == "unexplained"
 
