@@ -47,7 +47,8 @@ class Refits:
         """Where a candidate's fit to all windows begins: where that to few windows ended, with the states fitted.
 
         What the few windows left absent may act in others, as the second of two end stops does; so it also begins where
-        the effect's further starts have that, if this is better.
+        the effect's further starts have that, if this is better. Few windows bend the inertia of free bodies to what
+        is left in them; so it also begins with the base's.
 
         An effect that acts at once and promises little begins at absent, where the base's slopes are known.
         """
@@ -143,14 +144,16 @@ class Refits:
         return self._fits.candidate(effect, again, candidate.identifiability, candidate.predicted, threads)
 
     def _ends(self, fitter: Fitter, candidate: Candidate) -> Array:
-        """Where the fit to few windows ended, and there with what is absent as the effect's starts have it, (c, n)."""
-        space, z = fitter.space, candidate.fitted_model.fit.z
+        """Where the fit to few windows ended, and variants of it that may be better on all, (c, n)."""
+        space, z, base = fitter.space, candidate.fitted_model.fit.z, self._base
         ends = [z]
         for start in candidate.effect.starts:
             ends.append(z.copy())
             for name, value in start.items():
                 place = space.index(name)
                 ends[-1][place] = value if z[place] == space.nominal[place] else z[place]
+        if base.model.inertials:
+            ends.append(np.append(base.fit.z, z[len(base.fit.z) :]))
         return np.unique(np.stack(ends), axis=0)
 
     def _own_end(self, fitter: Fitter, candidate: Candidate) -> Point:
