@@ -178,6 +178,8 @@ class Simulator:
     ) -> Rollout:
         """Simulate every (context, window) pair from its start under the windows' controls, in one call.
 
+        Simulation i of the rollout is context · w + window.
+
         Args:
             z: contexts, shape (c, n), or (c, w, n) where windows differ in the effects that are attached.
             qpos: start positions, shape (c, w, nq), with c · w = nsim.
@@ -186,9 +188,6 @@ class Simulator:
             past: controls of the steps before the start, oldest first, for delayed actuators, shape (w, p, nu).
             history: what was measured before the start, for laws that remember; None for nothing at time 0.
             act: activations at the start, shape (c, w, na); None for those of the model's initial state.
-
-        Returns:
-            The rollout; simulation i = context · w + window.
         """
         contexts = self._begin(z, qpos, qvel, act)
         z = z if z.ndim == 2 else z[:, 0]  # nobody attaches a command filter
