@@ -57,7 +57,7 @@ class Model:
     derived: tuple[Derived, ...] = ()
     inertials: tuple[BodyInertial, ...] = ()
 
-    @property
+    @cached_property
     def space(self) -> ContextSpace:
         """The context of this model: declared parameters, then each effect's."""
         return ContextSpace(self.declared + tuple(p for effect in self.effects for p in effect.parameters))

@@ -17,4 +17,6 @@ def single_stage(model: Model) -> Model:
         return model
     spec = model.spec.copy()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
-    return replace(model, spec=spec)
+    found = replace(model, spec=spec)
+    vars(found)["bodies_apart"] = model.bodies_apart  # it takes compiling to tell, and the integrator is no part of it
+    return found
