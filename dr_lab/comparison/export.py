@@ -52,7 +52,7 @@ class ExportedModel(Model):
 
     fixed: Mapping[str, float] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def space(self) -> ContextSpace:
         """No parameter: the values are fixed."""
         return ContextSpace(())

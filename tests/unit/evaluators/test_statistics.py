@@ -30,7 +30,7 @@ def test_the_probability_of_improvement_is_that_of_mann_and_whitney() -> None:
 )
 def test_few_results_have_a_probability_without_an_interval(ours: int, theirs: int, enough: bool) -> None:
     """All of one above all of the other: by chance 2/10, 1/3, 1/10, 2/35, 1/35."""
-    found = improvement_interval(10.0 + np.arange(ours), np.arange(theirs) / 10, 0.95, 100, 0)
+    found = improvement_interval(np.linspace(2.0, 3.0, ours), np.linspace(0.0, 1.0, theirs), 0.95, 100, 0)
     assert found.value == 1.0
     assert np.isfinite(found.low) == enough
 
