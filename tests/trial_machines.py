@@ -15,6 +15,7 @@ from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.search import ladder, pruning, restack
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.rank import Ranking
@@ -98,7 +99,7 @@ def climb(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> Ladder:
     """The ladder of a machine."""
     prepare(machine, monkeypatch)
     monkeypatch.setattr(ladder, "fitted_for_comparison", lambda _, fitted_model: fitted_model)
-    return ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=lambda _: lambda _: None)
+    return ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=Silence())
 
 
 def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,6 +13,7 @@ from dr_lab.comparison.entries import remaining
 from dr_lab.comparison.study import Study
 from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.ladder import Ladder
 
 
@@ -30,9 +31,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
     observed, begin = observe(case, compose), (time.process_time(), time.monotonic())
     truths = observed.truths if case.kind != "outside" else ()
     most = len(truths) + 1 if case.kind == "several" else 0
-    study, ladder = climbed(
-        observed.study, observed.effects, most=most, watch=lambda _: lambda _: None, phase=lambda _: None
-    )
+    study, ladder = climbed(observed.study, observed.effects, most=most, watch=Silence())
     observed = replace(observed, study=study)
     cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
     first, last = ladder.rungs[0], ladder.models[-1]

@@ -6,7 +6,7 @@ ones only where these leave a gap unexplained, or an answer in doubt. What is fo
 windows that choose nothing (`dr_lab.diagnosis.windows.folds`).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 from dr_lab.comparison.calibrated import calibrated
@@ -15,19 +15,16 @@ from dr_lab.diagnosis.evidence.confirmation import confirm
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
-from dr_lab.diagnosis.search.ladder import Ladder, RankingWatch, climb
+from dr_lab.diagnosis.search.climb_watch import ClimbWatch
+from dr_lab.diagnosis.search.ladder import Ladder, climb
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.folds import folds
 from dr_lab.effects.catalogue import SpecialCases
 from dr_lab.effects.effect import Effect
 from dr_lab.errors import DataError
 
-Phase = Callable[[str], None]
 
-
-def climbed(
-    study: Study, effects: Mapping[str, Effect], *, most: int, watch: RankingWatch, phase: Phase
-) -> tuple[Study, Ladder]:
+def climbed(study: Study, effects: Mapping[str, Effect], *, most: int, watch: ClimbWatch) -> tuple[Study, Ladder]:
     """The ladder in the shortest windows that leave no gap unexplained; where all do, in the shortest.
 
     1. Longer windows are believed where an effect explains the gap that shorter ones leave, not where it is gone.
@@ -42,14 +39,13 @@ def climbed(
         study: model and logs, with the shortest windows.
         effects: the catalogue.
         most: most effects that are added; 0 ranks them, and adds what is named to look at it.
-        watch: see `climb`.
-        phase: is told what begins.
+        watch: is told what begins and what was found so far.
 
     Returns:
         The study with the windows that were taken, and its ladder.
     """
-    found, ladder = _first_settled(study, effects, most, watch, phase)
-    phase("Checking what was found")
+    found, ladder = _first_settled(study, effects, most, watch)
+    watch.phase("Checking what was found")
     return found, ladder.with_laws(found.bench, found.scales, found.compiled)
 
 
@@ -82,11 +78,9 @@ def _better(before: Score, after: Score, evidence: EvidenceSettings) -> bool:
     return bool(falls) and paired_gain(before, after, evidence).total > 0
 
 
-def _first_settled(
-    study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase
-) -> tuple[Study, Ladder]:
+def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch: ClimbWatch) -> tuple[Study, Ladder]:
     lengths = study.settings.windows.lengths
-    first = (study, _ladder(study, effects, most, watch, phase))
+    first = (study, _ladder(study, effects, most, watch))
     if _settled(*first):
         return first
     doubtful, confirmation = _explained(*first), first[1].confirmation
@@ -95,18 +89,18 @@ def _first_settled(
     # Still longer windows are too few to settle a doubt.
     for length in lengths[1:2] if doubtful else lengths[1:]:
         why = "The answer is in doubt" if doubtful else "A gap remains that nothing explains"
-        phase(f"{why}: windows of {length:.3g} s")
+        watch.phase(f"{why}: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths), first[1] if doubtful else None)
         if longer is None:
             break
-        ladder = _ladder(longer, effects, most, watch, phase)
+        ladder = _ladder(longer, effects, most, watch)
         if ladder.steps and (_settled if doubtful else _explained)(longer, ladder):
             return longer, ladder
     return first
 
 
-def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: RankingWatch, phase: Phase) -> Ladder:
-    phase("Calibrating the model")
+def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: ClimbWatch) -> Ladder:
+    watch.phase("Calibrating the model")
     base = calibrated(study)
     ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
     if not most:

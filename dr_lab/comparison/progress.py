@@ -1,7 +1,7 @@
 """What a verb tells while it works: a bar for each phase on a terminal, a line for each where there is none."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from threading import Lock
 from typing import Protocol
@@ -20,20 +20,15 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from dr_lab.diagnosis.search.climb_watch import ClimbWatch
+from dr_lab.reports.quantity import number
+
 _PARTS = 4  # of a ranking that get a line each
 _LONGEST = 10.0  # s between two lines, as far as candidates are done in them
 
 
-class Screen(Protocol):
+class Screen(ClimbWatch, Protocol):
     """Where a verb tells its user what it does and what it found."""
-
-    def phase(self, text: str) -> None:
-        """Say what begins now."""
-        ...
-
-    def ranking(self, count: int) -> Callable[[str], None]:
-        """Say that so many candidates are tried now; what comes back is called with each label that is done."""
-        ...
 
     def show(self, markdown: str) -> None:
         """Print what stays on the screen."""
@@ -76,6 +71,9 @@ class _Lines:
 
         return done
 
+    def found(self, labels: Sequence[str], before: float, after: float) -> None:
+        self._line(_so_far(labels, before, after))
+
     def show(self, markdown: str) -> None:
         self._console.print()
         self._console.print(Markdown(markdown))
@@ -99,6 +97,9 @@ class _Bars:
             self._bars.update(task, advance=1, description=f"Trying effects: {label}")
 
         return done
+
+    def found(self, labels: Sequence[str], before: float, after: float) -> None:
+        self._bars.console.print(_so_far(labels, before, after), markup=False, highlight=False, soft_wrap=True)
 
     def show(self, markdown: str) -> None:
         self._bars.console.print(Markdown(markdown))
@@ -132,3 +133,9 @@ def _left(seconds: float) -> str:
 
 def _trying(count: int) -> str:
     return f"Trying {count} effects" if count != 1 else "Trying 1 effect"
+
+
+def _so_far(labels: Sequence[str], before: float, after: float) -> str:
+    if not labels:
+        return "So far: nothing that stands"
+    return f"So far: {', '.join(labels)}; χ² {number(before)} → {number(after)}, where 1 is the noise floor"

@@ -50,6 +50,6 @@ def close(
     with screen() as told:
         told.phase("Cutting the logs into windows")
         study = prepare(comparison)
-        study, ladder = climbed(study, effects, most=most, watch=told.ranking, phase=told.phase)
+        study, ladder = climbed(study, effects, most=most, watch=told)
         learned = lessons(study, ladder.models[-1], told.phase) if most else ()
         return report_ladder(Told("close", learned), study, ladder, Run(run_dir, recorder, told), next_experiment)

@@ -32,5 +32,5 @@ def diagnose(
     with screen() as told:
         told.phase("Cutting the logs into windows")
         study = prepare(comparison)
-        study, ladder = climbed(study, effects, most=0, watch=told.ranking, phase=told.phase)
+        study, ladder = climbed(study, effects, most=0, watch=told)
         return report_ladder(Told("diagnose"), study, ladder, Run(run_dir, recorder, told), next_experiment)

@@ -10,6 +10,7 @@ from effect_machines import catalogue_effect
 
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.fit.scales import machine_scales
+from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.ladder import Ladder, climb
 from dr_lab.trajectory import Log
 
@@ -44,7 +45,7 @@ def climbed(force: Force, *names: str) -> tuple[Bench, Ladder]:
     base, compiled = fit_and_score(bench, model, model.space.nominal), model.nominal()
     scales = machine_scales(compiled, logs[:3], 0.03)
     scales.command["drive"] = 1.0  # pyright: ignore[reportIndexIssue]
-    return bench, climb(bench, base, effects, scales, compiled, most=3, watch=lambda _: lambda _: None)
+    return bench, climb(bench, base, effects, scales, compiled, most=3, watch=Silence())
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ from hydra.utils import instantiate
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.calibrated import calibrate
 from dr_lab.comparison.study import prepare
+from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.ladder import climb
 from dr_lab.workflows.record import record
 
@@ -37,8 +38,8 @@ def test_a_richer_law_is_named_among_poorer_ones(
     logs = f"measurements.logs=[{tmp_path}/*.mcap]"
     cfg = compose("diagnose", [logs, f"effect=[{label.partition('@')[0]},{beside}]", *DATA])
     study = prepare(instantiate(cfg.comparison, _convert_="all"))
-    effects, silent = instantiate(cfg.effects, _convert_="all"), lambda _: lambda _: None
-    ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=silent)
+    effects = instantiate(cfg.effects, _convert_="all")
+    ladder = climb(study.bench, calibrate(study), effects, study.scales, study.compiled, most=0, watch=Silence())
     (rung,) = ladder.rungs
     assert rung.verdict.effects == (label,), rung.verdict.reason
     best = next(c.fitted_model for c in rung.ranking if c.effect.label == label)

@@ -13,6 +13,7 @@ from dr_lab.benchmark.observed import observe
 from dr_lab.cli.compose import compose
 from dr_lab.comparison.climbing import climbed
 from dr_lab.diagnosis.evidence.bench import fit_and_score
+from dr_lab.diagnosis.search.climb_watch import Silence
 
 pytestmark = pytest.mark.slow
 NAMES = (
@@ -39,7 +40,7 @@ def _cases() -> dict[str, Case]:
 @pytest.mark.parametrize("name", NAMES)
 def test_without_its_last_effect_no_model_beats_the_rung_below(name: str) -> None:
     seen = observe(_cases()[name], _built)
-    study, ladder = climbed(seen.study, seen.effects, most=3, watch=lambda _: lambda _: None, phase=lambda _: None)
+    study, ladder = climbed(seen.study, seen.effects, most=3, watch=Silence())
     bench = study.bench
     assert len(ladder.models) > 1
     for model, below in zip(ladder.models[1:], ladder.models[:-1], strict=True):

@@ -1,6 +1,6 @@
 """The ladder of models: add the effect the data name, refit all, repeat until nothing more is supported."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import mujoco
@@ -10,6 +10,7 @@ from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.climb_watch import ClimbWatch
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean
@@ -22,8 +23,6 @@ from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases, candidates
 from dr_lab.effects.effect import Effect, PlacedEffect, Scales
 from dr_lab.physics.model import Model
-
-RankingWatch = Callable[[int], Callable[[str], None]]
 
 
 @dataclass(frozen=True)
@@ -155,7 +154,7 @@ def climb(
     compiled: mujoco.MjModel,
     *,
     most: int,
-    watch: RankingWatch,
+    watch: ClimbWatch,
 ) -> Ladder:
     """Climb from a fitted base until a rung finds nothing to add, or `most` effects are added.
 
@@ -177,17 +176,19 @@ def climb(
         scales: size of the effects' bounds.
         compiled: the compiled nominal model.
         most: most effects that are added.
-        watch: is told the number of candidates of each ranking and gives what is called with each label that is done.
+        watch: is told what each ranking tries, and what was found where the climb goes on after it.
     """
     ladder, cases, deletions = Ladder((), base, ()), SpecialCases(effects, scales, compiled), Deletions(bench)
     while True:
         found = candidates(ladder.models[-1].model, effects, scales, compiled, bench.fit.channels)
         placed = _to_try(ladder, found.placed, bench.evidence)
-        ranking = rank(bench, ladder.models[-1], placed, watch(len(placed)))
+        ranking = rank(bench, ladder.models[-1], placed, watch.ranking(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
+        first, last = ladder.base.held_out, ladder.models[-1].held_out
+        watch.found([step.effect.label for step in ladder.steps], first.chi2, last.chi2)
 
 
 def _to_try(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSettings) -> list[PlacedEffect]:

@@ -13,6 +13,7 @@ from dr_lab.comparison import climbing
 from dr_lab.comparison.comparison import ComparisonSettings
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
+from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.errors import DataError
@@ -106,7 +107,7 @@ def test_the_shortest_windows_that_explain_the_gap(
     monkeypatch.setattr(climbing, "_ladder", climb)
     windows, evidence = windows_settings(length=0.3, longest=2.7), evidence_settings(confidence=0.97)
     first = cast(Study, Windowed(comparison_settings(windows=windows, evidence=evidence), room))
-    found, ladder = climbing.climbed(first, {}, most=1, watch=lambda _: lambda _: None, phase=lambda _: None)
+    found, ladder = climbing.climbed(first, {}, most=1, watch=Silence())
     assert found.settings.windows.length == pytest.approx(length)
     assert ladder.verdict(evidence) == kind
     assert confidence == pytest.approx([0.97, 0.99, 0.99][: len(confidence)])  # Bonferroni over three lengths
@@ -134,7 +135,7 @@ def test_a_doubt_is_asked_again_with_a_step_that_does_not_show_beside_what_is_le
     check = replace(comparison_settings().model_check, least_share=0.2)
     settings = comparison_settings(windows=windows_settings(length=0.3, longest=2.7), model_check=check)
     study = cast(Study, Windowed(settings, 9.0))
-    climbing.climbed(study, {}, most=1, watch=lambda _: lambda _: None, phase=lambda _: None)
+    climbing.climbed(study, {}, most=1, watch=Silence())
     assert shares[:2] == pytest.approx([0.2, share])
 
 

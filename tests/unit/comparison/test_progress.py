@@ -67,6 +67,16 @@ def test_less_than_a_minute_and_a_half_is_told_in_seconds(console: Console, monk
     ]  # fmt: skip
 
 
+def test_what_was_found_so_far_is_told(console: Console) -> None:
+    with screen() as told:
+        told.found(["drag@cart", "lag@motor"], 2124.04, 3.14159)
+        told.found([], 2124.04, 2124.04)
+    assert printed(console) == [
+        "So far: drag@cart, lag@motor; χ² 2124 → 3.142, where 1 is the noise floor",
+        "So far: nothing that stands",
+    ]
+
+
 def test_one_effect_is_no_ranking(console: Console) -> None:
     with screen() as told:
         told.ranking(1)("drag")
@@ -80,10 +90,12 @@ def test_on_a_terminal_there_is_a_bar_and_what_is_shown_stays(monkeypatch: pytes
         told.phase("Calibrating the model")
         done = told.ranking(2)
         done("drag")
+        told.found(["drag"], 9.0, 1.0)
         told.show("**Found:** drag.")
         told.phase("Writing the report")
     assert isinstance(made.file, io.StringIO)
     text = made.file.getvalue()
+    assert "So far: drag; χ² 9 → 1" in text
     assert "Found:" in text
     assert "Writing the report" in text
     assert "Writing the report …" not in text

@@ -1,3 +1,4 @@
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -11,6 +12,7 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.paired_gain import supported
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.ladder import Ladder, climb
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean, prune
@@ -50,7 +52,22 @@ def climbed(*names: str, most: int = 3, asked: tuple[tuple[str, float], ...] = (
     base = fit_and_score(bench, model, model.space.nominal)
     effects: dict[str, Effect] = {name: catalogue_effect(name) for name in names}
     scales = machine_scales(compiled, logs[:2], 0.03)
-    return climb(bench, base, effects, scales, compiled, most=most, watch=lambda _: lambda _: None)
+    heard = Heard()
+    ladder = climb(bench, base, effects, scales, compiled, most=most, watch=heard)
+    assert [len(labels) for labels in heard.labels] == list(range(1, len(ladder.rungs))) or ladder.refuted
+    assert not ladder.steps or heard.chi2[-1] == (ladder.base.held_out.chi2, ladder.models[-1].held_out.chi2)
+    return ladder
+
+
+class Heard(Silence):
+    """What is told of a climb."""
+
+    def __init__(self) -> None:
+        self.labels, self.chi2 = list[list[str]](), list[tuple[float, float]]()
+
+    def found(self, labels: Sequence[str], before: float, after: float) -> None:
+        self.labels.append([*labels])
+        self.chi2.append((before, after))
 
 
 def labels(ladder: Ladder) -> list[list[str]]:
@@ -106,7 +123,7 @@ def test_where_the_fit_logs_score_no_model_has_logs_apart() -> None:
     base, compiled = fit_and_score(bench, model, model.space.nominal), model.nominal()
     effects = {"constant_offset": catalogue_effect("constant_offset")}
     scales = machine_scales(compiled, logs, 0.03)
-    ladder = climb(bench, base, effects, scales, compiled, most=0, watch=lambda _: lambda _: None)
+    ladder = climb(bench, base, effects, scales, compiled, most=0, watch=Silence())
     assert not any(found.apart for found in (base, *(c.fitted_model for c in ladder.rungs[0].ranking)))
 
 
