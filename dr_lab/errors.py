@@ -30,9 +30,11 @@ class UnknownNameError(DrLabError):
 
 
 def _listed(names: Sequence[str]) -> str:
-    """All names; where they are many, those of a folder in one."""
-    if len(names) > MOST_LISTED:
-        names = list(dict.fromkeys(f"{name.partition('/')[0]}/…" if "/" in name else name for name in names))
+    """All names; where they are many, those of a folder in one, and then those of the same first word."""
+    for separator in ("/", "_"):
+        if len(names) > MOST_LISTED:
+            cut = [name.partition(separator) for name in names]
+            names = list(dict.fromkeys(f"{first}{found}…" if found else first for first, found, _ in cut))
     return ", ".join(names) or "none"
 
 

@@ -60,6 +60,12 @@ def load_frame(model: mujoco.MjModel, body: int) -> tuple[Array, Array, float]:
     return anchor, np.stack([first, np.asarray(np.cross(last, first), dtype=float), last], axis=1), length
 
 
+def link_length(model: mujoco.MjModel, body: int) -> float:
+    """Distance of a link's centre from its hinge's axis, or its radius of gyration if that is larger, m."""
+    own = np.sqrt(model.body_inertia[body].max() / max(model.body_mass[body], mujoco.mjMINVAL))
+    return max(float(np.linalg.norm(lever_of(model, body)[1])), float(own))
+
+
 def hinge_axis(model: mujoco.MjModel, body: int) -> Array:
     """Axis of the body's last hinge in the body's frame, zero if it has none."""
     first = int(model.body_jntadr[body])

@@ -9,7 +9,7 @@ import numpy as np
 
 from dr_lab.effects.body_effect import moving_bodies
 from dr_lab.effects.effect import Effect, Scales
-from dr_lab.effects.load_frame import lever_of, load_frame, loaded, mounted
+from dr_lab.effects.load_frame import lever_of, link_length, load_frame, loaded, mounted
 from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 
@@ -66,7 +66,7 @@ class Payload(Effect, SpecPreparation, SpecEdit):
         if not _turns(model, body.id):
             return (mass,)
         centre = float(np.linalg.norm(lever_of(model, body.id)[1]))
-        length = max(centre, float(np.sqrt(body.inertia.max() / body.mass[0])))
+        length = link_length(model, body.id)
         return (mass, Parameter("distance", "m", centre or length, 0.0, self.reach * length))
 
     def prepare(self, spec: mujoco.MjSpec, site: str) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from dr_lab.effects.body_effect import moving_bodies
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.felt_inertia import felt
-from dr_lab.effects.load_frame import load_frame, loaded, mounted
+from dr_lab.effects.load_frame import link_length, load_frame, loaded, mounted
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.errors import UnknownNameError
 from dr_lab.physics.effect_parts import AddedBody, SpecEdit, SpecPreparation
@@ -56,10 +56,11 @@ class RigidPayload(Effect, AddedBody, SpecPreparation, SpecEdit):
 
     Parameters (nominal = absent): mass m ≥ 0 [kg]; distance, side, along [m]; spread_x, _y, _z ≥ 0 and skew_xy, _yz,
     _xz [m], radii of gyration. All but the mass act only where m > 0 (fits start away from absent).
-    Limits: sites where the joints feel each of the ten, as from the third joint of an arm on; elsewhere `payload`. If
-    the link's own inertia is free too, only sums over link and payload can be told, and the priors share them out:
-    at a Panda's flange, whose links are known to 20 %, the mass is then told to 0.3 kg. It is told by itself where the
-    measurements name which logs were recorded with the load (`loaded`) and others are there.
+    Limits: sites where the joints feel each of the ten, as from the third joint of an arm on; elsewhere
+    `planar_payload` or `payload`. If the link's own inertia is free too, only sums over link and payload can be told,
+    and the priors share them out: at a Panda's flange, whose links are known to 20 %, the mass is then told to 0.3 kg.
+    It is told by itself where the measurements name which logs were recorded with the load (`loaded`) and others are
+    there.
     Raises: ModelError if the model's compiler has inertiafromgeom="true"; UnknownNameError if there is no such flange.
     Source: Newton–Euler equations; Wensing, Kim and Slotine, IEEE RA-L 3 (2018) 60 (second moments); MuJoCo
     body/inertial.
@@ -163,9 +164,7 @@ class RigidPayload(Effect, AddedBody, SpecPreparation, SpecEdit):
         at_flange = site in self.flanges
         body = int(model.site(site).bodyid[0]) if at_flange else int(model.body(site).id)
         origin, axes, centre = load_frame(model, body)
-        length = max(
-            centre, float(np.sqrt(model.body_inertia[body].max() / max(model.body_mass[body], mujoco.mjMINVAL)))
-        )
+        length = link_length(model, body)
         if not at_flange:
             return _Mount(body, origin, axes, centre, length)
         turned = np.zeros(9)

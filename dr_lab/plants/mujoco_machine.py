@@ -134,6 +134,14 @@ class MujocoMachine:
         """Distance of a body's centre of mass from its joint's axis, m."""
         return float(np.linalg.norm(self._arm(body)[1]))
 
+    def in_plane(self, body: str, places: Array) -> Array:
+        """Places in the plane across a body's last hinge (m, shape (k, 2)), in its frame; none without a hinge."""
+        joint = self._joints(self._row(body))[-1]
+        if int(self.model.jnt_type[joint]) != int(mujoco.mjtJoint.mjJNT_HINGE):
+            return np.zeros((0, 3))
+        plane = np.linalg.svd(self.model.jnt_axis[joint][None])[2][1:]
+        return np.asarray(self.model.jnt_pos[joint] + places @ plane, dtype=np.float64)
+
     def with_mass_at(self, body: str, mass: float, place: Array) -> Self:
         """With a point mass (kg) at a place in a body's frame (m, shape (3,)), put together by the parallel axes."""
         model = copy.copy(self.model)

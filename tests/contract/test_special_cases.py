@@ -13,7 +13,7 @@ from dr_lab.trajectory import Array
 
 SECONDS = 0.4
 CLOSE = 0.05  # of what the poorer effect does; hysteresis, dry friction in its limit alone, is 0.033 off, the others 0
-ELSEWHERE = (("rigid_payload", "payload"), ("lugre_friction", "stribeck_friction"))
+ELSEWHERE = (("planar_payload", "payload"), ("rigid_payload", "payload"), ("lugre_friction", "stribeck_friction"))
 RANGE = 0.1  # rad, which bounds how near to the limit it comes
 
 
@@ -34,7 +34,8 @@ def moved(model: Model, effect: PlacedEffect, **values: float) -> Array:
 
 def machine(richer: str) -> Model:
     """One that has a site for the effect."""
-    return load("seven", CONF / "model/strangers/seven.xml", {}) if richer == "rigid_payload" else hanging()
+    elsewhere = {"planar_payload": "furuta.xml", "rigid_payload": "strangers/seven.xml"}
+    return load("machine", CONF / "model" / elsewhere[richer], {}) if richer in elsewhere else hanging()
 
 
 def site_of(model: Model, name: str) -> str:
@@ -56,6 +57,7 @@ def test_what_an_effect_holds_is_in_the_catalogue_and_poorer() -> None:
         ("hysteresis", "coulomb_friction"),
         ("lugre_friction", "coulomb_friction"),
         ("lugre_friction", "stribeck_friction"),
+        ("planar_payload", "payload"),
         ("position_dependent_friction", "coulomb_friction"),
         ("presliding_friction", "coulomb_friction"),
         ("rigid_payload", "payload"),

@@ -13,3 +13,9 @@ def test_of_many_names_those_of_a_folder_are_listed_as_one() -> None:
     error = UnknownNameError("effect", "arm/sprng_7", names, "the group")
     assert str(error).endswith(" Did you mean 'arm/spring_7'? Available: arm/…, none.")
     assert len(error.available) == MOST_LISTED + 1
+
+
+def test_of_many_names_without_folders_those_of_one_first_word_are_listed_together() -> None:
+    names = ["none", *(f"{word}_{number}" for word in ("arm", "wheel") for number in range(MOST_LISTED))]
+    error = UnknownNameError("case", "arm_999", names, "the benchmark")
+    assert str(error).endswith("Did you mean 'arm_9'? Available: arm_…, none, wheel_….")

@@ -16,6 +16,7 @@ from dr_lab.trajectory import Array
 _SMALL = 1e-4  # kg, m, rad, share: step of derivatives of what is linear, or nearly so
 # m: whatever is fixed to a body acts as a sum of ten point masses here, some of them negative.
 _PLACES = np.concatenate([0.1 * np.eye(3), -0.1 * np.eye(3), 0.1 - 0.1 * np.eye(3), np.zeros((1, 3))])
+_IN_PLANE = 0.1 * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]])  # m; in a plane four are enough
 
 
 def body_rivals(course: Course, grids: Grids, felt: Felt, command: Array, base: Array) -> Iterator[Rival]:
@@ -71,8 +72,12 @@ def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
     loads = [lacked(near + share * rise + share**2 * bend) for share in grids.reaches]
     yield Rival(f"payload@{body}", 2, tuple(linear(load, positive=True)[0] for load in loads))
     points = [slope(machine.with_mass_at(body, _SMALL, place), _SMALL) for place in _PLACES]
+    places = machine.in_plane(body, _IN_PLANE)
+    flat = felt(*(slope(machine.with_mass_at(body, _SMALL, place), _SMALL) for place in places))
     if response.counts.together(points):
         yield Rival(f"rigid_payload@{body}", len(points), linear(*map(lacked, points)))
+    elif len(flat) == len(_IN_PLANE) and response.counts.together(flat):
+        yield Rival(f"planar_payload@{body}", len(flat), linear(*map(lacked, flat)))
     moved = felt(*(slope(machine.with_centre_moved(body, _SMALL * axis), _SMALL) for axis in np.eye(3)))
     if moved:
         yield Rival(f"centre_of_mass_offset@{body}", len(moved), linear(*map(lacked, moved)))

@@ -42,6 +42,7 @@ def test_what_a_planar_arm_feels() -> None:
         "inertia_error@upper": 1,
         "cable_force@upper": 4,
         "payload@lower": 2,
+        "planar_payload@lower": 4,
         "centre_of_mass_offset@lower": 2,
         "link_length@lower": 1,
         "inertia_error@lower": 1,
