@@ -52,7 +52,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
        that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most
        evidence are asked again there: few windows may not show what they add.
     4. If the data support none of these, as many others have their turn: those that promise most in typical windows,
-       for what promises most in all may meet a few wild ones alone. These must stand beside the first, too.
+       for what promises most in all may meet a few wild ones alone. They bring along what may have been crowded out,
+       as in rule 2, and must stand beside the first, too.
     5. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
        better than the base, it becomes the base, and candidates get no credit for it.
 

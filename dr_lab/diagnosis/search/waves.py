@@ -47,10 +47,14 @@ class Waves:
         return found
 
     def next(self) -> dict[int, Candidate]:
-        """As many others: those that promise most in typical windows, where those before may have met wild ones."""
+        """As many others, and those near the best of them: what promises most in typical windows.
+
+        Those before may have met wild ones alone.
+        """
         found: dict[int, Candidate] = {}
         self._waiting.sort(key=lambda k: -self._looks[k].evidence)
         self._fit(self._chosen(0.0, self._bench.evidence.most_fits), found)
+        self._fit(self._crowded_out(found), found)
         self._widen(found)
         return found
 

@@ -114,6 +114,18 @@ def test_the_next_ones_are_those_that_promise_most_in_typical_windows() -> None:
         asked = waves.Waves(CandidateFits(bench.beside(base), base), placed_of(NAMES[:2]), lambda _: None)
         evidence = dict(zip(asked.placed, (first, last), strict=True))
         asked._looks = [replace(look, evidence=evidence[p]) for p, look in zip(asked.placed, asked._looks, strict=True)]
-        (place,) = asked.next()
+        place, *_ = asked.next()  # and what is confused with it
         chosen.append(asked.placed[place].effect.name)
     assert chosen == [*NAMES[:2]]
+
+
+def test_the_next_ones_bring_along_what_holds_the_best_of_them() -> None:
+    bench, base = bench_of(rub, most_fits=1, least_hope=0.0)
+    names = ("coulomb_friction", "asymmetric_friction", "quadratic_drag")
+    asked = waves.Waves(CandidateFits(bench.beside(base), base), placed_of(names), lambda _: None)
+    asked._looks = [
+        replace(look, evidence=float(each.effect.name == "coulomb_friction"))
+        for each, look in zip(asked.placed, asked._looks, strict=True)
+    ]
+    found = {asked.placed[place].effect.name for place in asked.next()}
+    assert found == {"coulomb_friction", "asymmetric_friction"}
