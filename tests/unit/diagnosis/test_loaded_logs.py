@@ -91,5 +91,5 @@ def test_a_load_that_no_log_tells_from_its_link_is_said_to_be() -> None:
 def test_what_is_attached_acts_on_the_machine_itself() -> None:
     """Commands and readings are transformed alike in all windows."""
     attached = [effect for effect in map(catalogue_effect, NAMES) if effect.attached]
-    assert {effect.name for effect in attached} == {"payload", "rigid_payload"}
+    assert {effect.name for effect in attached} == {"payload", "planar_payload", "rigid_payload"}
     assert not any(isinstance(effect, CommandFilter | SensorTransform) for effect in attached)
