@@ -187,8 +187,12 @@ def climb(
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
             return ladder
-        first, last = ladder.base.held_out, ladder.models[-1].held_out
-        watch.found([step.effect.label for step in ladder.steps], first.chi2, last.chi2)
+        _tell(watch, ladder)
+
+
+def _tell(watch: ClimbWatch, ladder: Ladder) -> None:
+    first, last = ladder.base.held_out, ladder.models[-1].held_out
+    watch.found([step.effect.label for step in ladder.steps], first.chi2, last.chi2)
 
 
 def _to_try(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSettings) -> list[PlacedEffect]:
