@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.effects.body_effect import body_of
 from dr_lab.errors import ModelError
+from dr_lab.physics.pseudo_inertia import Rooted, principal
 from dr_lab.trajectory import Array
 
 
@@ -43,6 +44,13 @@ def mounted(spec: mujoco.MjSpec, body: str, name: str, origin: Array, axes: Arra
     mujoco.mju_mat2Quat(turned, axes.flatten())
     load = loaded(spec, body).add_body(name=name, pos=origin, quat=turned)
     load.explicitinertial, load.mass, load.ipos, load.inertia = True, 0.0, np.zeros(3), np.zeros(3)
+
+
+def become(spec: mujoco.MjSpec, name: str, body: Rooted) -> None:
+    """Give a mounted load the mass, the centre and the inertia of a body, the first of some."""
+    load = spec.body(name)
+    load.mass, load.ipos = float(body.mass[0]), body.centre[0]
+    load.inertia, load.iquat = principal(body.second[0])
 
 
 def load_frame(model: mujoco.MjModel, body: int) -> tuple[Array, Array, float]:

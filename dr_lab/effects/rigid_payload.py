@@ -10,12 +10,12 @@ import numpy as np
 from dr_lab.effects.body_effect import moving_bodies
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.felt_inertia import felt
-from dr_lab.effects.load_frame import link_length, load_frame, loaded, mounted
+from dr_lab.effects.load_frame import become, link_length, load_frame, loaded, mounted
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.errors import UnknownNameError
 from dr_lab.physics.effect_parts import AddedBody, SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
-from dr_lab.physics.pseudo_inertia import Rooted, principal
+from dr_lab.physics.pseudo_inertia import Rooted
 from dr_lab.trajectory import Array
 
 _PLACE = ("distance", "side", "along")
@@ -136,9 +136,8 @@ class RigidPayload(Effect, AddedBody, SpecPreparation, SpecEdit):
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Give it its mass, place and inertia."""
-        load, body = spec.body(f"{self.name}@{site}"), self.added({name: np.array([v]) for name, v in values.items()})
-        load.mass, load.ipos = values["mass"], body.centre[0]
-        load.inertia, load.iquat = principal(body.second[0])
+        body = self.added({name: np.array([value]) for name, value in values.items()})
+        become(spec, f"{self.name}@{site}", body)
 
     def added(self, values: Mapping[str, Array]) -> Rooted:
         """The bodies at n values each."""
