@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dr_lab.channel_names import POSITION, joint_of, quantity
 from dr_lab.recorders.mcap import FloatArrays, JointStates, write_mcap
 from dr_lab.recorders.overlay import AFTER, BEFORE, Overlay
 from dr_lab.trajectory import Array, Signal
@@ -40,10 +41,10 @@ def write_simulated(
 
 
 def _topics(overlay: Overlay, shift: float) -> list[JointStates | FloatArrays]:
-    joints = [name.removesuffix(".position") for name in overlay.measured if name.endswith(".position")]
+    joints = [joint_of(name) for name in overlay.measured if quantity(name) == POSITION]
     if not joints:
         return []
-    channels = [f"{joint}.position" for joint in joints]
+    channels = [f"{joint}.{POSITION}" for joint in joints]
     time = overlay.measured[channels[0]].time
     real = _columns(overlay, {c: overlay.measured[c].value for c in channels}, channels, time)
     simulated = {role: _columns(overlay, values, channels, time) for role, values in overlay.simulated.items()}

@@ -7,6 +7,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
+from dr_lab.channel_names import is_sensor
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import slides
 from dr_lab.effects.periodic import PERIODS, Periodic, half_a_period
@@ -50,7 +51,7 @@ class EncoderEccentricity(SensorEffect, Periodic):
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Names of the hinge and slide joints."""
-        return tuple(site for site in super().sites(model) if not site.startswith("sensor."))
+        return tuple(site for site in super().sites(model) if not is_sensor(site))
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Both components and the number of periods."""

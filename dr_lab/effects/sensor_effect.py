@@ -4,6 +4,7 @@ from collections.abc import Collection
 
 import mujoco
 
+from dr_lab.channel_names import is_sensor
 from dr_lab.effects.joint_effect import JointEffect
 from dr_lab.physics.effect_parts import SensorTransform
 from dr_lab.physics.sensor_axes import sensor_axes
@@ -20,9 +21,9 @@ class SensorEffect(JointEffect, SensorTransform):
 
     def shown_by(self, site: str, channels: Collection[str]) -> bool:
         """Whether a sensor, or one axis of it, is in the logs."""
-        return site in channels or not site.startswith("sensor.")
+        return site in channels or not is_sensor(site)
 
 
 def measures(channel: str, site: str) -> bool:
     """Whether a channel is read at a site: a joint's position and velocity, or the sensor itself."""
-    return channel in ((site,) if site.startswith("sensor.") else (f"{site}.position", f"{site}.velocity"))
+    return channel in ((site,) if is_sensor(site) else (f"{site}.position", f"{site}.velocity"))

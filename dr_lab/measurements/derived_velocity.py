@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from dr_lab.channel_names import POSITION, VELOCITY, joint_of, quantity
 from dr_lab.measurements.contract import DataContract
 from dr_lab.trajectory import Array, Log, Noise, Note, Signal
 
-_POSITION, _VELOCITY = ".position", ".velocity"
 _SAME_TIME = 1e-6  # s, up to which two samples are of one instant
 _ROUNDS = 5  # of Steiglitz and McBride; a filter of first order is exact after the first
 _SETTLING = 60  # samples in which a filter of unknown past settles: e^-11 of it is left at a corner of rate / 35
@@ -81,10 +81,10 @@ def without_derived(
     Returns:
         The logs, and the channels that were left out.
     """
-    names = [name for name in logs[0].outputs if name.endswith(_VELOCITY)]
+    names = [name for name in logs[0].outputs if quantity(name) == VELOCITY]
     found: dict[str, Note] = {}
     for name in names if contract.derived > 0 else ():
-        place = name.removesuffix(_VELOCITY) + _POSITION
+        place = f"{joint_of(name)}.{POSITION}"
         if place in logs[0].outputs:
             pairs = [(log.outputs[place], log.outputs[name]) for log in logs if _tells(log.outputs[place])]
             each = [derived(*pair, noise[place].std, contract.derived) for pair in pairs]

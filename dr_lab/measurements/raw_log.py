@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from dr_lab.bounds import Positive, require_bounds
+from dr_lab.channel_names import quantity
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.measurements.alignment import align
 from dr_lab.measurements.bag import BagSource
@@ -16,7 +17,7 @@ from dr_lab.measurements.log_file import BAG, EXPECTED, TABLES, kind
 from dr_lab.measurements.mcap import McapSource
 from dr_lab.measurements.recordings import Recording
 from dr_lab.measurements.samples import Samples, SampleSource
-from dr_lab.measurements.signal_map import SCALARS, ChannelMap
+from dr_lab.measurements.signal_map import ChannelMap
 from dr_lab.measurements.table import TableSource
 from dr_lab.trajectory import Array, ClockFit, Note
 
@@ -97,7 +98,7 @@ def read_raw(
     source = open_source(recording, time)
     channels = (*outputs, *commands)
     samples = {channel.name: source.samples(channel) for channel in channels}
-    for channel in (*(c for c in outputs if c.name.endswith(SCALARS)), *commands):
+    for channel in (*(c for c in outputs if quantity(c.name)), *commands):
         _check_single(channel, samples[channel.name], path.name)
     aligned = align(channels, samples, source.natural_clock, path.name, contract)
     start = -np.inf if time.start is None else time.start

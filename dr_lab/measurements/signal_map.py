@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
+from dr_lab.channel_names import POSITION, VELOCITY, quantity
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
 from dr_lab.measurements.units import Unit, unit
 from dr_lab.trajectory import Array
@@ -13,11 +14,10 @@ from dr_lab.trajectory import Array
 Reading = Mapping[str, float]
 
 _DIMENSIONS = {
-    ".position": ("dimensionless", "[length]"),
-    ".velocity": ("1 / [time]", "[length] / [time]"),
+    POSITION: ("dimensionless", "[length]"),
+    VELOCITY: ("1 / [time]", "[length] / [time]"),
 }
-SCALARS = tuple(_DIMENSIONS)  # endings of the names of channels that are a single number
-_EXAMPLES = {".position": "rad, deg, m or mm", ".velocity": "rad/s, deg/s or m/s"}
+_EXAMPLES = {POSITION: "rad, deg, m or mm", VELOCITY: "rad/s, deg/s or m/s"}
 BETWEEN = ("hold", "line", "unknown")  # what a command does from one sample to the next
 _CLOCKS = ("header", "publish", "log", "column")
 
@@ -148,13 +148,12 @@ def _reading(name: str, part: object) -> Reading:
 
 
 def _unit(name: str, text: str) -> Unit:
-    found = unit(text)
-    for suffix, dimensions in _DIMENSIONS.items():
-        if name.endswith(suffix) and found.dimension not in dimensions:
-            raise DataError(
-                f"Channel {name!r}: unit {text!r} has dimension {found.dimension}; a joint's {suffix[1:]} is "
-                f"measured in {_EXAMPLES[suffix]}. Correct unit or the channel's name."
-            )
+    found, measured = unit(text), quantity(name)
+    if measured and found.dimension not in _DIMENSIONS[measured]:
+        raise DataError(
+            f"Channel {name!r}: unit {text!r} has dimension {found.dimension}; a joint's {measured} is measured in "
+            f"{_EXAMPLES[measured]}. Correct unit or the channel's name."
+        )
     return found
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from dr_lab.channel_names import POSITION, VELOCITY, joint_of, quantity
 from dr_lab.errors import DataError
 from dr_lab.measurements.cleaning import period
 from dr_lab.measurements.contract import DataContract
@@ -51,8 +52,8 @@ def check_units(
     by_name = {channel.name: channel for channel in channels}
     notes: list[Note] = []
     for name, channel in by_name.items():
-        partner = by_name.get(f"{name.removesuffix('.position')}.velocity")
-        if name.endswith(".position") and partner and partner.name in signals and signals[name].value.ndim == 1:
+        partner = by_name.get(f"{joint_of(name)}.{VELOCITY}")
+        if quantity(name) == POSITION and partner and partner.name in signals and signals[name].value.ndim == 1:
             notes += _compare(signals[name], signals[partner.name], channel, partner, contract)
         if channel.unit.name in _RAD_PER_S and signals[name].value.ndim == 1:
             _check_step(signals[name], channel, contract)

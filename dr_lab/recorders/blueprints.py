@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import rerun.blueprint as rrb
 
+from dr_lab.channel_names import POSITION, quantity
 from dr_lab.recorders import heat_map
 from dr_lab.recorders.bars import ladder_canvas, ranking_canvas
 from dr_lab.recorders.branch import TIMELINE, entity_path
@@ -53,7 +54,7 @@ def worst_channels(overlay: Overlay, count: int) -> list[str]:
     """The `count` channels that the first simulated role fits worst, positions before others, in the log's order."""
 
     def misfit(channel: str) -> tuple[bool, float]:
-        is_position = channel.endswith(".position")
+        is_position = quantity(channel) == POSITION
         role = next((role for role in SIMULATED if channel in overlay.simulated.get(role, {})), None)
         if role is None:
             return is_position, 0.0

@@ -7,12 +7,11 @@ from itertools import chain, count
 
 import numpy as np
 
+from dr_lab.channel_names import POSITION, VELOCITY, is_sensor, joint_of, quantity
 from dr_lab.errors import DataError
 from dr_lab.recorders.mcap import FloatArrays, JointStates
 from dr_lab.sources.source import NamedLog
 from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
-
-_POSITION, _VELOCITY, _SENSOR = ".position", ".velocity", "sensor."
 
 
 @dataclass(frozen=True)
@@ -51,9 +50,9 @@ class CsvSource:
         log = replace(log, outputs=_later(log.outputs, shift), commands=_later(log.commands, shift))
         joints = _joint_states(self.joint_topic, log)
         sensors = [
-            _floats(f"{self.sensor_topic}/{name.removeprefix(_SENSOR)}", signal)
+            _floats(f"{self.sensor_topic}/{name.partition('.')[2]}", signal)
             for name, signal in log.outputs.items()
-            if name.startswith(_SENSOR)
+            if is_sensor(name)
         ]
         commands = [_floats(f"{self.command_topic}/{name}", signal) for name, signal in log.commands.items()]
         notes = {f"note.{number}": note.message for number, note in enumerate(log.notes)}
@@ -78,18 +77,18 @@ def _later(signals: Mapping[str, Signal], shift: float) -> dict[str, Signal]:
 
 def _joint_states(topic: str, log: Log) -> list[JointStates]:
     """One topic with every joint that has a position; none without joints."""
-    joints = tuple(name.removesuffix(_POSITION) for name in log.outputs if name.endswith(_POSITION))
-    alone = [name for name in log.outputs if name.endswith(_VELOCITY) and name.removesuffix(_VELOCITY) not in joints]
+    joints = tuple(joint_of(name) for name in log.outputs if quantity(name) == POSITION)
+    alone = [name for name in log.outputs if quantity(name) == VELOCITY and joint_of(name) not in joints]
     if alone:
         raise DataError(
             f"Log {log.name!r}: {alone[0]!r} is measured without its joint's position, which a joint state needs."
         )
     if not joints:
         return []
-    signals = [log.outputs[name] for name in log.outputs if not name.startswith(_SENSOR)]
+    signals = [log.outputs[name] for name in log.outputs if not is_sensor(name)]
     time = np.unique(np.concatenate([signal.time for signal in signals]))
-    position = np.stack([_on(time, log.outputs[joint + _POSITION]) for joint in joints], axis=1)
-    velocity = np.stack([_on(time, log.outputs.get(joint + _VELOCITY)) for joint in joints], axis=1)
+    position = np.stack([_on(time, log.outputs[f"{joint}.{POSITION}"]) for joint in joints], axis=1)
+    velocity = np.stack([_on(time, log.outputs.get(f"{joint}.{VELOCITY}")) for joint in joints], axis=1)
     known = velocity if np.isfinite(velocity).any() else None
     return [JointStates(topic, joints, time, time, position, known)]
 

@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from dr_lab.bounds import Count, Positive, at_least, require_bounds
+from dr_lab.channel_names import POSITION, VELOCITY, joint_of, quantity
 from dr_lab.diagnosis.evidence.score import score_of
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
@@ -91,12 +92,12 @@ def suspect_degrees(
     given = chi2(measured)
     if given < rules.follows:
         return None
-    other = chi2(_as_degrees(measured, {*wide, *(name.replace(".position", ".velocity") for name in wide)}))
+    other = chi2(_as_degrees(measured, {*wide, *(f"{joint_of(name)}.{VELOCITY}" for name in wide)}))
     return UnitSuspicion(wide, given, other) if other * rules.better < given else None
 
 
 def _is_wide(name: str, measured: MeasurementSet, logs: Sequence[Log]) -> bool:
-    if measured.noise[name].unit != "rad" or not name.endswith(".position"):
+    if measured.noise[name].unit != "rad" or quantity(name) != POSITION:
         return False
     return any(float(np.ptp(log.outputs[name].value)) > _TURN for log in logs)
 

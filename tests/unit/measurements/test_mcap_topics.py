@@ -75,6 +75,12 @@ def test_lists_where_a_number_is_expected_are_refused(
         read_log(two, {"a.position": entry}, {}, contract)
 
 
+def test_a_sensor_called_position_may_have_several_numbers(two: Path, contract: DataContract) -> None:
+    place = {"sensor.position": {"topic": "/joint_states", "field": "position", "unit": "m"}}
+    log = read_log(two, place, {}, contract)
+    assert log.outputs["sensor.position"].value.shape == (len(TIME), 2)
+
+
 def test_a_list_of_one_number_is_that_number(two: Path, contract: DataContract) -> None:
     angle = {"a.position": {"topic": "/joint_states", "field": "position[a]", "unit": "rad"}}
     log = read_log(two, angle, {"u": {"topic": "/u", "field": "data", "unit": "V"}}, contract)
