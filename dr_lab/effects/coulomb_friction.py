@@ -40,6 +40,7 @@ class CoulombFriction(DryFrictionEffect, SpecEdit):
     confused_with: ClassVar[tuple[str, ...]] = (
         "stribeck_friction",
         "presliding_friction",
+        "smooth_friction",
         "soft_friction",
         "viscous_friction",
     )

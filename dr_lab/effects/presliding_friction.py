@@ -22,7 +22,7 @@ class PreslidingFriction(JointEffect, ForceLaw):
 
     tau = −tau_c (b + T b') with b' = (v − |v/g(v)| b)/x and g(v) = tanh(v/v_c): LuGre's bristles without Stribeck's
     drop. While it slides steadily b is g(v), so that the joint creeps at speeds below v_c; at a reversal b follows over
-    the way x. For v_c, T → 0 it is Dahl's friction, for x, T → 0 friction by tanh, for all of them Coulomb friction.
+    the way x. For v_c, T → 0 it is Dahl's friction, for x, T → 0 `SmoothFriction`, for all of them Coulomb friction.
     For solving the equation see `Bristles`.
     MuJoCo's own LuGre friction (``dcmotor``) is not used: see `StribeckFriction`. Nor is a softer friction constraint
     (``solref_friction``), which creeps at a speed that depends on the inertia and the time step.
@@ -64,12 +64,14 @@ class PreslidingFriction(JointEffect, ForceLaw):
         "coulomb_friction",
         "stribeck_friction",
         "lugre_friction",
+        "smooth_friction",
         "soft_friction",
         "hysteresis",
         "viscous_friction",
     )
     holds: ClassVar[Mapping[str, SpecialCase]] = {
-        "coulomb_friction": SpecialCase(("displacement", "creep", "retardation"), {"torque": "torque"})
+        "coulomb_friction": SpecialCase(("displacement", "creep", "retardation"), {"torque": "torque"}),
+        "smooth_friction": SpecialCase(("displacement", "retardation"), {"torque": "torque", "creep": "creep"}),
     }
     shapes: ClassVar[tuple[str, ...]] = ("displacement", "creep", "retardation")
     sharpened: ClassVar[tuple[str, ...]] = ("creep",)

@@ -50,7 +50,12 @@ class SoftFriction(DryFrictionEffect, SpecEdit):
     family: ClassVar[str] = "friction"
     law: ClassVar[str] = "tau = -tau_c sign(v); at rest v' = (1-d) a0 - d b v, as MuJoCo's frictionloss"
     fingerprint: ClassVar[str] = "force residual jumps with the sign of velocity; creeps at rest as far as it is pushed"
-    confused_with: ClassVar[tuple[str, ...]] = ("coulomb_friction", "presliding_friction", "viscous_friction")
+    confused_with: ClassVar[tuple[str, ...]] = (
+        "coulomb_friction",
+        "smooth_friction",
+        "presliding_friction",
+        "viscous_friction",
+    )
     holds: ClassVar[Mapping[str, SpecialCase]] = {"coulomb_friction": SpecialCase(("softness",), {"torque": "torque"})}
     shapes: ClassVar[tuple[str, ...]] = ("softness",)
 

@@ -13,7 +13,12 @@ from dr_lab.trajectory import Array
 
 SECONDS = 0.4
 CLOSE = 0.05  # of what the poorer effect does; hysteresis, dry friction in its limit alone, is 0.033 off, the others 0
-ELSEWHERE = (("planar_payload", "payload"), ("rigid_payload", "payload"), ("lugre_friction", "stribeck_friction"))
+ELSEWHERE = (
+    ("planar_payload", "payload"),
+    ("rigid_payload", "payload"),
+    ("lugre_friction", "stribeck_friction"),
+    ("presliding_friction", "smooth_friction"),
+)
 RANGE = 0.1  # rad, which bounds how near to the limit it comes
 
 
@@ -60,7 +65,9 @@ def test_what_an_effect_holds_is_in_the_catalogue_and_poorer() -> None:
         ("planar_payload", "payload"),
         ("position_dependent_friction", "coulomb_friction"),
         ("presliding_friction", "coulomb_friction"),
+        ("presliding_friction", "smooth_friction"),
         ("rigid_payload", "payload"),
+        ("smooth_friction", "coulomb_friction"),
         ("soft_friction", "coulomb_friction"),
         ("stribeck_friction", "coulomb_friction"),
         ("torque_speed_limit", "saturation"),

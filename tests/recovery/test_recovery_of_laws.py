@@ -23,7 +23,7 @@ THRUST = (["command_power", "site=motor", "full=8.0", "exponent=1.6"], "dead_zon
 @pytest.mark.parametrize(
     ("hidden", "beside", "parameter", "truth"),
     [
-        pytest.param(*CREEP, "presliding_friction@arm.creep", 0.5, marks=pytest.mark.slow),
+        pytest.param(*CREEP, "smooth_friction@arm.creep", 0.5, marks=pytest.mark.slow),
         pytest.param(*WARMING, "friction_drift@arm.rate", 1 / 1.5, marks=pytest.mark.slow),
         pytest.param(*THRUST, "command_power@motor.exponent", 1.6, marks=pytest.mark.slow),
     ],

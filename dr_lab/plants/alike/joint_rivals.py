@@ -24,7 +24,7 @@ def joint_rivals(course: Course, grids: Grids, load: Array) -> Iterator[Rival]:
     for row, joint in enumerate(course.machine.joints):
         yield from _frictions(course, grids, load[:, row], row, joint)
         yield from _fading(course, grids, row, joint)
-        yield _creeping(course, grids, row, joint)
+        yield from _creeping(course, grids, row, joint)
         yield _soft(course, grids, row, joint)
         yield _falling(course, grids, row, joint)
         yield from _forces(course, grids, row, joint)
@@ -58,15 +58,18 @@ def _frictions(course: Course, grids: Grids, load: Array, row: int, joint: str) 
     yield Rival(f"quadratic_drag@{joint}", 1, (of(-np.abs(v) * v),))
 
 
-def _creeping(course: Course, grids: Grids, row: int, joint: str) -> Rival:
-    """Friction that gives way before it slides and creeps; damping of its bristles is left out."""
+def _creeping(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Rival]:
+    """Friction that creeps, and gives way before it slides or not; damping of its bristles is left out."""
     q, v, count = course.position[:, row], course.velocity[:, row], course.position.shape[1]
-    choices = []
-    for way in np.ptp(q) * np.asarray(grids.ways):
-        slow = np.abs(v).max() * np.asarray(grids.creeps)
+    slow = np.abs(v).max() * np.asarray(grids.creeps)
+
+    def giving(way: float) -> tuple[Choice, ...]:
         bends = [gripped(v, course.step, way, np.tanh(v / creep), creep) for creep in slow]
-        choices += mixed([pushing(-bend, row, count) for bend in bends])
-    return Rival(f"presliding_friction@{joint}", 4, tuple(choices))
+        return tuple(mixed([pushing(-bend, row, count) for bend in bends]))
+
+    yield Rival(f"smooth_friction@{joint}", 2, giving(0.0))
+    ways = np.ptp(q) * np.asarray(grids.ways)
+    yield Rival(f"presliding_friction@{joint}", 4, tuple(choice for way in ways for choice in giving(float(way))))
 
 
 def _soft(course: Course, grids: Grids, row: int, joint: str) -> Rival:

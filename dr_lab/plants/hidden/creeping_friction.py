@@ -35,4 +35,4 @@ class CreepingFriction(JointForce):
 class ShowingCreep(CreepingFriction):
     """The same with a creep that the logs may show, which is no Coulomb friction."""
 
-    name: ClassVar[str] = "presliding_friction"
+    name: ClassVar[str] = "smooth_friction"

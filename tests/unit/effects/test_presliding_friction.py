@@ -34,12 +34,17 @@ def moved(
     return rollout.qpos[0, :, 0], rollout.qvel[0, :, 0]
 
 
-def test_without_a_way_it_is_friction_by_tanh() -> None:
-    """d(sinh(v/c))/dt = −(T / (m c)) sinh(v/c)."""
-    creep, time = 1.0, STEP * np.arange(251)
-    _, speed = moved(0.0, creep, 0.0, start=2.0)
-    expected = creep * np.arcsinh(np.sinh(2.0 / creep) * np.exp(-TORQUE / (MASS * creep) * time))
-    np.testing.assert_allclose(speed, expected, rtol=0, atol=2e-4)
+def test_without_a_way_it_is_smooth_friction() -> None:
+    smooth = block().with_effect(
+        placed(block(), "smooth_friction", "rail", scales_of(block(), position=10.0, speed=20.0))
+    )
+    zeros, start = np.zeros((1, 250, 1)), np.full((1, 1, 1), 2.0)
+    rollout = Simulator(smooth, 1, threads=1).replay(
+        np.array([[TORQUE, 1.0]]), 0.0 * start, start, zeros, zeros[:, :1], None
+    )
+    place, speed = moved(0.0, 1.0, 0.0, start=2.0)
+    np.testing.assert_allclose(rollout.qpos[0, :, 0], place, rtol=0, atol=1e-4)
+    np.testing.assert_allclose(rollout.qvel[0, :, 0], speed, rtol=0, atol=4e-4)
 
 
 def test_under_a_load_below_its_torque_it_creeps() -> None:

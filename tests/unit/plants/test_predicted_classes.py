@@ -83,7 +83,7 @@ def test_powers_drifts_and_soft_friction_are_none_of_the_poorer_effects(truth: l
 @needs_pinocchio
 def test_a_creep_that_is_too_slow_to_show_is_coulomb_friction() -> None:
     ((label, known),) = classes(*hidden("creeping_friction", "site=wheel", "torque=0.04", "creep=1e-3")).items()
-    assert label == "presliding_friction@wheel"
+    assert label == "smooth_friction@wheel"
     assert "coulomb_friction@wheel" in known
 
 
