@@ -37,7 +37,9 @@ def run(verb: str, arguments: list[str], folders: tuple[Path, ...]) -> int:
     traceback_wanted = os.environ.get(TRACEBACK_VARIABLE) == "1"
     try:
         if "--help" in arguments or "-h" in arguments:
-            print(verb_help(verb, [word for word in arguments if not word.startswith("-")], folders))
+            # A robot's file beside the question, say, changes nothing in the answer.
+            overrides = [word for word in arguments if "=" in word or word.startswith("~")]
+            print(verb_help(verb, overrides, folders))
             return 0
         require_known_flags(arguments, verb)
         arguments = spelt_out(verb, arguments, folders)
