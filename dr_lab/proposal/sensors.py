@@ -23,6 +23,7 @@ _SENSORS: Mapping[VectorKind, mujoco.mjtSensor] = {
 }
 _SI: Mapping[VectorKind, str] = {"position": "m", "orientation": "1", "rate": "rad/s", "acceleration": "m/s^2"}
 _AT_SITES = ("rate", "acceleration")
+_TINY = 1e-6  # m or rad, between frames that are one
 _TURNS = {"rad/s": 1.0, "deg/s": np.pi / 180}
 
 
@@ -55,6 +56,7 @@ def find_sensors(spec: mujoco.MjSpec, logs: Survey, settings: ProposalSettings) 
         names = _sensors(spec, kind) or (_added(spec, kind, found) if mine else [])
         for name, vector in _pairs(names, mine, found):
             unit, why, doubts = _read(vector, vectors, settings)
+            doubts += _of_inertia(spec, name, kind)
             found.doubts += [f"sensor.{name}: {doubt}." for doubt in doubts]
             found.outputs.append(Output(f"sensor.{name}", vector.parts, unit, 1, 0.0, wrap=False, why=why))
     return found
@@ -62,6 +64,21 @@ def find_sensors(spec: mujoco.MjSpec, logs: Survey, settings: ProposalSettings) 
 
 def _sensors(spec: mujoco.MjSpec, kind: VectorKind) -> list[str]:
     return [sensor.name for sensor in spec.sensors if sensor.type == _SENSORS[kind]]
+
+
+def _of_inertia(spec: mujoco.MjSpec, name: str, kind: VectorKind) -> list[str]:
+    """What is unsure of a sensor that reads the frame of a body's inertia, where that is not the body's own."""
+    sensor = spec.sensor(name)
+    if sensor.objtype != mujoco.mjtObj.mjOBJ_BODY:
+        return []
+    body = spec.copy().compile().body(sensor.objname)
+    away, turned = float(np.linalg.norm(body.ipos)), Rotation.from_quat(body.iquat, scalar_first=True).magnitude()
+    apart = {
+        "position": f"the centre of mass, {away:.3g} m away from" if away > _TINY else "",
+        "orientation": f"the axes of inertia, turned by {np.degrees(turned):.3g}° from" if turned > _TINY else "",
+    }.get(kind)
+    remedy = 'where the logs hold the frame, write objtype="xbody"'
+    return [f'objtype="body" reads {apart} the frame of body {sensor.objname}; {remedy}'] if apart else []
 
 
 def _added(spec: mujoco.MjSpec, kind: VectorKind, found: Sensed) -> list[str]:

@@ -40,6 +40,7 @@ WITH_SENSORS = DRONE % (
     '<site name="chip" pos="0.01 0 0"/>',
     '<framepos name="mocap" objtype="xbody" objname="frame"/><gyro name="chip_rate" site="chip"/>',
 )
+FRAMES = ("framepos", "framequat")
 WITH_ARM = BARE.replace(
     "</body></worldbody>",
     '<body name="arm"><joint name="hinge" axis="0 1 0"/>'
@@ -158,6 +159,19 @@ def test_rates_that_are_differences_of_the_orientation_are_told(capsys: pytest.C
 
     proposed(BARE, *(made(flight(seed)) for seed in range(3)))
     assert "if it was computed from that, delete it" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("kind", "shifted", "told"), [("body", 1, True), ("body", 0, False), ("xbody", 1, False)])
+def test_sensors_of_the_inertia_are_told_where_its_frame_is_another(
+    kind: str, shifted: int, told: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    xml = DRONE % ("", "".join(f'<{sort} name="{sort}" objtype="{kind}" objname="frame"/>' for sort in FRAMES))
+    frame = f'pos="0 0 {0.02 * shifted}" euler="0 0 {0.5 * shifted}" diaginertia'
+    proposed(xml.replace('pos="0 0 0" diaginertia', frame), flight(0), flight(1))
+    out = " ".join(capsys.readouterr().out.split())
+    assert ("reads the centre of mass, 0.02 m away from the frame of body frame" in out) == told
+    assert ("reads the axes of inertia, turned by 28.6° from the frame of body frame" in out) == told
+    assert ('write objtype="xbody"' in out) == told
 
 
 def test_a_joint_of_a_body_that_flies_is_an_output_beside_it() -> None:
