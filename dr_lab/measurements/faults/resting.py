@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.channel_names import POSITION, quantity
 from dr_lab.measurements.contract import DataContract
 from dr_lab.trajectory import Array, Log, Note
 
@@ -16,7 +17,7 @@ def find_resting(log: Log, contract: DataContract) -> list[Note]:
     Commands go on if each covers, within the span, `contract.resting_drive` of the range and of the scatter that it has
     while the machine moves: friction holds against weak commands, a stop against those in one direction.
     """
-    positions = [signal for name, signal in log.outputs.items() if name.endswith(".position")]
+    positions = [signal for name, signal in log.outputs.items() if quantity(name) == POSITION]
     if not positions or not log.commands:
         return []
     begin = max(signal.time[0] for signal in (*positions, *log.commands.values()))

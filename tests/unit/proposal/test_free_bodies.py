@@ -161,6 +161,13 @@ def test_rates_that_are_differences_of_the_orientation_are_told(capsys: pytest.C
     assert "if it was computed from that, delete it" in capsys.readouterr().out
 
 
+def test_a_sensor_may_be_called_position(capsys: pytest.CaptureFixture[str]) -> None:
+    sensor = '<framepos name="position" objtype="xbody" objname="frame"/>'
+    found = proposed(DRONE % ("", sensor), flight(0), flight(1))
+    assert found["outputs"]["sensor.position"] == {"column": ["x", "y", "z"], "unit": "m"}
+    assert "refuse" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(("kind", "shifted", "told"), [("body", 1, True), ("body", 0, False), ("xbody", 1, False)])
 def test_sensors_of_the_inertia_are_told_where_its_frame_is_another(
     kind: str, shifted: int, told: bool, capsys: pytest.CaptureFixture[str]
