@@ -18,6 +18,11 @@ def quantity(name: str) -> str:
     return last if last in (POSITION, VELOCITY) and not is_sensor(name) else ""
 
 
+def sensor_of(name: str) -> str:
+    """The sensor of a channel that `is_sensor`, with its axis."""
+    return name.removeprefix(_SENSOR)
+
+
 def joint_of(name: str) -> str:
     """The joint of a channel that has a `quantity`."""
     return name.rpartition(".")[0]

@@ -29,18 +29,21 @@ def spelt_out(verb: str, arguments: Sequence[str], folders: Sequence[Path]) -> l
         folders: configuration folders, first searched first.
     """
     keys = positional(verb, folders)
-    words = [word for word in arguments if _is_plain(word)] if keys else []
+    words = [word for word in arguments if is_plain(word)] if keys else []
     if not words:
         return list(arguments)
     first, last = words[: len(keys) - 1], words[len(keys) - 1 :]
     given = [f"{key}={_quoted(word)}" for key, word in zip(keys, first, strict=False)]
     if last:
         given.append(f"{keys[-1]}=[{','.join(map(_quoted, last))}]")
-    return [*given, *(word for word in arguments if not _is_plain(word))]
+    return [*given, *(word for word in arguments if not is_plain(word))]
 
 
-def _is_plain(word: str) -> bool:
-    return not word.startswith("-") and ("=" not in word or Path(word).exists())
+def is_plain(word: str) -> bool:
+    """Whether a word names a file rather than a flag, a key with a value, or a key that goes (``~key``)."""
+    if word.startswith("-") or (word.startswith("~") and not word.startswith("~/")):
+        return False
+    return "=" not in word or Path(word).exists()
 
 
 def _quoted(word: str) -> str:

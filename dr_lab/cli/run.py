@@ -13,7 +13,7 @@ from dr_lab.cli.explain import explain, interruption
 from dr_lab.cli.flags import require_known_flags, runs_jobs
 from dr_lab.cli.hydra_node import checked_at_composition
 from dr_lab.cli.overrides import composed
-from dr_lab.cli.positional import spelt_out
+from dr_lab.cli.positional import is_plain, spelt_out
 from dr_lab.cli.task import Task
 from dr_lab.cli.verb_help import verb_help
 
@@ -37,8 +37,8 @@ def run(verb: str, arguments: list[str], folders: tuple[Path, ...]) -> int:
     traceback_wanted = os.environ.get(TRACEBACK_VARIABLE) == "1"
     try:
         if "--help" in arguments or "-h" in arguments:
-            # A robot's file beside the question, say, changes nothing in the answer.
-            overrides = [word for word in arguments if "=" in word or word.startswith("~")]
+            # Names of files and flags do not change the help; overrides do.
+            overrides = [word for word in arguments if not (word.startswith("-") or is_plain(word))]
             print(verb_help(verb, overrides, folders))
             return 0
         require_known_flags(arguments, verb)

@@ -2,7 +2,7 @@
 
 import mujoco
 
-from dr_lab.channel_names import is_sensor
+from dr_lab.channel_names import is_sensor, sensor_of
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import slides
 from dr_lab.effects.sensor_effect import SensorEffect
@@ -35,5 +35,5 @@ def range_of(site: str, scales: Scales, joint_least: float, sensor: float) -> fl
 
 
 def _is_scalar(model: mujoco.MjModel, site: str) -> bool:
-    name = site.partition(".")[2]
+    name = sensor_of(site)
     return name in sensor_axes(model) or int(model.sensor(name).dim[0]) == 1

@@ -16,7 +16,7 @@ from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 _NEWTON = 4  # steps towards where the force is linearised
-_NEAR = 1e-4  # way below which differences of ln cosh lose more digits than the mean's value in the middle
+_NEAR = 1e-4  # below it a difference of ln cosh is less accurate than tanh in the middle
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class SmoothFriction(JointEffect, ForceLaw):
         return Sigmoid(dof, values["torque"], values["creep"], inertia)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
-        """Little friction that passes through zero at several speeds."""
+        """A small torque at each of `start_creeps`."""
         torque, creep = parameters
         little, moving = self.start_torque * torque.high, creep.high / self.creeps[2]
         return tuple({"torque": little, "creep": share * moving} for share in self.start_creeps)
@@ -89,16 +89,17 @@ class Sigmoid(Law):
     """A force −torque tanh(v/creep) of a degree of freedom, by its mean over a step; values of shape (n,) or (1,).
 
     While v goes evenly from v₀ to v₁ the mean of the tanh is creep (ln cosh(v₁/creep) − ln cosh(v₀/creep))/(v₁ − v₀),
-    which knows a reversal within the step. It is linearised in v₁, and how it changes with v₁ is put beside the
-    inertia, so that a steep tanh needs no finer steps. That is done around the v₁ to which the step leads if all other
-    forces are those of the last step and the inertia is that of the reference pose.
+    which counts a reversal within the step. The force is linearised in v₁. Its slope is added to the armature, which
+    makes the step implicit, so that a steep tanh needs no finer steps. The point of linearisation is a predicted v₁: it
+    takes all other forces as those of the last step.
     Source: McLachlan, Quispel and Robidoux, Phil. Trans. R. Soc. A 357 (1999) 1021, the averaged vector field.
 
     Attributes:
         dof: degree of freedom.
         torque: at high speed, N·m or N.
         creep: speed at which the force is 0.76 of that, rad/s or m/s.
-        inertia: on which the force acts, in the reference pose, kg·m² or kg.
+        inertia: on which the force acts, by the compiled model in its reference pose, kg·m² or kg. It only serves to
+            predict v₁.
     """
 
     dof: int
@@ -119,9 +120,15 @@ class Sigmoid(Law):
 
 
 def _end(start: Array, driven: Array, braked: Array) -> Array:
-    """The end x of a step that obeys x = start + driven − braked · mean, by Newton's method within its bounds."""
+    """The end x of a step that obeys x = start + driven − braked · mean, by Newton's method within its bounds.
+
+    Args:
+        start: speed at the start, in units of the creep, as all here.
+        driven: speed that all other forces give in the step.
+        braked: speed that the whole torque takes in the step.
+    """
     low, high = start + driven - braked, start + driven + braked
-    end = start + driven - braked * np.tanh(start)
+    end = np.clip(0.0, low, high)  # where hard friction would end; from elsewhere a steep tanh takes many steps
     for _ in range(_NEWTON):
         mean, slope = _mean(start, end)
         excess = end - start - driven + braked * mean
@@ -138,7 +145,7 @@ def _mean(start: Array, end: Array) -> tuple[Array, Array]:
     far = np.where(near, 1.0, way)
     mean = np.where(near, middle, (_ln_cosh(end) - _ln_cosh(start)) / far)
     slope = np.where(near, (1.0 - middle**2) / 2, (np.tanh(end) - mean) / far)
-    return mean, slope
+    return mean, np.maximum(slope, 0.0)  # digits that cancel may leave less
 
 
 def _ln_cosh(x: Array) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
+from dr_lab.physics.compiling import compiled
 from dr_lab.proposal.by_name import matches
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.settings import ProposalSettings
@@ -71,13 +72,13 @@ def _of_inertia(spec: mujoco.MjSpec, name: str, kind: VectorKind) -> list[str]:
     sensor = spec.sensor(name)
     if sensor.objtype != mujoco.mjtObj.mjOBJ_BODY:
         return []
-    body = spec.copy().compile().body(sensor.objname)
+    body = compiled(spec.copy()).body(sensor.objname)
     away, turned = float(np.linalg.norm(body.ipos)), Rotation.from_quat(body.iquat, scalar_first=True).magnitude()
     apart = {
         "position": f"the centre of mass, {away:.3g} m away from" if away > _TINY else "",
         "orientation": f"the axes of inertia, turned by {np.degrees(turned):.3g}° from" if turned > _TINY else "",
     }.get(kind)
-    remedy = 'where the logs hold the frame, write objtype="xbody"'
+    remedy = 'if the logs hold that frame itself, write objtype="xbody" in the model'
     return [f'objtype="body" reads {apart} the frame of body {sensor.objname}; {remedy}'] if apart else []
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from dr_lab.channel_names import joint_of
 from dr_lab.reports.gap_entries import ExperimentEntry
 from dr_lab.reports.quantity import number, percent
 
@@ -62,7 +63,7 @@ def _sharpens(proposal: ExperimentEntry) -> str:
 
 def _played(proposal: ExperimentEntry) -> str:
     """How it is played, and what it keeps."""
-    start = ", ".join(f"{joint.removesuffix('.position')} {number(at, 3)}" for joint, at in proposal.start.items())
+    start = ", ".join(f"{joint_of(joint)} {number(at, 3)}" for joint, at in proposal.start.items())
     pose = f"Bring the machine to rest at {start} (rad or m)" if start else "Bring the machine to rest"
     rests = "" if proposal.rests else " It does not stay there by itself, so start without delay."
     return (

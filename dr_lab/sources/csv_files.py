@@ -7,7 +7,7 @@ from itertools import chain, count
 
 import numpy as np
 
-from dr_lab.channel_names import POSITION, VELOCITY, is_sensor, joint_of, quantity
+from dr_lab.channel_names import POSITION, VELOCITY, is_sensor, joint_of, quantity, sensor_of
 from dr_lab.errors import DataError
 from dr_lab.recorders.mcap import FloatArrays, JointStates
 from dr_lab.sources.source import NamedLog
@@ -50,7 +50,7 @@ class CsvSource:
         log = replace(log, outputs=_later(log.outputs, shift), commands=_later(log.commands, shift))
         joints = _joint_states(self.joint_topic, log)
         sensors = [
-            _floats(f"{self.sensor_topic}/{name.partition('.')[2]}", signal)
+            _floats(f"{self.sensor_topic}/{sensor_of(name)}", signal)
             for name, signal in log.outputs.items()
             if is_sensor(name)
         ]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dr_lab.channel_names import joint_of
 from dr_lab.errors import ConfigError
 from dr_lab.plants.played import Played
 from dr_lab.plants.rig import Rig
@@ -55,7 +56,7 @@ class NextExperimentSource:
         folder, rig = Path(self.run).expanduser(), self.bench.plant
         entry = _proposed(folder)
         time, commands = _rows(folder / entry.command_file, rig.actuators)
-        pose = {name.removesuffix(".position"): at for name, at in entry.start.items()}
+        pose = {joint_of(name): at for name, at in entry.start.items()}
         if not set(pose) <= set(rig.joints):
             raise _other_machine(folder, "moves", pose, rig.joints)
         return replace(

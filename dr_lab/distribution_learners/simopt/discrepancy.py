@@ -11,6 +11,7 @@ from tensordict import TensorDict
 from torch import Tensor
 
 from dr_lab.bounds import NotNegative, require_bounds
+from dr_lab.channel_names import POSITION, quantity
 from dr_lab.distribution_learners.simopt.quantity import Quantity, quantities
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.trajectory import Array
@@ -62,7 +63,7 @@ class Discrepancy:
             ConfigError: nothing is measured.
         """
         known = quantities(compiled, seen)
-        weights = {name: 1.0 for name in known if name.endswith(".position")} if self.weights is None else self.weights
+        weights = {name: 1.0 for name in known if quantity(name) == POSITION} if self.weights is None else self.weights
         for name in weights:
             if name not in known:
                 raise UnknownNameError("measured quantity", name, known, "the machine (discrepancy.weights)")

@@ -75,8 +75,9 @@ def test_verb_help_lists_groups_options_and_keys(dr_lab: CommandLine, capsys: Ca
 def test_help_of_a_whole_command_is_that_of_its_verb(dr_lab: CommandLine, capsys: Capture) -> None:
     assert dr_lab("compare", "--help") == 0
     alone = capsys.readouterr().out
-    assert dr_lab("compare", "arm.xml", "logs/*.csv", "--help") == 0
-    assert capsys.readouterr().out == alone
+    for beside in (["arm.xml", "logs/*.csv"], ["--config-name=config"]):
+        assert dr_lab("compare", *beside, "--help") == 0
+        assert capsys.readouterr().out == alone
 
 
 def test_verb_help_lists_the_users_options(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:

@@ -38,11 +38,12 @@ def test_without_a_way_it_is_smooth_friction() -> None:
     smooth = block().with_effect(
         placed(block(), "smooth_friction", "rail", scales_of(block(), position=10.0, speed=20.0))
     )
-    zeros, start = np.zeros((1, 250, 1)), np.full((1, 1, 1), 2.0)
+    wave = 25.0 * np.sin(2 * np.pi * 5.0 * STEP * np.arange(250))
+    pushes, start = wave[None, :, None], np.full((1, 1, 1), 2.0)
     rollout = Simulator(smooth, 1, threads=1).replay(
-        np.array([[TORQUE, 1.0]]), 0.0 * start, start, zeros, zeros[:, :1], None
+        np.array([[TORQUE, 1.0]]), 0.0 * start, start, pushes, pushes[:, :1], None
     )
-    place, speed = moved(0.0, 1.0, 0.0, start=2.0)
+    place, speed = moved(0.0, 1.0, wave, start=2.0)
     np.testing.assert_allclose(rollout.qpos[0, :, 0], place, rtol=0, atol=1e-4)
     np.testing.assert_allclose(rollout.qvel[0, :, 0], speed, rtol=0, atol=4e-4)
 

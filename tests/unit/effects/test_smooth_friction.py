@@ -35,13 +35,16 @@ def test_a_block_that_is_left_alone_stops_as_the_equation_says() -> None:
     np.testing.assert_allclose(speeds(creep, 0.0, start=2.0), expected, rtol=0, atol=2e-4)
 
 
-@pytest.mark.parametrize("creep", [0.02, 1e-3])
-def test_under_a_load_below_its_torque_it_creeps_however_stiff_that_is_for_the_step(creep: float) -> None:
-    np.testing.assert_allclose(speeds(creep, 5.0)[-100:], creep * np.arctanh(5.0 / TORQUE), rtol=1e-3)
+@pytest.mark.parametrize("load", [0.4, 2.4, 5.0])
+@pytest.mark.parametrize("creep", [0.02, 1e-3, 1e-4, 1e-5])
+def test_under_a_load_below_its_torque_it_creeps_however_stiff_that_is_for_the_step(creep: float, load: float) -> None:
+    """The least creep is a thousandth of the speed that the torque gives or takes in a step."""
+    expected = creep * np.arctanh(load / TORQUE)
+    np.testing.assert_allclose(speeds(creep, load)[-100:], expected, rtol=1e-3, atol=2e-3 * STEP * TORQUE / MASS)
 
 
 def test_for_little_creep_it_slides_as_coulomb_friction() -> None:
-    np.testing.assert_allclose(speeds(1e-3, 12.0), (12.0 - TORQUE) / MASS * STEP * np.arange(251), rtol=0, atol=0.01)
+    np.testing.assert_allclose(speeds(1e-3, 12.0), (12.0 - TORQUE) / MASS * STEP * np.arange(251), rtol=0, atol=4e-3)
 
 
 @pytest.mark.parametrize("creep", [0.3, 0.03, 3e-3])
