@@ -21,7 +21,7 @@ from dr_lab.physics.inertial import KEY, BodyInertial, declare, require_alone
 from dr_lab.physics.inertias import written_out
 from dr_lab.physics.law import Law
 from dr_lab.physics.model_effect import ModelEffect
-from dr_lab.physics.naming import name_elements
+from dr_lab.physics.naming import name_elements, require_joints_apart
 from dr_lab.physics.parameter import Parameter
 from dr_lab.physics.shared_target import SharedTarget, parse, places
 from dr_lab.physics.signal import Reading
@@ -216,6 +216,7 @@ def from_spec(
     """Declare the free parameters of a spec, whose unnamed elements get names; arguments and errors as `load`."""
     spec = spec.copy()
     name_elements(spec)
+    require_joints_apart(name, spec)
     parameters, bodies = _apart(name, parameters)
     for key, entry in parameters.items():
         require_known(name, key, entry)

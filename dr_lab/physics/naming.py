@@ -5,6 +5,9 @@ from typing import Any
 
 import mujoco
 
+from dr_lab.channel_names import is_sensor
+from dr_lab.errors import ModelError
+
 
 def name_elements(spec: mujoco.MjSpec) -> None:
     """Give every unnamed body, joint, actuator and sensor a name, ``<kind>_<place>`` with its place among its kind.
@@ -29,6 +32,20 @@ def name_elements(spec: mujoco.MjSpec) -> None:
                     name += "_"
                 element.name = name
                 taken.add(name)
+
+
+def require_joints_apart(name: str, spec: mujoco.MjSpec) -> None:
+    """Refuse a joint whose channels would pass for those of a sensor.
+
+    Raises:
+        ModelError: a joint of the model `name` is called ``sensor`` or ``sensor.<something>``.
+    """
+    for joint in spec.joints:
+        if is_sensor(f"{joint.name}."):
+            raise ModelError(
+                f"Model {name!r}: joint {joint.name!r} cannot be told from a sensor, whose channel is called "
+                "'sensor.<name>'. Rename the joint in the MJCF."
+            )
 
 
 def joints(model: mujoco.MjModel, kinds: Sequence[mujoco.mjtJoint]) -> tuple[str, ...]:

@@ -148,3 +148,13 @@ def test_the_ends_of_a_force_range_never_meet(
         from_spec("arm", one.copy(), ends)
     apart = {name: {**entry, **({"high": -1.0} if name == "end.0" else {"low": 1.0})} for name, entry in ends.items()}
     assert from_spec("arm", one, apart).space.names == tuple(ends)
+
+
+@pytest.mark.parametrize(("joint", "refused"), [("sensor", True), ("sensor.x", True), ("sensors", False)])
+def test_a_joint_whose_channels_would_pass_for_a_sensors_is_refused(joint: str, refused: bool) -> None:
+    spec = mujoco.MjSpec.from_string(ARM.replace('"hinge"', f'"{joint}"'))
+    if refused:
+        with pytest.raises(ModelError, match=rf"joint '{joint}' cannot be told from a sensor.* Rename the joint"):
+            from_spec("toy", spec, {})
+    else:
+        assert from_spec("toy", spec, {}).nominal().joint(0).name == joint
