@@ -6,7 +6,7 @@ import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 
 from dr_lab.cli.folders import shipped
-from dr_lab.cli.positional import spelt_out
+from dr_lab.cli.positional import is_plain, spelt_out
 
 FOLDERS = (shipped(),)
 
@@ -35,3 +35,11 @@ def test_names_reach_the_verb_as_they_are(name: str, tmp_path: Path, monkeypatch
     monkeypatch.chdir(tmp_path)
     Path(name).touch()
     assert values(["two.xml", name, "output=x"]) == {"robot": "two.xml", "logs": [name], "output": "x"}
+
+
+@pytest.mark.parametrize(
+    ("word", "plain"),
+    [("arm.xml", True), ("~/logs/a.csv", True), ("~effects.wind", False), ("--resume", False), ("name=arm", False)],
+)
+def test_names_of_files_are_told_from_flags_and_keys(word: str, plain: bool) -> None:
+    assert is_plain(word) == plain
