@@ -55,6 +55,16 @@ def special_cases(placed: Sequence[PlacedEffect], richer: Sequence[int], among: 
     return {k: among[place] for k, place in cases.items() if place is not None}
 
 
+def shared(effect: PlacedEffect, other: PlacedEffect) -> Mapping[str, str]:
+    """The quantities that an effect has in common with one at its site, its short name → the other's.
+
+    There are none unless one of the two is a special case of the other.
+    """
+    if holds(effect, other):
+        return effect.effect.holds[other.effect.name].same
+    return {its: ours for ours, its in shared(other, effect).items()} if holds(other, effect) else {}
+
+
 def reaching(effect: PlacedEffect, other: PlacedEffect) -> PlacedEffect:
     """An effect with the bounds of its special case, or of a richer one that it is a special case of, that were moved.
 
@@ -62,8 +72,7 @@ def reaching(effect: PlacedEffect, other: PlacedEffect) -> PlacedEffect:
     """
     looked = {name for name, *_ in other.looked}
     moved = {p.name.removeprefix(f"{other.label}."): p for p in other.parameters if p.name in looked}
-    case = effect.effect.holds.get(other.effect.name)
-    same = case.same if case else {ours: its for its, ours in other.effect.holds[effect.effect.name].same.items()}
+    same = shared(effect, other)
 
     def as_far(parameter: Parameter) -> Parameter:
         its = moved.get(same.get(parameter.name.removeprefix(f"{effect.label}."), ""))

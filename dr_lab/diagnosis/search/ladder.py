@@ -80,7 +80,9 @@ class Ladder:
         return (self.base, *(step.fitted_model for step in self.steps))
 
     def topped(self, last: FittedModel) -> "Ladder":
-        """The ladder with a better fit of its last model."""
+        """The ladder with a better fit of its last model; itself, whose deletions are known, where there is none."""
+        if last is self.models[-1]:
+            return self
         if not self.steps:
             return replace(self, base=last)
         return replace(self, steps=(*self.steps[:-1], replace(self.steps[-1], fitted_model=last)))

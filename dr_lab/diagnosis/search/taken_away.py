@@ -5,13 +5,21 @@ import numpy as np
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.point import Point
+from dr_lab.diagnosis.search.as_special_case import shared
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
 
 
 def taken_away(fitter: Fitter, whole: FittedModel) -> list[Point]:
-    """Two starts: with the other parameters as they were, and where they make up best for what is gone.
+    """The starts, each with the states of the whole model's fit.
 
-    A mass takes over from a payload, where the fit with the payload had gone on farther. Without that the effect would
-    get the credit for what the others can do alone.
+    1. The other parameters are as they were.
+    2. They make up as best they can for what is gone, by the linear model: a mass takes over from a payload. Without
+       that the effect would get the credit for what the others can do alone.
+    3. An effect that stays does what both did, where one of the two is a special case of the other: friction that
+       creeps takes over from Coulomb friction beside it. The linear model does not tell that where only their sum is
+       known, and the way there is long.
 
     Args:
         fitter: of the model that lacks something.
@@ -20,5 +28,23 @@ def taken_away(fitter: Fitter, whole: FittedModel) -> list[Point]:
     names, space = fitter.space.names, whole.model.space
     gone = {p.name: p.nominal for p in space.parameters if p.name not in names}
     rows = [space.index(name) for name in names]
-    ends = (whole.fit.z, whole.fit.delta), whole.fit.made_up(space, gone)
-    return [fitter.begin(np.asarray(z[rows]), delta) for z, delta in ends]
+    made_up, states = whole.fit.made_up(space, gone)
+    starts = [
+        fitter.begin(np.asarray(z[rows]), delta) for z, delta in ((whole.fit.z, whole.fit.delta), (made_up, states))
+    ]
+    left = _left_to(fitter.replay.model, whole)
+    return starts if left is None else [*starts, fitter.begin(left, whole.fit.delta)]
+
+
+def _left_to(fewer: Model, whole: FittedModel) -> Array | None:
+    """The context in which effects that stay do what those of their kind that are gone did, too; None without such."""
+    stay, space, values = {effect.label for effect in fewer.effects}, fewer.space, whole.values()
+    placed = [effect for effect in whole.model.effects if isinstance(effect, PlacedEffect)]
+    added = dict[str, float]()
+    for heir in (effect for effect in placed if effect.label in stay):
+        for gone in (effect for effect in placed if effect.label not in stay):
+            sizes = {ours: its for ours, its in shared(heir, gone).items() if ours not in heir.effect.shapes}
+            added |= {f"{heir.label}.{ours}": values[f"{gone.label}.{its}"] for ours, its in sizes.items()}
+    if not added:
+        return None
+    return space.clip(space.vector({name: values[name] + added.get(name, 0.0) for name in space.names}))
