@@ -15,8 +15,7 @@ from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
-_NEWTON = 4  # steps towards where the force is linearised
-_NEAR = 1e-4  # below it a difference of ln cosh is less accurate than tanh in the middle
+_NEAR = 1e-4  # below it a difference of ln cosh is less accurate than what lies between
 
 
 @dataclass(frozen=True)
@@ -120,34 +119,40 @@ class Sigmoid(Law):
 
 
 def _end(start: Array, driven: Array, braked: Array) -> Array:
-    """The end x of a step that obeys x = start + driven − braked · mean, by Newton's method within its bounds.
+    """About the end x of a step that obeys x = start + driven − braked · mean, within its bounds.
+
+    One step of Newton's method from where it ends if the mean is (tanh(start) + x)/2, the trapezoidal rule of a tanh
+    that is straight up to its bounds. More steps bring a motion no nearer to that of an exact solution.
 
     Args:
         start: speed at the start, in units of the creep, as all here.
         driven: speed that all other forces give in the step.
         braked: speed that the whole torque takes in the step.
     """
-    low, high = start + driven - braked, start + driven + braked
-    end = np.clip(0.0, low, high)  # where hard friction would end; from elsewhere a steep tanh takes many steps
-    for _ in range(_NEWTON):
-        mean, slope = _mean(start, end)
-        excess = end - start - driven + braked * mean
-        low, high = np.where(excess < 0.0, end, low), np.where(excess > 0.0, end, high)
-        end = end - excess / (1.0 + braked * slope)
-        end = np.where((end < low) | (end > high), (low + high) / 2, end)
-    return end
+    free = start + driven
+    low, high = free - braked, free + braked
+    end = _within((free - 0.5 * braked * np.tanh(start)) / (1.0 + 0.5 * braked), low, high)
+    mean, slope = _mean(start, end)
+    return _within(end - (end - free + braked * mean) / (1.0 + braked * slope), low, high)
+
+
+def _within(x: Array, low: Array, high: Array) -> Array:
+    return np.minimum(np.maximum(x, low), high)
 
 
 def _mean(start: Array, end: Array) -> tuple[Array, Array]:
-    """The mean of tanh between two numbers, and how it changes with the second one."""
-    way, middle = end - start, np.tanh((start + end) / 2)
-    near = np.abs(way) < _NEAR
-    far = np.where(near, 1.0, way)
-    mean = np.where(near, middle, (_ln_cosh(end) - _ln_cosh(start)) / far)
-    slope = np.where(near, (1.0 - middle**2) / 2, (np.tanh(end) - mean) / far)
+    """The mean of tanh between two numbers, and how it changes with the second one.
+
+    Where they are near, differences lose digits. Then it is the mean between two numbers that are `_NEAR` apart, with
+    the same middle.
+    """
+    middle, half = (start + end) / 2, (end - start) / 2
+    half = np.copysign(np.maximum(np.abs(half), _NEAR / 2), half)
+    ends = np.empty((2, *middle.shape))  # faster than to stack two arrays, which takes as long as all exponentials here
+    np.subtract(middle, half, out=ends[0])
+    np.add(middle, half, out=ends[1])
+    size = np.abs(ends)
+    before, after = size + np.log1p(np.exp(-2.0 * size))  # ln cosh, but for a constant
+    mean = (after - before) / (2.0 * half)
+    slope = (np.tanh(ends[1]) - mean) / (2.0 * half)
     return mean, np.maximum(slope, 0.0)  # digits that cancel may leave less
-
-
-def _ln_cosh(x: Array) -> Array:
-    size = np.abs(x)
-    return size + np.log1p(np.exp(-2.0 * size))  # and −ln 2, which differences do not see
