@@ -7,17 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from dr_lab.diagnosis.fit.active_windows import ActiveWindows
 from dr_lab.diagnosis.fit.point import Point, better_start, take, window_costs
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.fit.slopes import quick_differences
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
-
-_NO_PARAMETER = np.zeros(0, np.intp)
-_WORTH = 0.5  # share of the simulated windows below which those still active get simulations of their own
 
 
 @dataclass(frozen=True)
@@ -159,19 +156,19 @@ class _Search:
     ) -> StateFit:
         """Levenberg–Marquardt in the active windows, at most so many steps, from slopes that may be those nearby."""
         settings, count = self.settings, len(self.replay.windows)
-        part = _Part(self.replay, np.arange(count), settings).narrowed(active)
+        part = ActiveWindows(self.replay, np.arange(count), settings).narrowed(active)
         slopes = part.renew(point, np.zeros((*point.residuals.shape, self.replay.nstate))) if known is None else known
         stale, damping = np.full(count, known is not None), np.full(count, settings.damping)
         for _ in range(settings.iterations if most is None else most):
             weight = self._weights(point)
             cost = self._costs(point, weight)
-            trial = part.moved(point, self._steps(point, slopes, weight, damping, active))
-            gain = np.where(trial.infeasible, -np.inf, cost - self._costs(trial, weight))
+            trial, left, tried = self._best(part, point, slopes, weight, damping, active)
+            gain = cost - left
             better = active & (gain >= 0)
             failed = active & ~better
             point = take(point, trial, better)
-            damping = np.where(better, damping / settings.damping_down, damping)
-            damping = np.where(failed & ~stale, damping * settings.damping_up, damping)
+            damping = np.where(better, tried / settings.damping_down, damping)
+            damping = np.where(failed & ~stale, damping * settings.damping_up**part.at_once, damping)
             renew = (failed & stale) | (better & (gain > settings.refresh * cost))
             stale |= better
             active &= ~(better & (gain <= settings.state_tolerance * cost)) & (damping < settings.damping_max)
@@ -184,6 +181,19 @@ class _Search:
                 stale[few.rows] = False
         total = float(self._costs(point, self._weights(point)).sum())
         return StateFit(point.z, point.delta, point.residuals, total, point.infeasible, slopes)
+
+    def _best(
+        self, part: ActiveWindows, point: Point, slopes: Array, weight: Array, damping: Array, active: NDArray[np.bool_]
+    ) -> tuple[Point, Array, Array]:
+        """The best of the steps that are tried at once in each window, its cost there and its damping, (w,) each."""
+        dampings = damping * self.settings.damping_up ** np.arange(part.at_once)[:, None]
+        steps = [self._steps(point, slopes, weight, each, active) for each in dampings]
+        found = part.tried(point, np.stack(steps))
+        costs = np.stack([np.where(each.infeasible, np.inf, self._costs(each, weight)) for each in found])
+        first, best = costs.argmin(0), found[0]
+        for place, other in enumerate(found[1:], start=1):
+            best = take(best, other, first == place)
+        return best, costs.min(0), np.take_along_axis(dampings, first[None], axis=0)[0]
 
     def _weights(self, point: Point) -> Array:
         return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
@@ -205,39 +215,3 @@ class _Search:
         damped = hessian + (damping[active, None] * diagonal)[:, :, None] * np.eye(hessian.shape[1])
         steps[active] = -np.linalg.solve(damped, gradient[..., None])[..., 0]
         return steps
-
-
-class _Part:
-    """The windows whose states are still looked for, and perhaps some that are done: those that are simulated."""
-
-    def __init__(self, replay: Replay, rows: NDArray[np.intp], settings: SolverSettings) -> None:
-        self.replay = replay
-        self.rows = rows
-        self.settings = settings
-
-    def narrowed(self, active: NDArray[np.bool_]) -> "_Part":
-        """The active windows alone, once they are so few that new simulations of them pay."""
-        kept = active[self.rows]
-        if kept.sum() > _WORTH * len(kept) or not kept.any():
-            return self
-        return _Part(self.replay.part(np.flatnonzero(kept)), self.rows[kept], self.settings)
-
-    def moved(self, point: Point, step: Array) -> Point:
-        """The point after a step, where the windows are among the part; elsewhere as it is."""
-        delta, residuals, infeasible = point.delta.copy(), point.residuals.copy(), point.infeasible.copy()
-        delta[self.rows] += step[self.rows]
-        found, lost = self.replay.residuals(point.z[None], delta[None, self.rows])
-        residuals[self.rows], infeasible[self.rows] = found[0], lost[0]
-        return Point(point.z, delta, residuals, np.inf, infeasible)
-
-    def renew(self, point: Point, slopes: Array) -> Array:
-        """The slopes ∂r/∂δ at the point in the windows of the part; elsewhere as they are, shape (w, m, s)."""
-        here = replace(
-            point,
-            delta=point.delta[self.rows],
-            residuals=point.residuals[self.rows],
-            infeasible=point.infeasible[self.rows],
-        )
-        slopes = slopes.copy()
-        slopes[self.rows] = quick_differences(self.replay, self.settings, here, states=True, columns=_NO_PARAMETER)
-        return slopes

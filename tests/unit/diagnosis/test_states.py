@@ -5,8 +5,9 @@ import pytest
 from diagnosis_machines import model_of, pendulum, predicted_settings, solver_settings, swinging, windows_of
 from scipy.optimize import least_squares
 
+from dr_lab.diagnosis.fit.active_windows import ActiveWindows
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.fit.states import StateFit, _Part, fit_states
+from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
@@ -120,12 +121,12 @@ def test_few_active_windows_are_simulated_alone_and_the_others_stay() -> None:
     replay, fit = fit_states(model, WRONG, windows, solver_settings(), 1)
     active = np.zeros(len(windows), bool)
     active[[0, 3]] = True
-    whole = _Part(replay, np.arange(len(windows)), solver_settings())
+    whole = ActiveWindows(replay, np.arange(len(windows)), solver_settings())
     assert whole.narrowed(np.ones(len(windows), bool)) is whole
     part = whole.narrowed(active)
     assert len(part.replay.windows) == 2
     step = np.full_like(fit.delta, 1e-3)
-    moved, every = part.moved(fit, step), whole.moved(fit, step)
+    (moved,), (every,) = part.tried(fit, step[None]), whole.tried(fit, step[None])
     np.testing.assert_array_equal(moved.residuals, np.where(active[:, None], every.residuals, fit.residuals))
     np.testing.assert_array_equal(moved.delta, np.where(active[:, None], fit.delta + step, fit.delta))
     slopes = part.renew(fit, np.zeros_like(fit.slopes))
