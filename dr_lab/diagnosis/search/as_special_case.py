@@ -13,6 +13,7 @@ from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.diagnosis.search.screen import free
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.context import ContextSpace
+from dr_lab.physics.model import Model
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -63,6 +64,30 @@ def shared(effect: PlacedEffect, other: PlacedEffect) -> Mapping[str, str]:
     if holds(effect, other):
         return effect.effect.holds[other.effect.name].same
     return {its: ours for ours, its in shared(other, effect).items()} if holds(other, effect) else {}
+
+
+def taking_over(effect: PlacedEffect, model: Model, values: Mapping[str, float]) -> PlacedEffect:
+    """An effect that begins, away from absent, as what its special cases do at its site in a model, without them.
+
+    Beside them only the sum of both would be known: a fit goes a long way to where one of them alone is.
+
+    Args:
+        effect: the effect, which may not be in the model.
+        model: the model.
+        values: its context by name.
+    """
+    placed = (each for each in model.effects if isinstance(each, PlacedEffect))
+    begun = dict[str, float]()
+    for poorer in (each for each in placed if holds(effect, each) and shared(effect, each)):
+        for ours, its in shared(effect, poorer).items():
+            name = f"{effect.label}.{ours}"
+            begun[name] = begun.get(name, 0.0) + values[f"{poorer.label}.{its}"]
+        begun |= poorer.absent
+    if not begun:
+        return effect
+    bounds = {p.name: (p.low, p.high) for p in effect.parameters}
+    inside = {name: float(np.clip(value, *bounds.get(name, (value, value)))) for name, value in begun.items()}
+    return replace(effect, starts=tuple({**start, **inside} for start in effect.starts or ({},)))
 
 
 def reaching(effect: PlacedEffect, other: PlacedEffect) -> PlacedEffect:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from dr_lab.diagnosis.search.as_special_case import holds, special_cases
+from dr_lab.diagnosis.search.as_special_case import holds, special_cases, taking_over
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.periods import with_periods
@@ -22,12 +22,15 @@ class Waves:
         done: is told each label.
 
     Attributes:
-        placed: the candidates; those whose law is periodic have the periods that the residuals show.
+        placed: the candidates; those whose law is periodic have the periods that the residuals show, those that hold an
+            effect of the base begin in its place.
     """
 
     def __init__(self, fits: CandidateFits, placed: Sequence[PlacedEffect], done: Callable[[str], None]) -> None:
         self._fits, self._bench, self._done = fits, fits.bench, done
-        self.placed = with_periods(fits.thin, fits.base.model, fits.start, placed)
+        model, values = fits.base.model, fits.base.values()
+        begun = [taking_over(effect, model, values) for effect in placed]
+        self.placed = with_periods(fits.thin, model, fits.start, begun)
         self._looks = fits.side_by_side(self.placed, fits.look)
         promise = self._promises()
         order = np.argsort(-promise, kind="stable")

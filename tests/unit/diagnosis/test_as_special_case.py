@@ -9,7 +9,7 @@ from effect_machines import catalogue_effect, scales_of
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.search.as_special_case import further, in_the_limit, reaching, special_case
+from dr_lab.diagnosis.search.as_special_case import further, in_the_limit, reaching, special_case, taking_over
 from dr_lab.effects.effect import PlacedEffect, place
 
 NAMES = ("coulomb_friction", "asymmetric_friction", "position_dependent_friction", "hysteresis")
@@ -86,3 +86,20 @@ def test_in_the_limit_an_effect_keeps_its_further_parameters_and_takes_over_the_
     assert found["hysteresis@hinge.torque"] == TORQUE
     assert found["hysteresis@hinge.displacement"] == own["hysteresis@hinge.displacement"]
     assert (found["rod.mass"], found["hinge.damping"]) == (0.6, 0.07)
+
+
+def test_a_richer_effect_begins_in_the_place_of_its_special_case_in_the_model() -> None:
+    model, every = pendulum(), placed()
+    case, other = every["coulomb_friction"], every["asymmetric_friction"]
+    richer = place(catalogue_effect("smooth_friction"), model.nominal(), "hinge", scales_of(model, torque=0.5))
+    rubbed = model.with_effect(case)
+    begun = taking_over(richer, rubbed, {f"{case.label}.torque": TORQUE})
+    assert len(begun.starts) == len(richer.starts)
+    for before, after in zip(richer.starts, begun.starts, strict=True):
+        assert before[f"{richer.label}.torque"] != TORQUE
+        assert after == {**before, f"{richer.label}.torque": TORQUE, f"{case.label}.torque": 0.0}
+    high = richer.parameters[0].high
+    far = taking_over(richer, rubbed, {f"{case.label}.torque": 2 * high})
+    assert {start[f"{richer.label}.torque"] for start in far.starts} == {high}
+    assert taking_over(richer, model, {}) is richer
+    assert taking_over(case, model.with_effect(other), {}) is case  # the poorer one of the two stands beside it
