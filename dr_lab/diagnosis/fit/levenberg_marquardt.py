@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.diagnosis.fit.damping import Damping
 from dr_lab.diagnosis.fit.fit import Fit, movable
 from dr_lab.diagnosis.fit.followed_slopes import FollowedSlopes, Fresh
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations, Room
@@ -23,7 +24,6 @@ from dr_lab.physics.straight import Straight
 from dr_lab.trajectory import Array
 
 _WHOLE = np.ones(1)
-_FAR = 0.5  # of a step; where less of it fits best, damping grows
 _STAY = (np.empty(0), np.empty(0))
 _SHARES = 0.5 ** np.arange(5)  # of a step of bodies that are free as a whole, which are tried at once
 
@@ -163,14 +163,14 @@ class Fitter:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
         settings, slopes = self.settings, FollowedSlopes(self.replay, self.settings, best, known)
         best, weight, first = self._objective.linear(best, slopes.now)
-        linear, damping, taken, failed, pace = first, settings.damping, 0, False, Pace(settings)
+        linear, damping, taken, failed, pace = first, Damping(settings), 0, False, Pace(settings)
         while True:
             predicted = linear.decrease(*self._free(best, linear))
             least, slow = self._worth(best)
             done = predicted <= least and not best.infeasible.all()
             converged = done and (slopes.fresh >= self._needed or taken == 0)  # given slopes are those of the start
             crawls = pace.crawls(slow)
-            short = damping > settings.damping_max or 2 * predicted < least * damping or crawls
+            short = damping.largest or 2 * predicted < least * damping.now or crawls
             late = pace.too_slow(best.cost - goal, settings.iterations - taken)
             late &= not (converged or best.infeasible.any())
             given_up = (taken or not self._rough) and self._misses(best, linear, goal)
@@ -181,19 +181,19 @@ class Fitter:
                 best, weight, linear = self._objective.linear(best, slopes.now)
                 continue
             taken += 1
-            trial, share = self._trial(best, linear, damping, weight)
-            trial, nearby = self._mended(best, trial, slopes.now, weight, predicted)
+            trial, share, foretold = self._trial(best, linear, damping.now, weight)
+            trial, nearby = self._mended(best, trial, slopes.now, weight, foretold)
             gain = best.cost - trial.cost
             pace.add(gain)
             failed = gain < 0 and slopes.fresh == Fresh.ALL
             if failed:
-                damping = max(settings.damping_up * damping, settings.damping)
+                damping.after_failure()
                 continue
             if gain < 0:
                 slopes.renew(best, Fresh.ALL)
             else:
-                damping *= settings.damping_up if share < _FAR else 1.0 / settings.damping_down
-                asked = slopes.asked(gain, predicted) if taken < most else Fresh.NONE  # nobody asks at the end
+                asked = slopes.asked(gain, foretold) if taken < most else Fresh.NONE  # nobody asks at the end
+                damping.after_success(share, held_back=not asked and foretold < settings.foretold * predicted)
                 slopes.follow(best, trial, nearby, asked)
                 best = trial
             best, weight, linear = self._objective.linear(best, slopes.now)
@@ -270,10 +270,11 @@ class Fitter:
         free = movable((unit + below) / (1.0 + below + above), gradient)
         return free, (np.minimum(-below - unit, 0.0), np.maximum(1.0 + above - unit, 0.0))
 
-    def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> tuple[Point, float]:
-        """The point after a damped step, and the share of it that this is: 1, or with bodies that which fits best.
+    def _trial(self, best: Point, linear: NormalEquations, damping: float, weight: Array) -> tuple[Point, float, float]:
+        """The point after a damped step, the share of it that this is, and what is foretold of it.
 
-        Ways of bodies bend among their bounds, within which only a share may lie; few simulations more tell which.
+        The share is 1, or with bodies that which fits best: their ways bend among their bounds, within which only a
+        share may lie, and few simulations more tell which.
         """
         move, state_move = linear.step(damping, *self._free(best, linear))
         shares = _WHOLE if self._straight.plain else _SHARES
@@ -286,7 +287,8 @@ class Fitter:
                 cost, lost = self._objective.cost(trial, weight), best.infeasible | trial.infeasible
                 trial = replace(trial, cost=cost, infeasible=lost)
             found.append((trial, float(share)))
-        return min(found, key=lambda each: each[0].cost)
+        trial, share = min(found, key=lambda each: each[0].cost)
+        return trial, share, linear.foretold(share * move, share * state_move)
 
     def _end(self, point: Point, move: Array) -> Array:
         """The context to which a move in the unit cube leads, bodies along their straight ways, within the bounds."""

@@ -127,6 +127,13 @@ class NormalEquations:
         move = within(unbounded, damped, gradient, free, room)
         return move, -(offset + gain @ move)
 
+    def foretold(self, move: Array, states: Array) -> float:
+        """By how much a step lowers the cost, as `full_step` counts it; parameter step (p,) and state steps (w, s)."""
+        slope = (self.state_gradient * states).sum() + float(self.parameter_gradient.sum(0) @ move)
+        bent = (states[:, None] @ (self.state @ states[..., None] + 2 * self.mixed @ move[:, None])).sum()
+        bent += float(move @ self.parameter.sum(0) @ move)
+        return -float(2 * slope + bent + move @ (2 * self.prior_gradient + self.prior * move))
+
     def made_up(self, moved: Mask, move: Array, room: Room) -> tuple[Array, Array]:
         """The step in which all other parameters, and all states, make up best for the moves of some.
 

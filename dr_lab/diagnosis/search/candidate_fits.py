@@ -152,16 +152,17 @@ class CandidateFits:
         found = fitter.go_on(there) if more else there
         return self._rough_candidate(fitter, effect, found, first)
 
-    def farther(self, candidate: Candidate) -> Candidate | None:
+    def farther(self, candidate: Candidate, threads: int = 1) -> Candidate | None:
         """A candidate whose bounds were moved that its fit ran into, gone on with; None where none may be moved."""
         effect, fit = candidate.effect, candidate.fitted_model.fit
-        wide = widened(effect, fit.z[len(fit.z) - len(effect.parameters) :], self.thin.fit)
+        bench = self.bench if candidate.final else self.thin
+        wide = widened(effect, fit.z[len(fit.z) - len(effect.parameters) :], bench.fit)
         if wide is None:
             return None
-        fitter = self.fitter(self.thin, wide)
+        fitter = self.fitter(bench, wide, threads)
         found = fitter.run(fit.z, fit.delta)
-        if self.whole:
-            return self.candidate(wide, found, candidate.identifiability, candidate.predicted)
+        if candidate.final:
+            return self.candidate(wide, found, candidate.identifiability, candidate.predicted, threads)
         fitted_model = fitted_alone(fitter.replay, found)
         gain = paired_gain(self._ground.held_out, fitted_model.held_out, self.bench.evidence)
         return replace(candidate, effect=wide, fitted_model=fitted_model, gain=gain)

@@ -108,7 +108,13 @@ class _Contest:
             found |= self._refit_near(limits, partial(self.refits.refitted_beyond, beaten=beaten), found)
             found |= self._refit_near(cases, partial(self.refits.refitted_beside, beaten=beaten), found)
             self._ask_richer([k for k, c in found.items() if c.fitted and k not in standing], found)
+            self._go_farther(found)
         return found
+
+    @staticmethod
+    def _best(tried: Mapping[int, Candidate]) -> int | None:
+        """Place of the candidate with most evidence among those that are fitted to all windows."""
+        return max((k for k, c in tried.items() if c.final), key=lambda k: tried[k].gain.total, default=None)
 
     def _supported(self, candidate: Candidate) -> bool:
         """Whether the data support a candidate, by its fit to all windows."""
@@ -116,7 +122,7 @@ class _Contest:
 
     def _ask_richer(self, places: Sequence[int], tried: dict[int, Candidate]) -> None:
         """Fit richer kinds of the best candidate to all windows where these show what the few windows did not."""
-        best = max((k for k, c in tried.items() if c.final), key=lambda k: tried[k].gain.total, default=None)
+        best = self._best(tried)
         if best is None:
             return
         richer = [k for k in places if holds(self.placed[k], self.placed[best])]
@@ -124,6 +130,27 @@ class _Contest:
         limits = {k: best for k in richer if k not in cases}
         tried |= self._refit_near(cases, self.refits.refitted_beside, tried)
         tried |= self._refit_near(limits, self.refits.refitted_if_promising, tried)
+
+    def _go_farther(self, tried: dict[int, Candidate]) -> None:
+        """Go on with the best candidate's fit where it ran into a bound which is no physics.
+
+        Few windows may not have shown that. One that explains no more than a special case of it may well end there.
+        """
+        for _ in range(self.bench.evidence.widenings):
+            best = self._best(tried)
+            if best is None:
+                return
+            cases = [c for k, c in tried.items() if c.final and holds(self.placed[best], self.placed[k])]
+            worth = all(self._explains_more(tried[best], case) for case in cases)
+            moved = self.fits.farther(tried[best], self.bench.threads) if worth else None
+            if moved is None:
+                return
+            tried[best] = moved
+
+    def _explains_more(self, candidate: Candidate, case: Candidate) -> bool:
+        """Whether a candidate is supported over a special case of it, both fitted to all windows."""
+        gain = paired_gain(case.fitted_model.held_out, candidate.fitted_model.held_out, self.bench.evidence)
+        return supported(gain, len(candidate.effect.parameters) - len(case.effect.parameters), self.bench.evidence)
 
     def _refit_near(
         self, near: Mapping[int, int], refitted: Callable[..., Candidate], tried: Mapping[int, Candidate]

@@ -226,8 +226,8 @@ def test_a_descent_that_crawls_ends_and_begins_not_anew(
 ) -> None:
     """Each step gains a twentieth of a deviance of 1, though a linear step foretells much."""
 
-    def crawling(self: Fitter, best: Point, *_: object) -> tuple[Point, float]:
-        return replace(best, cost=best.cost - 0.05 * Objective(replay, settings).negligible(best, 1.0)), 1.0
+    def crawling(self: Fitter, best: Point, *_: object) -> tuple[Point, float, float]:
+        return replace(best, cost=best.cost - 0.05 * Objective(replay, settings).negligible(best, 1.0)), 1.0, 1e9
 
     def left(self: Fitter, best: Point, trial: Point, slopes: Slopes, *_: object) -> tuple[Point, Slopes]:
         return trial, slopes
