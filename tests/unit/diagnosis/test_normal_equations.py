@@ -66,6 +66,17 @@ def test_the_predicted_decrease_is_that_of_the_dense_quadratic() -> None:
         np.testing.assert_allclose(equations.full_step(free).windows, window_decreases(p, free))
 
 
+def test_what_is_foretold_of_any_step_is_what_the_dense_quadratic_says() -> None:
+    p, rng = problem(), np.random.default_rng(1)
+    hessian, gradient = dense(p)
+    equations = NormalEquations.build(**p)
+    step = rng.normal(size=W * S + P)
+    expected = -(2 * gradient @ step + step @ hessian @ step)
+    np.testing.assert_allclose(equations.foretold(step[W * S :], step[: W * S].reshape(W, S)), expected)
+    full = equations.step(0.0, np.ones(P, bool))
+    np.testing.assert_allclose(equations.foretold(*full), equations.decrease(np.ones(P, bool)))
+
+
 def window_decreases(p: dict[str, np.ndarray], free: np.ndarray) -> list[float]:
     """Of each window's own cost, its state's prior included, by the dense step."""
     hessian, gradient = dense(p)

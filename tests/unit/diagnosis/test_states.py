@@ -3,17 +3,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from diagnosis_machines import model_of, pendulum, predicted_settings, solver_settings, swinging, windows_of
+from effect_machines import catalogue_effect, scales_of
 from scipy.optimize import least_squares
 
 from dr_lab.diagnosis.fit.active_windows import ActiveWindows
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.effects.effect import place
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 EXACT = solver_settings(tolerance=1e-12, iterations=50, huber=1e9)
 WRONG = np.array([0.6, 0.1])
+SOFT = {"smooth_friction@hinge.torque": 0.05, "smooth_friction@hinge.creep": 0.01}  # N·m, rad/s
 
 
 def brute(replay: Replay, z: Array, window: int) -> tuple[Array, float]:
@@ -113,6 +116,26 @@ def test_some_of_the_windows_have_the_states_that_they_have_among_all() -> None:
     _, some = fit_states(model, WRONG, windows.pick(rows), EXACT, 1)
     np.testing.assert_array_equal(some.delta, every.delta[rows])
     np.testing.assert_array_equal(some.residuals, every.residuals[rows])
+
+
+def test_where_a_law_acts_few_windows_try_several_steps_at_once() -> None:
+    model = pendulum()
+    soft = place(catalogue_effect("smooth_friction"), model.nominal(), "hinge", scales_of(model, torque=0.5))
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)])
+    rubbed = model.with_effect(soft)
+    z, rows = rubbed.space.vector({**dict(zip(rubbed.space.names, rubbed.space.nominal, strict=True)), **SOFT}), 3
+    replay, fit = fit_states(rubbed, z, windows.pick(np.arange(rows)), EXACT, 1)
+    few = ActiveWindows(replay, np.arange(rows), EXACT)
+    assert few.at_once == 4
+    assert ActiveWindows(Replay(model, windows, 1), np.arange(rows), EXACT).at_once == 1
+    assert ActiveWindows(Replay(rubbed, windows, 1), np.arange(len(windows)), EXACT).at_once == 1
+    steps = 1e-3 * np.arange(4)[:, None, None] * np.ones_like(fit.delta)
+    for found, step in zip(few.tried(fit, steps), steps, strict=True):
+        (alone,) = few.tried(fit, step[None])
+        np.testing.assert_array_equal(found.delta, fit.delta + step)
+        np.testing.assert_array_equal(found.residuals, alone.residuals)
+    _, single = fit_states(rubbed, z, windows.pick(np.arange(1)), EXACT, 1)
+    np.testing.assert_allclose((single.delta[0] - fit.delta[0]) / windows.prior.std, 0.0, atol=2e-3)
 
 
 def test_few_active_windows_are_simulated_alone_and_the_others_stay() -> None:
