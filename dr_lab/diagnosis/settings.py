@@ -118,7 +118,8 @@ class SolverSettings:
         rough_tolerance: share of the cost that is enough for fits that only decide which candidates are fitted again.
         refresh: share of the cost that a step must gain for the slopes by the start states to be taken anew.
         foretold: share of the decrease that a linear step foretells above which the slopes, which follow the step
-            (`Slopes.secant`), are good for the next one.
+            (`Slopes.secant`), are good for the next one. λ falls faster after such a step if it gained less than this
+            share of what one without damping foretells.
         foreseen: share of what a fit gains that a linear step foretells, at least; a fit ends that cannot reach by that
             the cost that is asked for.
         hindered: share of the decrease that a linear step foretells below which states are fitted window by window.
@@ -220,7 +221,8 @@ class EvidenceSettings:
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
         replacement_share: of the parameters that take an absorbed effect's place those are told that move this share
             of the largest move, in widths of their bounds, or more.
-        widenings: times that a bound which the fit of an effect ran into is doubled, at most.
+        widenings: times that a bound which the fit of an effect to few windows ran into is doubled, at most; the best
+            effect's bounds as often again where it is fitted to all of them.
         peaks: where the search for periods lets fits begin.
         law: how the law of a named effect is checked.
 

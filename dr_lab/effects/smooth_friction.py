@@ -143,11 +143,11 @@ def _within(x: Array, low: Array, high: Array) -> Array:
 def _mean(start: Array, end: Array) -> tuple[Array, Array]:
     """The mean of tanh between two numbers, and how it changes with the second one.
 
-    Where they are near, differences lose digits. Then it is the mean between two numbers that are `_NEAR` apart, with
-    the same middle.
+    Where they are near, differences lose digits, the more the larger they are. Then it is the mean between two numbers
+    with the same middle m that are 1 + |m| times `_NEAR` apart: a tanh of large numbers is 1.
     """
     middle, half = (start + end) / 2, (end - start) / 2
-    half = np.copysign(np.maximum(np.abs(half), _NEAR / 2), half)
+    half = np.copysign(np.maximum(np.abs(half), (_NEAR / 2) * (1.0 + np.abs(middle))), half)
     ends = np.empty((2, *middle.shape))  # faster than to stack two arrays, which takes as long as all exponentials here
     np.subtract(middle, half, out=ends[0])
     np.add(middle, half, out=ends[1])

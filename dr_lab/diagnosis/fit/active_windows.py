@@ -15,7 +15,8 @@ from dr_lab.trajectory import Array
 
 _NO_PARAMETER = np.zeros(0, np.intp)
 _WORTH = 0.5  # share of the simulated windows below which those still active get simulations of their own
-_MOST, _SPARE = 4, 16  # steps; simulations that laws let take twice as long as one, or less
+_AT_ONCE = 4  # steps; of those of starts behind friction half fail, and each failure raises the damping once
+_FEW = 16  # simulations; where laws act, so many of a pendulum take at most twice as long as one
 
 
 class ActiveWindows:
@@ -39,7 +40,7 @@ class ActiveWindows:
         Where laws act from step to step, few simulations take about as long as one. Else each takes its own time.
         """
         lawful = any(True for _ in self.replay.model.having(ForceLaw))
-        return min(_MOST, max(_SPARE // len(self.rows), 1)) if lawful else 1
+        return min(_AT_ONCE, max(_FEW // len(self.rows), 1)) if lawful else 1
 
     def narrowed(self, active: NDArray[np.bool_]) -> "ActiveWindows":
         """The active windows alone, once they are so few that new simulations of them pay."""

@@ -3,7 +3,7 @@
 from dr_lab.diagnosis.settings import SolverSettings
 
 _FAR = 0.5  # of a step; where less of it fits best, damping grows
-_FASTER = 3  # times; damping that holds right steps back along a valley, as of two masses, is gone after few of them
+_FASTER = 3  # falls at once where damping holds right steps back along a valley, as where two masses trade places
 
 
 class Damping:

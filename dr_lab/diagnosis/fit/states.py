@@ -166,12 +166,14 @@ class _Search:
             gain = cost - left
             better = active & (gain >= 0)
             failed = active & ~better
+            forced = better & stale & (tried > damping)  # more damping hid that the slopes are old
             point = take(point, trial, better)
             damping = np.where(better, tried / settings.damping_down, damping)
             damping = np.where(failed & ~stale, damping * settings.damping_up**part.at_once, damping)
-            renew = (failed & stale) | (better & (gain > settings.refresh * cost))
+            renew = (failed & stale) | forced | (better & (gain > settings.refresh * cost))
             stale |= better
-            active &= ~(better & (gain <= settings.state_tolerance * cost)) & (damping < settings.damping_max)
+            done = better & ~forced & (gain <= settings.state_tolerance * cost)
+            active &= ~done & (damping < settings.damping_max)
             if not active.any():
                 break
             part = part.narrowed(active)
@@ -190,10 +192,11 @@ class _Search:
         steps = [self._steps(point, slopes, weight, each, active) for each in dampings]
         found = part.tried(point, np.stack(steps))
         costs = np.stack([np.where(each.infeasible, np.inf, self._costs(each, weight)) for each in found])
-        first, best = costs.argmin(0), found[0]
-        for place, other in enumerate(found[1:], start=1):
-            best = take(best, other, first == place)
-        return best, costs.min(0), np.take_along_axis(dampings, first[None], axis=0)[0]
+        first, windows = costs.argmin(0), np.arange(len(damping))
+        delta = np.stack([each.delta for each in found])[first, windows]
+        residuals = np.stack([each.residuals for each in found])[first, windows]
+        best = Point(point.z, delta, residuals, np.inf, np.isinf(costs.min(0)))
+        return best, costs.min(0), dampings[first, windows]
 
     def _weights(self, point: Point) -> Array:
         return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)

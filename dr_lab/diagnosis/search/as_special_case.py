@@ -69,7 +69,8 @@ def shared(effect: PlacedEffect, other: PlacedEffect) -> Mapping[str, str]:
 def taking_over(effect: PlacedEffect, model: Model, values: Mapping[str, float]) -> PlacedEffect:
     """An effect that begins, away from absent, as what its special cases do at its site in a model, without them.
 
-    Beside them only the sum of both would be known: a fit goes a long way to where one of them alone is.
+    Beside them only the sum of both would be known: a fit goes a long way to where one of them alone is. Special cases
+    that are absent leave the starts as they are.
 
     Args:
         effect: the effect, which may not be in the model.
@@ -79,6 +80,8 @@ def taking_over(effect: PlacedEffect, model: Model, values: Mapping[str, float])
     placed = (each for each in model.effects if isinstance(each, PlacedEffect))
     begun = dict[str, float]()
     for poorer in (each for each in placed if holds(effect, each) and shared(effect, each)):
+        if all(values[name] == nominal for name, nominal in poorer.absent.items()):
+            continue
         for ours, its in shared(effect, poorer).items():
             name = f"{effect.label}.{ours}"
             begun[name] = begun.get(name, 0.0) + values[f"{poorer.label}.{its}"]
@@ -87,7 +90,8 @@ def taking_over(effect: PlacedEffect, model: Model, values: Mapping[str, float])
         return effect
     bounds = {p.name: (p.low, p.high) for p in effect.parameters}
     inside = {name: float(np.clip(value, *bounds.get(name, (value, value)))) for name, value in begun.items()}
-    return replace(effect, starts=tuple({**start, **inside} for start in effect.starts or ({},)))
+    starts = [{**start, **inside} for start in effect.starts]
+    return replace(effect, starts=tuple(start for k, start in enumerate(starts) if start not in starts[:k]))
 
 
 def reaching(effect: PlacedEffect, other: PlacedEffect) -> PlacedEffect:

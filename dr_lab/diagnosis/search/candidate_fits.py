@@ -81,8 +81,9 @@ class CandidateFits:
         Where that is absent, the base's residuals are known.
         """
         fitter, base = self.fitter(self.bench, effect), self.base.fit
-        count = len(effect.parameters)
-        z = np.append(base.z, first.best[-count:])
+        count, z = len(effect.parameters), first.best.copy()
+        stay = first.best[:-count] == first.absent.z[:-count]  # a start may let other effects be absent
+        z[:-count][stay] = base.z[stay]
         absent = np.array_equal(first.best, first.absent.z)
         (there,) = fitter.outlooks(z[None], base.delta, base.slopes, base if absent else None)
         return self.bench.promise(linear_gain(fitter, there, base), base, count)
@@ -238,7 +239,7 @@ class CandidateFits:
     def fitter(self, bench: Bench, effect: PlacedEffect, threads: int = 1) -> Fitter:
         """Of the model with an effect, to the windows of a bench; rough on the part of the windows.
 
-        Bounds are moved after a fit to that part.
+        Bounds may be moved after a fit to that part, and after one to all.
         """
         rough = bench is self.thin and not self.whole  # those that stand will be fitted again
         far = reach(effect, bench.fit, bench.evidence.widenings if bench is self.thin else 0)

@@ -40,7 +40,7 @@ class Deletions:
     def without(
         self, base: FittedModel, steps: tuple[AddedEffect, ...], place: int, goal: float = np.inf
     ) -> tuple[tuple[AddedEffect, ...], FittedModel]:
-        """The steps without one of them, and their base; the last model is fitted from two starts.
+        """The steps without one of them, and their base; the last model is also fitted from `taken_away`'s starts.
 
         Args:
             base: the calibrated model.

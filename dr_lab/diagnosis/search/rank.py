@@ -50,7 +50,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
     3. The best one and those that it does not beat there are fitted to all windows and scored on the held-out ones,
        except those that hardly explain more than a special case of theirs, or that are foretold not to get below one
        that is their limit, or to stay behind the first one fitted beyond doubt. Richer kinds of the one with most
-       evidence are asked again there: few windows may not show what they add.
+       evidence are asked again there: few windows may not show what they add. The best one then goes on beyond bounds
+       that are no physics, where it ran into them.
     4. If the data support none of these, as many others have their turn: those that promise most in typical windows,
        for what promises most in all may meet a few wild ones alone. They bring along what may have been crowded out,
        as in rule 2, and must stand beside the first, too.

@@ -146,12 +146,12 @@ class Refits:
     def _ends(self, fitter: Fitter, candidate: Candidate) -> Array:
         """Where the fit to few windows ended, and variants of it that may be better on all, (c, n)."""
         space, z, base = fitter.space, candidate.fitted_model.fit.z, self._base
-        ends = [z]
+        ends, own = [z], {p.name for p in candidate.effect.parameters}
         for start in candidate.effect.starts:
+            absent = {name for name in own & set(start) if z[space.index(name)] == space.nominal[space.index(name)]}
             ends.append(z.copy())
-            for name, value in start.items():
-                place = space.index(name)
-                ends[-1][place] = value if z[place] == space.nominal[place] else z[place]
+            for name in (name for name in start if absent and (name in absent or name not in own)):
+                ends[-1][space.index(name)] = start[name]
         if base.model.inertials:
             ends.append(np.append(base.fit.z, z[len(base.fit.z) :]))
         return np.unique(np.stack(ends), axis=0)

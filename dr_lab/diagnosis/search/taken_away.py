@@ -17,7 +17,7 @@ def taken_away(fitter: Fitter, whole: FittedModel) -> list[Point]:
     1. The other parameters are as they were.
     2. They make up as best they can for what is gone, by the linear model: a mass takes over from a payload. Without
        that the effect would get the credit for what the others can do alone.
-    3. An effect that stays does what both did, where one of the two is a special case of the other: friction that
+    3. One effect that stays does what both did, where one of the two is a special case of the other: friction that
        creeps takes over from Coulomb friction beside it. The linear model does not tell that where only their sum is
        known, and the way there is long.
 
@@ -32,19 +32,20 @@ def taken_away(fitter: Fitter, whole: FittedModel) -> list[Point]:
     starts = [
         fitter.begin(np.asarray(z[rows]), delta) for z, delta in ((whole.fit.z, whole.fit.delta), (made_up, states))
     ]
-    left = _left_to(fitter.replay.model, whole)
-    return starts if left is None else [*starts, fitter.begin(left, whole.fit.delta)]
+    return starts + [fitter.begin(z, whole.fit.delta) for z in _left_to(fitter.replay.model, whole)]
 
 
-def _left_to(fewer: Model, whole: FittedModel) -> Array | None:
-    """The context in which effects that stay do what those of their kind that are gone did, too; None without such."""
+def _left_to(fewer: Model, whole: FittedModel) -> list[Array]:
+    """Contexts in which one of the effects that stay does what those of its kind that are gone did, too."""
     stay, space, values = {effect.label for effect in fewer.effects}, fewer.space, whole.values()
     placed = [effect for effect in whole.model.effects if isinstance(effect, PlacedEffect)]
-    added = dict[str, float]()
+    gone, contexts = [effect for effect in placed if effect.label not in stay], list[Array]()
     for heir in (effect for effect in placed if effect.label in stay):
-        for gone in (effect for effect in placed if effect.label not in stay):
-            sizes = {ours: its for ours, its in shared(heir, gone).items() if ours not in heir.effect.shapes}
-            added |= {f"{heir.label}.{ours}": values[f"{gone.label}.{its}"] for ours, its in sizes.items()}
-    if not added:
-        return None
-    return space.clip(space.vector({name: values[name] + added.get(name, 0.0) for name in space.names}))
+        left = {name: values[name] for name in space.names}
+        for other in gone:
+            for ours, its in shared(heir, other).items():
+                if ours not in heir.effect.shapes:
+                    left[f"{heir.label}.{ours}"] += values[f"{other.label}.{its}"]
+        if any(left[name] != values[name] for name in space.names):
+            contexts.append(space.clip(space.vector(left)))
+    return contexts

@@ -102,4 +102,17 @@ def test_a_richer_effect_begins_in_the_place_of_its_special_case_in_the_model() 
     far = taking_over(richer, rubbed, {f"{case.label}.torque": 2 * high})
     assert {start[f"{richer.label}.torque"] for start in far.starts} == {high}
     assert taking_over(richer, model, {}) is richer
+    assert taking_over(richer, rubbed, {f"{case.label}.torque": 0.0}) is richer  # else it would begin at absent
+    both = {f"{case.label}.torque": 0.02, f"{richer.label}.torque": 0.01, f"{richer.label}.creep": 0.05}
+    bristles = place(catalogue_effect("presliding_friction"), model.nominal(), "hinge", scales_of(model, torque=0.5))
+    starts = taking_over(bristles, rubbed.with_effect(richer), both).starts
+    assert {start[f"{bristles.label}.torque"] for start in starts} == {0.03}
+    assert {start[f"{bristles.label}.creep"] for start in starts} == {0.05}
+    falling, lugre = (
+        place(catalogue_effect(name), model.nominal(), "hinge", scales_of(model, torque=0.5))
+        for name in ("stribeck_friction", "lugre_friction")
+    )
+    known = {p.name: 0.7 * p.high for p in falling.parameters}
+    assert len(lugre.starts) == 2
+    assert len(taking_over(lugre, model.with_effect(falling), known).starts) == 1  # what they differ in is taken over
     assert taking_over(case, model.with_effect(other), {}) is case  # the poorer one of the two stands beside it

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -10,13 +11,18 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect, scales_of
 
-from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
+from dr_lab.diagnosis.fit.fit import Fit
+from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.search import rank
+from dr_lab.diagnosis.search.as_special_case import taking_over
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.refits import Begun, Refits
 from dr_lab.diagnosis.search.screen import FirstLook
+from dr_lab.diagnosis.search.waves import Waves
 from dr_lab.effects.effect import PlacedEffect, place
+from dr_lab.trajectory import Array
 
 TORQUE = 0.1  # N·m
 OFFSET = 0.03  # N·m
@@ -128,21 +134,55 @@ def test_the_ranking_asks_richer_kinds_of_the_best_one(monkeypatch: pytest.Monke
 
 
 @pytest.mark.slow
-def test_the_best_one_goes_on_beyond_a_sharp_bound_that_it_ran_into_on_all_windows() -> None:
+@pytest.mark.parametrize(("friction", "moved"), [(creeping, True), (rubbing, False)])
+def test_the_best_one_goes_on_beyond_a_bound_on_all_windows_unless_its_special_case_explains_as_much(
+    friction: Callable[[mujoco.MjData], None], monkeypatch: pytest.MonkeyPatch, *, moved: bool
+) -> None:
     """Friction that creeps more slowly than is looked for at first; few windows do not move the bound here."""
-    fits = fits_of(creeping)
-    soft = effect_of("smooth_friction")
+    monkeypatch.setattr(Waves, "_widen", lambda *_: None)
+    fits, soft = fits_of(friction), effect_of("smooth_friction")
     torque, creep = soft.parameters
-    found = soft.bounded((torque, replace(creep, low=2 * CREEP, nominal=3 * CREEP, high=20 * CREEP)))
-    candidate = fits.fitted(found, fits.look(found))
-    done = Refits(fits).refitted(candidate, Refits(fits).begun(candidate))
-    assert done.final
-    assert done.fitted_model.values()[creep.name] == pytest.approx(2 * CREEP)
-    wide = fits.farther(done)
-    assert wide is not None
-    assert wide.final
-    assert wide.fitted_model.values()[creep.name] < 2 * CREEP
-    assert wide.fitted_model.fit.cost < done.fitted_model.fit.cost
+    low = 2 * CREEP if moved else creep.low
+    starts = tuple({**start, creep.name: 3 * low} for start in soft.starts)
+    found = soft.bounded((torque, replace(creep, low=low, nominal=3 * low, high=20 * CREEP)))
+    effects = [effect_of("coulomb_friction"), replace(found, starts=starts)]
+    ranking = rank.rank(fits.bench, fits.base, effects, lambda _: None).candidates
+    (best,) = (c for c in ranking if c.effect.effect.name == "smooth_friction")
+    assert bool(best.effect.looked) is moved
+    if moved:
+        assert best.final
+        assert best.fitted_model.values()[creep.name] == pytest.approx(CREEP, rel=0.3)
+
+
+@pytest.mark.slow
+def test_an_effect_that_begins_in_the_place_of_another_one_is_asked_there_on_all_windows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fits, asked = fits_of(creeping), list[Array]()
+    base = fitted_with(fits, "coulomb_friction")
+    beside = CandidateFits(fits.bench.beside(base), base)
+    soft = taking_over(effect_of("smooth_friction"), base.model, base.values())
+    first, outlooks = beside.look(soft), Fitter.outlooks
+
+    def noted(self: Fitter, z: Array, *known: Any) -> list[Fit]:  # noqa: ANN401 (passed on)
+        asked.extend(z)
+        return outlooks(self, z, *known)
+
+    monkeypatch.setattr(Fitter, "outlooks", noted)
+    beside.promise_of_all(soft, first)
+    (z,) = asked
+    found, values = beside.fitter(beside.bench, soft).space.mapping(z), base.values()
+    torque = values.pop("coulomb_friction@hinge.torque")
+    assert torque > 0
+    assert found.pop("coulomb_friction@hinge.torque") == 0
+    assert found.pop("smooth_friction@hinge.torque") == pytest.approx(torque)
+    assert {name: found[name] for name in values} == values
+
+
+def fitted_with(fits: CandidateFits, name: str) -> FittedModel:
+    """The model of some fits with one effect, calibrated."""
+    model = fits.base.model.with_effect(effect_of(name))
+    return fit_and_score(fits.bench, model, model.space.nominal)
 
 
 @pytest.mark.slow

@@ -43,6 +43,23 @@ def test_friction_that_stays_takes_over_from_the_other_kind_beside_it(stays: str
     assert over.cost < 0.2 * as_was.cost  # of what is left the start states take up the most
 
 
+def test_of_two_kinds_that_stay_each_takes_over_alone() -> None:
+    model, scales = pendulum(), scales_of(pendulum(), torque=0.5)
+    windows = windows_of(model, [swinging("a", model.nominal(), 0)])
+    kinds = ("coulomb_friction", "smooth_friction", "asymmetric_friction")
+    hard, *stay = (place(catalogue_effect(name), model.nominal(), "hinge", scales) for name in kinds)
+    both = model.with_effect(stay[0]).with_effect(stay[1])
+    whole = both.with_effect(hard)
+    sizes = {f"{hard.label}.torque": 0.1, f"{stay[0].label}.torque": 0.05, f"{stay[1].label}.mean": 0.02}
+    values = dict(zip(whole.space.names, whole.space.nominal, strict=True)) | sizes
+    replay = Replay(whole, windows, 1)
+    fitted = fitted_alone(replay, Fitter(replay, solver_settings()).run(whole.space.vector(values), iterations=0))
+    fitter = Fitter(Replay(both, windows, 1), solver_settings())
+    *_, first, second = (fitter.space.mapping(start.z) for start in taken_away(fitter, fitted))
+    found = [(each[f"{stay[0].label}.torque"], each[f"{stay[1].label}.mean"]) for each in (first, second)]
+    assert found == [pytest.approx((0.15, 0.02)), pytest.approx((0.05, 0.12))]
+
+
 def test_nothing_takes_over_from_an_effect_of_another_kind() -> None:
     model, scales = pendulum(), scales_of(pendulum(), torque=0.5)
     windows = windows_of(model, [swinging("a", model.nominal(), 0)])

@@ -23,8 +23,10 @@ from trial_machines import (
     prepare,
 )
 
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, worth_a_trial
-from dr_lab.diagnosis.search import pruning
+from dr_lab.diagnosis.search import ladder, pruning
+from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -102,6 +104,30 @@ def test_what_is_in_doubt_falls_when_the_climb_is_over_not_before(monkeypatch: p
     cases = SpecialCases({}, NOTHING, NOTHING)
     assert pruning.lean(Deletions(BENCH), machine.explain(()), steps, cases).dropped == ()
     assert pruning.finished(Deletions(BENCH), machine.explain(()), steps, cases).dropped == (first.label,)
+
+
+def test_a_ladder_that_stays_is_judged_in_the_end_without_fits_that_are_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second, none = (
+        placed(block(), name, "rail") for name in ("coulomb_friction", "viscous_friction", "quadratic_drag")
+    )
+
+    def left(effects: Sequence[PlacedEffect]) -> Array:
+        return np.repeat(1.0 + 8.0 * (first not in effects) + 8.0 * (second not in effects), BLOCKS)
+
+    machine, fitted = Machine((first, second, none), left), list[tuple[list[str], list[str]]]()
+
+    def noted(_: Deletions, base: FittedModel, fewer: tuple[AddedEffect, ...], whole: FittedModel, __: float) -> object:
+        fitted.append((labels(effects_of(whole)), [step.effect.label for step in fewer]))
+        return fewer, base
+
+    prepare(machine, monkeypatch)
+    monkeypatch.setattr(ladder, "fitted_for_comparison", lambda _, model: model)
+    monkeypatch.setattr(Deletions, "_as_good_as_it_can", noted)
+    climbed = ladder.climb(BENCH, machine.explain(()), {}, NOTHING, NOTHING, most=4, watch=Silence())
+    assert labels(effects_of(climbed.models[-1])) == labels([first, second])
+    assert climbed.topped(climbed.models[-1]) is climbed
+    both = [fewer for whole, fewer in fitted if whole == labels([first, second])]
+    assert sorted(both) == [[first.label], [second.label]]
 
 
 @pytest.mark.parametrize(("base", "verdict"), [(WIDE, "unexplained"), (np.repeat(0.09, BLOCKS), "none")])
