@@ -23,6 +23,7 @@ from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.physics.straight import Straight
 from dr_lab.trajectory import Array
 
+_Models = tuple[NormalEquations, NormalEquations]
 _WHOLE = np.ones(1)
 _STAY = (np.empty(0), np.empty(0))
 _SHARES = 0.5 ** np.arange(5)  # of a step of bodies that are free as a whole, which are tried at once
@@ -199,10 +200,8 @@ class Fitter:
             best, weight, linear = self._objective.linear(best, slopes.now)
             if self._rough and 0 <= gain <= least:
                 break
-        costs = np.where(best.infeasible, 0.0, self._objective.window_costs(best, weight))
         over = failed or (crawls and not self._rough)
-        ended = (linear, first, costs, slopes.now, taken, converged, late, over)
-        return Fit(best.z, best.delta, best.residuals, best.cost, best.infeasible, *ended)
+        return self._fit(best, weight, (linear, first), slopes.now, taken, converged, late, over)
 
     def outlooks(self, z: Array, delta: Array, known: Slopes, first: Point | None = None) -> list[Fit]:
         """Linear models at several contexts with states that were fitted nearby, simulated as one batch.
@@ -218,15 +217,15 @@ class Fitter:
         fits = list[Fit]()
         for context, residuals, infeasible, rest in zip(z, *found, strict=True):
             slopes = Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
-            fits.append(self._linearised(Point(context, delta, residuals, np.inf, infeasible), slopes))
+            start = Point(context, delta, residuals, np.inf, infeasible)
+            point, weight, linear = self._objective.linear(start, slopes)
+            fits.append(self._fit(point, weight, (linear, linear), slopes, 0, False))
         return fits
 
-    def _linearised(self, point: Point, slopes: Slopes) -> Fit:
-        """A fit that takes no step."""
-        point, weight, linear = self._objective.linear(point, slopes)
-        costs = np.where(point.infeasible, 0.0, self._objective.window_costs(point, weight))
-        ended = (linear, linear, costs, slopes, 0, False)
-        return Fit(point.z, point.delta, point.residuals, point.cost, point.infeasible, *ended)
+    def _fit(self, at: Point, weight: Array, linear: _Models, slopes: Slopes, taken: int, *ended: bool) -> Fit:
+        """A fit that ends at a point, with the linear models there and at its start; the rest as `Fit` has it."""
+        costs = np.where(at.infeasible, 0.0, self._objective.window_costs(at, weight))
+        return Fit(at.z, at.delta, at.residuals, at.cost, at.infeasible, *linear, costs, slopes, taken, *ended)
 
     def begin(self, z: Array, delta: Array) -> Point:
         """A start, with its cost: in each window the given state correction, or none where that fits better.
