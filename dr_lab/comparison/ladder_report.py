@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 from dr_lab.comparison import entries, notes
 from dr_lab.comparison.calibrated import Described, as_given, describe
@@ -19,7 +20,7 @@ from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.reports.gap import GapReport, Judgement
-from dr_lab.reports.gap_entries import ExplainedEntry, JudgedRungEntry, NoteEntry
+from dr_lab.reports.gap_entries import CandidateEntry, ExplainedEntry, JudgedRungEntry, NoteEntry
 
 
 @dataclass(frozen=True)
@@ -103,8 +104,8 @@ def _judgement(study: Study, ladder: Ladder) -> Judgement:
         explained=_explained(ladder.gained(evidence)),
         reason=" ".join([_reason(study, first), *(law.sentence for law in ladder.laws if law.refuted)]),
         laws=entries.laws(ladder.laws),
-        ranking=entries.ranking(study, first.ranking, first.verdict),
-        rungs=tuple(_rung(study, rung) for rung in ladder.rungs),
+        ranking=_ranking(study, first, ladder),
+        rungs=tuple(_rung(study, rung, ladder) for rung in ladder.rungs),
         worst_direction=entries.worst_direction(ladder.models[-1]),
     )
 
@@ -147,7 +148,13 @@ def _reason(study: Study, rung: Rung) -> str:
     return " ".join([rung.verdict.reason, *told])
 
 
-def _rung(study: Study, rung: Rung) -> JudgedRungEntry:
+def _ranking(study: Study, rung: Rung, ladder: Ladder) -> tuple[CandidateEntry, ...]:
+    """The candidates of a rung, as the ladder judged them in the end: what it put back is named no longer."""
+    settled = reduce(lambda verdict, back: verdict.put_back(back.richer, back.poorer), ladder.put_back, rung.verdict)
+    return entries.ranking(study, rung.ranking, settled)
+
+
+def _rung(study: Study, rung: Rung, ladder: Ladder) -> JudgedRungEntry:
     return JudgedRungEntry(
         effects=tuple(effect.label for effect in rung.base.model.effects),
         verdict=rung.verdict.kind,
@@ -155,5 +162,5 @@ def _rung(study: Study, rung: Rung) -> JudgedRungEntry:
         on_trial=tuple(rung.verdict.trial),
         absorbed_by_parameters=tuple(rung.verdict.absorbed),
         reason=_reason(study, rung),
-        ranking=entries.ranking(study, rung.ranking, rung.verdict),
+        ranking=_ranking(study, rung, ladder),
     )

@@ -50,7 +50,10 @@ def fit_notes(models: Sequence[FittedModel]) -> list[NoteEntry]:
         if not fit.converged:
             steps = f"{fit.iterations} step{'s' if fit.iterations != 1 else ''}"
             told = f"{name} did not converge in {steps}: its parameters may not be the best."
-            notes.append(NoteEntry(f"{told} Raise solver.iterations, or begin nearer.", "not_converged"))
+            rest = "The last of them gained nothing, as at a kink of dry friction; more would not help."
+            if not fit.over:
+                rest = "Raise solver.iterations, or begin nearer."
+            notes.append(NoteEntry(f"{told} {rest}", "not_converged"))
     return notes
 
 

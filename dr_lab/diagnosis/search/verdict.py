@@ -1,7 +1,7 @@
 """The verdict on one ranking (named, equivalent, not excited, none, unexplained) and the status of each candidate."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isnan
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
@@ -37,6 +37,15 @@ class Verdict:
     trial: tuple[str, ...]
     absorbed: tuple[str, ...]
     reason: str
+
+    def put_back(self, richer: str, poorer: str) -> "Verdict":
+        """The verdict where a special case has taken the place of one of its effects; itself where it has neither."""
+        if richer not in self.effects or poorer not in self.status:
+            return self
+        effects = dict.fromkeys(poorer if label == richer else label for label in self.effects)
+        return replace(
+            self, effects=tuple(effects), status={**self.status, poorer: self.status[richer], richer: "rejected"}
+        )
 
 
 def decide(

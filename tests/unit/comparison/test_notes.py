@@ -3,9 +3,11 @@
 from dataclasses import replace
 from functools import cache
 
+import pytest
 from diagnosis_machines import measured, pendulum, short_comparison, swinging
 
-from dr_lab.comparison.notes import study_notes
+from dr_lab.comparison.calibrated import calibrated
+from dr_lab.comparison.notes import fit_notes, study_notes
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import Note
@@ -44,3 +46,13 @@ def test_a_note_that_counts_nothing_keeps_its_words() -> None:
     derived = Note(LOST.kind, "hinge.velocity", "It is made of the position.")
     (note,) = told((derived,), (derived,))
     assert (note.log, note.message) == (None, derived.message)
+
+
+@pytest.mark.parametrize(("over", "remedy"), [(False, "Raise solver.iterations"), (True, "more would not help")])
+def test_a_fit_without_its_certificate_is_told_with_what_helps(remedy: str, *, over: bool) -> None:
+    fitted_model = calibrated(study())
+    ended = replace(fitted_model.fit, converged=False, over=over, iterations=3)
+    (note,) = fit_notes([replace(fitted_model, fit=ended)])
+    assert note.kind == "not_converged"
+    assert "The calibration did not converge in 3 steps" in note.message
+    assert remedy in note.message

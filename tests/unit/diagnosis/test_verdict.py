@@ -188,3 +188,17 @@ def test_a_model_that_diverges_everywhere_is_not_at_the_noise_floor() -> None:
 def test_windows_that_only_the_base_loses_count_for_neither() -> None:
     verdict = judged(diverging(20.0, 5), ("coulomb_friction", 1.0))
     assert verdict.effects == ("coulomb_friction@rail",)
+
+
+def test_a_special_case_takes_the_place_of_what_is_put_back_to_it() -> None:
+    verdict = judged(20.0, ("stribeck_friction", 1.0), ("coulomb_friction", 12.0), ("viscous_friction", 19.0))
+    assert verdict.effects == ("stribeck_friction@rail",)
+    settled = verdict.put_back("stribeck_friction@rail", "coulomb_friction@rail")
+    assert settled.effects == ("coulomb_friction@rail",)
+    assert settled.status == {
+        "coulomb_friction@rail": "named",
+        "stribeck_friction@rail": "rejected",
+        "viscous_friction@rail": "rejected",
+    }
+    assert settled.put_back("stribeck_friction@rail", "coulomb_friction@rail") is settled
+    assert verdict.put_back("stribeck_friction@rail", "coulomb_friction@elbow") is verdict  # none of the candidates
