@@ -203,8 +203,8 @@ def _spread(count: int, most: int) -> NDArray[np.intp]:
 def _scales(
     model: Model, compiled: mujoco.MjModel, measurements: MeasurementSet, smoother: float, bench: Bench
 ) -> Scales:
-    """Scales of the fit logs; of joints that no channel measures, those of the nominal model in these logs."""
+    """Scales of the fit logs; of joints that no channel measures, and of wheels, those of the model in these logs."""
     found = machine_scales(compiled, measurements.fit, smoother)
-    if not found.unmeasured:
+    if not (found.unmeasured or bench.fit.prior.grounded):
         return found
     return with_replay(found, *fit_states(model, model.space.nominal, bench.fit, bench.solver, bench.threads))

@@ -38,6 +38,7 @@ class WindowSettings:
         unmeasured_position: prior standard deviation of a joint position that is not measured, rad or m.
         unmeasured_velocity: the same of its velocity, rad/s or m/s.
         footing: how far above the ground a foot may seem to be that stands, m.
+        lifting: prior standard deviations of a start by which a body may seem to move off the ground that it stays on.
         unknowns: most positions and velocities that are unknown at the starts of all windows together.
 
     Raises:
@@ -61,6 +62,7 @@ class WindowSettings:
     unmeasured_position: Positive
     unmeasured_velocity: Positive
     footing: Positive
+    lifting: Positive
     unknowns: Count
 
     def __post_init__(self) -> None:

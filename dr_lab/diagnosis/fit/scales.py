@@ -16,6 +16,7 @@ from dr_lab.trajectory import Array, Log
 _SAMPLES_PER_LOG = 200
 _FAST = 95.0  # percentile that stands for a joint's speed
 _RESTING = 1e-9  # rad/s or m/s; rounding
+_FILTERS = [int(kind) for kind in (mujoco.mjtDyn.mjDYN_FILTER, mujoco.mjtDyn.mjDYN_FILTEREXACT)]
 
 
 def machine_scales(model: mujoco.MjModel, logs: Sequence[Log], smoother: float) -> Scales:
@@ -39,7 +40,8 @@ def machine_scales(model: mujoco.MjModel, logs: Sequence[Log], smoother: float) 
 def with_replay(found: Scales, replay: Replay, fit: StateFit) -> Scales:
     """The scales with those of the joints that no channel measures, from how the nominal model moves in the logs.
 
-    Where the velocity alone is measured, the range alone is the model's.
+    Where the velocity alone is measured, the range alone is the model's. A wheel on the ground is as strong as its
+    motor: what the motor does goes through the contact, of which the wheel's own inertia tells nothing.
 
     Args:
         found: scales of the measured motion.
@@ -50,13 +52,18 @@ def with_replay(found: Scales, replay: Replay, fit: StateFit) -> Scales:
     blind = [joint for joint in found.unmeasured if f"{joint}.velocity" not in seen]
     if fit.infeasible.all():
         return replace(found, unknown=found.unmeasured)
-    own = _scales(replay.compiled, *_replayed(replay, fit))
+    states, controls = _replayed(replay, fit)
+    own = _scales(replay.compiled, *states)
+    torque = {**found.torque, **{joint: own.torque[joint] for joint in blind}}
+    if replay.windows.prior.grounded:
+        driven = _driven(replay.compiled, *states[:2], controls)
+        torque = {n: max(torque[n], float(driven[c.dof])) for n, c in _joints(replay.compiled).items()}
     return replace(
         found,
         lowest={**found.lowest, **{joint: own.lowest[joint] for joint in found.unmeasured}},
         highest={**found.highest, **{joint: own.highest[joint] for joint in found.unmeasured}},
         speed={**found.speed, **{joint: own.speed[joint] for joint in blind}},
-        torque={**found.torque, **{joint: own.torque[joint] for joint in blind}},
+        torque=torque,
         unknown=frozenset(joint for joint in blind if own.speed[joint] < _RESTING),
     )
 
@@ -79,15 +86,17 @@ def _scales(model: mujoco.MjModel, qpos: Array, qvel: Array, qacc: Array) -> Sca
     )
 
 
-def _replayed(replay: Replay, fit: StateFit) -> tuple[Array, Array, Array]:
-    """Positions, velocities and accelerations at evenly spread steps of the windows that do not diverge."""
+def _replayed(replay: Replay, fit: StateFit) -> tuple[tuple[Array, Array, Array], Array]:
+    """Positions, velocities and accelerations, and controls, at evenly spread steps of windows that do not diverge."""
     tape, _ = replay.simulate(fit.z[None], fit.delta[None])
-    qpos, qvel = (rows[0][~fit.infeasible] for rows in (tape.qpos, tape.qvel))
+    qpos, qvel, controls = (rows[0][~fit.infeasible] for rows in (tape.qpos, tape.qvel, tape.controls))
     qacc = np.diff(qvel, axis=1) / tape.step
-    states = [rows.reshape(-1, rows.shape[2]) for rows in (qpos[:, :-1], qvel[:, :-1], qacc)]
+    count = qacc.shape[0] * qacc.shape[1]
+    rows = [rows.reshape(count, rows.shape[2]) for rows in (qpos[:, :-1], qvel[:, :-1], qacc, controls)]
     most = _SAMPLES_PER_LOG * len(replay.windows.logs)
-    pick = np.unique(np.linspace(0, len(states[0]) - 1, most).round().astype(int))
-    return states[0][pick], states[1][pick], states[2][pick]
+    pick = np.unique(np.linspace(0, count - 1, most).round().astype(int))
+    qpos, qvel, qacc, controls = (each[pick] for each in rows)
+    return (qpos, qvel, qacc), controls
 
 
 def _states(model: mujoco.MjModel, log: Log, smoother: float) -> tuple[Array, Array, Array]:
@@ -117,6 +126,18 @@ def _forces(model: mujoco.MjModel, qpos: Array, qvel: Array, qacc: Array) -> Arr
         mujoco.mj_mulM(model, data, product, a)
         total += product**2 + data.qfrc_bias**2
     return np.sqrt(total / len(qpos))
+
+
+def _driven(model: mujoco.MjModel, qpos: Array, qvel: Array, controls: Array) -> Array:
+    """Root mean square of the actuators' forces by degree of freedom, shape (nv,); filters have settled."""
+    data, total = mujoco.MjData(model), np.zeros(model.nv)
+    filters = np.flatnonzero(np.isin(model.actuator_dyntype, _FILTERS))
+    for q, v, u in zip(qpos, qvel, controls, strict=True):
+        data.qpos[:], data.qvel[:], data.ctrl[:] = q, v, u
+        data.act[model.actuator_actadr[filters]] = u[model.actuator_ctrladr[filters]]
+        mujoco.mj_forward(model, data)
+        total += data.qfrc_actuator**2
+    return np.sqrt(total / max(len(qpos), 1))
 
 
 def _commands(model: mujoco.MjModel, logs: Sequence[Log]) -> dict[str, float]:

@@ -56,14 +56,15 @@ def residual_forces(
     if tape is None:
         tape, _ = replay.simulate(fit.z[None], fit.delta[None])
     positions = [s.channel for s in replay.windows.samples if s.channel.kind == "position"]
-    dofs = replay.windows.prior.independent([channel.dof for channel in positions])
+    prior = replay.windows.prior
+    dofs = prior.independent([channel.dof for channel in positions])
     measured = [channel for channel in positions if channel.dof in dofs]
     if not measured:
         return {}
     slopes = differences(replay, solver, fit, states=True, columns=np.zeros(0, np.intp))
     accelerations, covariance = _accelerations(replay, fit, slopes, dofs)
     middle = tape.qpos[0][:, tape.qpos.shape[2] // 2]
-    chained = replay.windows.prior.tangent is not None
+    chained = prior.tangent is not None and not prior.grounded
     mass = _masses(model, middle, dofs, ClosedLoops(model, np.ones(model.nv, bool)) if chained else None)
     forces = np.einsum("wij,wj->wi", mass, accelerations)
     forces[fit.infeasible] = np.nan

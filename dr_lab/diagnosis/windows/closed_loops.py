@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
+from dr_lab.diagnosis.windows.tangent import SINGULAR, following
 from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
@@ -22,7 +23,6 @@ _SOFT = 0.01  # s, half of MuJoCo's default: a chain whose time constant is long
 _STRIDE = 0.3  # rad or m of the way from the reference that is closed at a time, lest another assembly be met
 _ITERATIONS = 20
 _CLOSED = 1e-10  # rad or m, of a Gauss-Newton step
-SINGULAR = 1e-6  # of the largest singular value: below it a direction is free
 _FREE = 1e-3  # share of a velocity; below it nothing of it is free
 _AHEAD = 1e-6  # s, over which the Jacobian's rate is a difference
 
@@ -139,48 +139,3 @@ class ClosedLoops:
         q = q.copy()
         mujoco.mj_integratePos(self._model, q, by, 1.0)
         return q
-
-
-def following(free: Array, dofs: Sequence[int]) -> Array:
-    """Velocities (…, nv, n) while one of n degrees of freedom moves by 1, of those that directions (…, nv, k) span."""
-    return free @ np.linalg.pinv(free[..., list(dofs), :], rcond=SINGULAR)
-
-
-class Tangent(NamedTuple):
-    """Changes of a state that open no chain, for w windows, as k unknowns of standard deviation 1.
-
-    Attributes:
-        basis: of changes of positions and velocities in the tangent space, shape (w, 2 nv, k).
-        inverse: the unknowns that a change is, without its part that opens a chain, shape (w, k, 2 nv).
-    """
-
-    basis: Array
-    inverse: Array
-
-    @property
-    def velocities(self) -> Array:
-        """Directions in which the velocities can change, shape (w, nv, k / 2)."""
-        _, states, unknowns = self.basis.shape
-        return self.basis[:, states // 2 :, unknowns // 2 :]
-
-    def pick(self, rows: NDArray[np.intp]) -> "Tangent":
-        """The changes of some windows."""
-        return Tangent(self.basis[rows], self.inverse[rows])
-
-
-def tangent(loops: ClosedLoops, qpos: Array, std: Array) -> Tangent:
-    """The null spaces of J at positions (w, nq), in units of the standard deviations (2 nv,).
-
-    All have as many directions as the smallest: where a chain passes a singular position, it has one more.
-    """
-    scales = std.reshape(2, -1)
-    parts = [np.linalg.svd(loops.constraints(q)[1] * scale)[1:] for q in qpos for scale in scales]
-    rank = max(int((size > SINGULAR * size.max(initial=0.0)).sum()) for size, _ in parts)
-    free = np.stack([rows[rank:].T for _, rows in parts])  # (2 w, nv, k / 2)
-    (count, nv, half), basis = free.shape, np.zeros((len(qpos), 2 * free.shape[1], 2 * free.shape[2]))
-    inverse = np.zeros((len(qpos), 2 * half, 2 * nv))
-    for k, scale in enumerate(scales):
-        rows, columns = slice(k * nv, (k + 1) * nv), slice(k * half, (k + 1) * half)
-        basis[:, rows, columns] = free[k:count:2] * scale[:, None]
-        inverse[:, columns, rows] = (free[k:count:2] / scale[:, None]).transpose(0, 2, 1)
-    return Tangent(basis, inverse)

@@ -39,7 +39,7 @@ def stand(prior: StartPrior, body: FreeBody, model: mujoco.MjModel, settings: Wi
         return
     up, scatter, stands = -model.opt.gravity / pull, list[Array](), False
     data, place, speed = mujoco.MjData(model), slice(body.address, body.address + 3), slice(body.dof, body.dof + 3)
-    rigid = _locked(model)
+    rigid = locked(model)
     for qpos, qvel in zip(prior.qpos, prior.qvel, strict=True):
         data.qpos[:] = qpos
         if not _lowered(model, data, pairs, data.qpos[place], up):
@@ -86,7 +86,7 @@ def _lowered(model: mujoco.MjModel, data: mujoco.MjData, pairs: list[tuple[int, 
     return False
 
 
-def _locked(model: mujoco.MjModel) -> mujoco.MjModel:
+def locked(model: mujoco.MjModel) -> mujoco.MjModel:
     """The model with joints that hardly give way, free ones as they are."""
     rigid = copy(model)
     limbs = np.isin(rigid.dof_jntid, np.flatnonzero(rigid.jnt_type != mujoco.mjtJoint.mjJNT_FREE))

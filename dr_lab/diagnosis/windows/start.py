@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.channels import available, unmeasured_joints
-from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, tangent
+from dr_lab.diagnosis.windows.closed_loops import ClosedLoops
 from dr_lab.diagnosis.windows.free_start import free_bodies, place_by_sensors
+from dr_lab.diagnosis.windows.grounded import grounded
 from dr_lab.diagnosis.windows.local_fits import DEGREE, fits
 from dr_lab.diagnosis.windows.standing import stand
 from dr_lab.diagnosis.windows.start_prior import StartPrior
+from dr_lab.diagnosis.windows.tangent import tangent
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.trajectory import Array, Log, Noise, Signal
 
@@ -83,8 +85,8 @@ def estimate_starts(
     The prior's standard deviation is `prior_scale` times the larger of two errors: the noise (for a velocity divided
     by the smoother's half-width), and what the polynomial misses of the motion, told by how much it changes at half
     the width (root mean square over the windows). A joint whose velocity alone is measured takes that; a free body is
-    placed by the sensors of its frame. Joints without a channel start where closed chains ask for it, or else at the
-    model's reference.
+    placed by the sensors of its frame, and on the ground if it stays there. Joints without a channel start where
+    closed chains ask for it, or else at the model's reference.
 
     Returns:
         The prior of all windows, in the order of `begins`.
@@ -106,11 +108,12 @@ def estimate_starts(
             qvel[:, channel.dof], qacc[:, channel.dof] = means[:2]
             std[nv + channel.dof] = settings.prior_scale * max(floor[0], wrong[0])
     prior = StartPrior(qpos, qvel, qacc, std)
-    for body in free_bodies(model, logs[0].outputs):
+    bodies = free_bodies(model, logs[0].outputs)
+    for body in bodies:
         place_by_sensors(prior, body, logs, begins, noise, settings)
         if not body.position:
             stand(prior, body, model, settings)
-    return _closed(prior, model, logs[0].outputs)
+    return grounded(_closed(prior, model, logs[0].outputs), bodies, model, settings)
 
 
 def _closed(prior: StartPrior, model: mujoco.MjModel, measured: Collection[str]) -> StartPrior:
@@ -130,7 +133,7 @@ def _closed(prior: StartPrior, model: mujoco.MjModel, measured: Collection[str])
         return StartPrior(qpos, qvel, qacc, std)
     nearest = [loops.nearest(q, v, std) for q, v in zip(qpos, qvel, strict=True)]
     qpos, qvel = (np.stack(each) for each in zip(*nearest, strict=True))
-    directions = tangent(loops, qpos, std)
+    directions = tangent([loops.constraints(q)[1] for q in qpos], std)
     return StartPrior(qpos, qvel, qacc, np.ones(directions.basis.shape[2]), directions)
 
 

@@ -1,12 +1,12 @@
 """What is thought of the windows' initial states before they are fitted."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.diagnosis.windows.closed_loops import Tangent, following
+from dr_lab.diagnosis.windows.tangent import Tangent, following
 from dr_lab.trajectory import Array
 
 _DEPENDENT = 1e-3  # of a singular value: joints of a closed chain whose motions differ by less move together
@@ -22,8 +22,9 @@ class StartPrior:
         qacc: mean accelerations, which tell the state a little earlier or later, shape (w, nv).
         std: prior standard deviations of the unknowns: s of the state, then the k activations that nothing before the
             start tells, then what commands did between their samples, shape (s + k + u,).
-        tangent: what the unknowns of the state do where chains are closed; None where they are changes of the positions
-            and velocities in the tangent space, s = 2 nv.
+        tangent: what the unknowns of the state do where chains are closed, or bodies stay on the ground; None where
+            they are changes of the positions and velocities in the tangent space, s = 2 nv.
+        grounded: whether bodies stay on the ground.
     """
 
     qpos: Array
@@ -31,6 +32,7 @@ class StartPrior:
     qacc: Array
     std: Array
     tangent: Tangent | None = None
+    grounded: bool = False
 
     @property
     def nstate(self) -> int:
@@ -39,13 +41,13 @@ class StartPrior:
 
     def pick(self, rows: NDArray[np.intp]) -> "StartPrior":
         """The prior of some windows."""
-        kept = self.tangent and self.tangent.pick(rows)
-        return StartPrior(self.qpos[rows], self.qvel[rows], self.qacc[rows], self.std, kept)
+        kept = {name: getattr(self, name)[rows] for name in ("qpos", "qvel", "qacc")}
+        return replace(self, tangent=self.tangent and self.tangent.pick(rows), **kept)
 
     def change(self, unknowns: Array, moved: Array) -> Array:
         """Changes of positions and velocities: those of unknowns (…, w, s or more), and others (…, w, 2 nv).
 
-        Of the others only what opens no chain counts.
+        Of the others only what opens no chain and leaves no ground counts.
         """
         of_state = unknowns[..., : self.nstate]
         if self.tangent is None:
@@ -54,7 +56,7 @@ class StartPrior:
         return np.einsum("wsk,...wk->...ws", self.tangent.basis, along)
 
     def unknowns(self, change: Array) -> Array:
-        """The unknowns that changes of positions and velocities (…, w, 2 nv) are, as far as they open no chain."""
+        """The unknowns that changes of positions and velocities (…, w, 2 nv) are, as far as they keep to it."""
         return change if self.tangent is None else np.einsum("wks,...ws->...wk", self.tangent.inverse, change)
 
     def independent(self, dofs: Sequence[int]) -> list[int]:

@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from slider_crank import MJCF, place, rod_angle, slopes
 
-from dr_lab.diagnosis.windows.closed_loops import ClosedLoops, tangent
+from dr_lab.diagnosis.windows.closed_loops import ClosedLoops
 from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.diagnosis.windows.start_prior import StartPrior
+from dr_lab.diagnosis.windows.tangent import tangent
 from dr_lab.trajectory import Array
 
 MODEL = mujoco.MjModel.from_xml_string(MJCF.format('solref="0.002 1"'))
@@ -49,7 +50,7 @@ def test_the_nearest_velocities_open_no_chain() -> None:
 def test_changes_in_the_tangent_space_open_no_chain_and_others_lose_what_does() -> None:
     loops, angles = ClosedLoops(MODEL, NO_PIN), np.array([0.3, 1.2, -2.0])
     qpos = np.stack([angles, rod_angle(angles) - angles, place(angles)], axis=1)
-    found = tangent(loops, qpos, np.array([1e-3, 2e-3, 1e-4, 0.1, 0.2, 0.01]))
+    found = tangent([loops.constraints(q)[1] for q in qpos], np.array([1e-3, 2e-3, 1e-4, 0.1, 0.2, 0.01]))
     assert found.basis.shape == (3, 6, 2)
     prior = StartPrior(qpos, np.zeros((3, 3)), np.zeros((3, 3)), np.ones(2), found)
     unknowns = np.random.default_rng(1).normal(size=(4, 3, 2))
@@ -69,9 +70,8 @@ def test_changes_in_the_tangent_space_open_no_chain_and_others_lose_what_does() 
 def test_joints_of_a_chain_move_together() -> None:
     loops, angles = ClosedLoops(MODEL, NO_PIN), np.array([0.3, 1.2, -2.0])
     qpos = np.stack([angles, rod_angle(angles) - angles, place(angles)], axis=1)
-    prior = StartPrior(
-        qpos, np.zeros((3, 3)), np.zeros((3, 3)), np.ones(2), tangent(loops, qpos, np.array([1.0, 2.0, 0.1] * 2))
-    )
+    found = tangent([loops.constraints(q)[1] for q in qpos], np.array([1.0, 2.0, 0.1] * 2))
+    prior = StartPrior(qpos, np.zeros((3, 3)), np.zeros((3, 3)), np.ones(2), found)
     assert prior.independent([0, 2]) == [0]
     assert prior.independent([2, 0]) == [2]
     slider, rod = slopes(angles)
