@@ -157,7 +157,7 @@ def train(*overrides: str, config_dir: Path | None = None, run_dir: Path | None 
 
     Example:
         >>> report = train("env=furuta_balance", "frames=20000")
-        >>> report.final_return, report.run
+        >>> report.deployed_return, report.run
 
     Args:
         overrides: as on the command line; ``resume=FOLDER`` goes on with an interrupted run.

@@ -21,9 +21,11 @@ class DistributionLearner(ABC):
     Attributes:
         randomizer: p_φ(z), from which the environment draws.
         every: control steps of training between two updates, which wait for an iteration to end.
+        first: control steps of training before which nothing is learned.
     """
 
     every: int = 1
+    first: int = 0
 
     def __init__(self, randomizer: Randomizer) -> None:
         self.randomizer = randomizer

@@ -32,10 +32,12 @@ def context_axes(
     every = zip(space.names, space.low, space.high, strict=True)
     chosen = given if given is not None else {name: (low, high, count) for name, low, high in every}
     if not 1 <= len(chosen) <= most:
+        first = list(zip(space.names, space.low, space.high, strict=True))[:most]
+        example = ", ".join(f"{name}: [{low:.4g}, {high:.4g}, {count}]" for name, low, high in first)
         raise ConfigError(
             f"The evaluator draws {' or '.join(['one', 'two'][:most])} parameter{'s' * (most > 1)}; here it is "
-            f"{len(chosen)}: {', '.join(chosen) or 'none'}. Choose with evaluator.axes={{parameter: [lowest, highest, "
-            f"number of values]}}; the model has {', '.join(space.names) or 'no parameters'}."
+            f"{len(chosen)}: {', '.join(chosen) or 'none'}. Choose the lowest, the highest and the number of values: "
+            f"'evaluator.axes={{{example}}}'. The model has {', '.join(space.names) or 'no parameters'}."
         )
     return [_axis(space, name, *limits) for name, limits in chosen.items()]
 

@@ -10,6 +10,7 @@ from scipy.stats import t as student
 
 from dr_lab.trajectory import Array
 
+_TOLD = 3  # values, which have an interval
 _BATCH = 100  # resamples at a time, which bounds the memory that long curves take
 
 
@@ -43,13 +44,15 @@ def iqm_interval(values: Array, confidence: float, resamples: int, seed: int) ->
         seed: of the bootstrap.
 
     Returns:
-        NaN throughout where nothing is known; where fewer than two values are, the ends are NaN.
+        NaN throughout where nothing is known; where fewer than three values are, the ends are NaN: of two they would be
+        these two, between which the truth lies in one of two cases.
     """
     known = values[np.isfinite(values)]
     if len(known) == 0:
         return Interval(np.nan, np.nan, np.nan)
     value, low, high = iqm_band(known[:, None], confidence, resamples, seed)
-    return Interval(float(value[0]), float(low[0]), float(high[0]))
+    ends = (float(low[0]), float(high[0])) if len(known) >= _TOLD else (np.nan, np.nan)
+    return Interval(float(value[0]), *ends)
 
 
 def improvement_interval(ours: Array, theirs: Array, confidence: float, resamples: int, seed: int) -> Interval:

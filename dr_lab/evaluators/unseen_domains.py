@@ -24,6 +24,9 @@ _FEW = 4  # parameters, for which a page has room
 class UnseenDomainsEvaluator(Evaluator):
     """Episodes from several starts in each of many drawn domains; domains and starts hang on the seed alone.
 
+    A policy that was trained on a few domains has not seen those that are drawn anew from their distribution; one that
+    was trained on all of it has seen their like, and `distribution` takes it elsewhere.
+
     So they are the same for every policy that was trained on the same distribution. A policy that was trained on
     domains that stayed the same (`Algorithm.domains`, its teachers') plays these, too.
 
@@ -93,8 +96,9 @@ class UnseenDomainsEvaluator(Evaluator):
         return {"inference_seconds": seconds, "parameter_bytes": parameter_bytes(subject.policy)}
 
     def _told(self, taught: bool) -> str:
+        drawn = "from a distribution of their own" if self.distribution else "anew from what the policy was trained on"
         told = (
-            f"{self.domains} domains that training has not seen, {self.starts} episodes in each, from starts that are "
+            f"{self.domains} domains, drawn {drawn}, {self.starts} episodes in each, from starts that are "
             "the same for every policy. median, lower and upper quartile: over all of these episodes. infeasible: "
             "share of them that diverge, which count with the return that the task declares. inference seconds: median "
             f"time of an action for one observation over {self.calls} calls on one core. parameter bytes: memory of "

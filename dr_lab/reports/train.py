@@ -47,6 +47,11 @@ class ChoiceEntry:
     choice_frames: int
     policy: str
 
+    @property
+    def mean_return(self) -> Number:
+        """That of the deployed policy, in the episodes by which it was chosen."""
+        return next(each.mean_return for each in self.snapshots if each.frames == self.chosen)
+
 
 @dataclass(frozen=True)
 class MomentsEntry:
@@ -92,3 +97,5 @@ class TrainReport:
     choice: ChoiceEntry | None = field(default=None, metadata=IN_PLACE)
     adapted_returns: tuple[float, ...] = ()
     ladder: tuple[RungEntry, ...] = ()
+    final_episodes: int | None = None
+    deployed_return: Number = None

@@ -10,7 +10,7 @@ _NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate pla
 
 def train_page(report: TrainReport) -> Page:
     """How long was trained, what the policy returns, which one is deployed, and what it was trained on."""
-    lines = [_trained(report), _deployed(report)]
+    lines = [_deployed(report), _trained(report)]
     if report.rollout_frames:
         lines.append(f"Further episodes were played to learn from: {report.rollout_frames} control steps.")
     if report.infeasible_episodes:
@@ -28,8 +28,13 @@ def _trained(report: TrainReport) -> str:
         after = ", ".join(f"{value} after {counted(k, 'update')}" for k, value in enumerate(others, start=1))
         return f"Mean return in the last tasks: {first} before an update, {after}. {taken}"
     value = report.final_return
-    returns = _NO_EPISODE if value is None else f"Mean return of the episodes that ended last: {number(value)}."
-    return f"{returns} {taken}"
+    if value is None:
+        return f"{_NO_EPISODE if report.deployed_return is None else ''} {taken}".strip()
+    ended = "the episodes" if report.final_episodes is None else counted(report.final_episodes, "episode")
+    return (
+        f"{taken} While it trained, {ended} that ended last returned {number(value)} on average, with exploration; "
+        "episodes that outlast the run are not among them."
+    )
 
 
 def _ladder(report: TrainReport) -> list[Section]:
@@ -58,7 +63,13 @@ def _deployed(report: TrainReport) -> str:
     choice = report.choice
     if choice is None:
         return ""
+    kept = len(choice.snapshots)
+    best = f", the best of the {kept} that were kept" if kept > 1 else ""
+    returns, lucky = "", ""
+    if report.deployed_return is not None:
+        returns = f"The deployed policy returns {number(report.deployed_return)} on average, without exploration. "
+        lucky = ", by which that return is somewhat too high" if kept > 1 else ""
     return (
-        f"Deployed is the policy of control step {choice.chosen}, the best of those that were kept "
-        f"({len(choice.snapshots)}). Choosing took {choice.choice_frames} control steps of other episodes."
+        f"{returns}It is that of control step {choice.chosen}{best}. Its episodes, {choice.choice_frames} control "
+        f"steps in all, are no part of the training{lucky}; dr-lab evaluate plays others."
     )

@@ -49,10 +49,15 @@ def _grid(label: str, groups: Sequence[Group]) -> Grid | None:
     mean, spread = np.full((2, *(len(axis.values) for axis in axes)), np.nan)
     for of_group, context in zip(reports, contexts, strict=True):
         cell = tuple(int(np.searchsorted(axis.values, context[axis.name])) for axis in axes)
-        returns = [report.final_return for report in of_group if report.final_return is not None]
+        returns = [value for value in map(_return, of_group) if value is not None]
         if returns:
             mean[cell], spread[cell] = np.mean(returns), np.std(returns)
     return Grid(label, axes, mean, spread)
+
+
+def _return(report: TrainReport) -> float | None:
+    """Of the deployed policy, where it is known."""
+    return report.final_return if report.deployed_return is None else report.deployed_return
 
 
 def _trained(group: Group) -> list[TrainReport]:

@@ -37,6 +37,7 @@ class LogsTarget(Target):
     """
 
     drivable: ClassVar[bool] = False
+    nature: ClassVar[str] = "the recorded logs of evaluator.target.measurements"
 
     def __init__(
         self, setting: Setting, measurements: MeasurementSet, half_width: float, stretch: float | None

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import cast
+from typing import ClassVar, cast
 
 import numpy as np
 import torch
@@ -37,6 +37,10 @@ class ModelTarget(Target):
         UnknownNameError: a parameter, effect or site does not exist.
         ConfigError: the model has other joints, actuators or time steps.
     """
+
+    nature: ClassVar[str] = (
+        "no hardware but the model itself, with the values and effects of evaluator.target.context, if any"
+    )
 
     def __init__(
         self,

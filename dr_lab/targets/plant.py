@@ -1,6 +1,7 @@
 """A machine by another simulator, with true values and a hidden effect of its own."""
 
 from collections.abc import Callable
+from typing import ClassVar
 
 import numpy as np
 import torch
@@ -33,6 +34,11 @@ class PlantTarget(Target):
     Raises:
         ConfigError: the machine has other joints or actuators, or the task reads more than positions and velocities.
     """
+
+    nature: ClassVar[str] = (
+        "no hardware but a machine by another simulator, SciPy on the equations of motion, with the true values and "
+        "the hidden effect of evaluator.target.plant"
+    )
 
     def __init__(self, setting: Setting, plant: Rig, machine: int, seed: int) -> None:
         self._setting, self._plant = setting, plant

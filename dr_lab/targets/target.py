@@ -30,9 +30,11 @@ class Target(ABC):
 
     Attributes:
         drivable: whether a policy or commands of one's choice can act on it, from starts of one's choice.
+        nature: what it is, for a person who reads of "real" and must not take a simulation for hardware.
     """
 
     drivable: ClassVar[bool] = True
+    nature: ClassVar[str]
 
     @abstractmethod
     def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:

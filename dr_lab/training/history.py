@@ -23,10 +23,19 @@ def final_return(history: History, share: float) -> float | None:
         history: of the run.
         share: of the iterations, the last ones, one at least.
     """
-    last = _last(history, share)
-    feasible = [(row["episodes"] - _infeasible(row), row[_RETURN]) for row in last]
-    known = [(count, value) for count, value in feasible if count]
+    known = _feasible(history, share)
     return sum(count * value for count, value in known) / sum(count for count, _ in known) if known else None
+
+
+def final_episodes(history: History, share: float) -> int:
+    """How many episodes the final return is the mean of; arguments as there."""
+    return int(sum(count for count, _ in _feasible(history, share)))
+
+
+def _feasible(history: History, share: float) -> list[tuple[float, float]]:
+    """Number and mean return of the feasible episodes of the last iterations, those in which one ended."""
+    rows = [(row["episodes"] - _infeasible(row), row[_RETURN]) for row in _last(history, share)]
+    return [(count, value) for count, value in rows if count]
 
 
 def adapted_returns(history: History, share: float) -> tuple[float, ...]:

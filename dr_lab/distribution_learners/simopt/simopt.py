@@ -86,6 +86,7 @@ class SimOpt(DistributionLearner):
         self.rollouts, self.samples, self.updates = rollouts, samples, updates
         self.max_kl, self.least_temperature, self.warm_up, self.every = max_kl, least_temperature, warm_up, every
         require_bounds(self, "distribution_learner", SimOpt)
+        self.first = (warm_up + 1) * every
         self._gaussian = _require_gaussian(randomizer)
         self._setting = require_mujoco(setting, "distribution_learner=simopt")
         self._compiled = self._setting.model.nominal()

@@ -158,7 +158,7 @@ def test_a_grid_over_every_parameter_takes_their_bounds(subject: Subject, tmp_pa
 
 def test_three_axes_are_refused(subject: Subject, tmp_path: Path) -> None:
     axes = {name: [0.0, 1.0, 2] for name in "abc"}
-    with pytest.raises(ConfigError, match=r"one or two parameters.*the model has block.mass"):
+    with pytest.raises(ConfigError, match=r"one or two parameters.*'evaluator.axes=\{block.mass: \[.*, 2\]\}'"):
         GridEvaluator(axes=axes, count=2, episodes=1, parallel=1, seed=0).evaluate(subject, tmp_path, print)
 
 

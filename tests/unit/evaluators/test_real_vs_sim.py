@@ -52,6 +52,7 @@ def evaluated(plant: Rig, of: Subject, episodes: int = 1) -> Evaluation:
     found = evaluator.evaluate(of, Path(), lambda _: None)
     assert len(found.rows) == episodes
     assert [each.name[:5] for each in found.episodes] == ["real_", "simul"]
+    assert found.told.startswith("What is called real is no hardware but a machine by another simulator")
     return found
 
 

@@ -15,6 +15,12 @@ def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
     assert iqm_interval(np.array([2.0]), 0.95, 10, 0).value == 2.0
 
 
+def test_two_values_are_no_interval() -> None:
+    two, three = (iqm_interval(np.array(values), 0.95, 500, 0) for values in ([1.0, 3.0], [1.0, 2.0, 3.0]))
+    assert (two.value, np.isnan(two.low), np.isnan(two.high)) == (2.0, True, True)
+    assert 1.0 <= three.low < three.value < three.high <= 3.0
+
+
 def test_the_probability_of_improvement_is_that_of_mann_and_whitney() -> None:
     ours, theirs = np.array([3.0, 1.0, 4.0, 1.5, np.nan]), np.array([2.0, 7.0, 1.0, 9.0])
     found = improvement_interval(ours, theirs, 0.95, 500, 0)

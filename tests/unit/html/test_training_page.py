@@ -35,7 +35,8 @@ ITERATION = np.arange(5)
 
 def trained(folder: Path, record: TrainingRecord, choice: ChoiceEntry | None = None) -> str:
     report = from_plain(TrainReport, train_report(12.0, {"torso.size": {"unit": "m", "std": 0.1}}))
-    report = replace(report, choice=choice)
+    if choice:
+        report = replace(report, choice=choice, final_episodes=5, deployed_return=choice.mean_return)
     write_training_page(folder / "report.html", train_page(report), report, record)
     return (folder / "report.html").read_text("utf-8")
 
@@ -59,7 +60,8 @@ def test_training_shows_the_return_what_was_learnt_and_the_choice(tmp_path: Path
     choice = ChoiceEntry(kept, 200, 3200, "policy.pt")
     page = trained(tmp_path, TrainingRecord("run", [curve], [marginal], [pair]), choice=choice)
     require_whole(page)
-    assert "Mean return of the episodes that ended last: 12." in text(page)
+    assert "The deployed policy returns 9 on average, without exploration." in text(page)
+    assert "While it trained, 5 episodes that ended last returned 12 on average, with exploration" in text(page)
     (returns,) = traces(page, "each iteration")
     assert values(returns["y"]).tolist() == [0.0, 1.0, 3.0, 4.0]
     (density,) = [t for t in traces(page, "learned") if "fillcolor" in t]

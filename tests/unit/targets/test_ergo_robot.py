@@ -61,7 +61,7 @@ def test_it_is_slower() -> None:
 
 def test_it_gives_motions_alone() -> None:
     target = robot()
-    assert [name for name in dir(target) if not name.startswith("_")] == ["drivable", "play"]
+    assert [name for name in dir(target) if not name.startswith("_")] == ["drivable", "nature", "play"]
     played = target.play(commands(), STARTS, COUNT)
     keys = {key if isinstance(key, str) else key[-1] for key in played.keys(True, True)}
     known = {"observation", "action", "mask", "qpos", "qvel", "reward", "terminated", "truncated", "done", "infeasible"}

@@ -57,7 +57,7 @@ MAKERS = [hidden(FRICTION), bench("furuta/coulomb_friction_arm")]
 @pytest.mark.parametrize("make", MAKERS)
 def test_nothing_can_be_read_of_a_target_but_motions(make: Callable[[Setting], Target]) -> None:
     target = make(furuta("env.show_context=true"))
-    assert [name for name in dir(target) if not name.startswith("_")] == ["drivable", "play"]
+    assert [name for name in dir(target) if not name.startswith("_")] == ["drivable", "nature", "play"]
     played = target.play(wave, STARTS, 2)
     keys = {key if isinstance(key, str) else key[-1] for key in played.keys(True, True)}
     known = {"observation", "action", "mask", "qpos", "qvel", "reward", "terminated", "truncated", "done", "infeasible"}

@@ -18,7 +18,7 @@ from dr_lab.errors import ConfigError, DataError
 from dr_lab.reports.json_file import typed
 from dr_lab.reports.train import TrainReport
 from dr_lab.training.checkpoint import load
-from dr_lab.training.history import final_return, metrics_csv
+from dr_lab.training.history import final_episodes, final_return, metrics_csv
 from dr_lab.workflows.train import train
 
 OVERRIDES = [
@@ -64,6 +64,9 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
     path = tmp_path / "whole" / "report.json"
     assert report == typed(TrainReport, json.loads(path.read_text(encoding="utf-8")), path)
     assert report.final_return is not None
+    assert report.final_episodes == 8  # one of each slot, in the last iteration
+    chosen = [each.mean_return for each in report.choice.snapshots if each.frames == report.choice.chosen]
+    assert [report.deployed_return] == chosen
     assert [episode.ended for episode in report.episodes] == ["truncated"] * 3
     for name in ("report.md", "report.html", "review.rrd", "episodes.mcap"):
         assert (tmp_path / "whole" / name).stat().st_size > 0
@@ -158,6 +161,7 @@ def test_the_final_return_is_that_of_the_last_feasible_episodes() -> None:
     first = {"episodes": 9.0, "episode_return": 50.0, "infeasible_episodes": 0.0}
     rows = [first] * 18 + [first | {"episode_return": 1.0, "infeasible_episodes": 8.0}] + [first]
     assert final_return(rows, 0.1) == pytest.approx((1.0 + 9 * 50.0) / 10)
+    assert final_episodes(rows, 0.1) == 10
     none = {"episodes": 3.0, "episode_return": math.nan, "infeasible_episodes": 3.0}
     assert final_return([none], 0.1) is None
 

@@ -10,6 +10,7 @@ from settings import setting
 from test_evaluate import job
 
 from dr_lab.cli.compose import compose
+from dr_lab.errors import ConfigError
 from dr_lab.physics.context_file import read_context
 from dr_lab.randomizers.from_run import from_run
 
@@ -45,3 +46,9 @@ def test_a_learnt_gaussian_is_a_context_to_train_on(tmp_path: Path) -> None:
     head, *rows = (folder / "metrics.csv").read_text("utf-8").splitlines()
     columns = dict(zip(head.split(","), rows[-1].split(","), strict=True))
     assert 0.0 < float(columns["divergence"]) <= 1.0 + 1e-6
+
+
+def test_a_run_that_ends_before_it_learns_is_refused(tmp_path: Path) -> None:
+    late = ["distribution_learner.warm_up=3", "distribution_learner.every=512"]
+    with pytest.raises(ConfigError, match="frames is 1024, but the distribution is learned from control step 2048 on"):
+        job("train", tmp_path / "run", [*SMALL, *LEARNT, *SHORT, *TARGET, *late])
