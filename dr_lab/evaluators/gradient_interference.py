@@ -99,7 +99,8 @@ class GradientInterferenceEvaluator(IntervalEvaluator):
             "between the mean gradients of two contexts, which noise draws to 0; of a context with itself it is the "
             "cosine that as many other episodes would have, so that a cell is to be compared with the diagonal of its "
             f"row and column. corrected: without the noise, with its {percent(self.confidence)} interval by bootstrap "
-            "over the episodes; nothing where a gradient is not told from noise. sign: −1 where the two contexts "
+            "over the episodes; by what noise is left it may lie beyond ±1, and nothing stands where a gradient is not "
+            "told from noise. sign: −1 where the two contexts "
             "interfere, 1 where one helps the other, 0 where the interval holds 0, which is a dot in the picture. "
             "Figures are those of the last policy: the shares of pairs that interfere, help or are in doubt, and of "
             "contexts whose gradient is told from noise."
@@ -125,10 +126,10 @@ def _rows(frames: int, axis: ContextAxis, found: Cosines) -> list[Row]:
 def _shares(found: Cosines) -> dict[str, float]:
     pairs = found.sign[np.triu_indices(len(found.sign), 1)]
     return {
-        "interfering": float(np.mean(pairs < 0)),
-        "helping": float(np.mean(pairs > 0)),
-        "in_doubt": float(np.mean(pairs == 0)),
-        "told_from_noise": float(np.mean(np.isfinite(np.diagonal(found.corrected)))),
+        "share_interfering": float(np.mean(pairs < 0)),
+        "share_helping": float(np.mean(pairs > 0)),
+        "share_in_doubt": float(np.mean(pairs == 0)),
+        "share_told_from_noise": float(np.mean(np.isfinite(np.diagonal(found.corrected)))),
     }
 
 

@@ -115,6 +115,7 @@ def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array, infeasibl
     feasible = mean[np.isfinite(mean)]
     figures = {
         "mean_return": float(feasible.mean()) if len(feasible) else float("nan"),
+        "worst_return": float(feasible.min()) if len(feasible) else float("nan"),
         "best_return": float(feasible.max()) if len(feasible) else float("nan"),
         "infeasible": float(np.mean(~np.isfinite(mean))),
         "diverged": float(diverged[np.isfinite(mean)].mean()) if len(feasible) else float("nan"),

@@ -95,10 +95,10 @@ class RealVsSimEvaluator(IntervalEvaluator):
 
     def _told(self, target: Target) -> str:
         return (
-            f"What is called real is {target.nature}, as config.yaml tells. {self.episodes} episodes were played on it, "
-            f"and from the same starts in the model. Returns are interquartile means, low and high their "
-            f"{percent(self.confidence)} intervals; infeasible is the share of episodes that diverge in the model; solved "
-            "that of those at whose end the task is solved, where it says so."
+            f"What is called real is {target.nature}, as config.yaml tells. {self.episodes} episodes were played on "
+            "it, and from the same starts in the model. Returns are interquartile means, low and high their "
+            f"{percent(self.confidence)} intervals; infeasible is the share of episodes that diverge in the model; "
+            "solved that of those at whose end the task is solved, where it says so."
         )
 
     def _figures(self, pairs: Sequence[Pair]) -> dict[str, float]:

@@ -1,5 +1,6 @@
 """What an evaluation found, for a person."""
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -33,7 +34,12 @@ def evaluate_page(
     ]
     first = _in_short(_with_intervals(figures)[:_FIRST])
     lead = f"**{first[:1].upper()}{first[1:]}.** {told}" if first else told
-    return Page(f"What {Path(report.trained).name} on {report.env} returns", lead, sections)
+    return Page(f"{_spelt(report.evaluator)} of {Path(report.trained).name} on {report.env}", lead, sections)
+
+
+def _spelt(evaluator: str) -> str:
+    """The name of an evaluator's class, such as ``RealVsSimEvaluator``, in words."""
+    return re.sub(r"(?<!^)([A-Z])", r" \1", evaluator.removesuffix("Evaluator")).capitalize()
 
 
 def _with_intervals(figures: Sequence[Sequence[str]]) -> list[Sequence[str]]:

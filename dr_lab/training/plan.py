@@ -101,8 +101,8 @@ class Plan:
         if self.frames < learner.first:
             raise ConfigError(
                 f"frames is {self.frames}, but the distribution is learned from control step {learner.first} on, so "
-                f"that it would stay as it is. Set frames to {learner.first} or more, or lower distribution_learner.warm_up "
-                "or distribution_learner.every."
+                f"that it would stay as it is. Set frames to {learner.first} or more, or lower "
+                "distribution_learner.warm_up or distribution_learner.every."
             )
         return learner
 

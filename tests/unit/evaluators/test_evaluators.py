@@ -276,6 +276,6 @@ def test_a_cell_with_a_diverged_episode_counts_what_the_policy_got(subject: Subj
     found = evaluator.evaluate(lucky, tmp_path, print)
     assert [row["return"] for row in found.rows] == [-4.5, 0.5]
     assert [row["diverged"] for row in found.rows] == [0.5, 0.0]
-    wanted = {"mean_return": -2.0, "best_return": 0.5, "infeasible": 0.0, "diverged": 0.25}
+    wanted = {"mean_return": -2.0, "worst_return": -4.5, "best_return": 0.5, "infeasible": 0.0, "diverged": 0.25}
     assert found.figures == wanted
     assert "An episode that diverges counts with the return that the task declares" in found.told

@@ -42,7 +42,7 @@ def test_opposite_goals_interfere_and_goals_on_one_side_help(tmp_path: Path) -> 
             assert float(row["low"]) - 0.02 <= wanted <= float(row["high"]) + 0.02
         assert np.sign(float(row["cosine"])) == wanted
     assert found.figures == pytest.approx(
-        {"interfering": 4 / 6, "helping": 2 / 6, "in_doubt": 0.0, "told_from_noise": 1.0}
+        {"share_interfering": 4 / 6, "share_helping": 2 / 6, "share_in_doubt": 0.0, "share_told_from_noise": 1.0}
     )
     raw, corrected = found.matrices
     assert raw.title == "cosine after 100 control steps"

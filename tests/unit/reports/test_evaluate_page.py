@@ -18,10 +18,10 @@ from dr_lab.reports.evaluate_page import evaluate_page
     ],
 )  # fmt: skip
 def test_the_first_sentence(figures: dict[str, float], said: str) -> None:
-    report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "returns", figures, (), "run")
+    report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "RealVsSimEvaluator", figures, (), "run")
     page = evaluate_page(report, "Told.", report.rows)
     assert page.lead == f"**{said}.** Told."
-    assert page.title == "What swing on hopper returns"
+    assert page.title == "Real vs sim of swing on hopper"
     table = page.sections[0].body
     assert all(name.replace("_", " ") in table for name in figures)
 
