@@ -16,7 +16,7 @@ from dr_lab.diagnosis.windows.tangent import SINGULAR, tangent
 from dr_lab.trajectory import Array
 
 _NEAR = 1e-6  # m, how exactly the depth of the sinking machine is found at first
-_STEP = 1e-6  # squared step of slopes, in squared standard deviations: a micrometre
+_MOST = 100  # steps; ten settle a rover on two wheels and a caster
 _RESTS = 1e-3  # of gravity; slower, a contact's acceleration is none
 
 
@@ -128,7 +128,8 @@ class _Ground:
         if not rising(0.0) < 0.0 < rising(self._footing):
             return None
         depth = root_scalar(rising, bracket=(0.0, self._footing), xtol=_NEAR).root
-        found = directions @ root(pushed, sunk(depth), options={"eps": _STEP}).x
+        # Contacts that come and go leave kinks, over which Newton's method wanders.
+        found = directions @ root(pushed, sunk(depth), method="anderson", options={"maxiter": _MOST}).x
         rests = np.abs(rows @ self._acceleration(q, found)).max() < _RESTS * self._pull
         return self._moved(q, found) if rests else None
 
