@@ -1,6 +1,7 @@
 """What evaluations show: returns over contexts, gains, gradients, ways, and how returns scatter."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -14,13 +15,20 @@ from dr_lab.trajectory import Array
 
 _MAP, _LINE = 420, 320  # px
 _HATCHES = 3  # lines across a cell without a value
+_SCATTER = 4.0  # standard deviations of an episode
+_TICKS = 9  # values of an axis, each of which has room for its number
 ABOUT_ZERO = [[0.0, BEFORE], [0.5, "var(--low)"], [1.0, AFTER]]
 _INFEASIBLE = "infeasible"
 
 
 def grid_plots(grids: Sequence[Grid]) -> list[Plot]:
-    """Returns over one parameter as a line, over two as a map; infeasible contexts are hatched."""
-    return [grid_map(grid) if len(grid.axes) == 2 else grid_lines({grid.title: grid}, [grid.title]) for grid in grids]
+    """Returns over two parameters as a map each, over the same one as lines of one plot."""
+    lines: dict[str, dict[str, Grid]] = {}
+    for grid in grids:
+        if len(grid.axes) == 1:
+            lines.setdefault(grid.axes[0].name, {})[grid.title] = grid
+    maps = [grid_map(grid) for grid in grids if len(grid.axes) == 2]
+    return maps + [grid_lines(each, list(each)) for each in lines.values()]
 
 
 def grid_lines(grids: Mapping[str, Grid], groups: Sequence[str]) -> Plot:
@@ -41,7 +49,7 @@ def grid_lines(grids: Mapping[str, Grid], groups: Sequence[str]) -> Plot:
         for index in np.flatnonzero(~known).tolist():
             figure.add_vrect(*_cell(x, index), fillcolor=MUTED, opacity=0.15, line_width=0)
     first = next(iter(grids.values()))
-    figure.update_xaxes(title=_title(first.axes[0]))
+    figure.update_xaxes(**_axis(first.axes[0]))
     figure.update_yaxes(title="return")
     unknown = any(not np.isfinite(grid.mean).all() for grid in grids.values())
     return Plot(figure, _LINE, "Bands: ± a standard deviation over episodes." + " Grey: infeasible." * unknown)
@@ -49,9 +57,21 @@ def grid_lines(grids: Mapping[str, Grid], groups: Sequence[str]) -> Plot:
 
 def grid_map(grid: Grid) -> Plot:
     """Mean return over two parameters."""
-    figure = _map(grid.axes, grid.mean, DENSITY, "return", {"customdata": numbers(grid.spread.T)})
+    more = {"customdata": numbers(grid.spread.T), **_beyond_scatter(grid)}
+    figure = _map(grid.axes, grid.mean, DENSITY, "return", more)
     figure.update_traces(hovertemplate="%{x:.4g}, %{y:.4g}: %{z:.4g} ± %{customdata:.3g}<extra></extra>", selector=0)
-    return Plot(figure, _MAP, f"Mean returns, {grid.title}.{hatched(grid.mean)}", half=True)
+    told = "Colours span four standard deviations of an episode, or more."
+    return Plot(figure, _MAP, f"Mean returns, {grid.title}. {told}{hatched(grid.mean)}", half=True)
+
+
+def _beyond_scatter(grid: Grid) -> dict[str, float]:
+    """Ends of the colours that hold all means, and so far apart that the scatter of episodes is no pattern."""
+    known = np.isfinite(grid.mean)
+    if not known.any():
+        return {}
+    low, high = float(grid.mean[known].min()), float(grid.mean[known].max())
+    half = max((high - low) / 2, _SCATTER / 2 * float(np.median(grid.spread[known])))
+    return {"zmin": (low + high) / 2 - half, "zmax": (low + high) / 2 + half}
 
 
 def gain_plots(gains: Sequence[Gain]) -> list[Plot]:
@@ -126,7 +146,7 @@ def _gain_line(gain: Gain) -> Plot:
     look = {"mode": "lines+markers", "line": {"color": AFTER, "width": 2}}
     figure.add_trace(go.Scatter(x=x[known], y=numbers(gain.value[known]), name="mean", **look))
     figure.add_hline(0.0, line={"color": INK, "width": 1})
-    figure.update_xaxes(title=_title(gain.axes[0]))
+    figure.update_xaxes(**_axis(gain.axes[0]))
     figure.update_yaxes(title="gain")
     return Plot(figure, _LINE, f"Gain {gain.title}.", half=True)
 
@@ -141,8 +161,8 @@ def _map(
     shape = {"x": across.values, "y": up.values, "z": numbers(value.T), "colorscale": colours, "colorbar": bar}
     figure.add_trace(go.Heatmap(**shape, **more))
     figure.add_trace(hatching(across.values, up.values, ~np.isfinite(value)))
-    figure.update_xaxes(title=_title(across), showgrid=False, zeroline=False)
-    figure.update_yaxes(title=_title(up), showgrid=False, zeroline=False)
+    figure.update_xaxes(**_axis(across), showgrid=False, zeroline=False)
+    figure.update_yaxes(**_axis(up), showgrid=False, zeroline=False)
     return figure
 
 
@@ -180,5 +200,9 @@ def hatched(value: Array) -> str:
     return "" if np.isfinite(value).all() else " Hatched: infeasible, no value."
 
 
-def _title(axis: ContextAxis) -> str:
-    return titled(axis.name, axis.unit)
+def _axis(axis: ContextAxis) -> dict[str, Any]:
+    """Its title, and where they are few, ticks at its values."""
+    title: dict[str, Any] = {"title": titled(axis.name, axis.unit)}
+    if len(axis.values) > _TICKS:
+        return title
+    return title | {"tickvals": axis.values, "ticktext": [f"{value:.3g}" for value in axis.values]}

@@ -104,6 +104,23 @@ def test_returns_over_one_parameter_have_their_band(tmp_path: Path) -> None:
     assert "Grey: infeasible" in text(page)
 
 
+def test_returns_before_and_after_stand_in_one_plot_with_ticks_at_their_values(tmp_path: Path) -> None:
+    grids = [Grid(name, [AXIS], np.full(3, k + 1.0), np.full(3, 0.5)) for k, name in enumerate(("before", "after"))]
+    page = evaluated(tmp_path, TrainingRecord("run", grids=grids))
+    (plot,) = (each for each in figures(page) if {"before", "after"} & {t.get("name") for t in each["data"]})
+    assert [t["name"] for t in plot["data"] if t.get("mode") == "lines+markers"] == ["before", "after"]
+    assert values(plot["layout"]["xaxis"]["tickvals"]).tolist() == AXIS.values.tolist()
+
+
+@pytest.mark.parametrize(("spread", "ends"), [(0.1, (0.0, 8.0)), (3.0, (-2.0, 10.0))])
+def test_colours_of_a_map_span_what_chance_does(spread: float, ends: tuple[float, float], tmp_path: Path) -> None:
+    """Means from 0 to 8: four standard deviations of an episode are 0.4 or 12."""
+    grid = Grid("area", [AXIS, AXIS], np.arange(9.0).reshape(3, 3), np.full((3, 3), spread))
+    page = evaluated(tmp_path, TrainingRecord("run", grids=[grid]))
+    (heat,) = [t for t in figures(page)[0]["data"] if t["type"] == "heatmap"]
+    assert (heat["zmin"], heat["zmax"]) == pytest.approx(ends)
+
+
 def test_violins_hold_what_is_known(tmp_path: Path) -> None:
     samples = [Sample("uniform", np.array([1.0, np.nan, 3.0]), "A context each."), Sample("nominal", np.ones(3))]
     page = evaluated(tmp_path, TrainingRecord("run", samples=samples))
