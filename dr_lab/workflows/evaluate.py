@@ -1,14 +1,11 @@
 """Verb `evaluate`: what a trained policy is worth, over contexts, on another machine, or as a beginning."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import torch
-from rich.progress import Progress as Bar
 
-from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Table
+from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Table
 from dr_lab.evaluators.trained_run import Compose, TrainedRun, subject_of
 from dr_lab.files import write_text
 from dr_lab.recorders.look import Look
@@ -19,6 +16,7 @@ from dr_lab.reports.evaluate_page import evaluate_page
 from dr_lab.reports.plain import finite
 from dr_lab.training.episodes import described, play_episodes
 from dr_lab.training.finish import finish
+from dr_lab.training.progress import progress
 
 
 def evaluate(
@@ -46,8 +44,8 @@ def evaluate(
     folder = trained.folder()
     subject = subject_of(folder, compose, trained.threads)
     setting = subject.setting
-    with _progress() as progress:
-        found = evaluator.evaluate(subject, run_dir, progress)
+    with progress(1.0) as show:
+        found = evaluator.evaluate(subject, run_dir, lambda share: show(share, "Evaluating"))
     if not found.episodes:
         source, count = subject.trained_on, recorder.episodes
         shown = play_episodes(setting, subject.policy, source, count, seed, subject.threads)
@@ -81,10 +79,3 @@ def _report(trained: Path, env: str, evaluator: Evaluator, found: Evaluation, ru
             episodes=described(found.episodes),
         )
     )
-
-
-@contextmanager
-def _progress() -> Iterator[Progress]:
-    with Bar(transient=True) as bar:
-        task = bar.add_task("Evaluating", total=1.0)
-        yield lambda share: bar.update(task, completed=share)

@@ -1,14 +1,13 @@
 """Verb `train`: a policy, and beside it the distribution of the contexts that it is trained on."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import closing, contextmanager
+from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import torch
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.comparison.export import write_context
@@ -32,9 +31,9 @@ from dr_lab.training.history import curves, metrics_csv
 from dr_lab.training.ladder import declines
 from dr_lab.training.plan import CHECKPOINT, POLICY, Plan, Training
 from dr_lab.training.policy_snapshots import Choice, PolicySnapshots
+from dr_lab.training.progress import progress
 from dr_lab.training.report import train_report
 from dr_lab.training.snapshots import Snapshots
-from dr_lab.training.trainer import BatchWatch
 
 RESUMES_FROM = CHECKPOINT  # what a run folder must hold to be resumed
 # Keys that may be others in a run that is gone on with; schedules that follow from `frames` stretch with it.
@@ -141,7 +140,7 @@ def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, pl
     trainer = training.trainer
     (run_dir / POLICY).unlink(missing_ok=True)  # of a run that ended here before
     try:
-        with closing(trainer), _progress(plan.frames, trainer.frames) as show:
+        with closing(trainer), progress(plan.frames, trainer.frames) as show:
 
             def watch(figures: Mapping[str, float], finished: Finished) -> None:
                 if training.learner.learns:
@@ -150,7 +149,8 @@ def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, pl
                     policies.take(trainer.frames)
                 if trainer.due:
                     write_text(run_dir / "metrics.csv", metrics_csv(trainer.history))
-                show(figures, finished)
+                del finished
+                show(figures["frames"], _so_far(figures, plan.frames))
                 tell(int(figures["iteration"]), figures)
 
             trainer.run(plan.frames, watch)
@@ -160,17 +160,8 @@ def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, pl
         raise
 
 
-@contextmanager
-def _progress(frames: int, done: int) -> Iterator[BatchWatch]:
-    """A bar over control steps, with the mean return of the episodes that ended last."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f}"))
-    with Progress(*columns, TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(), transient=True) as bar:
-        task = bar.add_task("Training", total=frames, completed=done)
-
-        def show(figures: Mapping[str, float], finished: Finished) -> None:
-            del finished
-            value = figures["episode_return"]
-            label = "no episode ended" if np.isnan(value) else f"return {value:.1f}"
-            bar.update(task, completed=figures["frames"], description=f"Training: {label}")
-
-        yield show
+def _so_far(figures: Mapping[str, float], frames: int) -> str:
+    """Control steps, and the mean return of the episodes that ended last."""
+    value = figures["episode_return"]
+    returns = "no episode ended" if np.isnan(value) else f"return {value:.1f}"
+    return f"Training, {figures['frames']:.0f} of {frames} control steps, {returns}"
