@@ -56,6 +56,13 @@ def special_cases(placed: Sequence[PlacedEffect], richer: Sequence[int], among: 
     return {k: among[place] for k, place in cases.items() if place is not None}
 
 
+def limits(placed: Sequence[PlacedEffect], richer: Sequence[int], among: Sequence[int]) -> dict[int, int]:
+    """Place of the plainest effect that each of some is like in a mere limit, by the place; only where there is one."""
+    plain = sorted(among, key=lambda j: len(placed[j].parameters))
+    found = {k: next((j for j in plain if holds(placed[k], placed[j])), None) for k in richer}
+    return {k: j for k, j in found.items() if j is not None}
+
+
 def shared(effect: PlacedEffect, other: PlacedEffect) -> Mapping[str, str]:
     """The quantities that an effect has in common with one at its site, its short name → the other's.
 

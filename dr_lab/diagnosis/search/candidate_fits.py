@@ -15,6 +15,7 @@ from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.diagnosis.search import as_special_case
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
 from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
@@ -95,23 +96,36 @@ class CandidateFits:
         best = min((candidate.fitted_model.fit for candidate in found), key=lambda fit: fit.order)
         return self.thin.cost_at(best, self.bench.enough)
 
-    def fitted(self, effect: PlacedEffect, first: FirstLook, goal: float = np.inf, threads: int = 1) -> Candidate:
+    def fitted(
+        self,
+        effect: PlacedEffect,
+        first: FirstLook,
+        goal: float = np.inf,
+        threads: int = 1,
+        limit: Candidate | None = None,
+    ) -> Candidate:
         """Fit one candidate from the base's solution and from its further starts.
 
-        A short run shows whether a start away from absent is worth going on from. Bodies that are free as a whole begin
+        Where what it is like in a `limit` explains something, it begins there and not at the base's. A short run shows
+        whether a start away from absent is worth going on from. Bodies that are free as a whole begin
         as in the model file: those of the base have gone far to make up for what it lacks, along ways that bend. Of a
         `goal` see `Fitter.run`. One that is fitted while no other is may have more `threads`.
         """
         fitter = self.fitter(self.thin, effect, threads)
-        fits = self._of_bodies if self.base.model.inertials else self._of_starts
-        fit = fits(fitter, effect, first, goal)
+        helps = limit is not None and supported(limit.gain, len(limit.effect.parameters), self.bench.evidence)
+        if self.base.model.inertials:
+            fit = self._of_bodies(fitter, effect, first, goal)
+        elif limit is not None and helps and not self.whole:
+            fit = self._of_starts(fitter, effect, first, goal, self._in_the_limit(fitter, effect, first, limit))
+        else:
+            fit = self._of_starts(fitter, effect, first, goal, first.absent)
         if self.whole:
             return self.candidate(effect, fit, first.identifiability, first.gain / self.start.cost)
         return self._rough_candidate(fitter, effect, fit, first)
 
-    def _of_starts(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float) -> Fit:
+    def _of_starts(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float, there: Fit) -> Fit:
         base = self.start
-        fits = [fitter.go_on(first.absent, goal)]
+        fits = [fitter.go_on(there, goal)]
         steps = self.bench.solver.start_iterations * effect.effect.patience
         for z in first.starts:
             start = fitter.begin(z, base.delta)
@@ -119,6 +133,15 @@ class CandidateFits:
             if rough.order < min(f.order for f in fits):
                 fits.append(fitter.run(rough.z, rough.delta, goal=goal))
         return min(fits, key=lambda f: f.order)
+
+    def _in_the_limit(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, limit: Candidate) -> Fit:
+        """An effect linearised where that which it is like in a limit ended, at the best of its own shapes."""
+        space, fit, values = fitter.space, limit.fitted_model.fit, limit.fitted_model.values()
+        own = map(space.mapping, (first.absent.z, *first.starts))
+        contexts = np.stack([as_special_case.in_the_limit(effect, limit.effect, space, each, values) for each in own])
+        known = Slopes(fit.slopes.state, fit.slopes.parameter[..., : len(self.start.z)])
+        found = fitter.outlooks(np.unique(contexts, axis=0), fit.delta, known)
+        return min(found, key=lambda each: each.order)
 
     def _of_bodies(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float) -> Fit:
         """The best of all starts after few steps, gone on with: where bodies are free, all starts are far away."""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from dr_lab.diagnosis.search.as_special_case import holds, special_cases, taking_over
+from dr_lab.diagnosis.search.as_special_case import holds, limits, special_cases, taking_over
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.periods import with_periods
@@ -99,24 +99,29 @@ class Waves:
         return [k for k in others if poorer & near[k]]
 
     def _fit(self, wave: list[int], found: dict[int, Candidate]) -> None:
-        """Fit some candidates. An effect waits for its special case, to which it may have nothing to add."""
+        """Fit some candidates. An effect waits for its special case, to which it may add nothing, or for its limit."""
         wave.sort(key=lambda k: -len(self.placed[k].parameters))  # those that take longest begin
         cases = special_cases(self.placed, wave, sorted({*wave, *found}))
         fits, placed, looks = self._fits, self.placed, self._looks
         alone = [k for k in wave if k not in cases]
+        plain = limits(placed, alone, sorted({*alone, *found}))
+        alone.sort(key=lambda k: len(placed[k].parameters) if k in plain else 0)  # a limit comes before what has it
         if alone and not found:  # what the most promising one leaves tells which others are worth their end
             first = max(alone, key=lambda k: looks[k].gain)
+            first = plain.get(first, first)
             threads = self._bench.threads
             found |= fits.of([first], lambda k: self._told(fits.fitted(placed[k], looks[k], threads=threads)))
             alone.remove(first)
         goal, known = fits.goal(list(found.values())), dict(found)
 
         def fitted(k: int, case: Candidate | None) -> Candidate:
+            if k in plain:
+                return self._told(fits.fitted(placed[k], looks[k], goal, limit=case or known[plain[k]]))
             if k not in cases:
                 return self._told(fits.fitted(placed[k], looks[k], goal))
             return self._told(fits.fitted_beside(placed[k], looks[k], case or known[cases[k]]))
 
-        found |= fits.behind([*alone, *cases], cases, fitted)
+        found |= fits.behind([*alone, *cases], {**plain, **cases}, fitted)
         self._waiting = [k for k in self._waiting if k not in found]
         self._reached = max([self._reached, *map(self._gained, found.values())])
 
