@@ -160,7 +160,9 @@ def _moved(
 
 
 def _widened(replay: Replay, settings: SolverSettings) -> float:
-    """How many times wider steps are: where shapes touch, narrow ones show the jags that impacts make in the cost."""
+    """How many times wider steps are: where shapes touch, narrow ones show the jags that contacts make in the cost."""
+    if replay.windows.prior.grounded:
+        return settings.rolling
     return settings.touching if replay.touching else 1.0
 
 
