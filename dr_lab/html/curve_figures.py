@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import plotly.graph_objects as go
 
+from dr_lab.html.curve_meanings import MEANINGS
 from dr_lab.html.figure import AFTER, NOISE, Plot, band, chart, line, numbers, series
 from dr_lab.html.thinning import Numbers, spread, thinned
 from dr_lab.recorders.training import Band, Curve
@@ -70,7 +71,8 @@ def _curve(curve: Curve, first: bool) -> Plot:
     figure.update_xaxes(title=_COUNTED[curve.over], rangemode="tozero", exponentformat="SI")
     figure.update_yaxes(title=titled(curve.name.replace("_", " "), curve.unit))
     alone = f"One point alone: {number(float(y[0]))}." if len(y) == 1 else ""
-    return Plot(figure, _LARGE if first else _SMALL, alone, half=not first)
+    told = " ".join(filter(None, (MEANINGS.get(curve.name, ""), alone)))
+    return Plot(figure, _LARGE if first else _SMALL, told, half=not first)
 
 
 def _running_mean(x: Numbers, y: Array) -> tuple[Array, Array]:

@@ -62,6 +62,7 @@ def test_training_shows_the_return_what_was_learnt_and_the_choice(tmp_path: Path
     require_whole(page)
     assert "The deployed policy returns 9 on average, without exploration." in text(page)
     assert "While it trained, 5 episodes that ended last returned 12 on average, with exploration" in text(page)
+    assert "Mean undiscounted return of the feasible episodes that ended, with exploration." in text(page)
     (returns,) = traces(page, "each iteration")
     assert values(returns["y"]).tolist() == [0.0, 1.0, 3.0, 4.0]
     (density,) = [t for t in traces(page, "learned") if "fillcolor" in t]
