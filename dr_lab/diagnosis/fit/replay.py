@@ -98,9 +98,7 @@ class Replay:
 
     @cached_property
     def touching(self) -> bool:
-        """Whether shapes touch one another in the windows at the nominal context, and do not stay on the ground."""
-        if self.windows.prior.grounded:
-            return False
+        """Whether shapes touch one another in the windows at the nominal context."""
         start = self.model.space.nominal[None], np.zeros((1, len(self.windows), self.nstate))
         return may_touch(self._compiled) and touches(self._compiled, self.simulate(*start)[0].qpos[0])
 
