@@ -24,11 +24,9 @@ _FEW = 4  # parameters, for which a page has room
 class UnseenDomainsEvaluator(Evaluator):
     """Episodes from several starts in each of many drawn domains; domains and starts hang on the seed alone.
 
-    A policy that was trained on a few domains has not seen those that are drawn anew from their distribution; one that
-    was trained on all of it has seen their like, and `distribution` takes it elsewhere.
-
-    So they are the same for every policy that was trained on the same distribution. A policy that was trained on
-    domains that stayed the same (`Algorithm.domains`, its teachers') plays these, too.
+    So they are the same for every policy that was trained on the same distribution. A policy that was trained on a few
+    domains has not seen those that are drawn anew, and plays its own (`Algorithm.domains`, its teachers'), too; one that
+    was trained on all of their distribution has seen their like, and `distribution` takes it elsewhere.
 
     Source: Brosseit et al. 2021, Distilled Domain Randomization, §V, figures 3 and 4 (32 domains, 100 starts).
 

@@ -60,7 +60,7 @@ def grid_map(grid: Grid) -> Plot:
     more = {"customdata": numbers(grid.spread.T), **_beyond_scatter(grid)}
     figure = _map(grid.axes, grid.mean, DENSITY, "return", more)
     figure.update_traces(hovertemplate="%{x:.4g}, %{y:.4g}: %{z:.4g} ± %{customdata:.3g}<extra></extra>", selector=0)
-    told = "Colours span four standard deviations of an episode, or more."
+    told = "Colours span four times the scatter within a cell, or more."
     return Plot(figure, _MAP, f"Mean returns, {grid.title}. {told}{hatched(grid.mean)}", half=True)
 
 

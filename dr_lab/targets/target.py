@@ -34,7 +34,7 @@ class Target(ABC):
     """
 
     drivable: ClassVar[bool] = True
-    nature: ClassVar[str]
+    nature: ClassVar[str] = "a target of your own"
 
     @abstractmethod
     def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:

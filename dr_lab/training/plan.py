@@ -71,11 +71,10 @@ class Plan:
             checkpoint: file that a later run continues from; None keeps none.
 
         Raises:
-            ConfigError: a batch does not hold one control step of each slot, or the run ends before its distribution
-                is learned at all.
+            ConfigError: a batch does not hold one control step of each slot.
         """
         randomizer = self.randomizer(self.env.space)
-        learner = self._require_learnt(self.distribution_learner(randomizer, self.seed))
+        learner = self.distribution_learner(randomizer, self.seed)
         env = self.env.make(learner.source, self.episodes, self.seed, self.threads, staggered=True)
         slots = env.episodes
         device = require_device(self.device)
@@ -95,16 +94,6 @@ class Plan:
         more: dict[str, Stateful] = {}
         trainer = Trainer(experience, algorithm, learner, checkpoint, self.checkpoint_every, more, self.env.time_limit)
         return Training(trainer, algorithm, experience, randomizer, learner, more)
-
-    def _require_learnt(self, learner: DistributionLearner) -> DistributionLearner:
-        """The learner, if the run is long enough for it to learn."""
-        if self.frames < learner.first:
-            raise ConfigError(
-                f"frames is {self.frames}, but the distribution is learned from control step {learner.first} on, so "
-                f"that it would stay as it is. Set frames to {learner.first} or more, or lower "
-                "distribution_learner.warm_up or distribution_learner.every."
-            )
-        return learner
 
     def _seed_of_rollouts(self) -> int:
         """Another seed than that of the slots, whose starts would otherwise be the same."""

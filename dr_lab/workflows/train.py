@@ -11,6 +11,8 @@ from rich.console import Console
 
 from dr_lab.collectors.collector import Policy
 from dr_lab.comparison.export import write_context
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner
+from dr_lab.errors import ConfigError
 from dr_lab.files import write_text
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.context_file import FILE as CONTEXT
@@ -58,13 +60,14 @@ def train(
         beginning: what is taken over from a finished run; a run that is resumed has already done so.
 
     Raises:
-        ConfigError: the parts do not fit, or a number is out of its range.
+        ConfigError: the parts do not fit, a number is out of its range, or nothing would be learned of a distribution.
         DataError: the run to be resumed, or begun from, has no readable checkpoint, or other settings.
     """
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
     training = plan.assemble(run_dir / CHECKPOINT)
     snapshots, policies, drawn = _noted(training, choice)
     if resume is None:
+        _require_learnt(training.learner, plan.frames)
         beginning.apply(training, plan.seed)
         snapshots.take(0)
     else:
@@ -79,6 +82,16 @@ def train(
     record = replace(_record(training, snapshots, report), episodes=episodes)
     finish(run_dir, report, train_page(report), plan.env, record, recorder)
     return report
+
+
+def _require_learnt(learner: DistributionLearner, frames: int) -> None:
+    """Refuse a run that ends before its distribution is learned for the first time."""
+    first = max(learner.first, learner.every)
+    if frames < first:
+        raise ConfigError(
+            f"frames is {frames}, but the distribution is learned from control step {first} on, so that it would stay "
+            f"as it is. Set frames to {first} or more, or let distribution_learner begin sooner (every, warm_up)."
+        )
 
 
 def _noted(training: Training, choice: Choice) -> tuple[Snapshots, PolicySnapshots, DrawnContexts]:

@@ -97,10 +97,11 @@ class Fitter(Descent):
         while other is not None and fit.over and not self._misses(fit, fit.equations, goal):
             here = Point(fit.z, fit.delta, fit.residuals, np.inf, fit.infeasible)
             again = other._ended(here, None, goal)
-            taken = fit.iterations + again.iterations
-            if again.below(fit) <= self._worth(fit)[1]:
-                return replace(fit, iterations=taken)
-            fit, other, one = replace(again, first=fit.first, iterations=taken), one, other
+            gains = again.below(fit) > self._worth(fit)[1]
+            taken, best = fit.iterations + again.iterations, again if again.order <= fit.order else fit
+            fit, other, one = replace(best, first=fit.first, iterations=taken), one, other
+            if not gains:
+                break
         return fit
 
     def _ended(self, start: Point, known: Slopes | None, goal: float) -> Fit:

@@ -57,10 +57,17 @@ def special_cases(placed: Sequence[PlacedEffect], richer: Sequence[int], among: 
 
 
 def limits(placed: Sequence[PlacedEffect], richer: Sequence[int], among: Sequence[int]) -> dict[int, int]:
-    """Place of the plainest effect that each of some is like in a mere limit, by the place; only where there is one."""
+    """Place of the plainest effect that each of some is like in a mere limit, by the place; only where there is one.
+
+    It has fewer parameters, so that no two wait for each other, and some in common.
+    """
     plain = sorted(among, key=lambda j: len(placed[j].parameters))
-    found = {k: next((j for j in plain if holds(placed[k], placed[j])), None) for k in richer}
-    return {k: j for k, j in found.items() if j is not None}
+
+    def limit(k: int) -> int | None:
+        fewer = (j for j in plain if len(placed[j].parameters) < len(placed[k].parameters))
+        return next((j for j in fewer if holds(placed[k], placed[j]) and shared(placed[k], placed[j])), None)
+
+    return {k: j for k in richer if (j := limit(k)) is not None}
 
 
 def shared(effect: PlacedEffect, other: PlacedEffect) -> Mapping[str, str]:
