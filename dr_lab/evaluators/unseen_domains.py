@@ -25,8 +25,8 @@ class UnseenDomainsEvaluator(Evaluator):
     """Episodes from several starts in each of many drawn domains; domains and starts hang on the seed alone.
 
     So they are the same for every policy that was trained on the same distribution. A policy that was trained on a few
-    domains has not seen those that are drawn anew, and plays its own (`Algorithm.domains`, its teachers'), too; one that
-    was trained on all of their distribution has seen their like, and `distribution` takes it elsewhere.
+    domains has not seen those that are drawn anew. It plays its own (`Algorithm.domains`, its teachers'), too. One that
+    was trained on all of their distribution has seen their like; `distribution` takes it elsewhere.
 
     Source: Brosseit et al. 2021, Distilled Domain Randomization, §V, figures 3 and 4 (32 domains, 100 starts).
 

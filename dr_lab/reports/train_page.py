@@ -71,5 +71,6 @@ def _deployed(report: TrainReport) -> str:
         lucky = ", by which that return is somewhat too high" if kept > 1 else ""
     return (
         f"{returns}It is that of control step {choice.chosen}{best}. The episodes by which it was chosen, "
-        f"{choice.choice_frames} control steps in all, are no part of the training{lucky}; dr-lab evaluate plays others."
+        f"{choice.choice_frames} control steps in all, are no part of the training{lucky}. dr-lab evaluate plays "
+        "others."
     )

@@ -9,7 +9,14 @@ from effect_machines import catalogue_effect, scales_of
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.search.as_special_case import further, in_the_limit, reaching, special_case, taking_over
+from dr_lab.diagnosis.search.as_special_case import (
+    further,
+    in_the_limit,
+    limits,
+    reaching,
+    special_case,
+    taking_over,
+)
 from dr_lab.effects.effect import PlacedEffect, place
 
 NAMES = ("coulomb_friction", "asymmetric_friction", "position_dependent_friction", "hysteresis")
@@ -39,6 +46,21 @@ def test_a_special_case_is_one_that_the_effect_can_act_as_exactly(richer: str, f
     every = placed()
     among = [every["position_dependent_friction"], every["coulomb_friction"]]
     assert special_case(every[richer], among) == found
+
+
+def test_effects_wait_for_the_plainest_one_that_they_are_like_in_a_limit() -> None:
+    model = pendulum()
+    names = ("presliding_friction", "smooth_friction", "soft_friction", "coulomb_friction", "viscous_friction")
+    every = [place(catalogue_effect(name), model.nominal(), "hinge", scales_of(model)) for name in names]
+    assert limits(every, range(5), range(5)) == {0: 3, 1: 3, 2: 3}
+    assert limits(every, [0, 2], [0, 1, 2]) == {0: 1}  # smooth friction has fewer parameters than presliding friction
+
+
+def test_a_limit_without_a_quantity_in_common_is_no_beginning() -> None:
+    model = pendulum()
+    names = ("torque_speed_limit", "saturation")
+    every = [place(catalogue_effect(name), model.nominal(), "drive", scales_of(model)) for name in names]
+    assert limits(every, [0], [1]) == {}
 
 
 @pytest.mark.parametrize(("asymmetry", "worth"), [(0.0, False), (ASYMMETRY, True)])
