@@ -40,23 +40,29 @@ def grounded(
     known = all(each.position for each in bodies) and np.isfinite(prior.qpos).all() and np.isfinite(prior.qvel).all()
     if prior.tangent is not None or not bodies or not known or not model.opt.gravity.any():
         return prior
-    ground, (place, speed) = Ground(model, [each.body for each in bodies], settings.footing), prior.std.reshape(2, -1)
+    ground, place = Ground(model, [each.body for each in bodies], settings.footing), prior.std[: model.nv]
     near = {ground.near(q) for q in prior.qpos}
     if len(near) > 1 or None in near:
         return prior
-    found = list[tuple[Array, Array, Array]]()
-    for q, v in zip(prior.qpos, prior.qvel, strict=True):
-        rest = ground.settled(q, place, settings.lifting)
-        if rest is None:
-            return prior
-        rows = rest[1]
-        back = np.linalg.lstsq(rows * speed, rows @ v, rcond=SINGULAR)[0]
-        if np.linalg.norm(back) > settings.lifting:
-            return prior
-        found.append((*rest, v - speed * back))
-    qpos, held, qvel = zip(*found, strict=True)
+    found = [
+        _settled(ground, *state, prior.std, settings.lifting) for state in zip(prior.qpos, prior.qvel, strict=True)
+    ]
+    kept = [each for each in found if each is not None]
+    if len(kept) < len(found):
+        return prior
+    qpos, qvel, held = zip(*kept, strict=True)
     if len({int(np.linalg.matrix_rank(rows * place, rtol=SINGULAR)) for rows in held}) > 1:
         return prior
     directions = tangent(held, prior.std)
     std = np.ones(directions.basis.shape[2])
     return replace(prior, qpos=np.stack(qpos), qvel=np.stack(qvel), std=std, tangent=directions, grounded=True)
+
+
+def _settled(ground: Ground, q: Array, v: Array, std: Array, most: float) -> tuple[Array, Array, Array] | None:
+    """Positions, velocities, and rows of the contacts, of a start on the ground; None where it is too far away."""
+    place, speed = std.reshape(2, -1)
+    rest = ground.settled(q, place, most)
+    if rest is None:
+        return None
+    back = np.linalg.lstsq(rest[1] * speed, rest[1] @ v, rcond=SINGULAR)[0]
+    return (rest[0], v - speed * back, rest[1]) if np.linalg.norm(back) <= most else None
