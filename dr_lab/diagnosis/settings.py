@@ -134,6 +134,7 @@ class SolverSettings:
         state_step: finite-difference step of an initial state, in prior standard deviations.
         touching: factor on both where shapes touch one another.
         rolling: the same where bodies stay on the ground.
+        rolling_patience: factor on `start_iterations` there, since contacts let no long step through.
         huber: residuals beyond this many robust standard deviations count linearly.
         prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
         plausible: probability below which a window's χ² passes for noise; else its start is sought from the prior, too.
@@ -170,6 +171,7 @@ class SolverSettings:
     state_step: Positive
     touching: Annotated[float, at_least(1.0)]
     rolling: Annotated[float, at_least(1.0)]
+    rolling_patience: Count
     huber: Positive
     prior_spans: Positive
     plausible: Confidence

@@ -126,7 +126,7 @@ class CandidateFits:
     def _of_starts(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float, there: Fit) -> Fit:
         base = self.start
         fits = [fitter.go_on(there, goal)]
-        steps = self.bench.solver.start_iterations * effect.effect.patience
+        steps = self._short(effect)
         for z in first.starts:
             start = fitter.begin(z, base.delta)
             rough = fitter.run(z, start.delta, base.slopes, steps)
@@ -143,9 +143,15 @@ class CandidateFits:
         found = fitter.outlooks(np.unique(contexts, axis=0), fit.delta, known)
         return min(found, key=lambda each: each.order)
 
+    def _short(self, effect: PlacedEffect) -> int:
+        """Steps of the short run from a start."""
+        solver = self.bench.solver
+        steps = solver.start_iterations * effect.effect.patience
+        return steps * solver.rolling_patience if self.thin.fit.prior.grounded else steps
+
     def _of_bodies(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float) -> Fit:
         """The best of all starts after few steps, gone on with: where bodies are free, all starts are far away."""
-        steps = self.bench.solver.start_iterations * effect.effect.patience
+        steps = self._short(effect)
         begun = (fitter.begin(self._as_filed(z), self.start.delta) for z in (first.absent.z, *first.starts))
         rough = min(
             (fitter.run(each.z, each.delta, iterations=steps, goal=goal) for each in begun), key=lambda f: f.order
