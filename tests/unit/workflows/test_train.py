@@ -65,6 +65,7 @@ def test_a_continued_run_leaves_what_an_uninterrupted_one_leaves(tmp_path: Path)
     assert report == typed(TrainReport, json.loads(path.read_text(encoding="utf-8")), path)
     assert report.final_return is not None
     assert report.final_episodes == 8  # one of each slot, in the last iteration
+    assert report.choice is not None
     chosen = [each.mean_return for each in report.choice.snapshots if each.frames == report.choice.chosen]
     assert [report.deployed_return] == chosen
     assert [episode.ended for episode in report.episodes] == ["truncated"] * 3
