@@ -20,13 +20,14 @@ _MOST = 100  # steps; ten settle a rover on two wheels and a caster
 _STEP = 1e-6  # squared step of slopes, in squared standard deviations: a micrometre
 _FAR = 100.0  # standard deviations; no solver looks farther
 _RESTS = 1e-3  # of gravity; slower, a contact's acceleration is none
+_CARRIES = 0.5  # cosine of the angle between a contact and gravity; a steeper shape is a wall
 _STANDS = 0.1  # of gravity; faster, the body tips over or slides; a slope's friction gives way by some hundredths
 
 Pairs = frozenset[tuple[int, int]]
 
 
 class Contacts(NamedTuple):
-    """Shapes near each other, c of them, one of each moves and the other never does.
+    """Shapes near each other that may carry one another, c of them, one of each moves and the other never does.
 
     Attributes:
         gaps: between them, m, shape (c,).
@@ -57,6 +58,7 @@ class Ground:
         self._near_data, self._data = mujoco.MjData(self._near), mujoco.MjData(self._rigid)
         self._roots, self._fixed = list(roots), model.body_weldid == 0
         self._pull = float(np.linalg.norm(model.opt.gravity))
+        self._up = -model.opt.gravity / self._pull
         free = (model.jnt_type == mujoco.mjtJoint.mjJNT_FREE) & np.isin(model.jnt_bodyid, roots)
         self._linear = np.concatenate([adr + np.arange(3) for adr in model.jnt_dofadr[free]])
 
@@ -75,7 +77,7 @@ class Ground:
         mujoco.mj_collision(model, data)
         gaps, rows, pairs, apart, jacobian = list[float](), list[Array](), set(), True, np.zeros((3, model.nv))
         for contact in data.contact:
-            if min(contact.geom) < 0 or contact.dist > self._footing:
+            if min(contact.geom) < 0 or contact.dist > self._footing or abs(contact.frame[:3] @ self._up) < _CARRIES:
                 continue
             one, other = (int(model.geom_bodyid[geom]) for geom in contact.geom)
             if not (self._fixed[one] or self._fixed[other]):
@@ -146,8 +148,14 @@ class Ground:
 
 def _roots(force: Callable[[Array], Array], start: Array) -> Iterator[Array]:
     """Where a force may vanish, by two methods: contacts that come and go leave kinks, over which either may wander."""
-    for method, options in (("anderson", {"maxiter": _MOST}), ("hybr", {"eps": _STEP})):
-        with warnings.catch_warnings(), contextlib.suppress(ArithmeticError, ValueError, np.linalg.LinAlgError):
-            warnings.simplefilter("ignore", LinAlgWarning)
-            warnings.simplefilter("ignore", RuntimeWarning)
-            yield root(force, start, method=method, options=options).x
+    yield from _root(force, start, "anderson", maxiter=_MOST)
+    yield from _root(force, start, "hybr", eps=_STEP)
+
+
+def _root(force: Callable[[Array], Array], start: Array, method: str, **options: float) -> list[Array]:
+    """Where one method ends; nothing where it breaks down on the way."""
+    with warnings.catch_warnings(), contextlib.suppress(ArithmeticError, ValueError, np.linalg.LinAlgError):
+        warnings.simplefilter("ignore", LinAlgWarning)
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return [root(force, start, method=method, options=options).x]
+    return []

@@ -114,6 +114,28 @@ def test_a_ball_that_flies_beside_a_rover_keeps_both_as_they_were_measured() -> 
     assert grounded(prior, free_bodies(model, (*OUTPUTS, "sensor.ball")), model, SETTINGS) is prior
 
 
+def test_a_wall_does_not_hold_what_drives_towards_it() -> None:
+    wall = f'<geom type="box" size="0.01 1 0.1" pos="{0.13 + 0.02 + 0.01 + 0.002} 0 0.1"/><body name="chassis"'
+    model = mujoco.MjModel.from_xml_string(rover().replace('<body name="chassis"', wall))
+    found = ground(prior_of(*around(settled().qpos)), model)
+    assert found.grounded
+    assert found.nstate == 10
+
+
+def test_a_body_on_another_one_keeps_both_as_they_were_measured() -> None:
+    cube = '<body name="{0}" pos="0 0 {1}"><freejoint/><geom type="box" size="0.05 0.05 0.05"/></body>'
+    sensor = '<framepos name="{0}" objtype="xbody" objname="{0}"/>'
+    bodies, sensors = (
+        "".join(text.format(name, z) for name, z in (("low", 0.05), ("high", 0.15))) for text in (cube, sensor)
+    )
+    plane = '<geom type="plane" size="5 5 0.1"/>'
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><worldbody>{plane}{bodies}</worldbody><sensor>{sensors}</sensor></mujoco>"
+    )
+    prior = StartPrior(model.qpos0[None].copy(), np.zeros((1, 12)), np.zeros((1, 12)), np.full(24, 0.01))
+    assert grounded(prior, free_bodies(model, ("sensor.low", "sensor.high")), model, SETTINGS) is prior
+
+
 @pytest.mark.parametrize("height", [-0.0298, -0.0295, -0.029, -0.027])
 def test_a_caster_may_be_near_the_ground(height: float) -> None:
     """Bottom 0.2 to 3 mm above it; at the first it just carries, over which a solver without bounds fails."""
