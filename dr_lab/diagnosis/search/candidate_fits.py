@@ -87,7 +87,7 @@ class CandidateFits:
         z[:-count][stay] = base.z[stay]
         absent = np.array_equal(first.best, first.absent.z)
         (there,) = fitter.outlooks(z[None], base.delta, base.slopes, base if absent else None)
-        return self.bench.promise(linear_gain(fitter, there, base), base, count)
+        return self.bench.promise(linear_gain(fitter, there, base, self.base.model.space), base, count)
 
     def goal(self, found: Sequence[Candidate]) -> float:
         """Cost on the part of the windows above which a candidate is beaten without a doubt; ∞ if none is fitted."""
@@ -108,12 +108,12 @@ class CandidateFits:
 
         Where what it is like in a `limit` explains something, it begins there and not at the base's. A short run shows
         whether a start away from absent is worth going on from. Bodies that are free as a whole begin
-        as in the model file: those of the base have gone far to make up for what it lacks, along ways that bend. Of a
-        `goal` see `Fitter.run`. One that is fitted while no other is may have more `threads`.
+        as in the model file: those of a base that leaves more than noise have gone far to make up for what it lacks,
+        along ways that bend. Of a `goal` see `Fitter.run`. One that is fitted while no other is may have more `threads`.
         """
         fitter = self.fitter(self.thin, effect, threads)
         helps = limit is not None and supported(limit.gain, len(limit.effect.parameters), self.bench.evidence)
-        if self.base.model.inertials:
+        if self.base.model.inertials and not at_floor(self.base.held_out, self.bench.evidence):
             fit = self._of_bodies(fitter, effect, first, goal)
         elif limit is not None and helps and not self.whole:
             fit = self._of_starts(fitter, effect, first, goal, self._in_the_limit(fitter, effect, first, limit))

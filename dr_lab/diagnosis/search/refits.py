@@ -52,11 +52,11 @@ class Refits:
 
         An effect that acts at once and promises little begins at absent, where the base's slopes are known.
         """
-        effect, base = candidate.effect, self._base.fit
+        effect, base, space = candidate.effect, self._base.fit, self._base.model.space
         fitter = self._fits.fitter(self._bench, effect, threads)
         if not effect.starts:
             absent = self._absent(fitter, effect)
-            if self._bench.promise(linear_gain(fitter, absent, base), base) < self._bench.enough:
+            if self._bench.promise(linear_gain(fitter, absent, base, space), base) < self._bench.enough:
                 return Begun(
                     Point(absent.z, absent.delta, absent.residuals, absent.cost, absent.infeasible), base.slopes
                 )
@@ -116,7 +116,7 @@ class Refits:
         known = Slopes(slopes.state, slopes.parameter[..., : len(self._base.fit.z)])
         (there,) = fitter.outlooks(z[None], poorer.fit.delta, known)
         lost = (there.infeasible & ~poorer.fit.infeasible).any()
-        return there, 0.0 if lost else linear_gain(fitter, there, poorer.fit)
+        return there, 0.0 if lost else linear_gain(fitter, there, poorer.fit, poorer.model.space)
 
     def refitted_beside(
         self, candidate: Candidate, poorer: Candidate, beaten: float = np.inf, threads: int = 1

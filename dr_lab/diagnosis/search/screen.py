@@ -11,6 +11,7 @@ from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.normal_equations import Decrease
 from dr_lab.diagnosis.fit.point import Mask
 from dr_lab.effects.effect import PlacedEffect
+from dr_lab.physics.context import ContextSpace
 from dr_lab.trajectory import Array
 
 
@@ -23,9 +24,9 @@ class FirstLook:
         starts: contexts of the further starts, shape (n,) each.
         best: context of the best of these linear steps, shape (n,).
         identifiability: what the data can say of it.
-        gain: by how much the fit's cost could fall below that without the effect, by that step.
-        evidence: what the best of these steps gains window by window, as `deviance` counts it: one wild window counts
-            little, and what gets worse counts, too.
+        gain: by how much farther the fit's cost could fall by that step than by one without the effect.
+        evidence: what the best of these steps gains so window by window, as `deviance` counts it: one wild window
+            counts little, and what gets worse counts, too.
     """
 
     absent: Fit
@@ -37,11 +38,11 @@ class FirstLook:
 
 
 def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> FirstLook:
-    """Linearise a candidate beside a converged fit of the model without it.
+    """Linearise a candidate beside a fit of the model without it.
 
     At absent the model is the base, so the base's residuals and slopes are the candidate's; elsewhere the slopes are
     near. Absent costs a simulation of the windows for each parameter of the effect, a further start one more, all of
-    them in one batch.
+    them in one batch. What a step of the base alone would gain, where its fit did not converge, is no effect's merit.
     """
     space = fitter.replay.model.space
     nominal = np.append(base.z, [p.nominal for p in effect.parameters])
@@ -53,22 +54,27 @@ def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> FirstLook:
     fits = fitter.outlooks(np.stack(rows), base.delta, base.slopes, base)
     known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
     steps = [fit.first.full_step(free(fitter, fit)) for fit in fits]
-    gains = [fit.below(base) + step.total for fit, step in zip(fits, steps, strict=True)]
+    alone = fits[0].first.full_step(free(fitter, fits[0]) & (np.arange(len(nominal)) < len(base.z)))
+    gains = [fit.below(base) + step.total - alone.total for fit, step in zip(fits, steps, strict=True)]
     absent, best = replace(fits[0], slopes=base.slopes), int(np.argmax(gains))
-    evidence = max(_evidence(fitter, fit, step, base) for fit, step in zip(fits, steps, strict=True))
+    evidence = max(_evidence(fitter, fit, step, base, alone) for fit, step in zip(fits, steps, strict=True))
     return FirstLook(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best], evidence)
 
 
-def linear_gain(fitter: Fitter, fit: Fit, base: Fit) -> float:
-    """How far below a base's cost a full linear step leads; parameters that it would push through bounds stay."""
-    return fit.below(base) + fit.first.decrease(free(fitter, fit))
+def linear_gain(fitter: Fitter, fit: Fit, base: Fit, space: ContextSpace) -> float:
+    """By how much farther a full linear step leads than one of a base alone, whose contexts lie in that space.
+
+    Parameters that a step would push through their bounds stay.
+    """
+    alone = base.equations.decrease(movable(space.to_unit(base.z), base.equations.slope))
+    return fit.below(base) + fit.first.decrease(free(fitter, fit)) - alone
 
 
-def _evidence(fitter: Fitter, fit: Fit, step: Decrease, base: Fit) -> float:
-    """What a full linear step gains over a base in the windows that both simulate."""
-    left = np.maximum(fit.window_costs - step.windows, 0.0)
+def _evidence(fitter: Fitter, fit: Fit, step: Decrease, base: Fit, alone: Decrease) -> float:
+    """What a full linear step gains over one of the base alone in the windows that both simulate."""
+    left, beside = (np.maximum(it.window_costs - by.windows, 0.0) for it, by in ((fit, step), (base, alone)))
     both, count = ~(fit.infeasible | base.infeasible), fitter.replay.fitted.sum(1)
-    return float((deviance(base.window_costs, count) - deviance(left, count))[both].sum())
+    return float((deviance(beside, count) - deviance(left, count))[both].sum())
 
 
 def free(fitter: Fitter, fit: Fit) -> Mask:
