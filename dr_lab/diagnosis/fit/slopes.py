@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from dr_lab.diagnosis.fit.point import Mask, Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
+from dr_lab.physics.base_inertia import base_directions
 from dr_lab.trajectory import Array
 
 
@@ -60,11 +62,11 @@ def quick_differences(
     """
     quick = replay.quick
     if quick is not replay and (states or len(columns)):
-        z, deltas, steps = _moved(replay, settings, point, states, columns)
-        z, deltas = np.concatenate([point.z[None], z]), np.concatenate([point.delta[None], deltas])
+        moved = _moved(replay, settings, point, states, columns)
+        z, deltas = np.concatenate([point.z[None], moved.z]), np.concatenate([point.delta[None], moved.delta])
         found, lost = _in_parts(quick, settings, z, deltas)
         if not (lost[0] & ~point.infeasible).any():
-            return _columns(found[1:], found[0], steps, lost[1:])
+            return moved.columns(found[1:], found[0], lost[1:])
     return differences(replay, settings, point, states=states, columns=columns)
 
 
@@ -73,8 +75,8 @@ def differences(
 ) -> Array:
     """Forward differences for the start states (if wanted) and the given parameters.
 
-    A parameter in the upper half of its bounds steps down, so no column leaves them. Windows that diverge in a column
-    get zeros there.
+    A parameter in the upper half of its bounds steps down, so no column leaves them; of bodies that are free as a whole
+    see `_ways`. Windows that diverge in a column get zeros there.
 
     Args:
         replay: windows and model.
@@ -86,11 +88,11 @@ def differences(
     Returns:
         Columns, states first, shape (w, m, columns).
     """
-    z, deltas, steps = _moved(replay, settings, point, states, columns)
-    if not len(steps):
+    moved = _moved(replay, settings, point, states, columns)
+    if not len(moved.steps):
         return np.zeros((*point.residuals.shape, 0))
-    moved, infeasible = _in_parts(replay, settings, z, deltas)
-    return _columns(moved, point.residuals, steps, infeasible)
+    residuals, infeasible = _in_parts(replay, settings, moved.z, moved.delta)
+    return moved.columns(residuals, point.residuals, infeasible)
 
 
 def quick_around(
@@ -141,22 +143,64 @@ def around(
     return residuals[:, 0], infeasible[:, 0], slopes.transpose(0, 2, 3, 1)
 
 
-def _moved(
-    replay: Replay, settings: SolverSettings, point: Point, states: bool, columns: NDArray[np.intp]
-) -> tuple[Array, Array, Array]:
-    """Contexts (k, n) and states (k, w, nstate), each moved by one step from a point, and the steps (k,)."""
+@dataclass(frozen=True)
+class _Moved:
+    """Simulations beside a point that tell its slopes.
+
+    Attributes:
+        z: contexts, shape (k, n).
+        delta: states, shape (k, w, nstate).
+        steps: sizes of the moves, shape (k,).
+        told: unit moves of the unknowns that are asked for, orthonormal, shape (k, unknowns).
+    """
+
+    z: Array
+    delta: Array
+    steps: Array
+    told: Array
+
+    def columns(self, moved: Array, here: Array, infeasible: Mask) -> Array:
+        """Slopes (w, m, unknowns) from residuals after each move (k, w, m) and before (w, m)."""
+        slopes = (moved - here) / self.steps[:, None, None]
+        slopes[infeasible] = 0.0
+        slopes = slopes.transpose(1, 2, 0)
+        plain = self.told.shape[0] == self.told.shape[1]  # then each move is of one unknown
+        return slopes if plain else slopes @ self.told
+
+
+def _moved(replay: Replay, settings: SolverSettings, point: Point, states: bool, columns: NDArray[np.intp]) -> _Moved:
+    """Contexts and states, each moved by one step from a point."""
     space = replay.model.space
     unit = space.to_unit(point.z)
     wider = _widened(replay, settings)
     state_steps = settings.state_step * wider * replay.windows.prior.std if states else np.zeros(0)
-    unit_steps = np.where(unit[columns] > 0.5, -1.0, 1.0) * settings.parameter_step * wider
+    ways = _ways(replay, point, columns)
+    unit_steps = np.where(ways @ unit[columns] > 0.5 * ways.sum(1), -1.0, 1.0) * settings.parameter_step * wider
     steps, first = np.concatenate([state_steps, unit_steps]), len(state_steps)
     units, deltas = np.tile(unit, (len(steps), 1)), np.tile(point.delta, (len(steps), 1, 1))
     for i, step in enumerate(state_steps):
         deltas[i, :, i] += step
-    for j, (column, step) in enumerate(zip(columns, unit_steps, strict=True)):
-        units[first + j, column] += step
-    return space.from_unit(units), deltas, steps
+    units[first:, columns] += unit_steps[:, None] * ways
+    told = block_diag(np.eye(first), ways) if len(ways) else np.eye(first)
+    return _Moved(space.from_unit(units), deltas, steps, told)
+
+
+def _ways(replay: Replay, point: Point, columns: NDArray[np.intp]) -> Array:
+    """Unit moves of the parameters that are asked for which tell all of their slopes, orthonormal, (k, columns).
+
+    Bodies that are free as a whole move together, along what the motion depends on; they may leave their bounds by a
+    step, outside of which are bodies, too. Any other parameter moves alone.
+    """
+    space, bodies = replay.model.space, replay.model.inertials
+    rows = np.array([space.index(p.name) for each in bodies for p in each.parameters], np.intp)
+    together = base_directions(replay.model, point.z) if len(rows) and np.isin(rows, columns).all() else None
+    if together is None:
+        return np.eye(len(columns))
+    alone = ~np.isin(columns, rows)
+    ways = np.zeros((int(alone.sum()) + len(together), len(columns)))
+    ways[np.arange(int(alone.sum())), np.flatnonzero(alone)] = 1.0
+    ways[int(alone.sum()) :, [int(np.flatnonzero(columns == row)[0]) for row in rows]] = together
+    return ways
 
 
 def _widened(replay: Replay, settings: SolverSettings) -> float:
@@ -164,13 +208,6 @@ def _widened(replay: Replay, settings: SolverSettings) -> float:
     if replay.windows.prior.grounded:
         return settings.rolling
     return settings.touching if replay.touching else 1.0
-
-
-def _columns(moved: Array, here: Array, steps: Array, infeasible: Mask) -> Array:
-    """Slopes (w, m, k) from residuals after each step (k, w, m) and before (w, m)."""
-    slopes = (moved - here) / steps[:, None, None]
-    slopes[infeasible] = 0.0
-    return slopes.transpose(1, 2, 0)
 
 
 def _in_parts(replay: Replay, settings: SolverSettings, z: Array, delta: Array) -> tuple[Array, Mask]:

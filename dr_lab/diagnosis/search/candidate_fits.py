@@ -107,9 +107,9 @@ class CandidateFits:
         """Fit one candidate from the base's solution and from its further starts.
 
         Where what it is like in a `limit` explains something, it begins there and not at the base's. A short run shows
-        whether a start away from absent is worth going on from. Bodies that are free as a whole begin
-        as in the model file: those of a base that leaves more than noise have gone far to make up for what it lacks,
-        along ways that bend. Of a `goal` see `Fitter.run`. One that is fitted while no other is may have more `threads`.
+        whether a start away from absent is worth going on from. Bodies that are free as a whole begin as in the model
+        file: those of a base that leaves more than noise have gone far to make up for what it lacks, along ways that
+        bend. Of a `goal` see `Fitter.run`. One that is fitted while no other is may have more `threads`.
         """
         fitter = self.fitter(self.thin, effect, threads)
         helps = limit is not None and supported(limit.gain, len(limit.effect.parameters), self.bench.evidence)

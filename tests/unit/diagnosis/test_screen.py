@@ -11,7 +11,7 @@ from dr_lab.diagnosis.evidence.paired_gain import deviance, paired_gain, support
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.rank import rank
-from dr_lab.diagnosis.search.screen import FirstLook, look
+from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
 from dr_lab.effects.effect import place
 
 
@@ -52,6 +52,23 @@ def test_an_effect_that_would_have_to_be_negative_promises_nothing() -> None:
     bench, base = bench_of(drive)
     assert base.held_out.chi2 > 2
     assert looked(bench, base, "coulomb_friction", "hinge").gain < 0.05 * base.fit.cost
+
+
+def test_what_the_base_alone_would_gain_is_no_effects_merit() -> None:
+    """Beside a fit that stands where it began an effect promises what it does beside one that converged."""
+    bench, base = bench_of()
+    model = pendulum()
+    fitter = Fitter(Replay(model, bench.fit, 1), bench.solver)
+    begun = fitter.run(model.space.nominal, iterations=0)
+    assert begun.cost - base.fit.cost > 0.5 * looked(bench, base, "constant_offset", "hinge").gain
+    effect = place(catalogue_effect("constant_offset"), model.nominal(), "hinge", scales_of(model, torque=0.5))
+    beside = Fitter(Replay(model.with_effect(effect), bench.fit, 1), bench.solver)
+    first = look(beside, effect, begun)
+    done = looked(bench, base, "constant_offset", "hinge")
+    assert first.gain == pytest.approx(done.gain, rel=0.2)
+    assert first.evidence == pytest.approx(done.evidence, rel=0.2)
+    space = model.space
+    assert linear_gain(beside, first.absent, begun, space) == pytest.approx(first.gain, rel=1e-6)
 
 
 @pytest.mark.slow

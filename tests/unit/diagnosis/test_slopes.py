@@ -3,14 +3,23 @@
 import mujoco
 import numpy as np
 import pytest
-from diagnosis_machines import STEP, model_of, pendulum, solver_settings, swinging, windows_of
+from diagnosis_machines import (
+    PENDULUM,
+    PENDULUM_PARAMETERS,
+    STEP,
+    model_of,
+    pendulum,
+    solver_settings,
+    swinging,
+    windows_of,
+)
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.objective import Objective
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import around, differences, quick_around, quick_differences
-from dr_lab.physics.model import Model
+from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Array
 
 BOTH = np.arange(2)
@@ -77,3 +86,21 @@ def test_a_fit_ends_where_it_does_by_exact_slopes(far: float, monkeypatch: pytes
     assert quick.converged
     assert quick.cost == pytest.approx(exact.cost, abs=0.05)  # 1 is what one parameter gains by chance
     np.testing.assert_allclose(quick.z, exact.z, rtol=1e-3)
+
+
+def test_slopes_by_free_bodies_are_told_by_fewer_simulations() -> None:
+    """A hinge feels three combinations of ten numbers; the slopes by all ten are those of a step of each."""
+    spec = mujoco.MjSpec.from_string(PENDULUM)
+    replay, settings = (
+        replay_of(
+            from_spec("pendulum", spec, {"inertial": "all", "hinge.damping": PENDULUM_PARAMETERS["hinge.damping"]})
+        ),
+        solver_settings(),
+    )
+    unit = 0.5 + 0.05 * np.random.default_rng(0).normal(size=11)
+    here = start(replay, replay.model.space.from_unit(unit))
+    found = differences(replay, settings, here, states=True, columns=np.arange(11))
+    apart = [differences(replay, settings, here, states=True, columns=np.array([k])) for k in range(11)]
+    one_by_one = np.concatenate([apart[0][..., : replay.nstate], *(each[..., replay.nstate :] for each in apart)], 2)
+    off = np.linalg.norm(found - one_by_one, axis=(0, 1)) / np.linalg.norm(one_by_one, axis=(0, 1)).max()
+    assert (off < 1e-3).all()
