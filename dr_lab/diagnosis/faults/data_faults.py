@@ -1,13 +1,14 @@
-"""Faults of logs that a model shows: commands of the wrong sign or unit, out of step, or without effect."""
+"""Faults of logs that a model shows: commands of the wrong sign or unit or out of step, machines off or held."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from dr_lab.diagnosis.faults.drive_fit import DriveFit, Gain, drive_fits
+from dr_lab.diagnosis.faults.drive_fit import DriveFit, Forces, Gain
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.faults.fault_words import factor_words, parts_outside, remedy_of_factor
+from dr_lab.diagnosis.faults.held_span import HeldSpan, held_spans
 from dr_lab.diagnosis.faults.idle_span import idle_span, outside
 from dr_lab.diagnosis.faults.smoothed_motion import Mask, smoothed_motion, untestable
 from dr_lab.physics.model import Model
@@ -19,9 +20,9 @@ class Fault:
     """What seems wrong with a log.
 
     Attributes:
-        kind: ``"sign"``, ``"unit"``, ``"shift"``, ``"off"`` or ``"decimated"``.
+        kind: ``"sign"``, ``"unit"``, ``"shift"``, ``"off"``, ``"decimated"`` or ``"held"``.
         log: the log's name.
-        signal: the command's.
+        signal: the command's, or the joint's that is held.
         begin: s on the log's clock.
         end: s.
         message: what was seen, with figures.
@@ -38,12 +39,13 @@ class Fault:
 
 
 def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettings) -> tuple[Fault, ...]:
-    """Test the commands of all logs against the motion that they made, by inverse dynamics of the nominal model.
+    """Test all logs by inverse dynamics of the nominal model: commands against the motion that they made, and rest.
 
     Of each actuator and log the drive is regressed on what the joint's motion needs, beside friction, a spring, an
     offset and the errors that a nominal model may have. A fault is told where another reading of the commands (another
     sign, a factor, a shift in time, none at all) leaves far fewer squares than the given one with any plausible gain.
-    Machines in contact throughout, with joints that are not measured or without commands are not tested.
+    A joint that rests at a log's beginning or end where it would move is told, too (`held_spans`). Machines in contact
+    throughout or with joints that are not measured are not tested.
 
     Args:
         model: the model as given.
@@ -54,11 +56,14 @@ def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettin
         The faults, log by log; none where nothing can be tested.
     """
     compiled, logs = model.nominal(), (*measured.fit, *measured.held_out)
-    if untestable(compiled, measured) or not any(log.commands for log in logs):
+    if untestable(compiled, measured):
         return ()
-    motion = smoothed_motion(compiled, measured, logs, settings.equation)
-    fits = drive_fits(compiled, logs, motion, settings)
-    return tuple(fault for fit in fits for fault in _faults(fit, settings))
+    forces = Forces.of(compiled, logs, smoothed_motion(compiled, measured, logs, settings.equation), settings)
+    driven = [(fit, fault) for fit in forces.drives() for fault in _faults(fit, settings)]
+    told = {(fit.log.name, fit.joint) for fit, _ in driven}  # commands that do nothing look like a hand against them
+    sound = (fit for fit in forces.undriven() if (fit.log.name, fit.joint) not in told)
+    held = (_held(fit, span, settings) for fit in sound for span in held_spans(fit, settings))
+    return (*(fault for _, fault in driven), *held)
 
 
 def _faults(fit: DriveFit, settings: FaultSettings) -> list[Fault]:
@@ -185,6 +190,18 @@ def _off(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fau
     remedy = "The machine seems off there. " + (f"Take the log without it: {rest}." if rest else "Leave the log out.")
     begin, end = (begin if span.start else begin - reach), (end if span.stop < len(fit.time) else end + reach)
     return Fault("off", fit.log.name, fit.actuator, begin, end, message, remedy)
+
+
+def _held(fit: DriveFit, span: HeldSpan, settings: FaultSettings) -> Fault:
+    reach = settings.equation.half_width
+    begin, end = float(fit.time[span.rows][0]) - reach, float(fit.time[span.rows][-1]) + reach
+    message = (
+        f"{fit.joint}: it rests where {span.force:.2g} would move it (N·m, or N of a slide), and the friction of its "
+        f"motion, {span.friction:.2g}, cannot hold that. It seems to be held, by hand, a brake or a stop."
+    )
+    first = span.rows.start == 0
+    rest = parts_outside(fit.log.name, None if first else begin, end if first else None)
+    return Fault("held", fit.log.name, fit.joint, begin, end, message, f"Take the log without it: {rest}.")
 
 
 def _better(fit: DriveFit, other: Gain, given: Gain, settings: FaultSettings) -> bool:

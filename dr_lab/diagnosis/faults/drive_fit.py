@@ -1,6 +1,6 @@
-"""How strongly logged commands act: the drive of each actuator regressed on what the motion needs, log by log."""
+"""How strongly logged commands act: what each joint's motion needs, regressed on an actuator's drive, log by log."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -36,11 +36,11 @@ class Gain:
 
 @dataclass(frozen=True)
 class DriveFit:
-    """One actuator in one log, at the joint that it moves most; w test functions.
+    """One joint in one log, and an actuator that moves it most of all; w test functions.
 
     Attributes:
         log: the log.
-        actuator: name.
+        actuator: name, empty where no drive is looked at.
         joint: name.
         time: middles of the test functions, s, shape (w,).
         need: what the motion needs beyond idle actuators, N·m or N, shape (w,).
@@ -103,39 +103,23 @@ class DriveFit:
         return self.force[np.clip(index, 0, len(self.force) - 1)] @ self.weight, inside
 
 
-def drive_fits(
-    model: mujoco.MjModel, logs: Sequence[Log], motion: Motion, settings: FaultSettings
-) -> tuple[DriveFit, ...]:
-    """Regressions of all commanded actuators in all logs; those without a moving joint or test function are left out.
+@dataclass(frozen=True)
+class Forces:
+    """All forces over the grid of a motion.
 
-    Args:
+    Attributes:
         model: compiled model.
         logs: the logs.
         motion: their smoothed motion.
-        settings: of the weak form, what may explain the rest, and how rarely commands may come.
+        needed: what it needs.
+        given: what the actuators give.
+        straight: what they would give with commands going straight from sample to sample.
+        weak: test functions.
+        settings: what may explain the rest of a need, and how rarely commands may come.
     """
-    needed = demand(model, motion)
-    given = actuation(model, motion, controls_at(model, logs, motion))
-    rare = settings.coarse * motion.step
-    straight = given
-    if any(command.wait > rare for log in logs for command in log.commands.values()):
-        straight = actuation(model, motion, controls_at(model, logs, motion, straight=True))
-    weak = weak_form(motion, settings.equation, needed.touching)
-    every = _Forces(model, motion, needed, given, straight, weak, settings)
-    sent = [i for i in range(model.nactuator) if model.actuator(i).name in actuator_columns(model, logs)]
-    fits = []
-    for k, log in enumerate(logs):
-        for i in sent:
-            coarse = log.commands.get(model.actuator(i).name)
-            fits.append(every.fit(log, k, i, straight=coarse is not None and coarse.wait > rare))
-    return tuple(fit for fit in fits if fit is not None)
-
-
-@dataclass(frozen=True)
-class _Forces:
-    """All forces over the grid of a motion."""
 
     model: mujoco.MjModel
+    logs: Sequence[Log]
     motion: Motion
     needed: Demand
     given: Actuation
@@ -143,26 +127,59 @@ class _Forces:
     weak: Weak
     settings: FaultSettings
 
-    def fit(self, log: Log, k: int, i: int, *, straight: bool) -> DriveFit | None:
-        """The regression of actuator i in the k-th log; None where nothing can be said."""
-        rows, grid = self.weak.log == k, self.motion.log == k
-        if rows.sum() < self.settings.fewest:
-            return None
+    @classmethod
+    def of(cls, model: mujoco.MjModel, logs: Sequence[Log], motion: Motion, settings: FaultSettings) -> "Forces":
+        """The forces of logs; attributes as of the class."""
+        needed = demand(model, motion)
+        given = straight = actuation(model, motion, controls_at(model, logs, motion))
+        if any(_rare(log, name, motion, settings) for log in logs for name in log.commands):
+            straight = actuation(model, motion, controls_at(model, logs, motion, straight=True))
+        weak = weak_form(motion, settings.equation, needed.touching)
+        return cls(model, logs, motion, needed, given, straight, weak, settings)
+
+    def drives(self) -> list[DriveFit]:
+        """Regressions of all commanded actuators in all logs, but those without a moving joint or test function."""
+        sent = [i for i in range(self.model.nactuator) if self.model.actuator(i).name in self._commanded]
+        found = (self._drive(k, i) for k in range(len(self.logs)) for i in sent)
+        return [each for each in found if each is not None]
+
+    def undriven(self) -> list[DriveFit]:
+        """The same of every joint without a drive, whose actuators are all among what may explain the rest."""
+        pairs = [(k, dof) for k in range(len(self.logs)) for dof in range(self.model.nv)]
+        return [self._fit(k, dof, None) for k, dof in pairs if self._rows(k).sum() >= self.settings.fewest]
+
+    @property
+    def _commanded(self) -> Mapping[str, int]:
+        return actuator_columns(self.model, self.logs)
+
+    def _rows(self, k: int) -> Mask:
+        return self.weak.log == k
+
+    def _drive(self, k: int, i: int) -> DriveFit | None:
+        grid = self.motion.log == k
         dof = int(np.abs(self.given.driven[grid, i]).sum(0).argmax())
-        force = self.given.driven[grid, i, dof]
-        if not force.any():
-            return None
+        enough = self._rows(k).sum() >= self.settings.fewest
+        return self._fit(k, dof, i) if enough and self.given.driven[grid, i, dof].any() else None
+
+    def _fit(self, k: int, dof: int, i: int | None) -> DriveFit:
+        """The regression of a joint's need in the k-th log on the drive of actuator i, or on none."""
+        rows, grid, log = self._rows(k), self.motion.log == k, self.logs[k]
+        force = np.zeros(int(grid.sum())) if i is None else self.given.driven[grid, i, dof]
         need = self._mean(self.needed.force[:, dof] - self.given.idle[:, dof], rows)
         others, low, high = self._others(rows, grid, i, dof, float(np.sqrt((need**2).mean())))
         index = self.weak.index[rows] - int(np.argmax(grid))
+        name = "" if i is None else self.model.actuator(i).name
+        straight = None
+        if i is not None and name in log.commands and _rare(log, name, self.motion, self.settings):
+            straight = self._mean(self.straight.driven[:, i, dof], rows)
         return DriveFit(
             log=log,
-            actuator=self.model.actuator(i).name,
+            actuator=name,
             joint=self.model.joint(int(self.model.dof_jntid[dof])).name,
             time=self.weak.time[rows],
             need=need,
             drive=force[index] @ self.weak.weight,
-            straight=self._mean(self.straight.driven[:, i, dof], rows) if straight else None,
+            straight=straight,
             speed=others[:, 0],
             others=others,
             low=low,
@@ -173,7 +190,7 @@ class _Forces:
             step=self.motion.step,
         )
 
-    def _others(self, rows: Mask, grid: Mask, i: int, dof: int, size: float) -> tuple[Array, Array, Array]:
+    def _others(self, rows: Mask, grid: Mask, i: int | None, dof: int, size: float) -> tuple[Array, Array, Array]:
         """What may explain the rest of a need of this size: columns of typical size 1, least and largest coefficient.
 
         Viscous and dry friction brake, whatever their size, but for the model's own that may be too large.
@@ -198,3 +215,8 @@ class _Forces:
 
     def _mean(self, values: Array, rows: Mask) -> Array:
         return values[self.weak.index[rows]] @ self.weak.weight
+
+
+def _rare(log: Log, name: str, motion: Motion, settings: FaultSettings) -> bool:
+    """Whether a command's samples come so rarely that it may have changed between them."""
+    return log.commands[name].wait > settings.coarse * motion.step

@@ -1,0 +1,70 @@
+"""The beginning or the end of a log at which a joint rests where it would move: somebody or something holds it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dr_lab.diagnosis.faults.drive_fit import DriveFit
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
+from dr_lab.trajectory import Array
+
+_FRICTION = 1  # column of dry friction among what may explain a need
+_MARGIN = 3.0  # standard deviations of what the motion leaves elsewhere
+_APART = 2  # test functions that reach into one of the span
+
+
+@dataclass(frozen=True)
+class HeldSpan:
+    """Test functions in which a joint is held.
+
+    Attributes:
+        rows: their places, from the first or to the last one.
+        force: what would move the joint by the model, N·m or N.
+        friction: dry friction of its motion elsewhere.
+    """
+
+    rows: slice
+    force: float
+    friction: float
+
+
+def held_spans(fit: DriveFit, settings: FaultSettings) -> list[HeldSpan]:
+    """The spans at a log's ends in which the joint rests against a force that friction cannot hold.
+
+    What rests needs no inertia, and what it needs beside the actuators' force the joint itself must hold. Gravity,
+    inertia and friction of the model are fitted, within what a nominal model may be wrong, to the motion elsewhere.
+    A joint is held where `settings.breakaway` times that friction, and three standard deviations of what the motion
+    leaves, are less than what is needed.
+
+    Args:
+        fit: of the joint, without a drive.
+        settings: thresholds.
+    """
+    still = np.abs(fit.speed) <= settings.resting
+    spans = [span for span in (_leading(still), _trailing(still)) if span is not None]
+    return [found for span in spans if (found := _held(fit, still, span, settings)) is not None]
+
+
+def _held(fit: DriveFit, still: Array, span: slice, settings: FaultSettings) -> HeldSpan | None:
+    moving = ~still
+    moving[max(span.start - _APART, 0) : span.stop + _APART] = False
+    if fit.time[span][-1] - fit.time[span][0] < settings.shortest_held or moving.sum() < settings.fewest:
+        return None
+    found = fit.gain(0.0, 0.0, moving)
+    unexplained = abs(float(np.median(found.rest[span])))
+    friction = found.friction * float(np.abs(fit.others[moving, _FRICTION]).max())
+    left = np.sqrt(found.left / moving.sum())
+    if unexplained <= settings.breakaway * friction + _MARGIN * left:
+        return None
+    return HeldSpan(span, abs(float(np.median(fit.need[span]))), friction)
+
+
+def _leading(still: Array) -> slice | None:
+    """The run of test functions at rest from the first on; None where the first one moves, or all rest."""
+    count = int(np.argmin(still))
+    return slice(0, count) if count else None
+
+
+def _trailing(still: Array) -> slice | None:
+    found = _leading(still[::-1])
+    return None if found is None else slice(len(still) - found.stop, len(still))
