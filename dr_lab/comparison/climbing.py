@@ -109,7 +109,7 @@ def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Climb
     ladder = as_far_as_it_predicts(study, ladder)
     ladder = ladder.ended(study.bench) if study.model.inertials else ladder
     found = confirm(study.bench, study.predicted, ladder.base, ladder.models[-1], study.fits)
-    return replace(ladder, confirmation=found)
+    return ladder.confirmed_by(found, study.bench.evidence)
 
 
 def _explained(study: Study, ladder: Ladder) -> bool:

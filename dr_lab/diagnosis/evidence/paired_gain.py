@@ -268,15 +268,20 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
     Few blocks make the interval wide, or leave none. It is not asked for where a model above the noise floor gets
     better in every window and as much of its gap is closed as is asked of a cause.
     """
-    return _certain(gain, gain.total_low, settings) and sizeable(gain, extra_parameters, settings)
+    return certain(gain, settings) and sizeable(gain, extra_parameters, settings)
 
 
 def supported_within_logs(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """The same where logs may gain unequally, because another test holds the scatter between logs."""
-    return _certain(gain, gain.blocks_low, settings) and sizeable(gain, extra_parameters, settings)
+    return _beyond(gain, gain.blocks_low, settings) and sizeable(gain, extra_parameters, settings)
 
 
-def _certain(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
+def certain(gain: Gain, settings: EvidenceSettings) -> bool:
+    """Whether a gain is beyond its interval, however small; of intervals see `supported`."""
+    return _beyond(gain, gain.total_low, settings)
+
+
+def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
     return low > 0 or (gain.clear and gain.gap >= settings.least_named)
 
 

@@ -130,6 +130,12 @@ class Ladder:
             return "unexplained"
         return "equivalent" if any(step.rivals for step in self.steps) else "named"
 
+    def confirmed_by(self, found: Confirmation | None, settings: EvidenceSettings) -> "Ladder":
+        """The ladder with what other windows say; without its effects where these contradict what was only noise."""
+        if found is None or not found.contradicts or not at_floor(self.base.held_out, settings):
+            return replace(self, confirmation=found)
+        return replace(self, steps=(), dropped=(*self.dropped, *(step.effect.label for step in self.steps)))
+
     def without_last(self) -> "Ladder":
         """The ladder without its last effect, which is dropped."""
         return replace(self, steps=self.steps[:-1], dropped=(*self.dropped, self.steps[-1].effect.label))

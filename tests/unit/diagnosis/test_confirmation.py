@@ -18,6 +18,7 @@ from diagnosis_machines import (
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation, confirm
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
@@ -53,16 +54,41 @@ def at(model: Model, bench: Bench, damping: float) -> FittedModel:
     return fit_and_score(bench, model_of(rubbed, fixed), np.array([damping]))
 
 
+def compared(more: float, seconds: float) -> Confirmation:
+    """What predicted windows say of a damping that is so much too large, beside the right one."""
+    model = model_of(PENDULUM, FREE)
+    logs = [swinging(f"log_{k}", model.nominal(), k) for k in range(4)]
+    fit, chooses, apart = (windows_of(model, part, windows_settings()) for part in (logs[:2], logs[2:3], logs[3:]))
+    bench = Bench(fit, chooses, solver_settings(), evidence_settings(), 1, confirms=apart)
+    right = float(model.space.nominal[0])
+    good, bad = at(model, bench, right), at(model, bench, right + more)
+    found = confirm(bench, windows_of(model, logs[2:3], predicted_settings(seconds=seconds)), good, bad, fits)
+    assert found is not None
+    return found
+
+
+def fits(model: Model, z: Array, windows: Windows) -> Any:  # noqa: ANN401 (a replay and a fit of states)
+    return fit_states(model, z, windows, solver_settings(), 1)
+
+
+def test_few_windows_contradict_without_the_threshold_that_guards_a_choice_among_many() -> None:
+    found = compared(0.0014, 1.8)
+    back = paired_gain(found.predicted.after, found.predicted.before, evidence_settings())
+    assert back.total < evidence_settings().threshold
+    assert back.total_low > 0
+    assert found.predicted_worse
+
+
+def test_what_is_lost_in_doubt_contradicts_nothing() -> None:
+    assert not compared(0.001, 1.8).predicted_worse
+
+
 def test_what_predicts_worse_beyond_doubt_contradicts_and_what_predicts_better_does_not() -> None:
     model = model_of(PENDULUM, FREE)
     logs = [swinging(f"log_{k}", model.nominal(), k) for k in range(4)]
     fit, chooses, apart = (windows_of(model, part, windows_settings()) for part in (logs[:2], logs[2:3], logs[3:]))
     bench = Bench(fit, chooses, solver_settings(), evidence_settings(), 1, confirms=apart)
     predicted = windows_of(model, logs[2:], predicted_settings())
-
-    def fits(model: Model, z: Array, windows: Windows) -> Any:  # noqa: ANN401 (a replay and a fit of states)
-        return fit_states(model, z, windows, solver_settings(), 1)
-
     right = float(model.space.nominal[0])
     good, bad = at(model, bench, right), at(model, bench, right + 0.4)
     better, worse = (confirm(bench, predicted, *pair, fits) for pair in ((bad, good), (good, bad)))

@@ -1,6 +1,8 @@
 """The verdict on rankings of which only the scores are known."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from pretended_rankings import (
     wild,
 )
 
+from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.step import AddedEffect
@@ -111,6 +114,31 @@ def test_nothing_is_named_at_the_noise_floor() -> None:
     verdict = judged(1.0, ("coulomb_friction", 1.0), ("viscous_friction", 1.0))
     assert (verdict.kind, verdict.effects) == ("none", ())
     assert set(verdict.status.values()) == {"rejected"}
+
+
+def test_beside_a_model_that_leaves_noise_none_is_named_that_may_explain_nothing_of_a_typical_window() -> None:
+    for level, kind in ((1.05, "none"), (20.0, "named")):
+        base = model(level)
+        sure = candidate(base, "coulomb_friction", 0.8 * level, CLEAR)
+        unsure = replace(sure, gain=replace(sure.gain, gap=1.0, low=-0.1))
+        assert decide(base, [replace(sure, gain=replace(sure.gain, gap=1.0))], SETTINGS).kind == "named"
+        assert decide(base, [unsure], SETTINGS).kind == kind
+
+
+@pytest.mark.parametrize(("level", "kind", "left"), [(1.0, "none", 0), (20.0, "unexplained", 1)])
+def test_what_other_windows_contradict_is_dropped_where_only_noise_was_to_explain(
+    level: float, kind: str, left: int
+) -> None:
+    base = model(level)
+    found = candidate(base, "coulomb_friction", 0.5 * level, CLEAR)
+    rung = Rung(base, (found,), decide(base, [found], SETTINGS))
+    step = cast(Any, SimpleNamespace(fitted_model=found.fitted_model, effect=found.effect, rivals=()))
+    predicted = Comparison(5, score(1.0), score(3.0), found.gain)
+    ladder = Ladder((rung,), base, (step,))
+    assert ladder.confirmed_by(None, SETTINGS).confirmation is None
+    judged_again = ladder.confirmed_by(Confirmation(None, predicted, predicted_worse=True), SETTINGS)
+    assert (judged_again.verdict(SETTINGS), len(judged_again.steps)) == (kind, left)
+    assert judged_again.dropped == (() if left else ("coulomb_friction@rail",))
 
 
 def test_a_gap_that_nothing_closes_is_unexplained() -> None:
