@@ -1,7 +1,9 @@
 """One effect at one site that a model may lack."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain
@@ -37,6 +39,16 @@ class Candidate:
     fitted: bool = True
     final: bool = True
     resolved: bool = True
+
+    def told(self) -> "Candidate":
+        """What a report tells of a candidate that goes no farther: without slopes, which hundreds fill memory with."""
+        if self.final:
+            return self
+        nothing, fit = np.arange(0), self.fitted_model.fit
+        fit = replace(fit, slopes=fit.slopes.pick(nothing), first=fit.first.pick(nothing))
+        if not self.fitted:
+            fit = replace(fit, equations=fit.equations.pick(nothing))
+        return replace(self, fitted_model=replace(self.fitted_model, fit=fit))
 
 
 def resolved(effect: PlacedEffect, values: Mapping[str, float], least: float) -> bool:

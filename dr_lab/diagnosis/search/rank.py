@@ -68,7 +68,7 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
             break
         base = ranking.base
         ranking = _Contest(bench, base, placed, done).ranking()
-    return ranking
+    return ranking._replace(candidates=tuple(candidate.told() for candidate in ranking.candidates))
 
 
 class _Contest:
