@@ -1,6 +1,6 @@
 """A proposal read back as the other verbs will read it: which logs can be used, and what they tell of the model."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,11 +12,10 @@ from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.checks.numerical_floor import numerical_floor
 from dr_lab.diagnosis.checks.open_chains import Mending, open_chain
 from dr_lab.diagnosis.checks.refinement import refine
-from dr_lab.diagnosis.faults.data_faults import suspect_faults
+from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.errors import DrLabError
 from dr_lab.measurements.read import read
 from dr_lab.measurements.units import unit
-from dr_lab.physics.model import from_spec
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.pages import measurements_page
 from dr_lab.proposal.propose import Proposal
@@ -46,8 +45,7 @@ def usable_logs(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, 
 
 def closed(proposal: Proposal, measured: MeasurementSet, check: ModelCheckSettings) -> Proposal:
     """The proposal with the zero or direction that closes the robot's chains, or a doubt where none does."""
-    model = from_spec(proposal.robot.name, proposal.spec, proposal.parameters)
-    found = open_chain(model.nominal(), (*measured.fit, *measured.held_out), measured.noise, check)
+    found = open_chain(proposal.model.nominal(), (*measured.fit, *measured.held_out), measured.noise, check)
     if found is None:
         return proposal
     if found.mending is None:
@@ -67,22 +65,19 @@ def _read_as(output: Output, mending: Mending) -> Output:
     return replace(output, sign=mending.sign * output.sign, offset=float(f"{offset:.6g}"))
 
 
-def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSettings) -> Proposal:
-    """The proposal with what seems wrong with commands, and with a time step that does not show.
+def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSettings, faults: Sequence[Fault]) -> Proposal:
+    """The proposal with what seems wrong with the logs, and with a time step that does not show.
 
     A URDF has no time step, so that it gets one that is fine enough; that of an MJCF stays, and what it does is told.
     """
-    model = from_spec(proposal.robot.name, proposal.spec, proposal.parameters)
-    faults = [
-        f"Log {each.log}: {each.message} {each.remedy}" for each in suspect_faults(model, measured, checks.faults)
-    ]
+    model, doubts = proposal.model, [f"Log {each.log}: {each.message} {each.remedy}" for each in faults]
     logs = measured.held_out or measured.fit
     loops = firm_loops(model, logs, measured, checks.windows, checks.threads)
     if loops.share > checks.model_check.least_share:
-        model, faults = loops.model, [*faults, f'{loops.seen} Set solref="{loops.solref}", or say how soft they are.']
+        model, doubts = loops.model, [*doubts, f'{loops.seen} Set solref="{loops.solref}", or say how soft they are.']
     floor = numerical_floor(model, logs, measured, checks.windows, checks.threads)
     finer = refine(model, logs, measured, checks.windows, checks.model_check, floor, checks.threads)
-    told = replace(proposal, doubts=(*proposal.doubts, *faults))
+    told = replace(proposal, doubts=(*proposal.doubts, *doubts))
     if not finer.message:
         return told
     moved = (

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import mujoco
 
 from dr_lab.physics.compiling import compiled
+from dr_lab.physics.model import Model, from_spec
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.freedom import Entry, free_parameters
 from dr_lab.proposal.output import Output, Positions
@@ -42,6 +43,11 @@ class Proposal:
     parameters: Mapping[str, Entry]
     notes: tuple[str, ...]
     doubts: tuple[str, ...]
+
+    @property
+    def model(self) -> Model:
+        """The model as the other verbs will load it."""
+        return from_spec(self.robot.name, self.spec, self.parameters)
 
     @property
     def unread(self) -> tuple[str, ...]:

@@ -6,12 +6,14 @@ from dataclasses import replace
 import mujoco
 
 from dr_lab.comparison.comparison import ComparisonSettings
+from dr_lab.diagnosis.faults.data_faults import suspect_faults
 from dr_lab.errors import DrLabError
 from dr_lab.files import write_text
 from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import from_spec
 from dr_lab.proposal.checked import closed, told, usable_logs
 from dr_lab.proposal.folder import Folder
+from dr_lab.proposal.held import without_held
 from dr_lab.proposal.pages import measurements_page, model_page
 from dr_lab.proposal.propose import Proposal, propose
 from dr_lab.proposal.robot import read_robot
@@ -65,7 +67,9 @@ def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSett
         refused = f"The other verbs refuse these logs as they are read here: {error}"
         return replace(found, doubts=(*found.doubts, refused)), split_logs(found, {}, settings.held_out)
     try:
-        return told(found, measured, checks), split
+        faults = suspect_faults(found.model, measured, checks.faults)
+        split = without_held(split, faults, found.logs.logs)
+        return told(found, measured, checks, [fault for fault in faults if not fault.rest]), split
     except DrLabError as error:
         return replace(found, doubts=(*found.doubts, str(error))), split
 
@@ -87,7 +91,7 @@ def _tell(found: Proposal, split: Split, folder: Folder) -> None:
     rows = [(o.channel, o.source, o.unit, o.sign, o.why) for o in found.outputs]
     rows += [(c.drive.name, str(c.series.place), c.unit, c.sign, c.why) for c in found.commands]
     widths = [max(len(str(row[k])) for row in rows) for k in range(3)]
-    free = len(from_spec(name, found.spec, found.parameters).declared)
+    free = len(found.model.declared)
     count = f"{len(found.logs.logs)} logs, {len(split.held_out)} held out, {free} free parameter{'s' * (free != 1)}"
     print(f"{name}: {count}\n")
     for channel, place, unit, sign, why in rows:

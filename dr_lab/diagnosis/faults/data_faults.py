@@ -27,6 +27,7 @@ class Fault:
         end: s.
         message: what was seen, with figures.
         remedy: what to write or to do.
+        rest: name of the stretch of the log without what is held; empty of other kinds.
     """
 
     kind: str
@@ -36,6 +37,7 @@ class Fault:
     end: float
     message: str
     remedy: str
+    rest: str = ""
 
 
 def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettings) -> tuple[Fault, ...]:
@@ -196,12 +198,12 @@ def _held(fit: DriveFit, span: HeldSpan, settings: FaultSettings) -> Fault:
     reach = settings.equation.half_width
     begin, end = float(fit.time[span.rows][0]) - reach, float(fit.time[span.rows][-1]) + reach
     message = (
-        f"{fit.joint}: it rests where {span.force:.2g} would move it (N·m, or N of a slide), and the friction of its "
+        f"{fit.joint} rests although {span.force:.2g} N·m (N of a slide) would move it, and the friction of its "
         f"motion, {span.friction:.2g}, cannot hold that. It seems to be held, by hand, a brake or a stop."
     )
     first = span.rows.start == 0
     rest = parts_outside(fit.log.name, None if first else begin, end if first else None)
-    return Fault("held", fit.log.name, fit.joint, begin, end, message, f"Take the log without it: {rest}.")
+    return Fault("held", fit.log.name, fit.joint, begin, end, message, f"Take the log without it: {rest}.", rest)
 
 
 def _better(fit: DriveFit, other: Gain, given: Gain, settings: FaultSettings) -> bool:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -53,3 +54,11 @@ def parts_outside(log: str, begin: float | None, end: float | None) -> str:
     before = [] if begin is None else [f"{name}[{start}:{math.floor(10 * begin) / 10:g}]"]
     behind = [] if end is None else [f"{name}[{math.ceil(10 * end) / 10:g}:{stop}]"]
     return " and ".join([*before, *behind])
+
+
+def common_stretch(names: Sequence[str]) -> str:
+    """The stretch that stretches of one log have in common, e.g. ``log[0.8:3]`` of ``log[0.8:]`` and ``log[:3]``."""
+    found = [match for name in names if (match := _STRETCH.fullmatch(name))]
+    start = max((match["start"] for match in found if match["start"]), key=float, default="")
+    stop = min((match["stop"] for match in found if match["stop"]), key=float, default="")
+    return f"{found[0]['log']}[{start}:{stop}]"

@@ -6,7 +6,7 @@ import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import DriveFit
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.trajectory import Array
+from dr_lab.diagnosis.faults.smoothed_motion import Mask
 
 _FRICTION = 1  # column of dry friction among what may explain a need
 _MARGIN = 3.0  # standard deviations of what the motion leaves elsewhere
@@ -45,7 +45,7 @@ def held_spans(fit: DriveFit, settings: FaultSettings) -> list[HeldSpan]:
     return [found for span in spans if (found := _held(fit, still, span, settings)) is not None]
 
 
-def _held(fit: DriveFit, still: Array, span: slice, settings: FaultSettings) -> HeldSpan | None:
+def _held(fit: DriveFit, still: Mask, span: slice, settings: FaultSettings) -> HeldSpan | None:
     moving = ~still
     moving[max(span.start - _APART, 0) : span.stop + _APART] = False
     if fit.time[span][-1] - fit.time[span][0] < settings.shortest_held or moving.sum() < settings.fewest:
@@ -59,12 +59,12 @@ def _held(fit: DriveFit, still: Array, span: slice, settings: FaultSettings) -> 
     return HeldSpan(span, abs(float(np.median(fit.need[span]))), friction)
 
 
-def _leading(still: Array) -> slice | None:
+def _leading(still: Mask) -> slice | None:
     """The run of test functions at rest from the first on; None where the first one moves, or all rest."""
     count = int(np.argmin(still))
     return slice(0, count) if count else None
 
 
-def _trailing(still: Array) -> slice | None:
+def _trailing(still: Mask) -> slice | None:
     found = _leading(still[::-1])
     return None if found is None else slice(len(still) - found.stop, len(still))

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 
 from dr_lab.diagnosis.fit.point import Mask, Point
 from dr_lab.diagnosis.fit.replay import Replay
@@ -181,7 +180,8 @@ def _moved(replay: Replay, settings: SolverSettings, point: Point, states: bool,
     for i, step in enumerate(state_steps):
         deltas[i, :, i] += step
     units[first:, columns] += unit_steps[:, None] * ways
-    told = block_diag(np.eye(first), ways) if len(ways) else np.eye(first)
+    told = np.zeros((len(steps), first + len(columns)))
+    told[:first, :first], told[first:, first:] = np.eye(first), ways
     return _Moved(space.from_unit(units), deltas, steps, told)
 
 

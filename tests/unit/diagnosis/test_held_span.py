@@ -46,7 +46,7 @@ def test_a_pendulum_that_is_let_go_was_held_before() -> None:
     assert (found.kind, found.log, found.signal) == ("held", "log", "hinge")
     assert found.begin < 0.1
     assert found.end == pytest.approx(0.6, abs=0.06)
-    assert found.message.startswith("hinge: it rests where 0.9 would move it")  # 0.425·9.81·0.3·sin 0.8
+    assert found.message.startswith("hinge rests although 0.9 N·m")  # 0.425·9.81·0.3·sin 0.8
     assert "log[0.6:]" in found.remedy or "log[0.7:]" in found.remedy
 
 
