@@ -5,11 +5,11 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
-from diagnosis_machines import fault_settings
+from diagnosis_machines import clock, fault_settings
 
 from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
 from dr_lab.physics.model import from_spec
-from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
+from dr_lab.trajectory import Array, Log, MeasurementSet, Noise, Signal
 
 STEP, LENGTH, START, NOISE = 0.002, 5.0, 0.8, 1e-3
 XML = """<mujoco><compiler angle="radian"/><option timestep="0.002" integrator="RK4"/><worldbody><body name="rod">
@@ -18,7 +18,7 @@ XML = """<mujoco><compiler angle="radian"/><option timestep="0.002" integrator="
 
 
 @cache
-def swing(friction: float = 0.0) -> np.ndarray:
+def swing(friction: float = 0.0) -> Array:
     """Angles of a pendulum that begins to move at `START` rad."""
     model = mujoco.MjModel.from_xml_string(XML.format(mass=0.5, friction=friction))
     data = mujoco.MjData(model)
@@ -30,10 +30,10 @@ def swing(friction: float = 0.0) -> np.ndarray:
     return path
 
 
-def faults(path: np.ndarray) -> tuple[Fault, ...]:
+def faults(path: Array) -> tuple[Fault, ...]:
     """What a model says to a log whose mass is 15 % too small."""
     noise = np.random.default_rng(0).normal(0.0, NOISE, len(path))
-    angle = Signal("hinge.position", "rad", STEP * np.arange(len(path)), path + noise)
+    angle = Signal("hinge.position", "rad", clock(len(path), STEP), path + noise)
     log = Log("log", {"hinge.position": angle}, {})
     known = {"hinge.position": Noise(NOISE, "rad", "given")}
     measured = MeasurementSet("rod", (log,), (), known, {"hinge.position": 0.02})
