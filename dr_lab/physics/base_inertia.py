@@ -1,6 +1,5 @@
 """Combinations of bodies' inertias that the motion depends on: base parameters, from the equations of motion."""
 
-import copy
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -9,12 +8,9 @@ import numpy as np
 
 from dr_lab.physics.inertial import BodyInertial
 from dr_lab.physics.model import Model
-from dr_lab.physics.pseudo_inertia import principal
 from dr_lab.trajectory import Array
 
 _ENTRIES = np.triu_indices(4)  # of a pseudo-inertia
-_BALL = np.eye(4)  # pseudo-inertia of 1 kg with 1 m² about its centre; what stands in it drops out of differences
-_CHANGE = 0.3  # of an entry of it, which leaves it a body that can exist
 _MORE = 2  # times as many equations as there are numbers
 _ROUNDING = 1e-9  # share of the combination that is felt most
 _STEP = 1e-6  # widths of the bounds
@@ -62,48 +58,48 @@ def _feels_inertia_otherwise(compiled: mujoco.MjModel) -> bool:
     return bool(fluid or compiled.ngravcomp or frames.any() or np.isin(compiled.sensor_type, _TELL_INERTIA).any())
 
 
-def _felt(compiled: mujoco.MjModel, ids: Sequence[int]) -> Array:
+def _felt(compiled: mujoco.MjModel, bodies: Sequence[int]) -> Array:
     """Orthonormal combinations of the entries of the bodies' pseudo-inertias that the joints feel, (k, 10 bodies)."""
-    model, rng, count = copy.copy(compiled), np.random.default_rng(_SEED), len(_ENTRIES[0])
-    model.body_sameframe[:] = 0  # the bodies' frames are to be read
-    motions = -(-_MORE * count * len(ids) // model.nv)
-    states, gravities = rng.normal(size=(motions, 3, model.nv)), rng.normal(size=(motions, 3))
-    for body in ids:
-        _write(model, body, _BALL)
-    plain, columns = _forces(model, states, gravities), list[Array]()
-    for body in ids:
-        for row, column in zip(*_ENTRIES, strict=True):
-            changed = _BALL.copy()
-            changed[row, column] += _CHANGE
-            changed[column, row] = changed[row, column]
-            _write(model, body, changed)
-            columns.append(_forces(model, states, gravities) - plain)
-        _write(model, body, _BALL)
-    _, values, combinations = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
+    data, rng = mujoco.MjData(compiled), np.random.default_rng(_SEED)
+    motions = -(-_MORE * len(_ENTRIES[0]) * len(bodies) // compiled.nv)
+    felt = list[Array]()
+    for position, velocity, acceleration in rng.normal(size=(motions, 3, compiled.nv)):
+        data.qpos[:], data.qvel[:], data.qacc[:] = compiled.qpos0, velocity, acceleration
+        mujoco.mj_integratePos(compiled, data.qpos, position, np.pi)
+        mujoco.mj_kinematics(compiled, data)
+        mujoco.mj_comPos(compiled, data)
+        mujoco.mj_comVel(compiled, data)
+        gravity = rng.normal(size=3)
+        felt.append(np.concatenate([_force_by_entries(compiled, data, body, gravity) for body in bodies], axis=1))
+    _, values, combinations = np.linalg.svd(np.concatenate(felt), full_matrices=False)
     return combinations[values > _ROUNDING * values[0]]
 
 
-def _write(model: mujoco.MjModel, body: int, pseudo: Array) -> None:
-    mass = float(pseudo[3, 3])
-    centre = pseudo[:3, 3] / mass
-    moments, axes = principal((pseudo[:3, :3] - mass * np.outer(centre, centre))[None])
-    model.body_mass[body], model.body_ipos[body] = mass, centre
-    model.body_inertia[body], model.body_iquat[body] = moments[0], axes[0]
+def _force_by_entries(model: mujoco.MjModel, data: mujoco.MjData, body: int, gravity: Array) -> Array:
+    """What every joint must give for a body's motion, by the entries of its pseudo-inertia P, shape (nv, 10).
+
+    A point x of the body moves by X (x, 1) for a unit of a joint's speed and accelerates by M (x, 1), with
+    X = [[r]ₓ, p] and M = [[α]ₓ + [ω]ₓ[ω]ₓ, a − g], all in the body's axes. So the joint gives
+    ∫ (X (x, 1))ᵀ M (x, 1) dm = tr(P Xᵀ M).
+    """
+    turned = data.xmat[body].reshape(3, 3).T
+    ways, changes = np.zeros((2, 2, 3, model.nv))  # of the body's origin and axes, and their rates
+    mujoco.mj_jacBody(model, data, *ways, body)
+    mujoco.mj_jacDot(model, data, *changes, data.xpos[body], body)
+    moves, turns = turned @ ways
+    linear, angular = (ways @ data.qacc + changes @ data.qvel) @ turned.T
+    whirl = _crossed(turns @ data.qvel)
+    motion = np.column_stack([_crossed(angular) + whirl @ whirl, linear - turned @ gravity])
+    moved = np.concatenate([_crossed(turns.T), moves.T[..., None]], axis=2)
+    force = moved.transpose(0, 2, 1) @ motion
+    both = force + force.transpose(0, 2, 1)
+    both[:, range(4), range(4)] /= 2
+    return both[:, *_ENTRIES]
 
 
-def _forces(model: mujoco.MjModel, states: Array, gravities: Array) -> Array:
-    """What the motions ask for of every joint, one after the other; states as position, velocity, acceleration."""
-    data, found = mujoco.MjData(model), np.empty((len(states), model.nv))
-    for (position, velocity, acceleration), gravity, forces in zip(states, gravities, found, strict=True):
-        model.opt.gravity[:] = gravity
-        data.qpos[:] = model.qpos0
-        mujoco.mj_integratePos(model, data.qpos, position, np.pi)
-        data.qvel[:], data.qacc[:] = velocity, acceleration
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_comVel(model, data)
-        mujoco.mj_rne(model, data, 1, forces)
-    return found.ravel()
+def _crossed(vectors: Array) -> Array:
+    """[v]ₓ of vectors, shape (…, 3) → (…, 3, 3)."""
+    return -np.cross(vectors[..., None, :], np.eye(3))
 
 
 def _entries_by_numbers(model: Model, bodies: Sequence[BodyInertial], z: Array) -> Array:
