@@ -54,8 +54,9 @@ def base_directions(model: Model, z: Array) -> Array | None:
 
 def _feels_inertia_otherwise(compiled: mujoco.MjModel) -> bool:
     fluid = compiled.opt.density > 0 or compiled.opt.viscosity > 0
-    frames = compiled.sensor_objtype == int(mujoco.mjtObj.mjOBJ_BODY)  # of a body's inertia
-    return bool(fluid or compiled.ngravcomp or frames.any() or np.isin(compiled.sensor_type, _TELL_INERTIA).any())
+    objects = np.append(compiled.sensor_objtype, compiled.sensor_reftype)
+    frames = (objects == int(mujoco.mjtObj.mjOBJ_BODY)).any()  # of a body's inertia
+    return bool(fluid or compiled.ngravcomp or frames or np.isin(compiled.sensor_type, _TELL_INERTIA).any())
 
 
 def _felt(compiled: mujoco.MjModel, bodies: Sequence[int]) -> Array:
