@@ -32,6 +32,7 @@ class DataContract:
         fast: rounding errors of a quantised signal are random where it moves by this many steps a sample.
         quantised: there the residual is rounding alone up to this factor …
         staircase: … and in a slower staircase up to this one.
+        dithered: above this factor noise makes rounding random at any speed, and slow parts tell of the noise, too.
         derived: a velocity that is a filter of the logged position to within this share of the position's noise behind
             that filter tells nothing beside it and is left out; 0 keeps all.
         frozen: s, equal samples over a longer time are suspected to be frozen …
@@ -69,6 +70,7 @@ class DataContract:
     fast: float
     quantised: float
     staircase: float
+    dithered: float
     derived: float
     frozen: float
     frozen_rest: float

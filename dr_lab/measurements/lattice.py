@@ -13,32 +13,54 @@ _LEAST = 8
 _NEAR = 20
 # Samples of a long signal that are looked at.
 _MOST = 50_000
+# A uniform motion takes its samples a step apart, too: more than this share of its changes are single steps …
+_SINGLE = 0.95
+# … and its speed changes by a step in fewer than this share of them. The rounding of a moving signal alternates.
+_BENT = 0.2
 
 
 def lattice_step(value: Array) -> float | None:
     """Find the step q of values that lie on a lattice v_0 + k q.
 
     Values that differ by less than a tenth of a step count as one point of the lattice, so that rounding in a file's
-    digits does no harm. Of the steps that explain the distances between neighbouring points, the largest is taken.
+    digits does no harm. Of the steps that explain the distances between neighbouring points, the largest is taken. The
+    way of a uniform motion from sample to sample is no step.
 
     Args:
-        value: samples, shape (n,).
+        value: samples in the order of time, shape (n,).
 
     Returns:
         The step in the values' unit, or None if the values are constant or continuous.
     """
-    points = np.unique(value[:: len(value) // _MOST + 1])
-    points = points[np.isfinite(points)]
+    samples = value[:: len(value) // _MOST + 1]
+    samples = samples[np.isfinite(samples)]
+    points = np.unique(samples)
     if len(points) < 2:
         return None
     distances = np.diff(points)
+    # A fast motion never lands on neighbouring points, but its distances differ by single steps.
+    distances = np.concatenate([distances, np.diff(np.unique(distances))])
     distances = distances[distances > 1e-12 * np.abs(points).max()]
     if len(distances) == 0:
         return None
     octaves = np.floor(np.log2(distances))
     starts = [float(distances[octaves == octave].min()) for octave in np.unique(octaves)]
     found = [step for start in starts if (step := _confirm(points, distances, start))]
-    return max(found, default=None)
+    return max((step for step in found if not _uniform_motion(samples, step)), default=None)
+
+
+def _uniform_motion(samples: Array, step: float) -> bool:
+    """Whether the step is the way of a uniform motion from sample to sample.
+
+    On a lattice the changes from sample to sample are 0, 1, 2 … steps by turns, as the motion asks for. A motion that
+    makes a lattice of its own samples goes on by one step each time, or stands still.
+    """
+    changes = np.rint(np.diff(samples) / step)
+    moved = changes != 0
+    if not moved.any() or (np.abs(changes[moved]) == 1).mean() < _SINGLE:
+        return False
+    bent = np.diff(changes) != 0
+    return bool(bent.sum() < _BENT * moved.sum())
 
 
 def _confirm(points: Array, distances: Array, start: float) -> float | None:

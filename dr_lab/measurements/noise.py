@@ -37,7 +37,12 @@ def estimate_noise(signals: Sequence[Signal], longest_wait: float, contract: Dat
     The larger of two figures: rounding to a step q has standard deviation q/√12 (the step is found from the values'
     lattice), and whatever a local polynomial cannot follow from sample to sample is noise. Rounding is as good as
     random only where a signal moves by `contract.fast` steps a sample: there a residual of up to `contract.quantised`
-    times the rounding counts as rounding alone, in slower staircases one of up to `contract.staircase` times.
+    times the rounding counts as rounding alone, in slower staircases one of up to `contract.staircase` times. Noise of
+    more than a step (a residual of `contract.dithered` times the rounding) makes it random everywhere. Then slow parts
+    count as well.
+
+    Noise that changes slowly from sample to sample looks like motion here, and only its quick part is found. Whether
+    what a model leaves beyond that is noise is judged by what forces can do (`dr_lab.diagnosis.evidence.colour`).
 
     Args:
         signals: the channel in each log, same unit; vector channels count all components.
@@ -67,17 +72,27 @@ def _std(columns: Sequence[tuple[Array, Array]], longest_wait: float, contract: 
         return _settled(moving, longest_wait, 0.0, contract, fast=False)
     step = float(np.median(steps))
     rounding = step / np.sqrt(12.0)
+    every = _settled(columns, longest_wait, 0.0, contract, fast=False)
     fast = _settled(columns, longest_wait, contract.fast * step, contract, fast=True)
-    if fast > 0.0:
-        return fast if fast > contract.quantised * rounding else rounding
-    residual = _settled(columns, longest_wait, contract.fast * step, contract, fast=False)
-    return residual if residual > contract.staircase * rounding else rounding
+    if fast == 0.0:
+        return every if every > contract.staircase * rounding else rounding
+    if every > contract.dithered * rounding:
+        return min(fast, every)
+    # A uniform motion by half a step more than whole ones rounds up and down by turns, but every other sample alike.
+    others = _settled(columns, longest_wait, contract.fast * step, contract, fast=True, apart=2) or fast
+    return fast if min(fast, others) > contract.quantised * rounding else rounding
 
 
 def _settled(
-    columns: Sequence[tuple[Array, Array]], longest_wait: float, speed: float, contract: DataContract, *, fast: bool
+    columns: Sequence[tuple[Array, Array]],
+    longest_wait: float,
+    speed: float,
+    contract: DataContract,
+    *,
+    fast: bool,
+    apart: int = 1,
 ) -> float:
-    """Standard deviation of what polynomials through neighbouring samples cannot follow.
+    """Standard deviation of what polynomials through every sample, or samples `apart` from each other, cannot follow.
 
     A polynomial of degree m − 1 through m + 1 samples at any times leaves one residual e = Σ_j w_j y_j with
     w_j ∝ Π_{k≠j} 1/(t_j − t_k), Σ w_j² = 1: the divided difference of order m. White noise of standard deviation σ
@@ -86,7 +101,7 @@ def _settled(
     """
     previous = 0.0
     for order in _ORDERS:
-        parts = [_windows(time, value, order, longest_wait, speed) for time, value in columns]
+        parts = [_windows(time, value, order, longest_wait, speed, apart) for time, value in columns]
         chosen = [part.residual[part.fast] if fast else part.residual for part in parts]
         std = _typical_std(np.concatenate(chosen), order)
         if std == 0.0:
@@ -119,16 +134,17 @@ def _typical_std(residual: Array, order: int) -> float:
     return std
 
 
-def _windows(time: Array, value: Array, order: int, longest_wait: float, speed: float) -> _Windows:
-    count = len(time) - order
+def _windows(time: Array, value: Array, order: int, longest_wait: float, speed: float, apart: int) -> _Windows:
+    length = apart * order
+    count = len(time) - length
     if count < 1:
         return _Windows(np.empty(0), np.empty(0, dtype=np.bool_))
     starts = np.unique(np.linspace(0, count - 1, min(count, _MOST)).astype(np.intp))
-    times = np.stack([time[starts + j] for j in range(order + 1)])
-    values = np.stack([value[starts + j] for j in range(order + 1)])
-    before, after = np.maximum(starts - _REACH, 0), np.minimum(starts + order + _REACH, len(value) - 1)
+    members = starts + apart * np.arange(order + 1)[:, None]
+    times, values = time[members], value[members]
+    before, after = np.maximum(starts - _REACH, 0), np.minimum(starts + length + _REACH, len(value) - 1)
     fast = np.abs(value[after] - value[before]) >= speed * (after - before)
-    usable = np.diff(times, axis=0).max(axis=0) <= longest_wait
+    usable = np.diff(times, axis=0).max(axis=0) <= apart * longest_wait
     return _Windows(_weighted(times[:, usable], values[:, usable]), fast[usable])
 
 

@@ -56,6 +56,47 @@ def test_noise_on_top_of_an_encoder_is_seen(contract: DataContract) -> None:
     assert estimate(time, noisy, contract=contract) == pytest.approx(np.hypot(std, ROUNDING), rel=0.1)
 
 
+def test_noise_of_more_than_a_step_counts_where_the_signal_is_slow_too(contract: DataContract) -> None:
+    time, angle = pendulum(2.5, rate=100.0, damping=0.5)
+    std = np.where(time < 2.5, 1.8e-2, 1.2e-2)  # a worn wiper rattles most while it moves fast
+    noisy = COUNT * np.round((angle + std * np.random.default_rng(0).normal(size=len(time))) / COUNT)
+    overall = np.hypot(np.sqrt(np.mean(std**2)), ROUNDING)
+    assert estimate(time, noisy, contract=contract) == pytest.approx(overall, rel=0.15)
+
+
+DEGREE = np.deg2rad(1.0)
+
+
+def wheel(time: Array) -> Array:
+    """Angle in rad of a gear motor's wheel that starts after half a second and goes on at 2300 degrees a second."""
+    driven = np.maximum(time - 0.5, 0.0)
+    return 40.0 * (driven - 0.15 * (1.0 - np.exp(-driven / 0.15)))
+
+
+@pytest.mark.parametrize("rate", [100.0, 200.0, 500.0])
+def test_a_log_of_uniform_motion_does_not_coarsen_an_encoder(contract: DataContract, rate: float) -> None:
+    time = np.arange(0.0, 2.1, 1.0 / rate)
+    counted = DEGREE * np.round(wheel(time) / DEGREE)
+    parts = [Signal("q", "rad", time[part], counted[part]) for part in (time <= 1.05, time > 1.05)]
+    assert estimate_noise(parts, 0.05, contract).std == pytest.approx(DEGREE / np.sqrt(12), rel=0.1)
+
+
+@pytest.mark.parametrize("rate", [50.0, 200.0, 1000.0])
+@pytest.mark.parametrize("std", [5e-3, 5e-4])
+def test_white_noise_on_a_uniform_motion(contract: DataContract, rate: float, std: float) -> None:
+    time = np.arange(0.0, 8.0, 1.0 / rate)
+    noisy = 20.0 * time + 0.1 * np.sin(3.0 * time) + std * np.random.default_rng(0).normal(size=len(time))
+    assert estimate(time, noisy, contract=contract) == pytest.approx(std, rel=0.1)
+
+
+@pytest.mark.parametrize("rate", [200.0, 1000.0])
+@pytest.mark.parametrize("std", [5e-3, 5e-4])
+def test_bounces_do_not_raise_it(contract: DataContract, rate: float, std: float) -> None:
+    time = np.arange(0.0, 8.0, 1.0 / rate)
+    noisy = np.abs(np.sin(2.5 * time)) + std * np.random.default_rng(0).normal(size=len(time))
+    assert estimate(time, noisy, contract=contract) == pytest.approx(std, rel=0.1)
+
+
 def test_glitches_do_not_raise_it(contract: DataContract) -> None:
     rng = np.random.default_rng(0)
     time, angle = pendulum(1.0)
@@ -112,3 +153,11 @@ def test_continuous_and_constant_values_have_no_step(seed: int) -> None:
     rng = np.random.default_rng(seed)
     assert lattice_step(rng.normal(size=rng.integers(20, 3000))) is None
     assert lattice_step(np.full(10, 3.0)) is None
+
+
+def test_the_way_of_a_uniform_motion_is_no_step() -> None:
+    wave = np.arange(200).astype(np.float64)
+    assert lattice_step(11.43 * wave + 3.0) is None
+    assert lattice_step(np.append(np.zeros(100), 11.43 * wave)) is None
+    assert lattice_step(np.round(11.43 * wave)) == pytest.approx(1.0)
+    assert lattice_step(np.round(0.43 * wave)) == pytest.approx(1.0)
