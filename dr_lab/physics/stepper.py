@@ -18,6 +18,9 @@ _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 class Stepper:
     """Steps a batch whose contexts are per-simulation fields while laws act.
 
+    What laws compute for a simulation that diverges may overflow or be no number. MuJoCo counts such simulations, and
+    nobody uses them, so that numpy does not warn of it here.
+
     Args:
         batch: the simulations.
         compiled: their model.
@@ -63,6 +66,7 @@ class Stepper:
         for law, remembered in zip(self._laws, memory[4:], strict=True):
             law.remember(remembered)
 
+    @np.errstate(over="ignore", invalid="ignore")
     def step(self, control: Array, begin: Array | float = 0.0) -> Array:
         """Advance all simulations by one step.
 
@@ -102,6 +106,7 @@ class Stepper:
         self._before[self._new] = self._qvel[self._new]
         self._new[:] = False
 
+    @np.errstate(over="ignore", invalid="ignore")
     def rollout(self, controls: Array, record: Sequence[str], history: History | None) -> dict[str, Array]:
         """Steps from the state that the simulations are in, under a series of controls.
 

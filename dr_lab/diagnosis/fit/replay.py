@@ -145,8 +145,9 @@ class Replay:
         """
         return self.compared(z, *self._simulate(z, delta, self._steps))
 
+    @np.errstate(over="ignore", invalid="ignore")
     def compared(self, z: Array, tape: Tape, infeasible: Mask) -> tuple[Array, Mask]:
-        """What `residuals` gives, of rollouts that `simulate` gave."""
+        """What `residuals` gives, of rollouts that `simulate` gave; numpy does not warn of those that diverged."""
         blocks = []
         for samples in self.windows.samples:
             simulated = self.reading(z, tape, samples.channel)(samples.time[None])
@@ -183,13 +184,12 @@ class Replay:
         """The first steps of `simulate`."""
         if self._stop is not None and self._stop.is_set():
             raise CancelledError
-        contexts, count = delta.shape[:2]
+        contexts, count = shape = delta.shape[:2]
         (qpos, qvel), act = self._starts(z, delta), self._activations(z, delta)
         simulator = self._simulator(contexts * count)
         each = z if self._absent is None else np.where(self._absent, self.model.space.nominal, z[:, None])
         controls = self._commanded(delta)[..., :steps, :]
         rollout = simulator.replay(each, qpos, qvel, controls, self._past, self._history, act)
-        shape = (contexts, count)
         tape = Tape(
             rollout.qpos.reshape(*shape, *rollout.qpos.shape[1:]),
             rollout.qvel.reshape(*shape, *rollout.qvel.shape[1:]),

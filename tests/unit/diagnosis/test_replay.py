@@ -217,3 +217,20 @@ def test_steps_that_no_sample_shows_are_not_taken(monkeypatch: pytest.MonkeyPatc
     reading, every = round((windows.margin + windows.length) / STEP), windows.controls.shape[1]
     assert reading < taken[0] <= reading + 2
     assert every - 2 <= taken[1] <= every
+
+
+@pytest.mark.parametrize("value", [np.inf, np.nan, 1e308])
+def test_what_diverged_is_infeasible_and_leaves_nothing(value: float) -> None:
+    """In one window of several the motion is beyond numbers; warnings are errors in these tests."""
+    model = pendulum()
+    log, motion = own_log(model)
+    replay = Replay(model, windows_of(model, [log]), 1)
+    z = model.space.nominal[None]
+    tape, infeasible = replay.simulate(z, true_starts(replay, model.space.nominal, motion)[None])
+    sound, _ = replay.compared(z, tape, infeasible)
+    tape.qpos[:, 0, 5:] = value
+    tape.qvel[:, 0, 5:] = -value
+    found, lost = replay.compared(z, tape, infeasible)
+    assert lost[0].tolist() == [True] + [False] * (lost.shape[1] - 1)
+    assert not found[0, 0].any()
+    np.testing.assert_array_equal(found[0, 1:], sound[0, 1:])

@@ -179,3 +179,20 @@ def test_a_drive_has_what_follows_a_line(name: str, values: Mapping[str, float])
     z = extended.space.vector({f"{name}@rail.{key}": value for key, value in values.items()})
     motor = JointDrive.of([extended.compile(z)], "rail")
     np.testing.assert_allclose([motor.constant[0], motor.by_velocity[0]], [values.get("torque", 0.0), 0.0], atol=1e-9)
+
+
+def test_a_motor_that_diverges_is_infeasible_and_no_warning_tells_of_it() -> None:
+    """A servo drives a rotor that is far too light for its gains at this step; warnings are errors in these tests."""
+    model = block('<position name="drive" joint="rail" kp="2000" kv="60"/>')
+    effect = "motor_side_elasticity"
+    extended = model.with_effect(placed(model, effect, "rail"))
+    values = {"compliance": 0.27, "rotor": 0.017, "retardation": 1e-4}
+    z = extended.space.vector({f"{effect}@rail.{key}": value for key, value in values.items()})
+    controls, rest = np.full((1, 1500, 1), 7.0), np.zeros((1, 1, 1))
+    simulator = Simulator(extended, 1, threads=1)
+    rollout = simulator.replay(z[None], rest, rest, controls, controls[:, :1])
+    assert rollout.infeasible.all()
+    assert not np.isfinite(rollout.qpos).all()
+    sound = simulator.replay(extended.space.nominal[None], rest, rest, controls, controls[:, :1])
+    assert not sound.infeasible.any()
+    assert sound.qpos[0, -1, 0] == pytest.approx(7.0, abs=0.01)
