@@ -24,6 +24,7 @@ from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.ladder import failing
 from dr_lab.reports.markdown import notes_list, report_markdown
 from dr_lab.reports.plain import finite
+from dr_lab.reports.quantity import percent
 from dr_lab.reports.report import write_report
 from dr_lab.reports.tables import ladder_table, parameter_table, ranking_summary
 from dr_lab.reports.verdict import verdict_markdown
@@ -154,7 +155,7 @@ def _end(log: Log) -> float:
 
 def _rest(report: GapReport) -> str:
     """Where the model fails, and notes."""
-    where = [f"- {r.signal}, {r.region}: {100 * (r.share or 0.0):.0f} % of its error" for r in report.failing.where]
+    where = [f"- {r.signal}, {r.region}: {percent(r.share or 0.0)} of its error" for r in report.failing.where]
     parts = [f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else ""]
     notes = [note for note in report.notes if note.kind != KIND]
     left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""

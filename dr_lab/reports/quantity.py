@@ -4,6 +4,7 @@ import math
 
 ABSENT = "–"
 _WRITTEN_OUT = 6  # digits before the point up to which no power of ten is written
+_MOST = 10.0  # share of one, either sign, beyond which it says no more than that it is large
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -49,11 +50,17 @@ def uncertain(value: float | None, std: float | None, unit: str) -> str:
 def percent(share: float | None) -> str:
     """A share of one as whole per cent, one decimal below 10 %; what rounds to zero is 0.
 
+    A share of more than ten, either sign, is only said to be that.
+
     >>> percent(0.953), percent(0.0123), percent(0.0)
     ('95 %', '1.2 %', '0 %')
+    >>> percent(-1.25e8), percent(366.0)
+    ('below -1000 %', 'above 1000 %')
     """
     if share is None or not math.isfinite(share):
         return ABSENT
+    if abs(share) > _MOST:
+        return f"{'above ' if share > 0 else 'below -'}{100 * _MOST:.0f} %"
     text = f"{100 * share:.0f}" if abs(share) >= 0.1 else f"{100 * share:z.1f}"
     return "0 %" if text == "0.0" else f"{text} %"
 

@@ -16,7 +16,7 @@ from dr_lab.diagnosis.search.free_position import free_position
 from dr_lab.diagnosis.search.freed import freed_score
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.effect import PlacedEffect, Scales
-from dr_lab.reports.quantity import number
+from dr_lab.reports.quantity import number, percent
 
 _FREE = {
     "command": "a free curve of the command",
@@ -48,7 +48,7 @@ class LawCheck:
         """What a refuted law means, in words."""
         return (
             f"{self.effect} is the nearest of the catalogue, but its law is not the machine's: {_FREE[self.argument]} "
-            f"explains {100 * self.gain.gap:.3g} % of what it leaves (evidence Δχ² {number(self.gain.total)})."
+            f"explains {percent(self.gain.gap)} of what it leaves (evidence Δχ² {number(self.gain.total)})."
         )
 
 

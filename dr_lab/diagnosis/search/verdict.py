@@ -11,7 +11,7 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
-from dr_lab.reports.quantity import number
+from dr_lab.reports.quantity import number, percent
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def _prospect(trial: Sequence[Candidate], settings: EvidenceSettings) -> str:
     gain, confidence = trial[0].gain, 100 * settings.trial_confidence
     return (
         f" {trial[0].effect.label} is worth a trial, which dr-lab close makes as far as `most` allows. It closes "
-        f"{100 * gain.gap:.3g} % of a typical window's gap. Its evidence Δχ² {number(gain.total)} is in doubt because "
+        f"{percent(gain.gap)} of a typical window's gap. Its evidence Δχ² {number(gain.total)} is in doubt because "
         f"it differs from window to window ({confidence:.3g} % interval from {number(gain.trial_low)}, "
         f"{100 * settings.confidence:.3g} % interval from {number(gain.total_low)})."
     )
@@ -167,7 +167,7 @@ def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) 
     low = f"{100 * settings.confidence:.3g} % interval from {number(gain.total_low)}"
     interval = f"{'too few data for an interval' if isnan(gain.total_low) else low}, {needed:g} needed"
     return (
-        f"closes {100 * gain.gap:.3g} % of a typical window's gap with evidence Δχ² {number(gain.total)} ({interval}), "
+        f"closes {percent(gain.gap)} of a typical window's gap with evidence Δχ² {number(gain.total)} ({interval}), "
         f"mean χ² {means[0]:.3f} before and {means[1]:.3f} after,"
     )
 

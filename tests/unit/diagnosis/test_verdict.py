@@ -26,7 +26,7 @@ from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import decide
-from dr_lab.reports.quantity import number
+from dr_lab.reports.quantity import number, percent
 
 
 def test_the_one_effect_that_closes_the_gap_is_named() -> None:
@@ -46,7 +46,7 @@ def test_the_reason_prints_what_decides_and_where_it_is_from() -> None:
     found = candidate(base, "coulomb_friction", wild(1.0), CLEAR)
     reason = decide(base, [found], SETTINGS, "fit logs").reason
     assert found.fitted_model.held_out.chi2 > base.held_out.chi2  # one wild window, which the mean alone follows
-    assert f"closes {100 * found.gain.gap:.3g} % of a typical window's gap" in reason
+    assert f"closes {percent(found.gain.gap)} of a typical window's gap" in reason
     evidence, low = (number(value, 4) for value in (found.gain.total, found.gain.total_low))
     assert f"evidence Δχ² {evidence} (99 % interval from {low}, 27 needed)" in reason
     assert f"mean χ² {base.held_out.chi2:.3f} before and {found.fitted_model.held_out.chi2:.3f} after" in reason

@@ -38,3 +38,9 @@ def test_a_share_of_zero_is_no_decimal() -> None:
     assert [percent(share) for share in (0.0, -0.0001, 0.0004, 0.0006, 0.1, -0.05)] == [
         "0 %", "0 %", "0 %", "0.1 %", "10 %", "-5.0 %"
     ]  # fmt: skip
+
+
+def test_shares_out_of_reason_are_only_said_to_be_that() -> None:
+    assert [percent(share) for share in (10.0, 10.01, 365.68, 1e300, -10.0, -10.01, -125462821.61)] == [
+        "1000 %", "above 1000 %", "above 1000 %", "above 1000 %", "-1000 %", "below -1000 %", "below -1000 %"
+    ]  # fmt: skip
