@@ -7,6 +7,8 @@ from dr_lab.reports.gap import GapReport
 from dr_lab.reports.ladder import scored, status, steps
 from dr_lab.reports.quantity import number, percent
 
+_TENFOLD = 9.0  # times itself that an error grows by when it grows tenfold
+
 
 def verdict_markdown(report: GapReport) -> str:
     """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
@@ -19,6 +21,8 @@ def verdict_markdown(report: GapReport) -> str:
 
 def _change(removed: float) -> str:
     """What becomes of an error of which such a share is removed."""
+    if removed < -_TENFOLD:
+        return "grows more than tenfold"
     return f"falls by {percent(removed)}" if removed >= 0.0 else f"grows by {percent(-removed)}"
 
 
@@ -27,9 +31,9 @@ def _learned(report: GapReport) -> str:
     told = []
     for row in report.judged.learned:
         what = f"a force at `{row.joint}` as a function of {' and '.join(row.depends_on)}"
-        worst = max(((b or 0.0) / a for a, b in row.predicted.values() if a), default=None)
+        ratios = [(b or 0.0) / a for a, b in row.predicted.values() if a]
         logs = f" (the squared predicted error of the {scored(report)} {_change(row.removes or 0.0)}"
-        logs += "" if worst is None else f"; of the log that gains least it {_change(1 - worst**2)}"
+        logs += f"; of the log that gains least it {_change(1 - max(ratios) ** 2)}" if len(ratios) > 1 else ""
         if row.accepted:
             told.append(f"**Learned, not named:** `{row.effect}`, {what}, simulates a part of that{logs}).")
         elif not report.logs.held_out:
@@ -142,23 +146,31 @@ def _remaining(report: GapReport) -> str:
 
 
 def _share(report: GapReport) -> str:
-    """How much of what the calibrated model misses the added effects explain, and the prediction that gained most."""
+    """How much of what the calibrated model misses the added effects explain, and the prediction that gains most."""
     explained, first, last = report.judged.explained, report.ladder[0], report.catalogued[-1]
     added = len(report.catalogued) > 1 and not first.effects
     if not added or explained.share is None or explained.share <= 0:
         return ""
     low, high = explained.low, explained.high
     interval = f" ({percent(low)} … {percent(high)})" if low is not None and high is not None else ""
-    words = "explain" if len(last.effects) > 1 else "explains"
-    errors = [rung.held_out.rmse_predicted for rung in (first, last)]
-    fallen = {name: error / after for name, error in errors[0].items() if error and (after := errors[1].get(name))}
-    told = ""
-    if fallen:
-        name = max(fallen, key=lambda each: fallen[each])
-        unit = report.noise[name].unit if name in report.noise else ""
-        told = f", `{name}` predicted to {number(errors[0][name], 3)} → {number(errors[1][name], 3)} {unit} RMS"
-    subject = "Together they" if words == "explain" else "It"
-    return f"{subject} {words} {percent(explained.share)}{interval} of what the calibrated model misses{told}."
+    subject = "Together they explain" if len(last.effects) > 1 else "It explains"
+    told = f"{subject} {percent(explained.share)}{interval} of what the calibrated model misses."
+    return f"{told}{_predicted(report)}"
+
+
+def _predicted(report: GapReport) -> str:
+    """The error of the predicted channel that the added effects gain most for, without and with them."""
+    first, last = report.ladder[0], report.catalogued[-1]
+    before, after = (rung.held_out.rmse_predicted for rung in (first, last))
+    gains = {name: error / left for name, error in before.items() if error and (left := after.get(name))}
+    if not gains:
+        return ""
+    name = max(gains, key=lambda each: gains[each])
+    unit = report.noise[name].unit if name in report.noise else ""
+    them = "them" if len(last.effects) > 1 else "it"
+    unit = "" if unit in ("", "1") else f" {unit}"
+    errors = f"{number(before[name], 3)}{unit} RMS without {them} and {number(after[name], 3)} with {them}"
+    return f" `{name}` is predicted within {errors}."
 
 
 def _with_status(report: GapReport, status: str) -> list[str]:

@@ -1,0 +1,66 @@
+"""The sentences of a verdict that hold numbers: how a prediction changes, how far intervals reach."""
+
+from typing import Any
+
+import pytest
+
+from dr_lab.reports.gap import GapReport
+from dr_lab.reports.markdown import report_markdown
+from dr_lab.reports.plain import from_plain
+from dr_lab.reports.verdict import verdict_markdown
+
+
+def verdict(report: dict[str, Any]) -> str:
+    return verdict_markdown(from_plain(GapReport, report))
+
+
+def explaining(report: dict[str, Any], **explained: float) -> dict[str, Any]:
+    return report | {"explained": {"share": 0.32, "low": -1.25e8, "high": 1.0} | explained}
+
+
+def test_a_prediction_is_told_without_and_with_what_was_added(close_report: dict[str, Any]) -> None:
+    for rung, error in zip(close_report["ladder"], (0.0354, 0.0224), strict=True):
+        rung["held_out"]["rmse_predicted"] = {"arm.position": error}
+    told = verdict(explaining(close_report, low=0.1))
+    assert "It explains 32 % (10 % … 100 %) of what the calibrated model misses. " in told
+    assert "`arm.position` is predicted within 0.0354 rad RMS without it and 0.0224 with it. χ² on" in told
+    close_report["ladder"][-1]["effects"] = ["coulomb_friction@arm", "payload@pole"]
+    told = verdict(explaining(close_report))
+    assert "Together they explain 32 %" in told
+    assert "0.0354 rad RMS without them and 0.0224 with them." in told
+
+
+def test_a_channel_whose_noise_is_unknown_has_no_unit(close_report: dict[str, Any]) -> None:
+    for rung, error in zip(close_report["ladder"], (2.0, 1.0), strict=True):
+        rung["held_out"]["rmse_predicted"] = {"other": error}
+    assert "`other` is predicted within 2 RMS without it and 1 with it." in verdict(explaining(close_report))
+
+
+def test_percentages_out_of_reason_are_not_written_out(close_report: dict[str, Any]) -> None:
+    assert "It explains 32 % (below -1000 % … 100 %) of" in verdict(explaining(close_report))
+    close_report["ranking"][0]["gain_ci"] = [-125462821.61, 1.0]
+    close_report["ladder"][1]["parameters"]["pole.mass"]["cv_percent"] = 36568.0
+    told = report_markdown(from_plain(GapReport, close_report))
+    assert "(below -1000 % … 100 %)" in told
+    assert "| above 1000 % |" in told
+
+
+@pytest.mark.parametrize(
+    ("predicted", "words"),
+    [
+        ({"a": [4.0, 2.0]}, "held-out logs falls by 60 %)."),
+        ({"a": [4.0, 2.0], "b": [0.0, 0.0]}, "held-out logs falls by 60 %)."),
+        (
+            {"a": [4.0, 2.0], "b": [4.0, 1.0]},
+            "falls by 60 %; of the log that gains least it falls by 75 %)",
+        ),
+        ({"a": [4.0, 2.0], "b": [1.0, 9.0]}, "of the log that gains least it grows more than tenfold)"),
+        ({"a": [4.0, 2.0], "b": [2.0, 4.0]}, "of the log that gains least it grows by 300 %)"),
+    ],
+)
+def test_the_log_that_gains_least_is_one_of_several(
+    close_report: dict[str, Any], predicted: dict[str, list[float]], words: str
+) -> None:
+    row = {"joint": "arm", "effect": "residual_force@arm", "depends_on": ["angle of arm"], "accepted": True}
+    close_report["learned"] = [row | {"removes": 0.6, "predicted": predicted}]
+    assert words in verdict(close_report)
