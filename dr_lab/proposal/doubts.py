@@ -14,7 +14,7 @@ def doubts_of(
     candidates: Sequence[Series],
     settings: ProposalSettings,
     *,
-    by_words: bool,
+    certain: bool,
 ) -> list[str]:
     """What the equation of motion leaves open, a sentence each.
 
@@ -23,13 +23,13 @@ def doubts_of(
         found: the chosen reading, and those that explain the motion as well.
         candidates: what may be positions.
         settings: thresholds.
-        by_words: whether the names alone say which series is which.
+        certain: whether it is known without the motion which series is which.
 
     Raises:
-        DataError: the motion is not that of the robot, and no name says that it is.
+        DataError: the motion is not that of the robot, and it is not known otherwise.
     """
     left = float(found.outcome.left.max())
-    if left > settings.fits and not by_words:
+    if left > settings.fits and not certain:
         raise DataError(
             f"No reading of {', '.join(str(each.place) for each in candidates)} moves as {', '.join(joints)} do: the "
             f"best leaves {left:.0%} of a joint's forces unexplained. Are these logs of this robot? If so, "
@@ -41,7 +41,7 @@ def doubts_of(
 def _unexplained(left: float, settings: ProposalSettings) -> Iterator[str]:
     if left > settings.fits:
         yield (
-            f"With these names the equation of motion leaves {left:.0%} of a joint's forces unexplained: the logs may "
+            f"As read here the equation of motion leaves {left:.0%} of a joint's forces unexplained: the logs may "
             "be of another robot, the masses far off, or a force missing that the model knows nothing of."
         )
     elif left > settings.well:
@@ -75,7 +75,10 @@ def _open(joints: Sequence[str], found: Found, candidates: Sequence[Series]) -> 
         yield f"The unit of {listed} is not seen in the motion: another would fit about as well."
     moved = [joints[j] for j, each in enumerate(found.readings) if each.offset]
     if moved:
-        yield f"{', '.join(moved)} count from another direction than in the model: offsets were added."
+        yield (
+            f"The logs' angles of {', '.join(moved)} count from another direction than the model's, as the weight "
+            "shows: offsets were added."
+        )
 
 
 def _different(a: Readings, b: Readings) -> bool:

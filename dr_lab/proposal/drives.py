@@ -24,6 +24,7 @@ UNITS: dict[str, dict[str, float]] = {
     "m/s": {"m/s": 1.0, "mm/s": 1e-3},
     "1": {"1": 1.0, "percent": 1e-2},
 }
+_POSITIONS = {*UNITS["rad"], *UNITS["m"]}
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class Command:
         unit: of its numbers.
         sign: +1 or −1.
         scale: factor into the unit.
+        offset: in the unit.
+        seen: whether the motion shows sign and unit.
         why: what speaks for it.
         doubts: what is unsure, a sentence each.
     """
@@ -70,6 +73,8 @@ class Command:
     unit: str
     sign: int
     scale: float
+    offset: float
+    seen: bool
     why: str
     doubts: tuple[str, ...]
 
@@ -122,14 +127,14 @@ def choose_commands(
         allowed = [given for given in outcome.given[drive.dof] if given.series in mine and _fits(drive, given, series)]
         least = min((given.left for given in allowed), default=0.0)
         for given in allowed:
-            equal = given.left <= settings.near * least + settings.close
+            equal = _explains(given, drive, outcome, settings) and given.left <= settings.near * least + settings.close
             rank = (series[given.series].words.asked, given.stiffness > 0) if equal else (True, True)
             offers.append((not equal, *rank, given.left, k, given))
+    commanding = {k for k in usable if series[k].words.kind in ("drive", "reference")}
     chosen: dict[int, Given] = {}
     for *_, k, given in sorted(offers, key=lambda offer: offer[:4]):
-        idle = float(outcome.idle[drives[k].dof])
-        explains = given.left <= (1 - settings.explained) * idle
-        alone = len(named[k]) == 1
+        explains = _explains(given, drives[k], outcome, settings)
+        alone = len({*named[k]} & commanding) == 1
         if k not in chosen and (explains or alone) and given.series not in {g.series for g in chosen.values()}:
             chosen[k] = given
     return tuple(_command(drives[k], series, chosen[k], outcome, settings) for k in sorted(chosen))
@@ -144,16 +149,21 @@ def commands_by_name(drives: Sequence[Drive], series: Sequence[Series]) -> tuple
         measured = [each for each in fitting if not each.words.asked] or fitting
         if len(measured) == 1:
             unit = measured[0].words.unit or drive.unit
-            found.append(Command(drive, measured[0], None, unit, 1, 1.0, "by its name", ()))
+            found.append(Command(drive, measured[0], None, unit, 1, 1.0, 0.0, seen=False, why="by its name", doubts=()))
     return tuple(found)
+
+
+def _explains(given: Given, drive: Drive, outcome: Outcome, settings: ProposalSettings) -> bool:
+    """Whether a series takes away most of what its joint leaves without it."""
+    return given.left <= (1 - settings.explained) * float(outcome.idle[drive.dof])
 
 
 def _fits(drive: Drive, given: Given, series: Sequence[Series]) -> bool:
     """A servo takes positions, a motor forces; a name that says nothing may be either."""
-    kind = series[given.series].words.kind
+    words = series[given.series].words
     if drive.added:
-        return not (given.stiffness > 0 and kind == "drive")
-    return given.stiffness == 0 and not (drive.servo and kind == "drive")
+        return words.kind != "drive" if given.stiffness > 0 else words.unit not in _POSITIONS
+    return given.stiffness == 0 and not (drive.servo and words.kind == "drive")
 
 
 def _command(
@@ -169,12 +179,25 @@ def _command(
     late = f", {1e3 * given.lag:.0f} ms late" if given.lag else ""
     why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {gain:.2g}"
     if explained < settings.explained:
-        doubts.append(
-            f"{series[given.series].place} explains {max(explained, 0.0):.0%} of what {drive.joint} needs; sign and "
-            "unit are by its name alone."
-        )
-        return Command(drive, series[given.series], given, words.unit or base, 1, 1.0, "by its name", tuple(doubts))
-    return Command(drive, series[given.series], given, unit, 1 if gain > 0 else -1, scale, why, tuple(doubts))
+        doubts = _unexplained(drive, series[given.series], given, max(explained, 0.0))
+        unit, why = words.unit or base, "by its name"
+        return Command(drive, series[given.series], given, unit, 1, 1.0, 0.0, seen=False, why=why, doubts=doubts)
+    sign = 1 if gain > 0 else -1
+    return Command(drive, series[given.series], given, unit, sign, scale, 0.0, seen=True, why=why, doubts=tuple(doubts))
+
+
+def _unexplained(drive: Drive, series: Series, given: Given, explained: float) -> tuple[str, ...]:
+    """What is unsure about a command that explains little of its joint's motion."""
+    little = (
+        f"{series.place} explains {explained:.0%} of what {drive.joint} needs; sign and unit are by its name alone."
+    )
+    if given.stiffness == 0:
+        return (little,)
+    return (
+        little,
+        f"the servo's gains, kp {given.stiffness:.3g} and kv {given.damping:.3g}, are a guess, as the motion hardly "
+        f"shows them. Write its own into the model, or free actuator.{drive.name}.kp and .kv as parameters.",
+    )
 
 
 def _unit(gain: float, base: str, said: str, settings: ProposalSettings) -> tuple[str, float, list[str]]:

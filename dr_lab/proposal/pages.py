@@ -123,6 +123,8 @@ def _of_command(command: Command, proposal: Proposal) -> dict[str, object]:
         entry["sign"] = -1
     if command.scale != 1.0:
         entry["scale"] = command.scale
+    if command.offset:
+        entry["offset"] = float(f"{command.offset:.15g}")
     return entry | _own_clock(command.series.place.clock, proposal)
 
 

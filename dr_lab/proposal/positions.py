@@ -15,6 +15,7 @@ from dr_lab.proposal.search import Found, Options, Readings, search
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series, Survey
 from dr_lab.proposal.trial import Outcome, Trial, per_control
+from dr_lab.proposal.weight import shown_by_weight
 
 _ANGLES, _LENGTHS = UNITS["rad"], UNITS["m"]
 _BEYOND = 0.02  # rad or m, of a joint's range, by which its stop may give way
@@ -60,11 +61,13 @@ def find_positions(
         trial,
         options,
         lambda readings, outcome: _cost(outcome, drives, asked, settings) + len(beyond(model, trial, readings)),
+        lambda readings: shown_by_weight(trial, readings, settings),
         settings,
     )
     by_words = say_same(joints, candidates)
     outputs = tuple(_position(model, j, found, candidates, by_words=by_words) for j in range(len(joints)))
-    doubts = doubts_of(joints, found, candidates, settings, by_words=by_words)
+    sole = len(joints) == len(candidates) == 1
+    doubts = doubts_of(joints, found, candidates, settings, certain=by_words or sole)
     return Positions(outputs, found, trial, tuple(asked), drives, tuple(doubts))
 
 

@@ -14,6 +14,7 @@ from dr_lab.proposal.overlaps import overlaps
 from dr_lab.proposal.positions import beyond, find_positions
 from dr_lab.proposal.robot import Robot
 from dr_lab.proposal.sensors import find_sensors
+from dr_lab.proposal.setpoints import counted
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Survey
 
@@ -113,7 +114,8 @@ def _commands(found: Positions, settings: ProposalSettings) -> tuple[Command, ..
     usable = [k for k, series in enumerate(found.commands) if series.place not in used]
     if found.found is None:
         return commands_by_name(found.drives, [found.commands[k] for k in usable])
-    return choose_commands(found.drives, found.commands, usable, found.found.outcome, settings)
+    chosen = choose_commands(found.drives, found.commands, usable, found.found.outcome, settings)
+    return tuple(counted(each, found.found, found.outputs[each.drive.dof]) for each in chosen)
 
 
 def _add(spec: mujoco.MjSpec, command: Command) -> str:
@@ -129,7 +131,7 @@ def _add(spec: mujoco.MjSpec, command: Command) -> str:
     actuator.set_to_position(kp=kp, kv=kv)
     return (
         f"Actuator {command.drive.name} was added: a servo towards the command (position) with kp {kp:g} and kv "
-        f"{kv:g}, as the motion shows them."
+        f"{kv:g}, as far as the motion shows them."
     )
 
 

@@ -5,7 +5,7 @@ The reading wins that leaves least to the equation of motion, and of those that 
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,6 +57,7 @@ def search(
     trial: Callable[[Readings], Outcome],
     options: Sequence[Options],
     cost: Callable[[Readings, Outcome], float],
+    shown: Callable[[Readings], bool],
     settings: ProposalSettings,
 ) -> Found:
     """Try readings, and choose.
@@ -65,6 +66,7 @@ def search(
         trial: tries one.
         options: of each joint, in the model's order.
         cost: what speaks against a reading that explains the motion as well as others do.
+        shown: whether the motion shows the offsets of a reading that has some.
         settings: how many are tried, and how close counts as equal.
     """
     tried: dict[Readings, Outcome] = {}
@@ -80,11 +82,10 @@ def search(
         _swaps(options, tried, outcome)
     if float(min(tried.values(), key=lambda each: each.total).left.max()) > settings.well:
         _offsets(options, tried, outcome)
+        tried = _shown(tried, shown)
     if float(min(tried.values(), key=lambda each: each.total).left.max()) > settings.fits:
-        tried = {readings: each for readings, each in tried.items() if not any(r.offset for r in readings)}
-    least = min(each.total for each in tried.values())
-    most = least + settings.close + (settings.near - 1) * min(least, settings.well)
-    near = [readings for readings, each in tried.items() if each.total <= most]
+        tried = {readings: each for readings, each in tried.items() if not _moved(readings)}
+    near = _near(tried, settings)
     costs = {readings: _cost(readings) + cost(readings, tried[readings]) for readings in near}
     chosen = min(near, key=lambda readings: (costs[readings], tried[readings].total))
     others = tuple(readings for readings in near if readings != chosen)
@@ -152,6 +153,29 @@ def _offsets(options: Sequence[Options], tried: dict[Readings, Outcome], total: 
         for offsets in _directions(options):
             moved = tuple(replace(each, offset=offset) for each, offset in zip(readings, offsets, strict=True))
             _turned(moved, total)
+
+
+def _near(tried: Mapping[Readings, Outcome], settings: ProposalSettings) -> list[Readings]:
+    """The readings that explain the motion about as well as the best; more of them where that does not fit either."""
+    best = min(tried.values(), key=lambda each: each.total)
+    fits = float(best.left.max()) <= settings.fits
+    open_squares = min(best.total, settings.well) if fits else best.total
+    most = best.total + settings.close + (settings.near - 1) * open_squares
+    return [readings for readings, each in tried.items() if each.total <= most]
+
+
+def _shown(tried: Mapping[Readings, Outcome], shown: Callable[[Readings], bool]) -> dict[Readings, Outcome]:
+    """The readings without offsets, and those with offsets that leave less than these and are shown."""
+    least = min(each.total for readings, each in tried.items() if not _moved(readings))
+    return {
+        readings: each
+        for readings, each in tried.items()
+        if not _moved(readings) or (each.total < least and shown(readings))
+    }
+
+
+def _moved(readings: Readings) -> bool:
+    return any(each.offset for each in readings)
 
 
 def _directions(options: Sequence[Options]) -> Iterator[tuple[float, ...]]:

@@ -26,6 +26,7 @@ class ProposalSettings:
         close: … and those that leave this share of the squares more.
         well: share of the squares that the best reading may leave before offsets of angles are tried.
         explained: share of the squares that a command must take away.
+        weighs: share of the squares left without gravity that gravity must take away if an angle gets an offset.
         fits: share of the squares that may be left.
         gain: commands that act with less than this, or more than its inverse, have another unit.
         near_unit: ratio up to which a gain passes for a unit.
@@ -56,6 +57,7 @@ class ProposalSettings:
     close: Share
     well: Share
     explained: Share
+    weighs: Share
     fits: Share
     gain: Share
     near_unit: Annotated[float, above(1.0)]

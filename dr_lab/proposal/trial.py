@@ -47,6 +47,7 @@ class Given:
         gain: joint force per unit of the raw number, N·m or N.
         stiffness: of a servo towards the series as a position, N·m/rad or N/m; 0 where the series is a force.
         damping: of that servo, N·m·s/rad or N·s/m.
+        constant: force that acts beside the series, N·m or N.
         left: squares that remain, over those of the joint's inertial and gravitational forces, or of what it needs.
     """
 
@@ -55,6 +56,7 @@ class Given:
     gain: float
     stiffness: float
     damping: float
+    constant: float
     left: float
 
 
@@ -67,12 +69,14 @@ class Outcome:
         given: what each series gives each degree of freedom that may be driven, best first.
         need: force that the motion asks for, shape (w, nv).
         speed: shape (n, nv), for bounds of damping.
+        size: squares that `idle` and `Given.left` are shares of, shape (nv,), N²·m² or N².
     """
 
     idle: Array
     given: tuple[tuple[Given, ...], ...]
     need: Array
     speed: Array
+    size: Array
 
     @property
     def left(self) -> Array:
@@ -146,7 +150,7 @@ class Trial:
             else ()
             for j, driven in enumerate(self.driven)
         )
-        return Outcome(idle, given, need, motion.qvel)
+        return Outcome(idle, given, need, motion.qvel, size)
 
     def _size(self, needed: Demand) -> Array:
         """Squares of the joint's forces about their mean, which a constant would explain."""
@@ -179,7 +183,7 @@ class _Joint(NamedTuple):
 def _as_force(k: int, lag: float, column: Array, joint: _Joint) -> Given:
     unit = float(np.abs(column).max()) or 1.0
     c, _, left = _fit(joint.need, np.column_stack([column / unit, np.ones(len(column))]), joint.brakes)
-    return Given(k, lag, float(c[0]) / unit, 0.0, 0.0, left / joint.size)
+    return Given(k, lag, float(c[0]) / unit, 0.0, 0.0, float(c[1]), left / joint.size)
 
 
 def _as_servo(k: int, lag: float, column: Array, joint: _Joint) -> Given:
@@ -187,7 +191,7 @@ def _as_servo(k: int, lag: float, column: Array, joint: _Joint) -> Given:
     unit = float(np.abs(column).max()) or 1.0
     free = np.column_stack([column / unit, np.ones(len(column))])
     c, x, left = _fit(joint.need, free, np.column_stack([-joint.place, joint.brakes]))
-    return Given(k, lag, float(c[0]) / unit, float(x[0]), float(x[1]), left / joint.size)
+    return Given(k, lag, float(c[0]) / unit, float(x[0]), float(x[1]), float(c[1]), left / joint.size)
 
 
 def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
