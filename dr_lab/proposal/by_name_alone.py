@@ -8,10 +8,10 @@ import numpy as np
 
 from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.errors import DataError
-from dr_lab.proposal.by_name import matches
 from dr_lab.proposal.drives import drives_of
 from dr_lab.proposal.grid import wrapped
 from dr_lab.proposal.output import Output, Positions
+from dr_lab.proposal.shared_out import shared_out
 from dr_lab.proposal.survey import Series, Survey
 from dr_lab.proposal.trial import per_control
 
@@ -23,24 +23,26 @@ def positions_by_name(
 ) -> Positions:
     """What the names alone say; with nothing `sensed` either, the logs are not those of the robot."""
     names = [model.joint(i).name for i in range(model.njnt) if model.jnt_type[i] >= int(mujoco.mjtJoint.mjJNT_SLIDE)]
+    places, open_places = shared_out(model, names, candidates)
     velocities = [s for s in logs.named("velocity") if s.moves]
+    rates, open_rates = shared_out(model, names, velocities)
     outputs = []
     lacking = []
-    for j, name in enumerate(names):
-        place, rate = matches(names, candidates)[j], matches(names, velocities)[j]
+    for name in names:
         hinge = model.jnt_type[model.joint(name).id] == _HINGE
-        if len(place) == 1:
+        if name in places:
             outputs.append(
-                _named(f"{name}.position", candidates[place[0]], "rad" if hinge else "m", _reach(model, name))
+                _named(f"{name}.position", candidates[places[name]], "rad" if hinge else "m", _reach(model, name))
             )
-        elif len(rate) == 1:
-            outputs.append(_named(f"{name}.velocity", velocities[rate[0]], "rad/s" if hinge else "m/s", math.inf))
+        elif name in rates:
+            outputs.append(_named(f"{name}.velocity", velocities[rates[name]], "rad/s" if hinge else "m/s", math.inf))
         else:
             lacking.append(name)
     if not (outputs or sensed):
         raise DataError(_nothing_fits(names, logs))
     what = "of joints and commands " if sensed else ""
-    doubts = [f"Signs and units {what}are by name alone: {_why_untested(model, lacking)}."]
+    doubts = [f"Signs and units {what}are by name alone: {_why_untested(model, lacking)}.", *open_places]
+    doubts += [doubt for doubt in open_rates if any(o.channel.endswith(".velocity") for o in outputs)]
     untold = untold_joints(model, [output.channel for output in outputs])
     if lacking := [name for name in lacking if name in untold]:
         doubts.append(f"No series is said to be {', '.join(lacking)}: not measured, or called differently.")
