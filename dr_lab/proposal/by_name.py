@@ -31,6 +31,11 @@ def say_same(names: Sequence[str], series: Sequence[Series]) -> bool:
     return all(len(found) == 1 for found in _by_words(names, series))
 
 
+def said_of(names: Sequence[str], series: Sequence[Series]) -> set[int]:
+    """The series that share words with one of the names, as places among them."""
+    return {k for found in _by_words(names, series) for k in found}
+
+
 def _by_words(names: Sequence[str], series: Sequence[Series]) -> list[list[int]]:
     """Those series that share the most words with a name, and with no other name more."""
     exact = [[k for k, each in enumerate(series) if each.place.label == name] for name in names]

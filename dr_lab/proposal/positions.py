@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from dr_lab.proposal.by_name import matches, say_same
+from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.doubts import doubts_of
 from dr_lab.proposal.drives import UNITS, Drive, drives_of
 from dr_lab.proposal.grid import Grid, grid_of, held_of, path_of, wrapped
+from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.search import Found, Options, Readings, search
 from dr_lab.proposal.settings import ProposalSettings
@@ -44,7 +45,7 @@ def find_positions(
     unnamed = [] if len(named) >= len(joints) else _no_velocities([s for s in logs.named("") if s.moves], settings)
     candidates = [*named, *unnamed]
     scalar = bool((model.jnt_type == _HINGE).all() or model.nv == model.njnt == model.nq)
-    allowed = matches(joints, candidates)
+    allowed = joints_may_be(model, joints, candidates)
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)
     asked = [s for s in (*logs.named("drive"), *logs.named("reference"), *unnamed) if s.moves]
     if not (scalar and assignable):

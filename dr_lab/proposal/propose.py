@@ -9,10 +9,12 @@ from dr_lab.physics.compiling import compiled
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.freedom import Entry, free_parameters
+from dr_lab.proposal.lengths import lengths_as_angles
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.overlaps import overlaps
 from dr_lab.proposal.positions import beyond, find_positions
 from dr_lab.proposal.robot import Robot
+from dr_lab.proposal.sensor_parts import find_sensor_parts
 from dr_lab.proposal.sensors import find_sensors
 from dr_lab.proposal.setpoints import counted
 from dr_lab.proposal.settings import ProposalSettings
@@ -68,6 +70,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     if robot.urdf:
         spec.option.timestep, spec.option.integrator = settings.timestep, mujoco.mjtIntegrator.mjINT_RK4
     sensed = find_sensors(spec, logs, settings)
+    sensed = find_sensor_parts(spec, _without(logs, sensed.outputs), sensed, settings)
     found = find_positions(compiled(spec.copy()), _without(logs, sensed.outputs), settings, sensed=bool(sensed.outputs))
     commands = _commands(found, settings)
     added = [_add(spec, command) for command in commands if command.drive.added]
@@ -91,6 +94,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *_of_clock(logs),
             *sensed.doubts,
             *found.doubts,
+            *lengths_as_angles(compiled(spec.copy()), found.outputs),
             *_of_commands(found, commands),
             *_ranges(compiled(spec.copy()), found),
         ),

@@ -54,16 +54,17 @@ def find_sensors(spec: mujoco.MjSpec, logs: Survey, settings: ProposalSettings) 
     found, vectors = Sensed(), find_vectors([each for each in logs.series if each.moves])
     for kind in _SENSORS:
         mine = [vector for vector in vectors if vector.kind == kind]
-        names = _sensors(spec, kind) or (_added(spec, kind, found) if mine else [])
-        for name, vector in _pairs(names, mine, found):
-            unit, why, doubts = _read(vector, vectors, settings)
+        names = sensors_of(spec, kind) or (_added(spec, kind, found) if mine else [])
+        for name, vector in pairs(names, mine, found):
+            unit, why, doubts = read_vector(vector, vectors, settings)
             doubts += _of_inertia(spec, name, kind)
             found.doubts += [f"sensor.{name}: {doubt}." for doubt in doubts]
             found.outputs.append(Output(f"sensor.{name}", vector.parts, unit, 1, 0.0, wrap=False, why=why))
     return found
 
 
-def _sensors(spec: mujoco.MjSpec, kind: VectorKind) -> list[str]:
+def sensors_of(spec: mujoco.MjSpec, kind: VectorKind) -> list[str]:
+    """Names of the model's sensors of a kind."""
     return [sensor.name for sensor in spec.sensors if sensor.type == _SENSORS[kind]]
 
 
@@ -100,7 +101,7 @@ def _added(spec: mujoco.MjSpec, kind: VectorKind, found: Sensed) -> list[str]:
     return names
 
 
-def _pairs(names: Sequence[str], vectors: Sequence[Vector], found: Sensed) -> list[tuple[str, Vector]]:
+def pairs(names: Sequence[str], vectors: Sequence[Vector], found: Sensed) -> list[tuple[str, Vector]]:
     """Sensors with the vectors that they read: the only ones of a kind, or by name."""
     if len(names) == len(vectors) == 1:
         return [(names[0], vectors[0])]
@@ -113,7 +114,7 @@ def _pairs(names: Sequence[str], vectors: Sequence[Vector], found: Sensed) -> li
     return pairs
 
 
-def _read(vector: Vector, vectors: Sequence[Vector], settings: ProposalSettings) -> tuple[str, str, list[str]]:
+def read_vector(vector: Vector, vectors: Sequence[Vector], settings: ProposalSettings) -> tuple[str, str, list[str]]:
     """Unit of a vector's numbers, what speaks for the vector, and what is unsure about it."""
     said, usual = vector.unit, _SI[vector.kind]
     orientations = [each for each in vectors if each.kind == "orientation"]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from dr_lab.proposal.by_name import matches
+from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.survey import Series
 
 _LOOKED_AT = 50  # places of the machine at which its weight is looked at
@@ -27,7 +27,7 @@ def shared_out(
         series: candidates; the result holds their places.
     """
     claims: dict[int, list[str]] = defaultdict(list)
-    for joint, places in zip(joints, matches(joints, series), strict=True):
+    for joint, places in zip(joints, joints_may_be(model, joints, series), strict=True):
         if len(places) == 1:
             claims[places[0]].append(joint)
     found, doubts = dict[str, int](), list[str]()

@@ -38,11 +38,13 @@ class Vector:
     Attributes:
         kind: what it is of a body: its position, its orientation as a quaternion, its angular rate or what an
             accelerometer reads.
-        parts: x, y, z, or w, x, y, z.
+        parts: x, y, z, or w, x, y, z, or some of the first three.
+        axes: of the parts, one letter each.
     """
 
     kind: VectorKind
     parts: tuple[Series, ...]
+    axes: str
 
     @property
     def unit(self) -> str:
@@ -59,28 +61,47 @@ class Vector:
 
 def find_vectors(series: Sequence[Series]) -> list[Vector]:
     """All vectors among some series: names that differ in an axis alone, such as ``gx``, ``pose.position.x``."""
+    found = []
+    for key, parts in _groups(series).items():
+        axes = "wxyz" if {*parts} == {*"wxyz"} else "xyz"
+        if {*axes} <= {*parts}:
+            vector = tuple(parts[axis] for axis in axes)
+            kind = _orientation(vector) if axes == "wxyz" else _kind_of(key, vector)
+            found += [Vector(kind, vector, axes)] if kind else []
+    return found
+
+
+def find_parts(series: Sequence[Series]) -> list[Vector]:
+    """One or two axes of vectors, whose others nobody logged: ``x`` and ``y`` of what a camera sees."""
+    found = []
+    for key, parts in _groups(series).items():
+        axes = "".join(sorted(parts))
+        if len(axes) < 3 and "w" not in axes:
+            vector = tuple(parts[axis] for axis in axes)
+            kind = _kind_of(key, vector)
+            found += [Vector(kind, vector, axes)] if kind else []
+    return found
+
+
+def _groups(series: Sequence[Series]) -> dict[tuple[str, ...], dict[str, Series]]:
+    """Series by axis, by their topic and what their names have in common."""
     groups: dict[tuple[str, ...], dict[str, Series]] = defaultdict(dict)
     for each in series:
         words = tokens(each.place.path)
         for k, word in enumerate(words):
             if (axis := _AXIS.fullmatch(word)) and not each.words.asked:
                 groups[each.place.topic, *words[:k], axis[1], "*", *words[k + 1 :]].setdefault(axis[2], each)
-    found = []
-    for key, parts in groups.items():
-        axes = "wxyz" if {*parts} == {*"wxyz"} else "xyz"
-        if {*axes} <= {*parts}:
-            vector = tuple(parts[axis] for axis in axes)
-            kind = (
-                _orientation(vector) if axes == "wxyz" else _kind({*key[1:]}, {*tokens(key[0])}, vector[0].words.unit)
-            )
-            found += [Vector(kind, vector)] if kind else []
-    return found
+    return groups
+
+
+def _kind_of(key: tuple[str, ...], parts: Sequence[Series]) -> VectorKind | Literal[""]:
+    return _kind({*key[1:]}, {*tokens(key[0])}, parts[0].words.unit)
 
 
 def _orientation(parts: Sequence[Series]) -> Literal["orientation", ""]:
     """Quaternions have the norm 1."""
     norms = np.concatenate(
-        [np.linalg.norm(Vector("orientation", (*parts,)).log(k)[1], axis=1) for k in range(_logs(parts))]
+        [np.linalg.norm(Vector("orientation", (*parts,), "wxyz").log(k)[1], axis=1) for k in range(_logs(parts))]
     )
     low, high = np.quantile(norms, (0.25, 0.75))
     return "orientation" if max(abs(low - 1.0), abs(high - 1.0)) < _UNIT_NORM else ""
