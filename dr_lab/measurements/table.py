@@ -10,7 +10,7 @@ import pyarrow.compute as pc
 from dr_lab.errors import DataError, UnknownNameError
 from dr_lab.measurements.samples import Samples, Stamps, combine
 from dr_lab.measurements.signal_map import ChannelMap
-from dr_lab.measurements.table_file import Rows, load
+from dr_lab.measurements.table_file import Rows, load, missing_header
 from dr_lab.measurements.units import Unit, unit
 from dr_lab.trajectory import Array, Note
 
@@ -140,7 +140,8 @@ def _column(table: pa.Table, name: str, path: Path) -> pa.ChunkedArray:
         if entry and entry["column"] in table.column_names:
             return _entry(_column(table, entry["column"], path), entry["column"], int(entry["index"]), path)
         alone = " (one column: neither commas nor semicolons nor tabs in its header)" if table.num_columns == 1 else ""
-        raise UnknownNameError("column", name, table.column_names, f"{path.name}{alone}")
+        bare = missing_header(table.column_names)
+        raise UnknownNameError("column", name, table.column_names, f"{path.name}{f' ({bare})' if bare else alone}")
     if (count := table.column_names.count(name)) > 1:
         raise DataError(f"{path} has {count} columns {name!r}. Give each column a name of its own.")
     return table.column(name)

@@ -1,6 +1,7 @@
 """Tables as they lie on the disk: which format, which separator, and whether the last row is whole."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from dr_lab.trajectory import Note
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # A number that may have a decimal comma, and one whose commas may be thousands separators instead.
 _COMMA, _THOUSANDS = r"^\s*[-+]?(\d+|\d*,\d+|\d+,)([eE][-+]?\d+)?\s*$", r"^\s*[-+]?([1-9]\d{0,2}(,\d{3})+|\d+)\s*$"
+_NUMBER = re.compile(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?")
 _LOOK = 65536  # bytes from either end of a file that are looked at before it is read
 
 
@@ -57,6 +59,16 @@ def load(path: Path) -> Rows:
     if rows.table.num_rows == 0:
         raise DataError(f"{path} holds no rows. Record it again, or leave it out of logs.")
     return Rows(rows.table.rename_columns(names), rows.notes)
+
+
+def missing_header(names: Sequence[str]) -> str:
+    """What to do about names of columns that are all numbers, as messages say it; empty where one is none."""
+    if not names or not all(_NUMBER.fullmatch(name) for name in names):
+        return ""
+    return (
+        "the first line, which names the columns, seems to be missing, as it holds nothing but numbers; put a line of "
+        "names before it, such as time,angle"
+    )
 
 
 def _csv(path: Path) -> Rows:

@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.raw_log import TimeAxis
-from dr_lab.measurements.table_file import load
+from dr_lab.measurements.table_file import load, missing_header
 from dr_lab.proposal.words import tokens
 
 _CLOCK_WORDS = ("t", "time", "timestamp", "stamp", "clock", "sec", "seconds", "secs", "ts", "elapsed")
@@ -41,11 +41,14 @@ def find_clock(path: Path) -> Clock:
         path: a table.
 
     Raises:
-        DataError: no column is a clock; the message says what to add.
+        DataError: no column is a clock, or none has a name; the message says what to add.
     """
     table = load(path).table
-    rising = {name: values for name in table.column_names if (values := _rising(table.column(name))) is not None}
+    columns = zip(table.column_names, table.columns, strict=True)
+    rising = {name: values for name, column in columns if (values := _rising(column)) is not None}
     named = [name for name in rising if set(tokens(name)) & {*_CLOCK_WORDS, *_SAID}]
+    if bare := missing_header(table.column_names):
+        raise DataError(f"{path.name}: {bare}. The line is {', '.join(table.column_names)}.")
     if not named:
         other = f" Columns that rise, but are not called time: {', '.join(rising)}." if rising else ""
         raise DataError(

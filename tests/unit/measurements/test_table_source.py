@@ -86,6 +86,18 @@ def test_missing_column_lists_those_there_are(csv: Path) -> None:
         column(csv, "q1", "time", "s")
 
 
+@pytest.mark.parametrize(
+    ("text", "told"), [("-10.00,-0.0003\n-9.99,1\n", True), ("0,0\n1,1\n", True), ("t2,3\n1,1\n", False)]
+)
+def test_a_header_that_is_missing_is_told(text: str, told: bool, tmp_path: Path) -> None:
+    """Its place is taken by the first row, whose numbers pass for names."""
+    (tmp_path / "log.csv").write_text(text)
+    with pytest.raises(UnknownNameError) as raised:
+        column(tmp_path / "log.csv", "angle", "time", "s")
+    assert ("names the columns, seems to be missing" in str(raised.value)) == told
+    assert ("put a line of names before it, such as time,angle" in str(raised.value)) == told
+
+
 def test_text_is_no_number(csv: Path) -> None:
     with pytest.raises(DataError, match=r"column 'name' holds string \(e\.g\. 'a'\), not numbers"):
         column(csv, "name")

@@ -177,6 +177,13 @@ def test_a_table_without_a_clock(here: Path) -> None:
         find_clock(here / "a.csv")
 
 
+def test_a_table_without_a_header(here: Path) -> None:
+    """The first row begins with two equal numbers, which no two columns are called."""
+    (here / "a.csv").write_text("\n".join(f"{0.01 * k:.2f},{0.01 * (k % 7):.2f}" for k in range(100)))
+    with pytest.raises(DataError, match=r"a.csv: the first line, .*seems to be missing.*The line is 0\.00, 0\.00\."):
+        find_clock(here / "a.csv")
+
+
 @pytest.mark.parametrize(
     ("topic", "path", "label", "kind", "unit"),
     [
