@@ -26,7 +26,7 @@ def without_held(split: Split, faults: Sequence[Fault], logs: Sequence[str]) -> 
         split,
         fit=tuple(rest.get(name, name) for name in fit),
         held_out=tuple(rest.get(name, name) for name in split.held_out),
-        left_out={**split.left_out, **why},
+        shortened=why,
     )
 
 

@@ -94,7 +94,7 @@ def _comments(prefix: str, sentences: Sequence[str]) -> list[str]:
 
 
 def _left_out(split: Split) -> Iterator[str]:
-    for name, why in split.left_out.items():
+    for name, why in {**split.left_out, **split.shortened}.items():
         yield from textwrap.wrap(f"Left out: {name}. {why}", _WIDTH, initial_indent="# ", subsequent_indent="#   ")
 
 

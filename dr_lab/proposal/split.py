@@ -1,7 +1,7 @@
 """Which logs are fitted and which are held out; and those that cannot be used."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from dr_lab.measurements.log_file import kind
@@ -17,12 +17,28 @@ class Split:
         fit: names; None takes all that are not held out.
         held_out: names.
         left_out: why, by the name of a log.
+        cut: s from the start of the only log that can be used, from which it is held out; None where whole logs are.
+        shortened: what is taken of a log and why no more, by the name that it had.
     """
 
     files: tuple[str, ...]
     fit: tuple[str, ...] | None
     held_out: tuple[str, ...]
     left_out: Mapping[str, str]
+    cut: float | None = None
+    shortened: Mapping[str, str] = field(default_factory=dict)
+
+    def said(self, logs: int) -> str:
+        """How so many logs are used, in a few words."""
+        parts = [f"{logs} log{'s' * (logs != 1)}"]
+        if self.left_out:
+            parts.append(f"{len(self.left_out)} left out")
+        if self.cut is None:
+            parts.append(f"{len(self.held_out)} held out")
+        else:
+            which = "of the other the" if self.left_out else "its"
+            parts.append(f"{which} first {self.cut:g} s fitted and the rest held out")
+        return ", ".join(parts)
 
 
 def split_logs(proposal: Proposal, left_out: Mapping[str, str], share: float) -> Split:
@@ -39,7 +55,7 @@ def split_logs(proposal: Proposal, left_out: Mapping[str, str], share: float) ->
     if len(logs) == 1:
         time = proposal.outputs[0].parts[0].signals[0].time
         cut = f"{time[0] + (1 - share) * (time[-1] - time[0]):.3g}"
-        return Split(files, (f"{logs[0]}[:{cut}]",), (f"{logs[0]}[{cut}:]",), left_out)
+        return Split(files, (f"{logs[0]}[:{cut}]",), (f"{logs[0]}[{cut}:]",), left_out, float(cut))
     every = max(round(1 / share), 2)
     held = tuple(logs[every - 1 :: every]) or (logs[-1],)
     fit = tuple(name for name in named if name not in held) if named else None

@@ -92,7 +92,7 @@ def _tell(found: Proposal, split: Split, folder: Folder) -> None:
     rows += [(c.drive.name, str(c.series.place), c.unit, c.sign, c.why) for c in found.commands]
     widths = [max(len(str(row[k])) for row in rows) for k in range(3)]
     free = len(found.model.declared)
-    count = f"{len(found.logs.logs)} logs, {len(split.held_out)} held out, {free} free parameter{'s' * (free != 1)}"
+    count = f"{split.said(len(found.logs.logs))}, {free} free parameter{'s' * (free != 1)}"
     print(f"{name}: {count}\n")
     for channel, place, unit, sign, why in rows:
         turned = "−" if sign < 0 else " "
@@ -112,4 +112,4 @@ def _few(names: Sequence[str]) -> list[str]:
 
 
 def _reasons(split: Split) -> list[str]:
-    return [f"{name}: {why}" for name, why in split.left_out.items()]
+    return [f"{name}: {why}" for name, why in {**split.left_out, **split.shortened}.items()]

@@ -29,7 +29,7 @@ def test_a_log_that_is_split_begins_behind_the_hand() -> None:
     split = Split(("a.csv",), ("a[:4]",), ("a[4:]",), {})
     found = without_held(split, [held("a[:4]", "a[0.8:4]")], ["a"])
     assert (found.fit, found.held_out) == (("a[0.8:4]",), ("a[4:]",))
-    assert found.left_out == {"a[:4]": "a[0.8:4] of it is taken. hinge rests."}
+    assert found.shortened == {"a[:4]": "a[0.8:4] of it is taken. hinge rests."}
 
 
 def test_whole_logs_are_named_where_one_of_them_is_cut() -> None:

@@ -19,6 +19,7 @@ from dr_lab.__main__ import main
 from dr_lab.errors import DataError, ModelError
 from dr_lab.measurements.inventory import columns_of
 from dr_lab.proposal.robot import read_robot
+from dr_lab.proposal.split import Split
 from dr_lab.proposal.time_column import find_clock
 from dr_lab.proposal.words import read_name
 
@@ -59,13 +60,31 @@ def test_a_lerobot_data_set(here: Path) -> None:
     assert found["commands"]["elbow"] == {"column": "action[0]", "unit": "N·m"}
 
 
-def test_compressed_tables_and_a_single_log(here: Path) -> None:
+def test_compressed_tables_and_a_single_log(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (path,) = plain_logs(here / "logs", 1)
     packed = path.with_suffix(".csv.gz")
     packed.write_bytes(gzip.compress(path.read_bytes()))
     assert main(["init", "two.xml", str(packed)]) == 0
     found = measurements()
     assert (found["fit"], found["held_out"]) == (["log_0[:3.96]"], ["log_0[3.96:]"])
+    assert "two: 1 log, its first 3.96 s fitted and the rest held out, " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("logs", "split", "said"),
+    [
+        (3, Split((), None, ("c",), {}), "3 logs, 1 held out"),
+        (3, Split((), ("a",), ("b",), {"c": "short"}), "3 logs, 1 left out, 1 held out"),
+        (1, Split((), ("a[:4]",), ("a[4:]",), {}, 4.0), "1 log, its first 4 s fitted and the rest held out"),
+        (
+            2,
+            Split((), ("a[:4]",), ("a[4:]",), {"b": "short"}, 4.0),
+            "2 logs, 1 left out, of the other the first 4 s fitted and the rest held out",
+        ),
+    ],
+)
+def test_how_logs_are_used_in_a_few_words(logs: int, split: Split, said: str) -> None:
+    assert split.said(logs) == said
 
 
 @pytest.mark.slow
