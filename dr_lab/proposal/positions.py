@@ -54,13 +54,9 @@ def find_positions(
     force, biased = per_control(model)
     drives = drives_of(model, force)
     trial = _trial(model, grid, candidates, asked, drives, settings, biased=biased)
-    options = [
-        Options(tuple(each), _units(model, j, [candidates[k] for k in each]), bool(model.jnt_type[j] == _HINGE))
-        for j, each in enumerate(allowed)
-    ]
     found = search(
         trial,
-        options,
+        _options(model, allowed, candidates),
         lambda readings, outcome: _cost(outcome, drives, asked, settings) + len(beyond(model, trial, readings)),
         lambda readings: shown_by_weight(trial, readings, settings),
         settings,
@@ -70,6 +66,14 @@ def find_positions(
     sole = len(joints) == len(candidates) == 1
     doubts = doubts_of(joints, found, candidates, settings, certain=by_words or sole)
     return Positions(outputs, found, trial, tuple(asked), drives, tuple(doubts))
+
+
+def _options(model: mujoco.MjModel, allowed: Sequence[Sequence[int]], candidates: Sequence[Series]) -> list[Options]:
+    """What each joint's position may be."""
+    return [
+        Options(tuple(each), _units(model, j, [candidates[k] for k in each]), bool(model.jnt_type[j] == _HINGE))
+        for j, each in enumerate(allowed)
+    ]
 
 
 def unhindered(model: mujoco.MjModel) -> mujoco.MjModel:
