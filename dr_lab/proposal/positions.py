@@ -45,7 +45,7 @@ def find_positions(
     unnamed = [] if len(named) >= len(joints) else _no_velocities([s for s in logs.named("") if s.moves], settings)
     candidates = [*named, *unnamed]
     scalar = bool((model.jnt_type == _HINGE).all() or model.nv == model.njnt == model.nq)
-    allowed = joints_may_be(model, joints, candidates)
+    allowed, by_words = joints_may_be(model, joints, candidates), say_same(joints, candidates)
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)
     asked = [s for s in (*logs.named("drive"), *logs.named("reference"), *unnamed) if s.moves]
     if not (scalar and assignable):
@@ -61,10 +61,9 @@ def find_positions(
         lambda readings: shown_by_weight(trial, readings, settings),
         settings,
     )
-    by_words = say_same(joints, candidates)
     outputs = tuple(_position(model, j, found, candidates, by_words=by_words) for j in range(len(joints)))
-    sole = len(joints) == len(candidates) == 1
-    doubts = doubts_of(joints, found, candidates, settings, certain=by_words or sole)
+    certain = by_words or len(joints) == len(candidates) == 1
+    doubts = doubts_of(joints, found, candidates, settings, certain=certain)
     return Positions(outputs, found, trial, tuple(asked), drives, tuple(doubts))
 
 
