@@ -105,3 +105,13 @@ def test_what_others_are_compared_with_ends_where_exact_slopes_lead() -> None:
     exact = Fitter(replay, bench.solver).run(end.z, end.delta, iterations=0).slopes
     for found, known in ((end.slopes.state, exact.state), (end.slopes.parameter, exact.parameter)):
         assert np.linalg.norm(found - known) < 1e-3 * np.linalg.norm(known)
+
+
+def test_candidates_that_go_no_farther_keep_no_slopes() -> None:
+    bench, base = bench_of(screen_seconds=1.0, screen_windows=3)
+    ranking = rank(bench, base, placed_of(("constant_offset", "viscous_friction", "actuator_delay")), lambda _: None)
+    kept = {c.effect.effect.name: len(c.fitted_model.fit.slopes.state) for c in ranking.candidates}
+    final = {c.effect.effect.name for c in ranking.candidates if c.final}
+    assert final == {"constant_offset"}
+    assert {name for name, windows in kept.items() if windows} == final
+    assert kept["constant_offset"] == len(bench.fit)
