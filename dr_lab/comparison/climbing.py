@@ -109,7 +109,9 @@ def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: Climb
     ladder = as_far_as_it_predicts(study, ladder)
     ladder = ladder.ended(study.bench) if study.model.inertials else ladder
     found = confirm(study.bench, study.predicted, ladder.base, ladder.models[-1], study.fits)
-    return ladder.confirmed_by(found, study.bench.evidence)
+    confirmed = ladder.confirmed_by(found, study.bench.evidence)
+    lost = study.model.inertials and len(confirmed.steps) < len(ladder.steps)
+    return confirmed.ended(study.bench) if lost else confirmed
 
 
 def _explained(study: Study, ladder: Ladder) -> bool:

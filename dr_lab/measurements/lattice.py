@@ -17,6 +17,8 @@ _MOST = 50_000
 _SINGLE = 0.95
 # … and its speed changes by a step in fewer than this share of them. The rounding of a moving signal alternates.
 _BENT = 0.2
+# A change of none or of two steps between single ones is what a lattice makes; more than chance makes so many.
+_ISOLATED = 3
 
 
 def lattice_step(value: Array) -> float | None:
@@ -52,12 +54,16 @@ def lattice_step(value: Array) -> float | None:
 def _uniform_motion(samples: Array, step: float) -> bool:
     """Whether the step is the way of a uniform motion from sample to sample.
 
-    On a lattice the changes from sample to sample are 0, 1, 2 … steps by turns, as the motion asks for. A motion that
-    makes a lattice of its own samples goes on by one step each time, or stands still.
+    On a lattice the changes from sample to sample are 0, 1, 2 … steps by turns, as the motion asks for; near one step a
+    sample few of them are none or two, each between single ones. A motion that makes a lattice of its own samples goes
+    on by one step each time, or stands still.
     """
     changes = np.rint(np.diff(samples) / step)
     moved = changes != 0
     if not moved.any() or (np.abs(changes[moved]) == 1).mean() < _SINGLE:
+        return False
+    same = (np.abs(changes[:-2]) == 1) & (changes[:-2] == changes[2:])
+    if (same & (changes[1:-1] != changes[:-2])).sum() >= _ISOLATED:
         return False
     bent = np.diff(changes) != 0
     return bool(bent.sum() < _BENT * moved.sum())

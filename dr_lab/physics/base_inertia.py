@@ -11,7 +11,7 @@ from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
 
 _ENTRIES = np.triu_indices(4)  # of a pseudo-inertia
-_MORE = 2  # times as many equations as there are numbers
+_MOTIONS = 20  # twice as many as a body has numbers: a single joint may be all that feels it
 _ROUNDING = 1e-9  # share of the combination that is felt most
 _STEP = 1e-6  # widths of the bounds
 _SEED = 0
@@ -39,7 +39,8 @@ def base_directions(model: Model, z: Array) -> Array | None:
     Returns:
         Orthonormal directions in widths of the bounds, shape (k, 10 bodies), by body in the order of
         `Model.inertials`; None where no body is free, or where more than the motion depends on inertia: fluids,
-        gravity compensation, sensors of forces or of centres of mass, effects that edit a body.
+        gravity compensation, equality constraints (MuJoCo softens them by the bodies' inertia), sensors of forces or of
+        centres of mass, effects that edit a body. Of contacts the same is true, which the caller knows.
     """
     bodies = model.inertials
     if not bodies or (model.effects and not model.bodies_apart):
@@ -56,15 +57,15 @@ def _feels_inertia_otherwise(compiled: mujoco.MjModel) -> bool:
     fluid = compiled.opt.density > 0 or compiled.opt.viscosity > 0
     objects = np.append(compiled.sensor_objtype, compiled.sensor_reftype)
     frames = (objects == int(mujoco.mjtObj.mjOBJ_BODY)).any()  # of a body's inertia
-    return bool(fluid or compiled.ngravcomp or frames or np.isin(compiled.sensor_type, _TELL_INERTIA).any())
+    told = np.isin(compiled.sensor_type, _TELL_INERTIA).any()
+    return bool(fluid or compiled.neq or compiled.ngravcomp or frames or told)
 
 
 def _felt(compiled: mujoco.MjModel, bodies: Sequence[int]) -> Array:
     """Orthonormal combinations of the entries of the bodies' pseudo-inertias that the joints feel, (k, 10 bodies)."""
     data, rng = mujoco.MjData(compiled), np.random.default_rng(_SEED)
-    motions = -(-_MORE * len(_ENTRIES[0]) * len(bodies) // compiled.nv)
     felt = list[Array]()
-    for position, velocity, acceleration in rng.normal(size=(motions, 3, compiled.nv)):
+    for position, velocity, acceleration in rng.normal(size=(_MOTIONS, 3, compiled.nv)):
         data.qpos[:], data.qvel[:], data.qacc[:] = compiled.qpos0, velocity, acceleration
         mujoco.mj_integratePos(compiled, data.qpos, position, np.pi)
         mujoco.mj_kinematics(compiled, data)

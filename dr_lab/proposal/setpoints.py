@@ -25,9 +25,9 @@ def counted(command: Command, found: Found, output: Output) -> Command:
         unit, why = command.series.words.unit or output.unit, f"{command.why}, read as the angle is"
         command = replace(command, sign=output.sign, unit=unit, why=why)
     offset, seen = found.readings[command.drive.dof].offset, given.constant / stiffness
-    if not offset or abs(seen - offset) > abs(seen):
+    factor = UNITS["m" if command.drive.unit in ("m", "N") else "rad"].get(command.unit)
+    if factor is None or not offset or abs(seen - offset) > abs(seen):  # a unit of another kind has another zero
         return command
-    factor = UNITS["m" if command.drive.unit in ("m", "N") else "rad"][command.unit]
     return replace(command, offset=offset / factor, why=f"{command.why}; offset as the angle's")
 
 

@@ -6,7 +6,7 @@ from math import isnan
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, certain, paired_gain
+from dr_lab.diagnosis.evidence.paired_gain import Gain, certain, largest_gap, paired_gain
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit
@@ -43,8 +43,9 @@ class Confirmation:
         predicted: on windows whose start is known from earlier samples alone; two thirds of these have dropped what did
             not predict better than the models below.
         predicted_worse: whether the calibrated model predicts windows, from starts that only earlier samples tell,
-            better than the last one beyond doubt, and the last one leaves more than noise there. What was added then
-            bends the fitted starts, not the motion. The threshold that guards a choice among many is not asked for.
+            better than the last one beyond doubt and by no trifle, and the last one leaves more than noise there. What
+            was added then bends the fitted starts, not the motion. The threshold that guards a choice among many is not
+            asked for.
     """
 
     apart: Comparison | None
@@ -89,7 +90,8 @@ def confirm(bench: Bench, predicted: Windows, base: FittedModel, last: FittedMod
     apart = None if bench.confirms is None else _compared(bench, bench.confirms, base, last, fits)
     known = _compared(bench, predicted, base, last, fits)
     back = paired_gain(known.after, known.before, bench.evidence)
-    return Confirmation(apart, known, certain(back, bench.evidence) and not at_floor(known.after, bench.evidence))
+    sure = certain(back, bench.evidence) and largest_gap(back) >= bench.evidence.least_gap
+    return Confirmation(apart, known, sure and not at_floor(known.after, bench.evidence))
 
 
 def _compared(bench: Bench, windows: Windows, first: FittedModel, second: FittedModel, fits: Fits) -> Comparison:

@@ -58,13 +58,16 @@ def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettin
         The faults, log by log; none where nothing can be tested.
     """
     compiled, logs = model.nominal(), (*measured.fit, *measured.held_out)
-    if untestable(compiled, measured):
+    silent = compiled.nactuator and not any(log.commands for log in logs)  # what moves the machine is not known
+    if silent or untestable(compiled, measured):
         return ()
     forces = Forces.of(compiled, logs, smoothed_motion(compiled, measured, logs, settings.equation), settings)
     driven = [(fit, fault) for fit in forces.drives() for fault in _faults(fit, settings)]
     told = {(fit.log.name, fit.joint) for fit, _ in driven}  # commands that do nothing look like a hand against them
     sound = (fit for fit in forces.undriven() if (fit.log.name, fit.joint) not in told)
-    held = (_held(fit, span, settings) for fit in sound for span in held_spans(fit, settings))
+    held = (
+        _held(fit, span, settings) for fit in sound for span in held_spans(fit, forces.friction(fit.joint), settings)
+    )
     return (*(fault for _, fault in driven), *held)
 
 

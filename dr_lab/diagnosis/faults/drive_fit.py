@@ -15,6 +15,7 @@ from dr_lab.diagnosis.windows.commands import actuator_columns
 from dr_lab.trajectory import Array, Log
 
 _FRICTION = 1  # column of dry friction among what may explain the rest
+_AT_JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
 
 
 @dataclass(frozen=True)
@@ -144,9 +145,26 @@ class Forces:
         return [each for each in found if each is not None]
 
     def undriven(self) -> list[DriveFit]:
-        """The same of every joint without a drive, whose actuators are all among what may explain the rest."""
-        pairs = [(k, dof) for k in range(len(self.logs)) for dof in range(self.model.nv)]
+        """The same of joints without a drive, whose actuators are all among what may explain the rest.
+
+        A joint is left out where an actuator may hold it whose commands are not logged.
+        """
+        pairs = [(k, dof) for k in range(len(self.logs)) for dof in range(self.model.nv) if not self._unlogged(k, dof)]
         return [self._fit(k, dof, None) for k, dof in pairs if self._rows(k).sum() >= self.settings.fewest]
+
+    def friction(self, joint: str) -> float:
+        """Dry friction that the model has at a joint, N·m or N; that of all tendons counts."""
+        own = self.model.dof_frictionloss[self.model.joint(joint).dofadr[0]]
+        return float(own + self.model.tendon_frictionloss.sum())
+
+    def _unlogged(self, k: int, dof: int) -> bool:
+        """Whether an actuator of a degree of freedom, or of a tendon or a body, has no commands in the k-th log."""
+        silent = [i for i in range(self.model.nactuator) if self.model.actuator(i).name not in self.logs[k].commands]
+        return any(
+            int(self.model.actuator_trntype[i]) != _AT_JOINT
+            or int(self.model.jnt_dofadr[self.model.actuator_trnid[i, 0]]) == dof
+            for i in silent
+        )
 
     @property
     def _commanded(self) -> Mapping[str, int]:

@@ -203,8 +203,10 @@ def _by_log(motion: Motion) -> list[Mask]:
 
 def _actuator_forces(model: mujoco.MjModel, motion: Motion, controls: Array) -> Array:
     """Generalised force of each actuator, shape (n, actuators, nv); activations begin every log at rest."""
-    model = _undelayed(model)
-    data, forces = mujoco.MjData(model), np.zeros((len(motion), model.nactuator, model.nv))
+    model, forces = _undelayed(model), np.zeros((len(motion), model.nactuator, model.nv))
+    if not model.nactuator:
+        return forces
+    data = mujoco.MjData(model)
     moment = np.zeros((model.nactuator, model.nv))
     substeps = int(np.ceil(motion.step / model.opt.timestep)) if model.na else 0
     first = np.diff(motion.log, prepend=-1) != 0

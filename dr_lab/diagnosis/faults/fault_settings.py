@@ -28,6 +28,7 @@ class FaultSettings:
         coarse: commands that come more rarely than this many steps of the equation's grid are tested for missing ones.
         straight: commands that go straight from sample to sample must leave at most this share of the squares of held
             ones for some to be missing.
+        held_margin: what holds a joint exceeds what the motion elsewhere leaves by this many standard deviations.
         shortest_held: s, shortest rest at a log's end in which a joint can be seen to be held.
         resting: speed as a share of the log's below which a joint counts as at rest in a span.
         breakaway: friction holds a joint at rest against this many times the friction of its motion.
@@ -57,6 +58,7 @@ class FaultSettings:
     idle_contrast: Annotated[float, at_least(1.0)]
     coarse: Positive
     straight: Positive
+    held_margin: Positive
     shortest_held: Positive
     resting: NotNegative
     breakaway: Annotated[float, at_least(1.0)]

@@ -57,8 +57,12 @@ def parts_outside(log: str, begin: float | None, end: float | None) -> str:
 
 
 def common_stretch(names: Sequence[str]) -> str:
-    """The stretch that stretches of one log have in common, e.g. ``log[0.8:3]`` of ``log[0.8:]`` and ``log[:3]``."""
+    """The stretch that stretches of one log have in common, e.g. ``log[0.8:3]`` of ``log[0.8:]`` and ``log[:3]``.
+
+    Empty where they have none.
+    """
     found = [match for name in names if (match := _STRETCH.fullmatch(name))]
     start = max((match["start"] for match in found if match["start"]), key=float, default="")
     stop = min((match["stop"] for match in found if match["stop"]), key=float, default="")
-    return f"{found[0]['log']}[{start}:{stop}]"
+    none = start and stop and float(start) >= float(stop)
+    return "" if none else f"{found[0]['log']}[{start}:{stop}]"

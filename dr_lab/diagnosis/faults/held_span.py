@@ -9,8 +9,8 @@ from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.faults.smoothed_motion import Mask
 
 _FRICTION = 1  # column of dry friction among what may explain a need
-_MARGIN = 3.0  # standard deviations of what the motion leaves elsewhere
 _APART = 2  # test functions that reach into one of the span
+_NEXT = 1.5  # times the usual step between two of them, where none is left out
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class HeldSpan:
     Attributes:
         rows: their places, from the first or to the last one.
         force: what would move the joint by the model, N·m or N.
-        friction: dry friction of its motion elsewhere.
+        friction: dry friction of its motion elsewhere, the model's included.
     """
 
     rows: slice
@@ -28,33 +28,42 @@ class HeldSpan:
     friction: float
 
 
-def held_spans(fit: DriveFit, settings: FaultSettings) -> list[HeldSpan]:
+def held_spans(fit: DriveFit, known: float, settings: FaultSettings) -> list[HeldSpan]:
     """The spans at a log's ends in which the joint rests against a force that friction cannot hold.
 
     What rests needs no inertia, and what it needs beside the actuators' force the joint itself must hold. Gravity,
     inertia and friction of the model are fitted, within what a nominal model may be wrong, to the motion elsewhere.
-    A joint is held where `settings.breakaway` times that friction, and three standard deviations of what the motion
-    leaves, are less than what is needed.
+    A joint is held where `settings.breakaway` times that friction, and `settings.held_margin` standard deviations of
+    what the motion leaves, are less than what is needed.
 
     Args:
         fit: of the joint, without a drive.
+        known: dry friction that the model has there, N·m or N; what the motion needs is beside it.
         settings: thresholds.
     """
     still = np.abs(fit.speed) <= settings.resting
-    spans = [span for span in (_leading(still), _trailing(still)) if span is not None]
-    return [found for span in spans if (found := _held(fit, still, span, settings)) is not None]
+    spans = [span for span in (_leading(still), _trailing(still)) if span is not None and _at_an_end(fit, span)]
+    return [found for span in spans if (found := _held(fit, known, still, span, settings)) is not None]
 
 
-def _held(fit: DriveFit, still: Mask, span: slice, settings: FaultSettings) -> HeldSpan | None:
+def _at_an_end(fit: DriveFit, span: slice) -> bool:
+    """Whether a span reaches to an end of the log without a gap."""
+    hop = float(np.median(np.diff(fit.time)))
+    first, last = float(fit.index[span.start, 0]), float(len(fit.force) - 1 - fit.index[span.stop - 1, -1])
+    ends = min(first, last) * fit.step <= _NEXT * hop
+    return ends and bool((np.diff(fit.time[span]) <= _NEXT * hop).all())
+
+
+def _held(fit: DriveFit, known: float, still: Mask, span: slice, settings: FaultSettings) -> HeldSpan | None:
     moving = ~still
     moving[max(span.start - _APART, 0) : span.stop + _APART] = False
     if fit.time[span][-1] - fit.time[span][0] < settings.shortest_held or moving.sum() < settings.fewest:
         return None
     found = fit.gain(0.0, 0.0, moving)
     unexplained = abs(float(np.median(found.rest[span])))
-    friction = found.friction * float(np.abs(fit.others[moving, _FRICTION]).max())
+    friction = known + found.friction * float(np.abs(fit.others[moving, _FRICTION]).max())
     left = np.sqrt(found.left / moving.sum())
-    if unexplained <= settings.breakaway * friction + _MARGIN * left:
+    if unexplained <= settings.breakaway * friction + settings.held_margin * left:
         return None
     return HeldSpan(span, abs(float(np.median(fit.need[span]))), friction)
 

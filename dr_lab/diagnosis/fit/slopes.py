@@ -150,21 +150,20 @@ class _Moved:
         z: contexts, shape (k, n).
         delta: states, shape (k, w, nstate).
         steps: sizes of the moves, shape (k,).
-        told: unit moves of the unknowns that are asked for, orthonormal, shape (k, unknowns).
+        told: moves of the unknowns that are asked for, orthonormal, shape (k, unknowns); None where each is of one.
     """
 
     z: Array
     delta: Array
     steps: Array
-    told: Array
+    told: Array | None
 
     def columns(self, moved: Array, here: Array, infeasible: Mask) -> Array:
         """Slopes (w, m, unknowns) from residuals after each move (k, w, m) and before (w, m)."""
         slopes = (moved - here) / self.steps[:, None, None]
         slopes[infeasible] = 0.0
         slopes = slopes.transpose(1, 2, 0)
-        plain = self.told.shape[0] == self.told.shape[1]  # then each move is of one unknown
-        return slopes if plain else slopes @ self.told
+        return slopes if self.told is None else slopes @ self.told
 
 
 def _moved(replay: Replay, settings: SolverSettings, point: Point, states: bool, columns: NDArray[np.intp]) -> _Moved:
@@ -174,33 +173,43 @@ def _moved(replay: Replay, settings: SolverSettings, point: Point, states: bool,
     wider = _widened(replay, settings)
     state_steps = settings.state_step * wider * replay.windows.prior.std if states else np.zeros(0)
     ways = _ways(replay, point, columns)
-    unit_steps = np.where(ways @ unit[columns] > 0.5 * ways.sum(1), -1.0, 1.0) * settings.parameter_step * wider
+    moves = np.eye(len(columns)) if ways is None else ways
+    unit_steps = np.where(moves @ unit[columns] > 0.5 * moves.sum(1), -1.0, 1.0) * settings.parameter_step * wider
     steps, first = np.concatenate([state_steps, unit_steps]), len(state_steps)
     units, deltas = np.tile(unit, (len(steps), 1)), np.tile(point.delta, (len(steps), 1, 1))
     for i, step in enumerate(state_steps):
         deltas[i, :, i] += step
-    units[first:, columns] += unit_steps[:, None] * ways
-    told = np.zeros((len(steps), first + len(columns)))
-    told[:first, :first], told[first:, first:] = np.eye(first), ways
+    units[first:, columns] += unit_steps[:, None] * moves
+    told = None if ways is None else _beside(np.eye(first), ways)
     return _Moved(space.from_unit(units), deltas, steps, told)
 
 
-def _ways(replay: Replay, point: Point, columns: NDArray[np.intp]) -> Array:
-    """Unit moves of the parameters that are asked for which tell all of their slopes, orthonormal, (k, columns).
+def _ways(replay: Replay, point: Point, columns: NDArray[np.intp]) -> Array | None:
+    """Moves of the parameters that are asked for which tell all of their slopes, orthonormal, (k, columns).
 
     Bodies that are free as a whole move together, along what the motion depends on; they may leave their bounds by a
-    step, outside of which are bodies, too. Any other parameter moves alone.
+    step, outside of which are bodies, too. Any other parameter moves alone. None where all do: also where shapes touch,
+    for MuJoCo softens a contact by more of the bodies' inertia than the motion feels.
     """
     space, bodies = replay.model.space, replay.model.inertials
     rows = np.array([space.index(p.name) for each in bodies for p in each.parameters], np.intp)
-    together = base_directions(replay.model, point.z) if len(rows) and np.isin(rows, columns).all() else None
+    if not len(rows) or not np.isin(rows, columns).all() or replay.touching:
+        return None
+    together = base_directions(replay.model, point.z)
     if together is None:
-        return np.eye(len(columns))
-    alone = ~np.isin(columns, rows)
-    ways = np.zeros((int(alone.sum()) + len(together), len(columns)))
-    ways[np.arange(int(alone.sum())), np.flatnonzero(alone)] = 1.0
-    ways[int(alone.sum()) :, [int(np.flatnonzero(columns == row)[0]) for row in rows]] = together
+        return None
+    alone = np.flatnonzero(~np.isin(columns, rows))
+    ways = np.zeros((len(alone) + len(together), len(columns)))
+    ways[np.arange(len(alone)), alone] = 1.0
+    ways[len(alone) :, [int(np.flatnonzero(columns == row)[0]) for row in rows]] = together
     return ways
+
+
+def _beside(first: Array, second: Array) -> Array:
+    """The block-diagonal matrix of two."""
+    found = np.zeros((len(first) + len(second), first.shape[1] + second.shape[1]))
+    found[: len(first), : first.shape[1]], found[len(first) :, first.shape[1] :] = first, second
+    return found
 
 
 def _widened(replay: Replay, settings: SolverSettings) -> float:

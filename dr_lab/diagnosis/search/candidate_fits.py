@@ -14,11 +14,12 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, supported
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.identifiability import Identifiability
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
+from dr_lab.diagnosis.fit.normal_equations import Decrease
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import Slopes
 from dr_lab.diagnosis.search import as_special_case
 from dr_lab.diagnosis.search.candidate import Candidate, resolved
-from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
+from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look, own_step
 from dr_lab.diagnosis.search.side_by_side import one_behind_another, side_by_side
 from dr_lab.diagnosis.search.taken_away import taken_away
 from dr_lab.diagnosis.search.wider import reach, widened
@@ -74,7 +75,12 @@ class CandidateFits:
 
     def look(self, effect: PlacedEffect) -> FirstLook:
         """An effect linearised on the part of the windows."""
-        return look(self.fitter(self.thin, effect), effect, self.start)
+        return look(self.fitter(self.thin, effect), effect, self.start, self._alone)
+
+    @cached_property
+    def _alone(self) -> Decrease:
+        """What a step of the base alone would gain on the part of the windows."""
+        return own_step(self.start, self.base.model.space)
 
     def promise_of_all(self, effect: PlacedEffect, first: FirstLook) -> float:
         """What a candidate promises on all windows, linearised at the point where it promised most on the few.

@@ -134,7 +134,8 @@ class Ladder:
         """The ladder with what other windows say; without its effects where these contradict what was only noise."""
         if found is None or not found.contradicts or not at_floor(self.base.held_out, settings):
             return replace(self, confirmation=found)
-        return replace(self, steps=(), dropped=(*self.dropped, *(step.effect.label for step in self.steps)))
+        dropped = (*self.dropped, *(step.effect.label for step in self.steps))
+        return replace(self, steps=(), dropped=dropped, confirmation=found)
 
     def without_last(self) -> "Ladder":
         """The ladder without its last effect, which is dropped."""

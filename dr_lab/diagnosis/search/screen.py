@@ -37,12 +37,18 @@ class FirstLook:
     evidence: float
 
 
-def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> FirstLook:
+def look(fitter: Fitter, effect: PlacedEffect, base: Fit, alone: Decrease) -> FirstLook:
     """Linearise a candidate beside a fit of the model without it.
 
     At absent the model is the base, so the base's residuals and slopes are the candidate's; elsewhere the slopes are
     near. Absent costs a simulation of the windows for each parameter of the effect, a further start one more, all of
     them in one batch. What a step of the base alone would gain, where its fit did not converge, is no effect's merit.
+
+    Args:
+        fitter: of the model with the effect.
+        effect: the candidate.
+        base: the fit without it.
+        alone: what a step of the base alone would gain (`own_step`).
     """
     space = fitter.replay.model.space
     nominal = np.append(base.z, [p.nominal for p in effect.parameters])
@@ -54,11 +60,16 @@ def look(fitter: Fitter, effect: PlacedEffect, base: Fit) -> FirstLook:
     fits = fitter.outlooks(np.stack(rows), base.delta, base.slopes, base)
     known = [identifiability(fit.first, len(effect.parameters)) for fit in fits]
     steps = [fit.first.full_step(free(fitter, fit)) for fit in fits]
-    alone = fits[0].first.full_step(free(fitter, fits[0]) & (np.arange(len(nominal)) < len(base.z)))
     gains = [fit.below(base) + step.total - alone.total for fit, step in zip(fits, steps, strict=True)]
     absent, best = replace(fits[0], slopes=base.slopes), int(np.argmax(gains))
     evidence = max(_evidence(fitter, fit, step, base, alone) for fit, step in zip(fits, steps, strict=True))
     return FirstLook(absent, tuple(rows[1:]), rows[best], max(known, key=lambda i: i.alone), gains[best], evidence)
+
+
+def own_step(base: Fit, space: ContextSpace) -> Decrease:
+    """What a full linear step of a fit would gain within the bounds of its own space, as its certificate has it."""
+    unit, equations = space.to_unit(base.z), base.equations
+    return equations.full_step(movable(unit, equations.slope), (np.minimum(-unit, 0.0), np.maximum(1.0 - unit, 0.0)))
 
 
 def linear_gain(fitter: Fitter, fit: Fit, base: Fit, space: ContextSpace) -> float:
@@ -66,8 +77,7 @@ def linear_gain(fitter: Fitter, fit: Fit, base: Fit, space: ContextSpace) -> flo
 
     Parameters that a step would push through their bounds stay.
     """
-    alone = base.equations.decrease(movable(space.to_unit(base.z), base.equations.slope))
-    return fit.below(base) + fit.first.decrease(free(fitter, fit)) - alone
+    return fit.below(base) + fit.first.decrease(free(fitter, fit)) - own_step(base, space).total
 
 
 def _evidence(fitter: Fitter, fit: Fit, step: Decrease, base: Fit, alone: Decrease) -> float:

@@ -60,16 +60,13 @@ def decide(
     3. If the best one does not stand, those join that no standing one beats.
     4. If the data are too few for an interval, a richer effect also stands that seems to explain much more.
 
-    Beside a model that leaves noise none stands whose interval of what it explains of a typical window holds nothing.
-
     Args:
         base: the model without them.
         ranking: the candidates.
         settings: when a gain counts.
         scored: the logs that the scores are from, in words.
     """
-    noise = at_floor(base.held_out, settings)
-    helpful = [c for c in ranking if c.final and c.resolved and _explains_enough(c, settings) and not _chance(c, noise)]
+    helpful = [c for c in ranking if c.final and c.resolved and _explains_enough(c, settings)]
     group = _inseparable([c for c in helpful if _passes(supported, c, settings)], settings)
     absorbed = tuple(c.effect.label for c in ranking if c not in group and _absorbed(c, settings))
     status = {c.effect.label: _status(c, group, absorbed, settings) for c in ranking}
@@ -95,11 +92,6 @@ def _explains_enough(candidate: Candidate, settings: EvidenceSettings) -> bool:
     channel = candidate.fitted_model.held_out.channels.get(candidate.gain.place)
     coloured = channel is not None and channel.instrumental and channel.chi2 > settings.floor
     return coloured or largest_gap(candidate.gain) >= settings.least_explained
-
-
-def _chance(candidate: Candidate, noise: bool) -> bool:
-    """Whether a candidate may explain nothing of a typical window, where the model without it leaves only `noise`."""
-    return noise and candidate.gain.low <= 0
 
 
 def _passes(

@@ -30,14 +30,15 @@ def swing(friction: float = 0.0) -> Array:
     return path
 
 
-def faults(path: Array) -> tuple[Fault, ...]:
-    """What a model says to a log whose mass is 15 % too small."""
+def faults(path: Array, friction: float = 0.0, actuator: str = "") -> tuple[Fault, ...]:
+    """What a model whose mass is 15 % too small says to a log."""
     noise = np.random.default_rng(0).normal(0.0, NOISE, len(path))
     angle = Signal("hinge.position", "rad", clock(len(path), STEP), path + noise)
     log = Log("log", {"hinge.position": angle}, {})
     known = {"hinge.position": Noise(NOISE, "rad", "given")}
     measured = MeasurementSet("rod", (log,), (), known, {"hinge.position": 0.02})
-    model = from_spec("rod", mujoco.MjSpec.from_string(XML.format(mass=0.425, friction=0.0)), {})
+    text = XML.format(mass=0.425, friction=friction).replace("</mujoco>", f"<actuator>{actuator}</actuator></mujoco>")
+    model = from_spec("rod", mujoco.MjSpec.from_string(text), {})
     return suspect_faults(model, measured, fault_settings())
 
 
@@ -70,11 +71,17 @@ def test_what_hangs_down_before_it_is_pushed_was_not_held() -> None:
     assert faults(push) == ()
 
 
-def test_what_friction_brings_to_rest_off_its_lowest_place_was_not_held() -> None:
+@pytest.mark.parametrize("known", [0.0, 0.15, 0.3])
+def test_what_friction_brings_to_rest_off_its_lowest_place_was_not_held(known: float) -> None:
     path = swing(friction=0.3)
     assert abs(path[-1]) > 0.05  # N·m·rad: gravity there is what 0.3 N·m hold
     assert np.ptp(path[-500:]) < 5e-3  # MuJoCo's friction creeps
-    assert faults(path) == ()
+    assert faults(path, known) == ()
+
+
+def test_what_an_actuator_may_hold_whose_commands_are_not_logged_is_not_told() -> None:
+    path = np.concatenate([np.full(300, START), swing()])
+    assert faults(path, actuator='<position name="servo" joint="hinge" kp="50"/>') == ()
 
 
 def test_a_short_rest_is_not_told() -> None:

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_machines import pendulum, solver_settings
+from diagnosis_machines import PENDULUM, PENDULUM_PARAMETERS, model_of, pendulum, solver_settings
 from effect_machines import catalogue_effect, scales_of
 from screened_pendulum import OFFSET, bench_of, drive, lopsided, placed_of
 
@@ -11,7 +11,7 @@ from dr_lab.diagnosis.evidence.paired_gain import deviance, paired_gain, support
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.search.rank import rank
-from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look
+from dr_lab.diagnosis.search.screen import FirstLook, linear_gain, look, own_step
 from dr_lab.effects.effect import place
 
 
@@ -33,7 +33,8 @@ def test_a_window_in_which_the_model_fails_is_looked_at() -> None:
 def looked(bench: Bench, base: FittedModel, name: str, site: str) -> FirstLook:
     model = pendulum()
     effect = place(catalogue_effect(name), model.nominal(), site, scales_of(model, torque=0.5))
-    return look(Fitter(Replay(model.with_effect(effect), bench.fit, 1), bench.solver), effect, base.fit)
+    beside = Fitter(Replay(model.with_effect(effect), bench.fit, 1), bench.solver)
+    return look(beside, effect, base.fit, own_step(base.fit, model.space))
 
 
 def test_a_linear_effect_gains_what_was_predicted() -> None:
@@ -63,7 +64,7 @@ def test_what_the_base_alone_would_gain_is_no_effects_merit() -> None:
     assert begun.cost - base.fit.cost > 0.5 * looked(bench, base, "constant_offset", "hinge").gain
     effect = place(catalogue_effect("constant_offset"), model.nominal(), "hinge", scales_of(model, torque=0.5))
     beside = Fitter(Replay(model.with_effect(effect), bench.fit, 1), bench.solver)
-    first = look(beside, effect, begun)
+    first = look(beside, effect, begun, own_step(begun, model.space))
     done = looked(bench, base, "constant_offset", "hinge")
     assert first.gain == pytest.approx(done.gain, rel=0.2)
     assert first.evidence == pytest.approx(done.evidence, rel=0.2)
@@ -115,3 +116,19 @@ def test_candidates_that_go_no_farther_keep_no_slopes() -> None:
     assert final == {"constant_offset"}
     assert {name for name, windows in kept.items() if windows} == final
     assert kept["constant_offset"] == len(bench.fit)
+
+
+def test_a_base_that_cannot_go_on_within_its_bounds_takes_no_credit() -> None:
+    """Its damping ends a hair beside the bound that holds it back: what an effect adds is asked for all the same."""
+    model = pendulum()
+    held = {**PENDULUM_PARAMETERS, "hinge.damping": {**PENDULUM_PARAMETERS["hinge.damping"], "high": 0.02}}
+    bench, _ = bench_of()
+    bound = model_of(PENDULUM.replace('damping="0.05"', 'damping="0.01"'), held)
+    base = fit_and_score(bench, bound, bound.space.nominal)
+    assert base.fit.z[1] == pytest.approx(0.02)
+    effect = place(catalogue_effect("viscous_friction"), model.nominal(), "hinge", scales_of(model, torque=0.5))
+    beside = Fitter(Replay(bound.with_effect(effect), bench.fit, 1), bench.solver)
+    near = replace(base.fit, z=base.fit.z - np.array([0.0, 1e-12]))
+    there, hair = (look(beside, effect, each, own_step(each, bound.space)) for each in (base.fit, near))
+    assert there.gain > 100.0
+    assert hair.gain == pytest.approx(there.gain, rel=0.05)

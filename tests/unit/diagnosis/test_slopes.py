@@ -88,16 +88,15 @@ def test_a_fit_ends_where_it_does_by_exact_slopes(far: float, monkeypatch: pytes
     np.testing.assert_allclose(quick.z, exact.z, rtol=1e-3)
 
 
-def test_slopes_by_free_bodies_are_told_by_fewer_simulations() -> None:
-    """A hinge feels three combinations of ten numbers; the slopes by all ten are those of a step of each."""
-    spec = mujoco.MjSpec.from_string(PENDULUM)
-    replay, settings = (
-        replay_of(
-            from_spec("pendulum", spec, {"inertial": "all", "hinge.damping": PENDULUM_PARAMETERS["hinge.damping"]})
-        ),
-        solver_settings(),
-    )
-    unit = 0.5 + 0.05 * np.random.default_rng(0).normal(size=11)
+@pytest.mark.parametrize("felt", [3, 10])
+def test_slopes_by_free_bodies_are_those_of_a_step_of_each(felt: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hinge feels three combinations of ten numbers; any ten that are told instead tell all ten numbers, too."""
+    if felt == 10:
+        every = np.linalg.qr(np.random.default_rng(3).normal(size=(10, 10)))[0]
+        monkeypatch.setattr("dr_lab.diagnosis.fit.slopes.base_directions", lambda *_: every)
+    parameters = {"inertial": "all", "hinge.damping": PENDULUM_PARAMETERS["hinge.damping"]}
+    replay = replay_of(from_spec("pendulum", mujoco.MjSpec.from_string(PENDULUM), parameters))
+    settings, unit = solver_settings(), 0.5 + 0.05 * np.random.default_rng(0).normal(size=11)
     here = start(replay, replay.model.space.from_unit(unit))
     found = differences(replay, settings, here, states=True, columns=np.arange(11))
     apart = [differences(replay, settings, here, states=True, columns=np.array([k])) for k in range(11)]

@@ -116,15 +116,6 @@ def test_nothing_is_named_at_the_noise_floor() -> None:
     assert set(verdict.status.values()) == {"rejected"}
 
 
-def test_beside_a_model_that_leaves_noise_none_is_named_that_may_explain_nothing_of_a_typical_window() -> None:
-    for level, kind in ((1.05, "none"), (20.0, "named")):
-        base = model(level)
-        sure = candidate(base, "coulomb_friction", 0.8 * level, CLEAR)
-        unsure = replace(sure, gain=replace(sure.gain, gap=1.0, low=-0.1))
-        assert decide(base, [replace(sure, gain=replace(sure.gain, gap=1.0))], SETTINGS).kind == "named"
-        assert decide(base, [unsure], SETTINGS).kind == kind
-
-
 @pytest.mark.parametrize(("level", "kind", "left"), [(1.0, "none", 0), (20.0, "unexplained", 1)])
 def test_what_other_windows_contradict_is_dropped_where_only_noise_was_to_explain(
     level: float, kind: str, left: int

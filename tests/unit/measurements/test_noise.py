@@ -161,3 +161,13 @@ def test_the_way_of_a_uniform_motion_is_no_step() -> None:
     assert lattice_step(np.append(np.zeros(100), 11.43 * wave)) is None
     assert lattice_step(np.round(11.43 * wave)) == pytest.approx(1.0)
     assert lattice_step(np.round(0.43 * wave)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("counts", [0.9, 0.93, 0.97, 0.99, 1.01, 1.05])
+def test_an_encoder_that_moves_by_nearly_a_count_a_sample_is_rounded_all_the_same(
+    contract: DataContract, counts: float
+) -> None:
+    sample = np.arange(2000)
+    way = counts * np.abs((sample + 0.3) % 1000 - 500.0)  # to and fro
+    found = estimate(0.005 * sample, COUNT * np.round(way), contract=contract)
+    assert found == pytest.approx(ROUNDING, rel=0.1)

@@ -67,11 +67,29 @@ def test_an_arm_feels_nothing_else() -> None:
 
 
 @pytest.mark.parametrize(
+    ("bodies", "count"), [(["link1"], 3), (["link2"], 9), (["link7"], 10), (["link2", "link4"], 19)]
+)
+def test_some_bodies_of_an_arm_are_felt_by_few_of_its_joints(bodies: list[str], count: int) -> None:
+    """Both axes that turn link 2 go through its origin, so that its mass alone is not felt."""
+    model = load("seven", CONF / "model/strangers/seven.xml", {"inertial": bodies})
+    found = base_directions(model, model.space.nominal)
+    assert found is not None
+    assert found.shape == (count, 10 * len(bodies))
+
+
+@pytest.mark.parametrize(
     ("option", "sensor"),
     [('density="1.2"', ""), ("", '<force site="end"/>'), ("", '<framepos objtype="body" objname="rod"/>')],
 )
 def test_where_more_than_the_motion_tells_inertia_no_combination_drops_out(option: str, sensor: str) -> None:
     model = one_body('<joint axis="0 1 0"/>', option, sensor)
+    assert base_directions(model, model.space.nominal) is None
+
+
+def test_beside_a_constraint_that_is_softened_by_inertia_no_combination_drops_out() -> None:
+    text = ONE.format(joint='<joint name="hinge" axis="0 1 0"/>', option="", sensor="")
+    tied = text.replace("<sensor>", '<equality><connect body1="rod" anchor="0 0 0"/></equality><sensor>')
+    model = from_spec("one", mujoco.MjSpec.from_string(tied), {"inertial": "all"})
     assert base_directions(model, model.space.nominal) is None
 
 

@@ -19,6 +19,7 @@ def held(log: str, rest: str) -> Fault:
         (["a[0.8:4]", "a[1.2:4]"], "a[1.2:4]"),
         (["a[-9.2:]", "a[:-1.5]"], "a[-9.2:-1.5]"),
         (["a[10:]", "a[9:]"], "a[10:]"),  # by number, not by letter
+        (["a[3.1:]", "a[:2.9]"], ""),
     ],
 )
 def test_what_stretches_have_in_common(names: list[str], common: str) -> None:
@@ -36,6 +37,11 @@ def test_whole_logs_are_named_where_one_of_them_is_cut() -> None:
     split = Split(("*.csv",), None, ("c",), {})
     found = without_held(split, [held("b", "b[0.8:]"), held("c", "c[:3]")], ["a", "b", "c"])
     assert (found.fit, found.held_out) == (("a", "b[0.8:]"), ("c[:3]",))
+
+
+def test_a_log_of_which_nothing_would_be_left_stays_as_it_is() -> None:
+    split = Split(("a.csv",), ("a[:4]",), ("a[4:]",), {})
+    assert without_held(split, [held("a[:4]", "a[3.1:4]"), held("a[:4]", "a[:2.9]")], ["a"]) is split
 
 
 def test_other_faults_cut_nothing() -> None:
