@@ -167,7 +167,8 @@ def test_the_way_of_a_uniform_motion_is_no_step() -> None:
 def test_an_encoder_that_moves_by_nearly_a_count_a_sample_is_rounded_all_the_same(
     contract: DataContract, counts: float
 ) -> None:
-    sample = np.arange(2000)
+    sample = np.arange(2000, dtype=np.float64)
     way = counts * np.abs((sample + 0.3) % 1000 - 500.0)  # to and fro
-    found = estimate(0.005 * sample, COUNT * np.round(way), contract=contract)
+    time = np.asarray(0.005 * sample, np.float64)
+    found = estimate(time, COUNT * np.round(way), contract=contract)
     assert found == pytest.approx(ROUNDING, rel=0.1)
