@@ -8,6 +8,7 @@ import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
 from dr_lab.diagnosis.evidence.compatible import chance, known_of
+from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
 from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.as_special_case import reaching
@@ -50,10 +51,11 @@ def lean(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...]
     1. A richer effect can make up for another one that is missing. That one then seems superfluous beside it.
     2. An effect that softens the faults of a richer one may be superfluous beside the poorer one.
 
-    A lone effect is not put back yet, because what is still missing beside it may blur what it is. For the same reason
-    an effect of some size whose gain is in doubt stays until the climb is over.
+    A lone effect is put back only if it leaves noise: what is still missing beside it may blur what it is. For the same
+    reason an effect of some size whose gain is in doubt stays until the climb is over.
     """
-    simpler, put_back = _put_back(deletions, base, steps, cases) if len(steps) > 1 else (steps, ())
+    alone = len(steps) == 1 and not at_floor(steps[0].fitted_model.held_out, deletions.bench.evidence)
+    simpler, put_back = (steps, ()) if alone else _put_back(deletions, base, steps, cases)
     kept, dropped = prune(deletions, base, simpler, sizeable)
     return Pruned(kept, dropped, put_back)
 
