@@ -14,7 +14,7 @@ from dr_lab.diagnosis.faults.smoothed_motion import Mask, Motion, controls_at
 from dr_lab.diagnosis.windows.commands import actuator_columns
 from dr_lab.trajectory import Array, Log
 
-_FRICTION = 1  # column of dry friction among what may explain the rest
+FRICTION = 1  # column of dry friction among what may explain the rest
 _AT_JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
 
 
@@ -95,7 +95,7 @@ class DriveFit:
         b = found.x / size
         gain, b = (float(b[0]), b[1:]) if free else (low, b)
         rest = self.need - self.others @ b
-        return Gain(gain, float(((rest - gain * x)[rows] ** 2).sum()), rest, abs(float(b[_FRICTION])))
+        return Gain(gain, float(((rest - gain * x)[rows] ** 2).sum()), rest, abs(float(b[FRICTION])))
 
     def late(self, lag: float) -> tuple[Array, Mask]:
         """The drive as if it came later by a lag in s, and the test functions for which the log knows it."""

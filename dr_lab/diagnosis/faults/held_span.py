@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.diagnosis.faults.drive_fit import DriveFit
+from dr_lab.diagnosis.faults.drive_fit import FRICTION, DriveFit
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
 from dr_lab.diagnosis.faults.smoothed_motion import Mask
 
-_FRICTION = 1  # column of dry friction among what may explain a need
 _APART = 2  # test functions that reach into one of the span
 _NEXT = 1.5  # times the usual step between two of them, where none is left out
 
@@ -61,7 +60,7 @@ def _held(fit: DriveFit, known: float, still: Mask, span: slice, settings: Fault
         return None
     found = fit.gain(0.0, 0.0, moving)
     unexplained = abs(float(np.median(found.rest[span])))
-    friction = known + found.friction * float(np.abs(fit.others[moving, _FRICTION]).max())
+    friction = known + found.friction * float(np.abs(fit.others[moving, FRICTION]).max())
     left = np.sqrt(found.left / moving.sum())
     if unexplained <= settings.breakaway * friction + settings.held_margin * left:
         return None

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from dr_lab.diagnosis.fit.point import Mask, Point
 from dr_lab.diagnosis.fit.replay import Replay
@@ -180,7 +181,7 @@ def _moved(replay: Replay, settings: SolverSettings, point: Point, states: bool,
     for i, step in enumerate(state_steps):
         deltas[i, :, i] += step
     units[first:, columns] += unit_steps[:, None] * moves
-    told = None if ways is None else _beside(np.eye(first), ways)
+    told = None if ways is None else np.asarray(block_diag(np.eye(first), ways), np.float64)
     return _Moved(space.from_unit(units), deltas, steps, told)
 
 
@@ -203,13 +204,6 @@ def _ways(replay: Replay, point: Point, columns: NDArray[np.intp]) -> Array | No
     ways[np.arange(len(alone)), alone] = 1.0
     ways[len(alone) :, [int(np.flatnonzero(columns == row)[0]) for row in rows]] = together
     return ways
-
-
-def _beside(first: Array, second: Array) -> Array:
-    """The block-diagonal matrix of two."""
-    found = np.zeros((len(first) + len(second), first.shape[1] + second.shape[1]))
-    found[: len(first), : first.shape[1]], found[len(first) :, first.shape[1] :] = first, second
-    return found
 
 
 def _widened(replay: Replay, settings: SolverSettings) -> float:
