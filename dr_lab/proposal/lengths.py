@@ -39,10 +39,8 @@ def lengths_as_angles(model: mujoco.MjModel, outputs: Sequence[Output]) -> list[
     """What is unsure about hinges whose position is a column that is a length by its name, a sentence each."""
     doubts = []
     for i in range(model.njnt):
-        joint, series = (
-            model.joint(i).name,
-            [o.parts[0] for o in outputs if o.channel == f"{model.joint(i).name}.position"],
-        )
+        joint = model.joint(i).name
+        series = [output.parts[0] for output in outputs if output.channel == f"{joint}.position"]
         if model.jnt_type[i] == _HINGE and series and is_length(series[0]) and not said_of([joint], series):
             doubts.append(
                 f"{series[0].place} is a length by its name, but read as the angle of {joint}, as no other column may "

@@ -9,6 +9,7 @@ from dr_lab.physics.compiling import compiled
 from dr_lab.proposal.by_name import said_of
 from dr_lab.proposal.lengths import is_bare
 from dr_lab.proposal.output import Output
+from dr_lab.proposal.poses import poses
 from dr_lab.proposal.sensors import Sensed, pairs, read_vector, sensors_of
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series, Survey
@@ -16,7 +17,6 @@ from dr_lab.proposal.vectors import VectorKind, find_parts
 from dr_lab.trajectory import Array
 
 _KINDS: tuple[VectorKind, ...] = ("position", "rate", "acceleration")
-_LOOKED_AT = 50  # places of the machine at which a sensor is read
 _STILL = 1e-6  # share of the most that an axis changes, below which another does not
 
 
@@ -84,12 +84,5 @@ def _within(said: str, changes: Array) -> _Axes:
 
 def _changes(spec: mujoco.MjSpec, sensor: str) -> Array:
     """How far a position that a sensor reads changes over the model's places, by axis, shape (3,), m."""
-    model = compiled(spec.copy())
-    data, rng = mujoco.MjData(model), np.random.default_rng(0)
-    read = np.zeros((_LOOKED_AT, 3))
-    for row in read:
-        data.qpos[:] = model.qpos0
-        mujoco.mj_integratePos(model, data.qpos, rng.normal(size=model.nv), 1.0)
-        mujoco.mj_forward(model, data)
-        row[:] = data.sensor(sensor).data
-    return np.ptp(read, axis=0)
+    read = [data.sensor(sensor).data.copy() for data in poses(compiled(spec.copy()))]
+    return np.ptp(np.asarray(read, np.float64), axis=0)

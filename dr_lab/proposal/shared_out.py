@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 
 from dr_lab.proposal.lengths import joints_may_be
+from dr_lab.proposal.poses import poses
 from dr_lab.proposal.survey import Series
 
-_LOOKED_AT = 50  # places of the machine at which its weight is looked at
 _WEIGHTLESS = 1e-6  # share of the largest weight at a joint
 
 
@@ -44,14 +44,7 @@ def shared_out(
 
 def _first_moved(model: mujoco.MjModel, joints: Sequence[str]) -> str:
     """The first joint that gravity moves; the first where it moves none."""
-    data, rng = mujoco.MjData(model), np.random.default_rng(0)
     dofs = [int(model.joint(joint).dofadr[0]) for joint in joints]
-    weight = np.zeros((_LOOKED_AT, len(joints)))
-    for row in weight:
-        data.qpos[:] = model.qpos0
-        mujoco.mj_integratePos(model, data.qpos, rng.normal(size=model.nv), 1.0)
-        mujoco.mj_forward(model, data)
-        row[:] = data.qfrc_bias[dofs]
-    largest = np.abs(weight).max(0)
+    largest = np.abs([data.qfrc_bias[dofs] for data in poses(model)]).max(0)
     moved = np.flatnonzero(largest > _WEIGHTLESS * largest.max())
     return joints[int(moved[0])] if len(moved) else joints[0]
