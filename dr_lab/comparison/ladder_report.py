@@ -102,7 +102,7 @@ def _judgement(study: Study, ladder: Ladder) -> Judgement:
         confirmation=entries.confirmation(ladder.confirmation),
         gap_closed=ladder.closed(evidence),
         explained=_explained(ladder.gained(evidence)),
-        reason=" ".join([_reason(study, first), *(law.sentence for law in ladder.laws if law.refuted)]),
+        reason=" ".join([reason_of(study, first, ladder), *(law.sentence for law in ladder.laws if law.refuted)]),
         laws=entries.laws(ladder.laws),
         ranking=_ranking(study, first, ladder),
         rungs=tuple(_rung(study, rung, ladder) for rung in ladder.rungs),
@@ -140,12 +140,17 @@ def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:
     return ladder.verdict(settings)
 
 
-def _reason(study: Study, rung: Rung) -> str:
-    """The verdict's reason; of effects that cannot be separated, also what the other parameters make up for."""
+def reason_of(study: Study, rung: Rung, ladder: Ladder) -> str:
+    """The verdict's reason; of effects that cannot be separated, also what the other parameters make up for.
+
+    An effect that the rung names, but the ladder does not keep, is told with what became of it.
+    """
     found = {c.effect.label: c.fitted_model for c in rung.ranking}
     labels = rung.verdict.effects
     told = [entries.trade(labels[0], found[labels[0]], rival, found[rival], study.bench) for rival in labels[1:]]
-    return " ".join([rung.verdict.reason, *told])
+    later = [f"It was put back to {b.poorer}; see the notes." for b in ladder.put_back if labels[:1] == (b.richer,)]
+    lost = ["It was dropped again; see the notes."] if set(labels[:1]) & set(ladder.dropped) else []
+    return " ".join([rung.verdict.reason, *told, *(later or lost)])
 
 
 def _ranking(study: Study, rung: Rung, ladder: Ladder) -> tuple[CandidateEntry, ...]:
@@ -161,6 +166,6 @@ def _rung(study: Study, rung: Rung, ladder: Ladder) -> JudgedRungEntry:
         chosen=tuple(rung.verdict.effects),
         on_trial=tuple(rung.verdict.trial),
         absorbed_by_parameters=tuple(rung.verdict.absorbed),
-        reason=_reason(study, rung),
+        reason=reason_of(study, rung, ladder),
         ranking=_ranking(study, rung, ladder),
     )

@@ -1,0 +1,29 @@
+"""The reason of a ranking says what became of the effect that it names."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from dr_lab.comparison.ladder_report import reason_of
+
+RICHER, POORER = "smooth_friction@arm", "coulomb_friction@arm"
+
+
+@pytest.mark.parametrize(
+    ("put_back", "dropped", "told"),
+    [
+        ((), (), "It explains much."),
+        (
+            (SimpleNamespace(richer=RICHER, poorer=POORER),),
+            (),
+            f"It explains much. It was put back to {POORER}; see the notes.",
+        ),
+        ((), (RICHER,), "It explains much. It was dropped again; see the notes."),
+        ((SimpleNamespace(richer="cogging@arm", poorer=POORER),), ("cogging@arm",), "It explains much."),
+    ],
+)
+def test_what_became_of_the_named_effect(put_back: tuple[object, ...], dropped: tuple[str, ...], told: str) -> None:
+    rung = SimpleNamespace(ranking=(), verdict=SimpleNamespace(effects=(RICHER,), reason="It explains much."))
+    ladder = SimpleNamespace(put_back=put_back, dropped=dropped)
+    assert reason_of(cast(Any, None), cast(Any, rung), cast(Any, ladder)) == told
