@@ -7,6 +7,7 @@ STAMP := $(VENV)/.installed
 DOCS := .venv-docs
 UV := $(shell command -v uv 2>/dev/null)
 PYTHON ?= python3
+unexport PYTHONDONTWRITEBYTECODE  # else each start compiles all that it imports: 5 s of CPU time
 
 .DEFAULT_GOAL := help
 .PHONY: help install demo test test-slow test-viewer test-daemons check format bench docs lock clean

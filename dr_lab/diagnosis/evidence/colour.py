@@ -44,7 +44,8 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
     if excess <= 0 or not _homogeneous(kept):
         return False
     step = round(np.log(excess) / _STEP)
-    return _mean_frequency(kept) > _roughest(*kept.shape, integrals, float(np.exp(step * _STEP)))
+    power = (np.abs(_transform(kept)) ** 2).mean(0)
+    return bool(_mean_frequency(power, kept.shape[1]) > _roughest(*kept.shape, integrals, float(np.exp(step * _STEP))))
 
 
 def _homogeneous(residual: Array) -> bool:
@@ -54,9 +55,16 @@ def _homogeneous(residual: Array) -> bool:
     return bool(scatter * (windows - 1) <= chi2.isf(_CHANCE, windows - 1))
 
 
-@functools.lru_cache(maxsize=64)
 def _roughest(windows: int, samples: int, integrals: int, excess: float) -> float:
     """Mean frequency that integrated noise of a variance, beside white noise of 1, exceeds once in a thousand times."""
+    force, beside, white = _references(windows, samples, integrals)
+    found = _mean_frequency(excess * force + np.sqrt(excess) * beside + white, samples)
+    return float(np.mean(found) + 3.1 * np.std(found))  # of a mean over windows, so that it is Gaussian
+
+
+@functools.lru_cache(maxsize=8)
+def _references(windows: int, samples: int, integrals: int) -> tuple[Array, Array, Array]:
+    """Spectra of integrated noise of variance 1, of its product with white noise, and of that: each (draws, f)."""
     rng = np.random.default_rng(0)
     found = []
     for _ in range(_DRAWS):
@@ -64,17 +72,29 @@ def _roughest(windows: int, samples: int, integrals: int, excess: float) -> floa
         for _ in range(integrals):
             drawn = np.cumsum(drawn, axis=1)
         drawn = _detrended(drawn)
-        drawn *= np.sqrt(excess / (drawn**2).mean())
-        found.append(_mean_frequency(drawn + rng.standard_normal((windows, samples))))
-    return float(np.mean(found) + 3.1 * np.std(found))  # of a mean over windows, so that it is Gaussian
+        force, white = (_transform(each) for each in (drawn, rng.standard_normal((windows, samples))))
+        force /= np.sqrt((drawn**2).mean())
+        found.append(
+            [(np.abs(force) ** 2).mean(0), 2 * (force * white.conj()).real.mean(0), (np.abs(white) ** 2).mean(0)]
+        )
+    first, second, third = np.moveaxis(np.array(found), 1, 0)
+    return first, second, third
 
 
-def _mean_frequency(residual: Array) -> float:
-    """Mean frequency in cycles a sample of the power beyond that of white noise of variance 1; 0 where none is."""
-    taper = np.hanning(residual.shape[1])
-    power = (np.abs(np.fft.rfft(residual * taper)) ** 2).mean(0) - (taper**2).sum()
-    power = np.maximum(power, 0.0)
-    return float(power @ np.fft.rfftfreq(residual.shape[1]) / power.sum()) if power.any() else 0.0
+def _transform(signal: Array) -> NDArray[np.complex128]:
+    return np.fft.rfft(signal * np.hanning(signal.shape[1]))
+
+
+def _mean_frequency(power: Array, samples: int) -> Array:
+    """Mean frequency in cycles a sample of the power beyond that of white noise of variance 1; 0 where none is.
+
+    Args:
+        power: mean over windows of the tapered spectra, shape (..., f).
+        samples: of a window.
+    """
+    beyond = np.maximum(power - (np.hanning(samples) ** 2).sum(), 0.0)
+    total = beyond.sum(-1)
+    return beyond @ np.fft.rfftfreq(samples) / np.where(total > 0, total, 1.0)
 
 
 def _detrended(residual: Array) -> Array:

@@ -15,7 +15,7 @@ from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.law_check import LawCheck, check_laws
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean
 from dr_lab.diagnosis.search.put_back import PutBack
-from dr_lab.diagnosis.search.rank import Ranking, rank
+from dr_lab.diagnosis.search.rank import Ranking, beside, rank
 from dr_lab.diagnosis.search.restack import reconsider
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.search.verdict import Verdict, decide
@@ -175,7 +175,8 @@ def climb(
        stays until the climb is over, because what is still missing scatters what it gains.
     4. An effect that holds a special case is put back to that for good, unless its further parameters are beyond doubt.
        This is decided once another effect stands beside it, and when the climb is over.
-    5. If this leaves a model that was not judged before, the climb goes on from there.
+    5. If this leaves a model that was not judged before, the climb goes on from there. Beside one at the noise floor
+       with the effects of an earlier one, the candidates that are left keep their fits.
     6. Beside a model that leaves noise, richer kinds of what it holds are not tried: they were weighed against it.
 
     Args:
@@ -191,7 +192,8 @@ def climb(
     while True:
         found = candidates(ladder.models[-1].model, effects, scales, compiled, bench.fit.channels)
         placed = _to_try(ladder, found.placed, bench.evidence)
-        ranking = rank(bench, ladder.models[-1], placed, watch.ranking(len(placed)))
+        ranking = _as_before(ladder, placed, bench.evidence)
+        ranking = ranking or rank(bench, ladder.models[-1], placed, watch.ranking(len(placed)))
         ladder = replace(ladder.topped(ranking.base), refused={**found.refused, **ladder.refused})
         ladder, over = _with_rung(deletions, ladder, ranking, cases, most)
         if over and any(judged.base is ladder.models[-1] for judged in ladder.rungs):
@@ -202,6 +204,24 @@ def climb(
 def _tell(watch: ClimbWatch, ladder: Ladder) -> None:
     first, last = ladder.base.held_out, ladder.models[-1].held_out
     watch.found([step.effect.label for step in ladder.steps], first.chi2, last.chi2)
+
+
+def _as_before(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSettings) -> Ranking | None:
+    """The ranking of these effects beside an earlier model at the noise floor with the effects of the last one, if any.
+
+    Beside such a model no effect stands out, and a slightly better fit of it changes its candidates' gains alone.
+    """
+    last, wanted = ladder.models[-1], {effect.label for effect in placed}
+    for rung in reversed(ladder.rungs):
+        kept = [candidate for candidate in rung.ranking if candidate.effect.label in wanted]
+        alike = _labels(rung.base.model) == _labels(last.model) and len(kept) == len(wanted)
+        if alike and at_floor(rung.base.held_out, settings):
+            return Ranking(last, beside(last, kept, settings))
+    return None
+
+
+def _labels(model: Model) -> list[str]:
+    return [effect.label for effect in model.effects]
 
 
 def _to_try(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSettings) -> list[PlacedEffect]:

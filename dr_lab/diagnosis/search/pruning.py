@@ -52,11 +52,11 @@ def lean(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...]
     2. An effect that softens the faults of a richer one may be superfluous beside the poorer one.
 
     A lone effect is put back only if it leaves noise: what is still missing beside it may blur what it is. For the same
-    reason an effect of some size whose gain is in doubt stays until the climb is over.
+    reason an effect of some size whose gain is in doubt stays until the climb is over, unless only noise is left.
     """
-    alone = len(steps) == 1 and not at_floor(steps[0].fitted_model.held_out, deletions.bench.evidence)
-    simpler, put_back = (steps, ()) if alone else _put_back(deletions, base, steps, cases)
-    kept, dropped = prune(deletions, base, simpler, sizeable)
+    noise = at_floor(steps[-1].fitted_model.held_out, deletions.bench.evidence)
+    simpler, put_back = _put_back(deletions, base, steps, cases) if noise or len(steps) > 1 else (steps, ())
+    kept, dropped = prune(deletions, base, simpler, supported if noise else sizeable)
     return Pruned(kept, dropped, put_back)
 
 

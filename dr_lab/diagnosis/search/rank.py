@@ -19,6 +19,7 @@ from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.refits import Refits
 from dr_lab.diagnosis.search.waves import Waves
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import PlacedEffect
 
 _NONE: Mapping[int, Candidate] = {}
@@ -187,8 +188,7 @@ class _Contest:
         if self.base.fit.cost - best.cost <= self.bench.negligible_share * best.cost:
             return Ranking(self.base, found, back_from)
         base = scored(self.bench, self.base.model, best, near=self.base.states)
-        gains = (paired_gain(base.held_out, c.fitted_model.held_out, settings) if c.final else c.gain for c in found)
-        return Ranking(base, _ordered(replace(c, gain=gain) for c, gain in zip(found, gains, strict=True)), back_from)
+        return Ranking(base, beside(base, found, settings), back_from)
 
     def _standing(self, tried: Mapping[int, Candidate]) -> list[int]:
         """Places of the best candidates and of all that the best one does not beat.
@@ -236,6 +236,13 @@ class _Contest:
             return False
         ours, theirs = candidate.fitted_model.fit, other.fitted_model.fit
         return self.bench.beside(other.fitted_model).promise(ours.below(theirs), theirs, more) < self.bench.hope
+
+
+def beside(base: FittedModel, found: Iterable[Candidate], settings: EvidenceSettings) -> tuple[Candidate, ...]:
+    """Candidates beside a better fit of the model that they were ranked beside, most evidence first."""
+    return _ordered(
+        replace(c, gain=paired_gain(base.held_out, c.fitted_model.held_out, settings)) if c.final else c for c in found
+    )
 
 
 def _ordered(candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
