@@ -29,6 +29,8 @@ class WindowSettings:
         kept: the same for which they are kept where the log has them, at least `past`; before its first command it
             holds that one. Longer delays and lags than those that are looked for ask for it.
         memory: time before the start of which laws that remember see motion and commands; before the log all rests.
+        lookback: time before the start of which laws that swing on for long see the motion, in `interval` s each.
+        interval: length of the intervals of which they see mean velocities.
         forgotten: time constants in which an actuator's activation forgets where it began; memory is as much longer.
         longest_run_in: longest memory for that; slower activations, and those that never forget, are fitted.
         smoother: half-width of the local polynomial that gives a start its first estimate.
@@ -54,6 +56,8 @@ class WindowSettings:
     past: NotNegative
     kept: NotNegative
     memory: NotNegative
+    lookback: NotNegative
+    interval: Positive
     forgotten: Positive
     longest_run_in: NotNegative
     smoother: Positive

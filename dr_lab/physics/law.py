@@ -1,7 +1,8 @@
 """Force laws that no MJCF element expresses: they act on all simulations of a batch once a step."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,12 +42,16 @@ class History:
         qpos: positions in the middle of the steps, shape (w, p, nq).
         qvel: velocities there, shape (w, p, nv).
         controls: controls of the steps, shape (w, p, nu).
+        far: mean velocities in f intervals before these steps, for laws that look far, shape (w, f, nv).
+        interval: s, length of each of these.
     """
 
     begin: Array
     qpos: Array
     qvel: Array
     controls: Array
+    far: Array = field(default_factory=lambda: np.empty((1, 0, 0)))
+    interval: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -116,7 +121,13 @@ class Law(ABC):
 
 
 class MotionLaw(Law):
-    """A law whose memory depends on how the joints move alone, so that it can follow a measured motion at once."""
+    """A law whose memory depends on how the joints move alone, so that it can follow a measured motion at once.
+
+    Attributes:
+        looks_far: whether it follows the motion of `History.far` as well.
+    """
+
+    looks_far: ClassVar[bool] = False
 
     @abstractmethod
     def follow(self, qvel: Array, step: float) -> None:

@@ -159,6 +159,8 @@ class Stepper:
         stepwise = list[Law]()
         for law in self._laws:
             if isinstance(law, MotionLaw):
+                if law.looks_far and history.far.shape[1]:
+                    law.follow(self._each(history.far), history.interval)
                 law.follow(self._each(history.qvel), self._step)
             else:
                 stepwise.append(law)

@@ -57,6 +57,7 @@ def limits(effect: PlacedEffect, poorer: str) -> dict[str, float]:
 def test_what_an_effect_holds_is_in_the_catalogue_and_poorer() -> None:
     assert set(pairs()) == {
         ("asymmetric_friction", "coulomb_friction"),
+        ("flexible_mode", "armature"),
         ("friction_drift", "coulomb_friction"),
         ("friction_drift", "viscous_friction"),
         ("hysteresis", "coulomb_friction"),

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from dr_lab.diagnosis.windows.start import Before
 from dr_lab.diagnosis.windows.windows import Windows
 
 
@@ -15,12 +14,12 @@ def finer(windows: Windows, parts: int) -> Windows:
     between steps reads a command or a reading up to half a step later.
     """
     before, missing = windows.before, windows.unlogged
-    held = (np.repeat(each, parts, axis=1) for each in (before.qpos, before.qvel, before.controls))
+    held = {name: np.repeat(getattr(before, name), parts, axis=1) for name in ("qpos", "qvel", "controls")}
     return replace(
         windows,
         controls=np.repeat(windows.controls, parts, axis=1),
         past=np.repeat(windows.past, parts, axis=1),
-        before=Before(*held),
+        before=replace(before, **held),
         unlogged=missing and replace(missing, size=np.repeat(missing.size, parts, axis=2)),
         step=windows.step / parts,
     )

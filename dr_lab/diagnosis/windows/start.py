@@ -1,7 +1,7 @@
 """First estimates of the windows' initial states, and how far they may be wrong."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -24,46 +24,63 @@ from dr_lab.trajectory import Array, Log, Noise, Signal
 class Before:
     """Measured motion in the middle of the p steps before w starts; joints without a channel rest at the model's pose.
 
+    What swings for long is told by mean velocities in f longer intervals before these steps.
+
     Attributes:
         qpos: shape (w, p, nq).
         qvel: shape (w, p, nv).
         controls: of the steps, in the nominal model's ctrl layout, shape (w, p, nu).
+        far: mean velocities, shape (w, f, nv).
+        interval: s, length of each of the intervals.
     """
 
     qpos: Array
     qvel: Array
     controls: Array
+    far: Array
+    interval: float
 
     def pick(self, rows: NDArray[np.intp]) -> "Before":
         """The motion before some windows."""
-        return Before(self.qpos[rows], self.qvel[rows], self.controls[rows])
+        kept = {name: getattr(self, name)[rows] for name in ("qpos", "qvel", "controls", "far")}
+        return replace(self, **kept)
 
 
 def motion_before(
-    logs: Sequence[Log], begins: Sequence[Array], model: mujoco.MjModel, controls: Array, smoother: float
+    logs: Sequence[Log], begins: Sequence[Array], model: mujoco.MjModel, controls: Array, settings: WindowSettings
 ) -> Before:
     """Local polynomials through the measured positions before every start; before a log its first sample holds.
+
+    Mean velocities are differences of interpolated positions: what swings takes the mean of their noise by itself.
 
     Args:
         logs: the logs.
         begins: s on each log's clock at which its windows start.
         model: compiled nominal model.
         controls: of the p steps before each start, shape (w, p, nu).
-        smoother: half-width of the polynomials in s.
+        settings: how to cut.
     """
     count, steps = controls.shape[:2]
+    edges = _far_edges(steps * model.opt.timestep, settings)
+    far = np.zeros((count, max(len(edges) - 1, 0), model.nv))
     qpos, qvel = np.tile(model.qpos0, (count, steps, 1)), np.zeros((count, steps, model.nv))
     ago = (np.arange(-steps, 0) + 0.5) * model.opt.timestep
     for name in logs[0].outputs:
         channel = available(model)[name]
         if channel.kind == "position" and steps:
-            fits = [
-                _path(log.outputs[name], begin[:, None] + ago, smoother)
-                for log, begin in zip(logs, begins, strict=True)
-            ]
+            pairs = [(log.outputs[name], begin[:, None]) for log, begin in zip(logs, begins, strict=True)]
+            fits = [_path(signal, begin + ago, settings.smoother) for signal, begin in pairs]
             qpos[..., channel.address] = np.concatenate([value for value, _ in fits])
             qvel[..., channel.dof] = np.concatenate([slope for _, slope in fits])
-    return Before(qpos, qvel, controls)
+            places = [np.interp(begin + edges, signal.time, signal.value) for signal, begin in pairs]
+            far[..., channel.dof] = np.diff(np.concatenate(places), axis=1) / settings.interval
+    return Before(qpos, qvel, controls, far, settings.interval)
+
+
+def _far_edges(memory: float, settings: WindowSettings) -> Array:
+    """Edges of the intervals that end where the memory begins, s before a start, up to the lookback."""
+    count = max(int((settings.lookback - memory) / settings.interval), 0)
+    return -memory - settings.interval * np.arange(count, -1, -1)
 
 
 def _path(signal: Signal, times: Array, smoother: float) -> tuple[Array, Array]:

@@ -147,7 +147,7 @@ def windows_at(
     first, pairs = max(npast, nback), zip(logs, begins, strict=True)
     edges = model.opt.timestep * np.arange(-first, nstep + 1)
     steps = np.concatenate([averages(log.commands, columns, model.nu, b[:, None] + edges) for log, b in pairs])
-    before = motion_before(logs, begins, model, steps[:, first - nback : first], settings.smoother)
+    before = motion_before(logs, begins, model, steps[:, first - nback : first], settings)
     prior = estimate_starts(logs, begins, model, measured.noise, settings)
     hidden = activations(logs, begins, model, before, prior, settings)
     missing = unlogged(logs, begins, columns, edges[first:], settings.most_unlogged)

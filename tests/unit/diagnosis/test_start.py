@@ -112,3 +112,15 @@ def test_starts_follow_the_order_of_the_logs() -> None:
     two = replace(log(hinge_position=10 + TIME), name="b")
     found = cut([one, two], measured([one, two]), pendulum().nominal(), windows_settings())
     np.testing.assert_allclose(found.prior.qpos[:, 0], found.begin + 10 * found.log)
+
+
+def test_far_past_is_mean_velocities_and_rest_before_the_log() -> None:
+    settings = windows_settings()
+    found = windows(log(hinge_position=1.5 * TIME), settings)
+    edges = settings.interval * np.arange(found.before.far.shape[1] + 1)
+    for begin, speeds in zip(found.begin, found.before.far[:, :, 0], strict=True):
+        starts = begin - settings.memory - edges[-1] + edges[:-1]
+        inside, outside = starts >= TIME[0], starts + settings.interval <= TIME[0]
+        np.testing.assert_allclose(speeds[inside], 1.5, rtol=1e-9)
+        np.testing.assert_array_equal(speeds[outside], 0.0)
+    assert edges[-1] == pytest.approx(settings.lookback - settings.memory)

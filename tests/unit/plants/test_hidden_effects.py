@@ -18,12 +18,12 @@ from dr_lab.plants.hidden.cogging import Cogging
 from dr_lab.plants.hidden.constant_offset import ConstantOffset
 from dr_lab.plants.hidden.dead_zone import DeadZone
 from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.plants.hidden.flexible_mode import FlexibleMode
 from dr_lab.plants.hidden.magnet import Magnet
 from dr_lab.plants.hidden.no_effect import NoEffect
 from dr_lab.plants.hidden.payload import Payload
 from dr_lab.plants.hidden.quadratic_drag import QuadraticDrag
 from dr_lab.plants.hidden.saturation import Saturation
-from dr_lab.plants.hidden.slosh import Slosh
 from dr_lab.plants.hidden.spring import Spring
 from dr_lab.plants.hidden.torque_scale import TorqueScale
 from dr_lab.plants.hidden.viscous_friction import ViscousFriction
@@ -166,7 +166,7 @@ def test_a_warming_seal_takes_less_and_less() -> None:
 
 def test_what_sloshes_swings_against_its_link() -> None:
     inertia, rotor, stiffness, torque = ARM_ALONE.links[0].second, 5e-5, 0.02, 1e-4
-    effect = Both(Slosh("arm", rotor, stiffness, damping=0.0), ConstantOffset("arm", torque))
+    effect = Both(FlexibleMode("arm", rotor, stiffness, damping=0.0), ConstantOffset("arm", torque))
     states = simulate(ARM_ALONE, effect, [no_command()], TIME, accuracy=TIGHT)
     turn = math.sqrt(stiffness * (1 / inertia + 1 / rotor))
     behind = -torque / inertia / turn**2 * (1 - np.cos(turn * TIME))

@@ -1,4 +1,4 @@
-"""Something loose inside a link that swings on its own, which the catalogue does not know."""
+"""Something loose inside a link that swings on its own."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -7,7 +7,7 @@ from dr_lab.plants.hidden.effect import HiddenEffect, Oscillator
 
 
 @dataclass(frozen=True)
-class Slosh(HiddenEffect):
+class FlexibleMode(HiddenEffect):
     """An unmeasured rotor that the link drags along by a spring and a damper.
 
     Attributes:
@@ -17,7 +17,7 @@ class Slosh(HiddenEffect):
         damping: N·m·s/rad or N·s/m.
     """
 
-    name: ClassVar[str] = "slosh"
+    name: ClassVar[str] = "flexible_mode"
     site: str
     inertia: float
     stiffness: float
