@@ -17,7 +17,6 @@ _DRAWS = 400  # references that a 99.9 % quantile is read from
 _CHANCE = 1e-5  # that stationary noise is taken for something else
 _FEWEST = 16  # samples in a window whose spectrum says anything
 _WINDOWS = 8  # of which the scatter says anything
-_STEP = 0.1  # of the logarithm of what lies above white noise; references are drawn in these steps
 
 
 def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
@@ -36,16 +35,15 @@ def instrumental(residual: Array, used: Mask, integrals: int) -> bool:
         used: which of them exist, shape (w, m).
         integrals: 2 for a position, 1 for a velocity.
     """
-    whole = used.all(0)
-    kept = residual[:, whole]
-    if len(kept) < _WINDOWS or kept.shape[1] < _FEWEST or not (kept**2).sum(1).all():
+    kept = residual[:, used.all(0)]
+    windows, samples = len(kept), kept.shape[1]
+    if windows < _WINDOWS or samples < _FEWEST or not (kept**2).sum(1).all():
         return False
     excess = float((kept**2).mean()) - 1.0
     if excess <= 0 or not _homogeneous(kept):
         return False
-    step = round(np.log(excess) / _STEP)
     power = (np.abs(_transform(kept)) ** 2).mean(0)
-    return bool(_mean_frequency(power, kept.shape[1]) > _roughest(*kept.shape, integrals, float(np.exp(step * _STEP))))
+    return bool(_mean_frequency(power, samples) > _roughest(windows, samples, integrals, excess))
 
 
 def _homogeneous(residual: Array) -> bool:

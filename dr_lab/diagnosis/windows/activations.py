@@ -104,7 +104,7 @@ def _along(
     controls = np.concatenate(
         [averages(log.commands, columns, model.nu, end[:, None] + edges) for log, end in zip(logs, ends, strict=True)]
     )
-    motion = motion_before(logs, ends, coarse, controls, settings.smoother)
+    motion = motion_before(logs, ends, coarse, controls, settings)
     batch = Batch(coarse, len(logs), 1)
     run = follow(batch, motion.qpos, motion.qvel, controls, resting(coarse, motion.qpos[:, 0], controls[:, 0]))
     run = np.nan_to_num(run.transpose(1, 0, 2), posinf=0.0, neginf=0.0)

@@ -80,7 +80,7 @@ def motion_before(
 def _far_edges(memory: float, settings: WindowSettings) -> Array:
     """Edges of the intervals that end where the memory begins, s before a start, up to the lookback."""
     count = max(int((settings.lookback - memory) / settings.interval), 0)
-    return -memory - settings.interval * np.arange(count, -1, -1)
+    return -memory - settings.interval * np.arange(count, -1, -1, dtype=np.float64)
 
 
 def _path(signal: Signal, times: Array, smoother: float) -> tuple[Array, Array]:
