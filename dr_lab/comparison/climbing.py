@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from dr_lab.comparison.calibrated import calibrated
 from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.confirmation import confirm
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
@@ -31,6 +32,9 @@ def climbed(study: Study, effects: Mapping[str, Effect], *, most: int, watch: Cl
     2. An answer of the shortest windows is in doubt where more than noise remains, and windows that chose nothing do
        not confirm it. It is asked again in the next longer ones, whose answer replaces it if it is in no doubt. Where
        too few windows chose nothing to know, it is not: of longer ones there are fewer still.
+    3. Where the model leaves noise alone, it is also calibrated to longer windows: over short ones the fitted starts
+       take up what a weak force does, such as dry friction of a pendulum that swings freely. If it leaves more than
+       noise there, they are asked as in 1; where they do not explain it either, the gap is told.
 
     Each further length is one more chance of a false answer: of k lengths, those behind the first ask for the
     confidence 1 − (1 − confidence) / k (Bonferroni).
@@ -82,7 +86,7 @@ def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch
     lengths = study.settings.windows.lengths
     first = (study, _ladder(study, effects, most, watch))
     if _settled(*first):
-        return first
+        return first if first[1].steps else _as_long_as_noise(first, effects, most, watch)
     doubtful, confirmation = _explained(*first), first[1].confirmation
     if doubtful and confirmation is not None and not confirmation.enough:
         return first
@@ -99,9 +103,34 @@ def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch
     return first
 
 
-def _ladder(study: Study, effects: Mapping[str, Effect], most: int, watch: ClimbWatch) -> Ladder:
-    watch.phase("Calibrating the model")
-    base = calibrated(study)
+def _as_long_as_noise(
+    first: tuple[Study, Ladder], effects: Mapping[str, Effect], most: int, watch: ClimbWatch
+) -> tuple[Study, Ladder]:
+    """The study and the ladder of a model that leaves noise alone, or those of longer windows that show a gap."""
+    study, lengths = first[0], first[0].settings.windows.lengths
+    shown = first
+    for length in lengths[1:]:
+        watch.phase(f"Only noise is left: windows of {length:.3g} s")
+        longer = _with_windows(study, length, len(lengths), None)
+        if longer is None:
+            break
+        base = calibrated(longer)
+        if at_floor(base.held_out, longer.bench.evidence):
+            continue
+        ladder = _ladder(longer, effects, most, watch, base)
+        if _explained(longer, ladder):
+            return longer, ladder
+        shown = (longer, ladder) if shown is first else shown
+    return shown
+
+
+def _ladder(
+    study: Study, effects: Mapping[str, Effect], most: int, watch: ClimbWatch, base: FittedModel | None = None
+) -> Ladder:
+    """The ladder in the windows of a study; on a base that is calibrated to them already, where one is given."""
+    if base is None:
+        watch.phase("Calibrating the model")
+        base = calibrated(study)
     ladder = climb(study.bench, base, effects, study.scales, study.compiled, most=most, watch=watch)
     if not most:
         cases = SpecialCases(effects, study.scales, study.compiled)

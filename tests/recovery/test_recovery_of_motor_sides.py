@@ -1,4 +1,4 @@
-"""A soft shaft and a worn gear, as two inertias solved by SciPy, are found again beside a wrong mass and damping."""
+"""What turns apart from its link, as two inertias solved by SciPy, is found again beside a wrong mass and damping."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,6 +14,7 @@ from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.hidden.backlash import Backlash
 from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.plants.hidden.flexible_mode import FlexibleMode
 from dr_lab.plants.hidden.joint_elasticity import JointElasticity
 from dr_lab.plants.hidden.motor_side_elasticity import MotorSideElasticity
 from dr_lab.plants.motion import Accuracy, simulate
@@ -78,4 +79,15 @@ def test_the_gears_play_is_found() -> None:
     assert cost < 2.0
     assert found["gap"] == pytest.approx(0.04, rel=0.1)
     assert found["rotor"] == pytest.approx(ROTOR, rel=0.1)
+    assert found["rod.mass"] == pytest.approx(TRUTH["rod.mass"], rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_part_that_swings_on_its_own_is_found() -> None:
+    """It begins every window as the motion of the seconds before left it."""
+    found, cost = fitted(FlexibleMode(SITE, 0.01, stiffness=3.0, damping=0.02), {"inertia": 0.005, "period": 0.4})
+    assert cost == pytest.approx(1.0, abs=0.1)
+    assert found["inertia"] == pytest.approx(0.01, rel=0.02)
+    assert found["period"] == pytest.approx(2 * np.pi * np.sqrt(0.01 / 3.0), rel=0.002)
+    assert found["damping"] == pytest.approx(0.5 * 0.02 / np.sqrt(0.01 * 3.0), rel=0.05)
     assert found["rod.mass"] == pytest.approx(TRUTH["rod.mass"], rel=0.01)

@@ -71,6 +71,7 @@ class Windowed:
 
 
 DIVERGES = float("inf")
+NOISE = Answer("none", chi2=1.0)
 NOTHING, NAMED = Answer("unexplained"), Answer("named", ("friction",))
 DOUBTFUL = Answer("equivalent", ("drag",), "undecided")
 
@@ -79,7 +80,11 @@ DOUBTFUL = Answer("equivalent", ("drag",), "undecided")
     ("answers", "room", "length", "kind"),
     [
         ([NAMED], 9.0, 0.3, "named"),
-        ([Answer("none")], 9.0, 0.3, "none"),
+        ([NOISE], 9.0, 0.3, "none"),
+        ([NOISE, 1.0, 9.0, NAMED], 9.0, 2.7, "named"),  # noise alone in 0.9 s, too, and a gap in 2.7 s
+        ([NOISE, 9.0, NOTHING, 9.0, NAMED], 9.0, 2.7, "named"),
+        ([NOISE, 9.0, NOTHING, 9.0, NOTHING], 9.0, 0.9, "unexplained"),  # the first that show the gap
+        ([NOISE, 9.0, NAMED], 0.5, 0.3, "none"),
         ([NOTHING, NAMED], 9.0, 0.9, "named"),
         ([NOTHING, NOTHING, NAMED], 9.0, 2.7, "named"),
         ([NOTHING, NOTHING, NOTHING], 9.0, 0.3, "unexplained"),
@@ -95,8 +100,9 @@ DOUBTFUL = Answer("equivalent", ("drag",), "undecided")
     ],
 )
 def test_the_shortest_windows_that_explain_the_gap(
-    monkeypatch: pytest.MonkeyPatch, answers: list[Answer], room: float, length: float, kind: str
+    monkeypatch: pytest.MonkeyPatch, answers: list[Answer | float], room: float, length: float, kind: str
 ) -> None:
+    """Numbers are χ² of the model calibrated to the longer windows of one that left noise alone."""
     left, confidence = iter(answers), list[float]()
 
     def climb(made: Study, *known: object) -> Ladder:
@@ -104,7 +110,14 @@ def test_the_shortest_windows_that_explain_the_gap(
         confidence.append(made.bench.evidence.confidence)
         return cast(Ladder, next(left))
 
+    def calibrated(made: Study) -> SimpleNamespace:
+        del made
+        chi2 = next(left, 1.0)
+        assert isinstance(chi2, float)
+        return SimpleNamespace(held_out=score([chi2] * 8))
+
     monkeypatch.setattr(climbing, "_ladder", climb)
+    monkeypatch.setattr(climbing, "calibrated", calibrated)
     windows, evidence = windows_settings(length=0.3, longest=2.7), evidence_settings(confidence=0.97)
     first = cast(Study, Windowed(comparison_settings(windows=windows, evidence=evidence), room))
     found, ladder = climbing.climbed(first, {}, most=1, watch=Silence())
