@@ -7,6 +7,7 @@ from dr_lab.reports.gap import GapReport
 from dr_lab.reports.ladder import scored, status, steps
 from dr_lab.reports.quantity import number, percent
 
+_SHORT = 4  # models that a sentence lists: as given, calibrated, and with two effects
 _TENFOLD = 9.0  # times itself that an error grows by when it grows tenfold
 
 
@@ -77,7 +78,9 @@ def _found(report: GapReport) -> str:
     return sentences.get(report.verdict or "", f"**Added:** {_listed(added)}." if added else done)
 
 
-def _named(effects: Sequence[str]) -> str:
+def _named(effects: Sequence[str], *, beside: bool = False) -> str:
+    if beside:
+        return f"**Named beside them:** {_listed(effects)}."
     return f"**The missing {'effects are' if len(effects) > 1 else 'effect is'} named:** {_listed(effects)}."
 
 
@@ -95,13 +98,15 @@ def _unexplained(report: GapReport) -> str:
 
 
 def _equivalent(report: GapReport) -> str:
-    """Which effects stand alone, and which ones the logs cannot tell apart."""
+    """Which effects stand alone, and which ones the logs cannot tell apart; what was found first comes first."""
     added = [(rung.effects[-1], rung.rivals or ()) for rung in report.catalogued if rung.effects]
     alone = [effect for effect, rivals in added if not rivals]
     groups = [_listed([effect, *rivals]) for effect, rivals in added if rivals]
     told = "; ".join(groups) or _listed(_with_status(report, "equivalent")) or "the best candidates"
-    named = f"{_named(alone)} " if alone else ""
-    return f"{named}**Equivalent effects:** these logs cannot tell apart {told}."
+    equivalent = f"**Equivalent effects:** these logs cannot tell apart {told}."
+    if not alone:
+        return equivalent
+    return f"{_named(alone)} {equivalent}" if not added[0][1] else f"{equivalent} {_named(alone, beside=True)}"
 
 
 def _fall(report: GapReport) -> str:
@@ -111,7 +116,7 @@ def _fall(report: GapReport) -> str:
         named = [row for row in report.judged.ranking if status(row, report.verdict) == "named"]
         errors += [f"{number(row.held_out_chi2)} (+ {row.label})" for row in named]
     # Longer ladders have their own table; the sentence keeps the ends and the calibrated model, which effects improve.
-    told = errors if len(errors) <= 3 else [*errors[:2], "…", errors[-1]]
+    told = errors if len(errors) <= _SHORT else [*errors[:2], "…", errors[-1]]
     return f"χ² on {scored(report)}: {' → '.join(told)}; 1 is the noise floor."
 
 
@@ -124,11 +129,13 @@ def _confirmed(report: GapReport) -> str:
         return "**The calibrated model predicts the logs better: what was added bends the fitted starts alone.**"
     if found.gain is None:
         return ""
-    where = f"{found.windows} windows that chose nothing"
-    closed = f"{percent(found.gain.gap_closed)} of a typical window's gap closes there"
+    where = f"{found.windows} window{'s' * (found.windows != 1)} that chose nothing"
+    share = f"{percent(found.gain.gap_closed)} of a typical window's gap"
+    closed, few = f"{share} closes there", "too few to be sure"
+    shows = (found.gain.gap_closed or 0.0) >= (report.judged.explained.share or 0.0) / 2
     told = {
         "confirmed": f"On {where} the same is found: {closed}.",
-        "undecided": f"On {where} the same shows, but they are too few to be sure: {closed}.",
+        "undecided": f"On {where}, {few}, {'the same shows: ' if shows else 'only '}{closed}.",
         "contradicted": f"**{where} contradict that: {closed}. Do not trust what was added.**",
     }
     return told[found.status]

@@ -111,6 +111,42 @@ def test_effects_that_stand_alone_are_named_beside_those_that_do_not(close_repor
     assert "cannot tell apart `payload@pole`, `armature@pole`" in text
 
 
+def test_what_was_found_first_is_told_first(close_report: dict[str, Any]) -> None:
+    first = close_report["ladder"][1] | {"rivals": ["stribeck_friction@arm"]}
+    second = close_report["ladder"][1] | {"effects": ["coulomb_friction@arm", "payload@pole"]}
+    close_report |= {"verdict": "equivalent", "ladder": [close_report["ladder"][0], first, second]}
+    told = "cannot tell apart `coulomb_friction@arm`, `stribeck_friction@arm`. **Named beside them:** `payload@pole`."
+    assert told in page(close_report)
+
+
+@pytest.mark.parametrize(
+    ("windows", "gap", "told"),
+    [
+        (3, 0.8, "On 3 windows that chose nothing, too few to be sure, the same shows: 80 % of a typical window's gap"),
+        (1, 0.041, "On 1 window that chose nothing, too few to be sure, only 4.1 % of a typical window's gap"),
+    ],
+)
+def test_what_few_windows_say_is_told_as_it_is(
+    close_report: dict[str, Any], windows: int, gap: float, told: str
+) -> None:
+    close_report |= {
+        "explained": {"share": 0.9, "interval": [0.7, 0.97]},
+        "confirmation": {
+            "status": "undecided",
+            "predicted_worse": False,
+            "windows": windows,
+            "chi2_before": 37.0,
+            "chi2_after": 30.0,
+            "gap_closed": gap,
+            "gain": gap,
+            "gain_ci": [None, None],
+            "evidence": 1.2,
+            "evidence_low": None,
+        },
+    }
+    assert told in page(close_report)
+
+
 def test_several_effects_are_named_in_the_plural(close_report: dict[str, Any]) -> None:
     second = close_report["ladder"][1] | {"effects": ["coulomb_friction@arm", "payload@pole"]}
     close_report["ladder"] = [*close_report["ladder"], second]
@@ -201,9 +237,12 @@ def test_errors_on_fit_logs_are_not_called_held_out(close_report: dict[str, Any]
 def test_long_ladders_are_told_by_their_ends(close_report: dict[str, Any]) -> None:
     effects = ["coulomb_friction@arm", "payload@pole"]
     close_report["ladder"].append(close_report["ladder"][1] | {"effects": effects})
+    ends = "355 (model as given) → 213.4 (calibrated) → "
+    assert f"{ends}1.003 (+ coulomb_friction@arm) → 1.003 (+ payload@pole); 1 is" in page(close_report)
+    close_report["ladder"].append(close_report["ladder"][1] | {"effects": [*effects, "spring@arm"]})
     text = page(close_report)
-    assert "355 (model as given) → 213.4 (calibrated) → … → 1.003 (+ payload@pole); 1 is" in text
-    assert "named:** `coulomb_friction@arm`, `payload@pole`." in text
+    assert f"{ends}… → 1.003 (+ spring@arm); 1 is" in text
+    assert "named:** `coulomb_friction@arm`, `payload@pole`, `spring@arm`." in text
 
 
 def test_diverged_windows_are_counted(close_report: dict[str, Any]) -> None:
