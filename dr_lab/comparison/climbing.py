@@ -106,7 +106,11 @@ def _first_settled(study: Study, effects: Mapping[str, Effect], most: int, watch
 def _as_long_as_noise(
     first: tuple[Study, Ladder], effects: Mapping[str, Effect], most: int, watch: ClimbWatch
 ) -> tuple[Study, Ladder]:
-    """The study and the ladder of a model that leaves noise alone, or those of longer windows that show a gap."""
+    """The study and the ladder of a model that leaves noise alone, or those of longer windows that show a gap.
+
+    What a force does to a position grows with the square of time, and its χ² with the fourth power, less what the
+    starts take. Coloured noise stays as large as it is, but for what the starts of short windows took of it.
+    """
     study, lengths = first[0], first[0].settings.windows.lengths
     shown = first
     for length in lengths[1:]:
@@ -115,13 +119,19 @@ def _as_long_as_noise(
         if longer is None:
             break
         base = calibrated(longer)
-        if at_floor(base.held_out, longer.bench.evidence):
+        if not _grows(first[1].base.held_out, base.held_out, longer.bench.evidence):
             continue
         ladder = _ladder(longer, effects, most, watch, base)
         if _explained(longer, ladder):
             return longer, ladder
         shown = (longer, ladder) if shown is first else shown
     return shown
+
+
+def _grows(short: Score, long: Score, evidence: EvidenceSettings) -> bool:
+    """Whether a model leaves more than noise in longer windows, in some channel much more than in short ones."""
+    pairs = ((channel.chi2, short.channels[name].chi2) for name, channel in long.channels.items())
+    return not at_floor(long, evidence) and any(now > evidence.growth * max(before, 1.0) for now, before in pairs)
 
 
 def _ladder(

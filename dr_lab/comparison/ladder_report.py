@@ -128,8 +128,9 @@ def _ladder_notes(study: Study, ladder: Ladder) -> list[NoteEntry]:
         *notes.searched_periods(ladder),
         *notes.moved_bounds(ladder),
     ]
-    shared = notes.shared_loads(study.bench, ladder.models[-1])
-    return [*notes.few_blocks(study.bench), *shared, *notes.refused(ladder.refused), *changed]
+    last = ladder.models[-1]
+    of_logs = [*notes.disagreeing_logs(study.bench, last), *notes.shared_loads(study.bench, last)]
+    return [*notes.few_blocks(study.bench), *of_logs, *notes.refused(ladder.refused), *changed]
 
 
 def _verdict(ladder: Ladder, settings: EvidenceSettings) -> str:

@@ -9,8 +9,10 @@ from dr_lab.comparison.fault_notes import KIND, fault_notes
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.checks.open_chains import open_chain
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
+from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import block_count
 from dr_lab.diagnosis.faults.unit_suspicion import suspect_degrees
+from dr_lab.diagnosis.fit.covariance import per_log, per_log_std
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.periods import searched
@@ -21,6 +23,7 @@ from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.gap_entries import NoteEntry
+from dr_lab.reports.quantity import uncertain
 from dr_lab.trajectory import MeasurementSet, Note
 
 
@@ -71,6 +74,32 @@ def few_blocks(bench: Bench) -> list[NoteEntry]:
         "far. Record more, hold out more logs or cut shorter windows (windows.length)."
     )
     return [NoteEntry(message, "few_blocks", count=count)]
+
+
+def disagreeing_logs(bench: Bench, last: FittedModel) -> list[NoteEntry]:
+    """Notes on parameters of which two logs ask for values that differ beyond their noise and by a factor of two.
+
+    Nothing is told of a model that leaves noise alone, nor of bodies that are free as a whole, whose numbers trade.
+    """
+    space, told = last.model.space, []
+    if last.model.inertials or at_floor(last.held_out, bench.evidence):
+        return []
+    values, std = (found(space, last.fit, bench.fit) for found in (per_log, per_log_std))
+    for k, parameter in enumerate(space.parameters):
+        least, most = int(values[:, k].argmin()), int(values[:, k].argmax())
+        low, high = float(values[least, k]), float(values[most, k])
+        noise = std[least, k] ** 2 + std[most, k] ** 2
+        if (high - low) ** 2 > bench.evidence.threshold * noise and high - low > min(abs(low), abs(high)):
+            asked = [
+                f"{bench.fit.logs[row]} asks for {uncertain(value, None, parameter.unit)}"
+                for row, value in ((least, low), (most, high))
+            ]
+            message = (
+                f"The logs do not agree on {parameter.name}: {' and '.join(asked)}. Was it one machine, set up alike? "
+                "If so, what is missing acts more in one of them."
+            )
+            told.append(NoteEntry(message, "disagreeing_logs"))
+    return told
 
 
 def shared_loads(bench: Bench, last: FittedModel) -> list[NoteEntry]:

@@ -226,6 +226,8 @@ class EvidenceSettings:
         least_gap: share of the worse model's χ² above the noise floor that separates two models.
         least_explained: share of the χ² above the noise floor that an effect must close to be added.
         least_named: the same of all added effects together, for them to be named where they leave more than noise.
+        growth: times the χ² that a model leaves in short windows, where that passes for noise, beyond which what it
+            leaves in longer ones does not.
         penalty: Δχ² that each added parameter must earn on top.
         floor: largest χ² per sample that counts as the noise floor, where samples are many.
         absorbed: share of an effect's information below which the free parameters are said to absorb it.
@@ -261,6 +263,7 @@ class EvidenceSettings:
     least_gap: NotNegative
     least_explained: NotNegative
     least_named: NotNegative
+    growth: Positive
     penalty: NotNegative
     floor: Positive
     absorbed: NotNegative

@@ -42,6 +42,12 @@ def per_log(space: ContextSpace, fit: Fit, windows: Windows) -> Array:
     return space.clip(fit.z - _steps(fit, information, gradient) * space.span)
 
 
+def per_log_std(space: ContextSpace, fit: Fit, windows: Windows) -> Array:
+    """Formal standard deviations of these contexts, shape (logs, n)."""
+    information, _ = _sums(fit, logs(windows.log))
+    return np.linalg.norm(inverse_root(information, fit.equations.prior), axis=2) * space.span
+
+
 def _sums(fit: Fit, groups: Sequence[NDArray[np.intp]]) -> tuple[Array, Array]:
     """Information and gradient of groups of windows, shapes (groups, n, n) and (groups, n)."""
     information, gradient = fit.equations.window_information()

@@ -42,6 +42,10 @@ class Answer:
         known = {str(chi2): channel(chi2) for chi2 in self.channels}
         return [SimpleNamespace(held_out=replace(score([self.chi2] * 8), channels=known))]
 
+    @property
+    def base(self) -> SimpleNamespace:
+        return fitted(self.chi2)
+
     def verdict(self, settings: EvidenceSettings) -> str:
         del settings
         return self.kind
@@ -70,6 +74,11 @@ class Windowed:
         return replace(self, settings=settings)
 
 
+def fitted(chi2: float) -> SimpleNamespace:
+    """A model that leaves so much of one channel."""
+    return SimpleNamespace(held_out=replace(score([chi2] * 8), channels={"hinge.position": channel(chi2)}))
+
+
 DIVERGES = float("inf")
 NOISE = Answer("none", chi2=1.0)
 NOTHING, NAMED = Answer("unexplained"), Answer("named", ("friction",))
@@ -85,6 +94,8 @@ DOUBTFUL = Answer("equivalent", ("drag",), "undecided")
         ([NOISE, 9.0, NOTHING, 9.0, NAMED], 9.0, 2.7, "named"),
         ([NOISE, 9.0, NOTHING, 9.0, NOTHING], 9.0, 0.9, "unexplained"),  # the first that show the gap
         ([NOISE, 9.0, NAMED], 0.5, 0.3, "none"),
+        ([replace(NOISE, chi2=8.0), 11.0, 12.0], 9.0, 0.3, "none"),  # coloured noise, which grows little
+        ([replace(NOISE, chi2=8.0), 11.0, 30.0, NAMED], 9.0, 2.7, "named"),
         ([NOTHING, NAMED], 9.0, 0.9, "named"),
         ([NOTHING, NOTHING, NAMED], 9.0, 2.7, "named"),
         ([NOTHING, NOTHING, NOTHING], 9.0, 0.3, "unexplained"),
@@ -114,7 +125,7 @@ def test_the_shortest_windows_that_explain_the_gap(
         del made
         chi2 = next(left, 1.0)
         assert isinstance(chi2, float)
-        return SimpleNamespace(held_out=score([chi2] * 8))
+        return fitted(chi2)
 
     monkeypatch.setattr(climbing, "_ladder", climb)
     monkeypatch.setattr(climbing, "calibrated", calibrated)
