@@ -24,6 +24,7 @@ from dr_lab.diagnosis.search.climb_watch import ClimbWatch
 from dr_lab.reports.quantity import number
 
 _PARTS = 4  # of a ranking that get a line each
+_ANEW = "The model itself was found to fit better: trying all anew"
 _LONGEST = 10.0  # s between two lines, as far as candidates are done in them
 
 
@@ -60,8 +61,11 @@ class _Lines:
         last, lock = began, Lock()
 
         def done(label: str) -> None:
-            nonlocal tried, told, last
+            nonlocal tried, told, last, began
             with lock:  # candidates are tried side by side
+                if tried == count:
+                    self.phase(_ANEW)
+                    tried, told, began = 0, 0, time.monotonic()
                 tried += 1
                 due = tried * _PARTS // count > told * _PARTS // count or time.monotonic() - last >= _LONGEST
                 if due and count > 1:
@@ -91,9 +95,14 @@ class _Bars:
         self._begin(text, None)
 
     def ranking(self, count: int) -> Callable[[str], None]:
-        task = self._begin(_trying(count), count)
+        task, tried = self._begin(_trying(count), count), 0
 
         def done(label: str) -> None:
+            nonlocal tried
+            if tried == count:
+                tried = 0
+                self._bars.reset(task)
+            tried += 1
             self._bars.update(task, advance=1, description=f"Trying effects: {label}")
 
         return done

@@ -59,10 +59,15 @@ class Confirmation:
 
     @property
     def contradicts(self) -> bool:
-        """Whether what was added is not found again: it predicts worse, or nothing is gained on windows left out."""
-        if self.apart is None or not self.enough:
+        """Whether what was added is not found again.
+
+        It predicts worse, or gains nothing on windows left out. Where these are too few to know, it must at least
+        double the gap there.
+        """
+        if self.predicted_worse or self.apart is None:
             return self.predicted_worse
-        return self.predicted_worse or self.apart.gain.total <= 0
+        gain = self.apart.gain
+        return gain.total <= 0 and (self.enough or gain.gap <= -1.0)
 
     @property
     def status(self) -> str:

@@ -99,3 +99,18 @@ def test_on_a_terminal_there_is_a_bar_and_what_is_shown_stays(monkeypatch: pytes
     assert "Found:" in text
     assert "Writing the report" in text
     assert "Writing the report …" not in text
+
+
+def test_a_ranking_that_is_made_anew_counts_anew(console: Console) -> None:
+    with screen() as told:
+        done = told.ranking(2)
+        for label in ("drag@cart", "lag@motor", "drag@cart", "lag@motor"):
+            done(label)
+    assert printed(console) == [
+        "Trying 2 effects …",
+        "  1 of 2 tried, the last drag@cart",
+        "  2 of 2 tried, the last lag@motor",
+        "The model itself was found to fit better: trying all anew …",
+        "  1 of 2 tried, the last drag@cart",
+        "  2 of 2 tried, the last lag@motor",
+    ]

@@ -27,8 +27,9 @@ from dr_lab.trajectory import Array
 FREE = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 1.0}}
 
 
-def comparison(total: float, low: float) -> Comparison:
-    return Comparison(5, cast(Any, None), cast(Any, None), cast(Any, SimpleNamespace(total=total, total_low=low)))
+def comparison(total: float, low: float, gap: float = 0.5) -> Comparison:
+    gain = SimpleNamespace(total=total, total_low=low, gap=gap)
+    return Comparison(5, cast(Any, None), cast(Any, None), cast(Any, gain))
 
 
 @pytest.mark.parametrize(
@@ -38,6 +39,8 @@ def comparison(total: float, low: float) -> Comparison:
         (comparison(50.0, -20.0), False, "undecided"),
         (comparison(-5.0, -20.0), False, "contradicted"),
         (comparison(-5.0, np.nan), False, "undecided"),
+        (comparison(-5.0, np.nan, gap=-0.9), False, "undecided"),
+        (comparison(-5.0, np.nan, gap=-9.8), False, "contradicted"),
         (comparison(50.0, 20.0), True, "contradicted"),
         (None, False, "undecided"),
         (None, True, "contradicted"),
