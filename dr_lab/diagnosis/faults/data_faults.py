@@ -1,5 +1,6 @@
 """Faults of logs that a model shows: commands of the wrong sign or unit or out of step, machines off or held."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -117,7 +118,7 @@ def _shift(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> F
     near = min(found.share for found in tried if abs(found.lag) <= settings.longest_delay)
     if abs(best.lag) <= settings.longest_delay or best.share > settings.contrast * min(near, 1.0):
         return None
-    if best.late.left > settings.contrast * fit.gain(0.0, 0.0, best.rows).left:
+    if best.late.left > settings.contrast * fit.gain(0.0, 0.0, best.rows).left or _repeats(tried, best, settings):
         return None
     message = (
         f"{fit.actuator}: the motion of {fit.joint} follows the commands {abs(best.lag):.2f} s "
@@ -143,6 +144,12 @@ class _Shifted(NamedTuple):
     def share(self) -> float:
         """What the later commands leave of the squares that the given ones do."""
         return self.late.left / max(self.given.left, np.finfo(float).tiny)
+
+
+def _repeats(tried: Sequence[_Shifted], best: _Shifted, settings: FaultSettings) -> bool:
+    """Whether lags behind worse ones do about as well as the best: commands that repeat tell no shift, but a phase."""
+    good = np.array([found.share * settings.contrast <= best.share for found in tried])
+    return int(np.count_nonzero(good[1:] & ~good[:-1])) + int(good[0]) > 1
 
 
 def _shifted(fit: DriveFit, lag: float, settings: FaultSettings) -> _Shifted | None:
