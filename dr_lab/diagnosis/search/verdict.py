@@ -229,8 +229,10 @@ def _nearness(candidate: Candidate) -> tuple[int, float]:
 
 
 def _absorbed(candidate: Candidate, settings: EvidenceSettings) -> bool:
+    """Whether the model's own parameters take its place, by a linear step; a fit that changed much shows otherwise."""
     known = candidate.identifiability
-    excited = known.alone >= settings.threshold
+    moved = candidate.fitted and abs(candidate.gain.total) >= settings.threshold
+    excited = known.alone >= settings.threshold and not moved
     return excited and (known.share < settings.absorbed or known.beside < settings.threshold)
 
 

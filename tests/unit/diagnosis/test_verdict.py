@@ -180,6 +180,11 @@ def test_what_free_parameters_can_replace_is_told() -> None:
     assert verdict.status == {"armature@rail": "equivalent", "coulomb_friction@rail": "rejected"}
 
 
+def test_what_changed_the_error_much_is_replaced_by_nothing() -> None:
+    verdict = judged(20.0, ("armature", 40.0), armature=ABSORBED)
+    assert (verdict.absorbed, verdict.status) == ((), {"armature@rail": "rejected"})
+
+
 def test_what_free_parameters_can_replace_is_told_of_few_data_as_well() -> None:
     base = model(few(1.0))
     verdict = decide(base, [candidate(base, "armature", few(1.0), ABSORBED)], SETTINGS)
