@@ -4,11 +4,22 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
-from diagnosis_machines import measured, pendulum, short_comparison, swinging
+from diagnosis_machines import (
+    PENDULUM,
+    evidence_settings,
+    measured,
+    model_of,
+    pendulum,
+    short_comparison,
+    solver_settings,
+    swinging,
+    windows_of,
+)
 
 from dr_lab.comparison.calibrated import calibrated
-from dr_lab.comparison.notes import fit_notes, study_notes
+from dr_lab.comparison.notes import disagreeing_logs, fit_notes, study_notes
 from dr_lab.comparison.study import Study, prepare
+from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.trajectory import Note
 
@@ -56,3 +67,18 @@ def test_a_fit_without_its_certificate_is_told_with_what_helps(remedy: str, *, o
     assert note.kind == "not_converged"
     assert "The calibration did not converge in 3 steps" in note.message
     assert remedy in note.message
+
+
+@pytest.mark.parametrize(("worn", "count"), [(0.25, 1), (0.05, 0)])
+def test_logs_that_do_not_agree_on_a_parameter_are_told(worn: float, count: int) -> None:
+    damping = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 1.0}}
+    model = model_of(PENDULUM, damping)
+    other = model_of(PENDULUM.replace('damping="0.05"', f'damping="{worn}"'), damping)
+    logs = [swinging("log_new", model.nominal(), 0), swinging("log_worn", other.nominal(), 1)]
+    windows = windows_of(model, logs)
+    bench = Bench(windows, windows, solver_settings(), evidence_settings(), 1)
+    notes = disagreeing_logs(bench, fit_and_score(bench, model, model.space.nominal))
+    assert len(notes) == count
+    for note in notes:
+        assert "hinge.damping: log_new asks for 0.0" in note.message
+        assert "and log_worn asks for 0.2" in note.message
