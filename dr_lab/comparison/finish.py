@@ -66,6 +66,11 @@ def answer(report: GapReport, run: Run) -> None:
     run.screen.show(_paragraphs(parts))
 
 
+def save(report: GapReport, run: Run) -> None:
+    """Write what is known of a report, in case that what still takes minutes is interrupted."""
+    write_report(run.folder, _completed(report, [], run.folder))
+
+
 def finish(
     study: Study,
     report: GapReport,

@@ -7,7 +7,7 @@ from functools import reduce
 from dr_lab.comparison import entries, notes
 from dr_lab.comparison.calibrated import Described, as_given, describe
 from dr_lab.comparison.deciding import deciding_experiment
-from dr_lab.comparison.finish import Run, answer, finish
+from dr_lab.comparison.finish import Run, answer, finish, save
 from dr_lab.comparison.inertia import inertia_entry
 from dr_lab.comparison.lesson import Lesson
 from dr_lab.comparison.localised import failure
@@ -70,6 +70,7 @@ def report_ladder(
     failing = failure(study, base.model, base.fit.z)  # first, because what misses forces is among its windows
     judgement = replace(judgement, missing_force=missing_forces(study, models))
     if experiments is not None:
+        save(replace(report, judgement=judgement, failure=failing), run)
         run.screen.phase("Looking for the next experiment")
         judgement = replace(judgement, next_experiment=deciding_experiment(study, ladder, experiments, run.folder))
     before = (base.model, base.fit.z) if last is not base else (study.model, study.model.space.nominal)

@@ -1,5 +1,6 @@
 """What a verb prints while it works comes in the order in which its user needs it, and nothing is fitted twice."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,11 +18,12 @@ from effect_machines import catalogue_effect
 from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
-from dr_lab.comparison import finish, state_fits
+from dr_lab.comparison import finish, ladder_report, state_fits
 from dr_lab.comparison.state_fits import StateFits
 from dr_lab.comparison.study import prepare
 from dr_lab.trajectory import MeasurementSet
 from dr_lab.workflows.add import add
+from dr_lab.workflows.diagnose import diagnose
 
 TRUTH = np.array([0.6, 0.08])
 
@@ -99,3 +101,19 @@ def test_few_windows_are_spread_over_all() -> None:
     assert len(study.few) == 5
     assert (study.few[0], study.few[-1]) == (0, len(study.short) - 1)
     assert np.ptp(np.diff(study.few)) <= 1
+
+
+def test_the_report_is_there_before_the_next_experiment_is_looked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def pressed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ladder_report, "deciding_experiment", pressed)
+    cfg = compose("diagnose", [])
+    effects = {"coulomb_friction": catalogue_effect("coulomb_friction")}
+    comparison, experiments = short_comparison(pendulum(), data()), instantiate(cfg.next_experiment)
+    with pytest.raises(KeyboardInterrupt):
+        diagnose(comparison, effects, experiments, instantiate(cfg.recorder), tmp_path)
+    assert json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["verdict"] == "none"
+    assert "No missing effect" in (tmp_path / "report.md").read_text(encoding="utf-8")
