@@ -109,10 +109,14 @@ def _as_long_as_noise(
     """The study and the ladder of a model that leaves noise alone, or those of longer windows that show a gap.
 
     What a force does to a position grows with the square of time, and its χ² with the fourth power, less what the
-    starts take. Coloured noise stays as large as it is, but for what the starts of short windows took of it.
+    starts take. Coloured noise stays as large as it is, but for what the starts of short windows took of it. Commands
+    that changed without being logged are estimated as far as `WindowSettings.most_unlogged` allows, which longer
+    windows exceed: there, nothing is asked.
     """
     study, lengths = first[0], first[0].settings.windows.lengths
     shown = first
+    if study.bench.fit.unlogged is not None:
+        return first
     for length in lengths[1:]:
         watch.phase(f"Only noise is left: windows of {length:.3g} s")
         longer = _with_windows(study, length, len(lengths), None)

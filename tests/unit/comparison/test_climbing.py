@@ -64,9 +64,11 @@ class Windowed:
     scales: None = None
     compiled: None = None
 
+    unlogged: object = None
+
     @property
     def bench(self) -> SimpleNamespace:
-        return SimpleNamespace(evidence=self.settings.evidence)
+        return SimpleNamespace(evidence=self.settings.evidence, fit=SimpleNamespace(unlogged=self.unlogged))
 
     def with_settings(self, settings: ComparisonSettings) -> "Windowed":
         if settings.windows.length > self.room:
@@ -135,6 +137,15 @@ def test_the_shortest_windows_that_explain_the_gap(
     assert found.settings.windows.length == pytest.approx(length)
     assert ladder.verdict(evidence) == kind
     assert confidence == pytest.approx([0.97, 0.99, 0.99][: len(confidence)])  # Bonferroni over three lengths
+
+
+def test_longer_windows_are_not_asked_of_commands_that_changed_unlogged(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(climbing, "_ladder", lambda *_: NOISE)
+    monkeypatch.setattr(climbing, "calibrated", lambda _: fitted(9.0))
+    windows = windows_settings(length=0.3, longest=2.7)
+    study = cast(Study, Windowed(comparison_settings(windows=windows), 9.0, unlogged="something"))
+    found, ladder = climbing.climbed(study, {}, most=1, watch=Silence())
+    assert (found, ladder) == (study, NOISE)
 
 
 @pytest.mark.parametrize(
