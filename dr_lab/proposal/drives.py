@@ -127,15 +127,15 @@ def choose_commands(
         allowed = [given for given in outcome.given[drive.dof] if given.series in mine and _fits(drive, given, series)]
         least = min((given.left for given in allowed), default=0.0)
         for given in allowed:
-            equal = _explains(given, drive, outcome, settings) and given.left <= settings.near * least + settings.close
+            equal = explains(given, drive, outcome, settings) and given.left <= settings.near * least + settings.close
             rank = (series[given.series].words.asked, given.stiffness > 0) if equal else (True, True)
             offers.append((not equal, *rank, given.left, k, given))
     commanding = {k for k in usable if series[k].words.kind in ("drive", "reference")}
     chosen: dict[int, Given] = {}
     for *_, k, given in sorted(offers, key=lambda offer: offer[:4]):
-        explains = _explains(given, drives[k], outcome, settings)
+        explained = explains(given, drives[k], outcome, settings)
         alone = len({*named[k]} & commanding) == 1
-        if k not in chosen and (explains or alone) and given.series not in {g.series for g in chosen.values()}:
+        if k not in chosen and (explained or alone) and given.series not in {g.series for g in chosen.values()}:
             chosen[k] = given
     return tuple(_command(drives[k], series, chosen[k], outcome, settings) for k in sorted(chosen))
 
@@ -153,7 +153,7 @@ def commands_by_name(drives: Sequence[Drive], series: Sequence[Series]) -> tuple
     return tuple(found)
 
 
-def _explains(given: Given, drive: Drive, outcome: Outcome, settings: ProposalSettings) -> bool:
+def explains(given: Given, drive: Drive, outcome: Outcome, settings: ProposalSettings) -> bool:
     """Whether a series takes away most of what its joint leaves without it."""
     return given.left <= (1 - settings.explained) * float(outcome.idle[drive.dof])
 
