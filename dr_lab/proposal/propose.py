@@ -77,7 +77,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     overlapping = overlaps(compiled(spec.copy()), found, settings.touching)
     for a, b in overlapping:
         spec.add_exclude(bodyname1=a, bodyname2=b)
-    free = free_parameters(robot, spec, found, settings)
+    free = free_parameters(robot, spec, found, commands, settings)
     apart = [
         f"{a} and {b} overlap in the whole motion: their contact is taken out (<exclude>)." for a, b in overlapping
     ]
