@@ -1,6 +1,6 @@
 """Which parameters the motion shows, each apart from the others and from what brakes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -66,15 +66,15 @@ def _chosen(
     return seen, tuple(_notes(weak, alike, settings))
 
 
-def _notes(weak: list[str], alike: list[str], settings: ProposalSettings) -> list[str]:
-    notes = []
+def _notes(weak: list[str], alike: list[str], settings: ProposalSettings) -> Iterator[str]:
     if hidden := [name for name in weak if name.endswith(".mass")]:
-        notes.append(f"{', '.join(hidden)} stay as documented: they move less than {settings.felt:.0%} of the forces.")
+        yield f"{_stay(hidden)} as documented: less than {settings.felt:.0%} of the forces follow from it."
     if replaced := [name for name in alike if name.endswith(".mass")]:
-        notes.append(
-            f"{', '.join(replaced)} stay as documented: in these logs the other free parameters do what they would."
-        )
-    return notes
+        yield f"{_stay(replaced)} as documented: in these logs the other free parameters do what it would."
+
+
+def _stay(names: list[str]) -> str:
+    return f"{', '.join(names)} {'stays' if len(names) == 1 else 'each stay'}"
 
 
 def _brakes(speed: Array, direction: Array) -> Array:
