@@ -32,6 +32,7 @@ class ProposalSettings:
         near_unit: ratio up to which a gain passes for a unit.
         derivative: least correlation of a velocity with its position's derivative.
         held_out: share of the logs that are never fitted.
+        reach: share of the whole motion by which a held-out log may reach beyond the fitted ones.
         spread: bounds of a mass are the documented one over and times this.
         distinct: share of what a mass does that no other parameter does.
         felt: share of the forces that a mass must move.
@@ -63,6 +64,7 @@ class ProposalSettings:
     near_unit: Annotated[float, above(1.0)]
     derivative: Share
     held_out: Share
+    reach: Share
     spread: Annotated[float, above(1.0)]
     distinct: Share
     felt: Share
