@@ -9,7 +9,7 @@ from dr_lab.errors import DataError
 from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.doubts import doubts_of, require_fit
-from dr_lab.proposal.drives import UNITS, Drive, drives_of
+from dr_lab.proposal.drives import UNITS, Drive, drives_of, factors
 from dr_lab.proposal.grid import Grid, grid_of, held_of, path_of, wrapped
 from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.output import Output, Positions
@@ -162,7 +162,8 @@ def _cost(outcome: Outcome, drives: Sequence[Drive], asked: Sequence[Series], se
             continue
         given = outcome.given[drive.dof][0]
         gain = given.gain / (given.stiffness or drive.force)
-        factor = UNITS.get(drive.unit, {}).get(asked[given.series].words.unit, 1.0)
+        said = asked[given.series].words.unit
+        factor = factors(drive.unit, said).get(said, 1.0)
         usual = settings.gain < abs(gain) / factor < 1 / settings.gain
         cost += (gain < 0) + _UNUSUAL * (not usual)
     return cost

@@ -23,13 +23,13 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("it.xml").write_text(CART)
 
 
-def logs(header: str, *, sign: float = 1.0, turned: bool = False) -> list[str]:
+def logs(header: str, *, mjcf: str = CART, sign: float = 1.0, turned: bool = False) -> list[str]:
     """Tables of time, rail, pivot, command, and where the header has more the pivot's velocity."""
     paths = []
     for seed in range(3):
         rng = np.random.default_rng(seed)
         levels = rng.uniform(-6.0, 6.0, 40)
-        time, place, control = played(CART, [0.0, 0.3 * (seed + 1)], 4.0, lambda t, u=levels: [u[int(t / 0.1)]], seed)
+        time, place, control = played(mjcf, [0.0, 0.3 * (seed + 1)], 4.0, lambda t, u=levels: [u[int(t / 0.1)]], seed)
         if turned:  # noise that no force makes
             place = rng.normal(size=place.shape).cumsum(0)
         columns = [time, place, sign * control, np.gradient(place[:, 1], time)][: 3 + (header.count(",") > 3)]
@@ -59,3 +59,13 @@ def test_a_refusal_says_what_was_tried_and_how_to_name_a_command(capsys: pytest.
     assert "No reading of x, theta moves as rail, pivot do with ia as command: the best leaves" in told
     assert "Not read: theta_dot." in told
     assert "commands after the actuators (motor_command)" in told
+
+
+@pytest.mark.parametrize(("name", "unit"), [("current_A", "A"), ("current", "1")])
+def test_a_current_of_a_geared_motor_is_no_force(name: str, unit: str) -> None:
+    """2.5 N/A."""
+    mjcf = CART.replace('gear="1"', 'gear="2.5"')
+    Path("it.xml").write_text(mjcf)
+    found = proposed(logs(f"t,x,theta,{name}", mjcf=mjcf))
+    assert found["commands"] == {"motor": {"column": name, "unit": unit}}
+    assert "1 of ctrl is 2.5 N\n" in Path("mine/measurements/it.yaml").read_text(encoding="utf-8")
