@@ -28,6 +28,8 @@ class ProposalSettings:
         explained: share of the squares that a command must take away.
         weighs: share of the squares left without gravity that gravity must take away if an angle gets an offset.
         fits: share of the squares that may be left.
+        far: times the size of its model that a slide may move before its unit is doubted …
+        violent: m/s², if it is accelerated by more than this as well.
         gain: commands that act with less than this, or more than its inverse, have another unit.
         near_unit: ratio up to which a gain passes for a unit.
         derivative: least correlation of a velocity with its position's derivative.
@@ -60,6 +62,8 @@ class ProposalSettings:
     explained: Share
     weighs: Share
     fits: Share
+    far: Positive
+    violent: Positive
     gain: Share
     near_unit: Annotated[float, above(1.0)]
     derivative: Share
