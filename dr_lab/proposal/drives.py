@@ -245,10 +245,15 @@ def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
         return ("m" if slide else "rad"), True
     if stiffness == 0 and damping < 0 and math.isclose(gain, -damping):
         return ("m/s" if slide else "rad/s"), False
-    geared = not math.isclose(float(np.linalg.norm(model.actuator_gear[k])), 1.0)
-    if int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE) and gain == 1.0 and not geared:
+    if int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE) and gain == 1.0 and not _geared(model, k):
         return ("N" if slide else "N·m"), False
     return "1", False
+
+
+def _geared(model: mujoco.MjModel, k: int) -> bool:
+    """Whether an actuator's gear makes another force of it, or another torque where it has no force."""
+    force, torque = np.split(model.actuator_gear[k], 2)
+    return not math.isclose(float(np.linalg.norm(force if force.any() else torque)), 1.0)
 
 
 def _slides(model: mujoco.MjModel, dof: int) -> bool:

@@ -40,3 +40,11 @@ def test_what_a_control_without_a_unit_gives_is_told_in_the_unit_of_its_joint() 
 def test_a_control_without_a_unit_takes_that_of_its_column() -> None:
     assert factors("1", "mA") == {"1": 1.0, "percent": 0.01, "mA": 1e-3}
     assert "mA" not in factors("N", "mA")
+
+
+@pytest.mark.parametrize(("gear", "unit"), [("0 0 1 0 0 0.02", "N"), ("0 0 0 0 0 1", "N"), ("0 0 8 0 0 0.02", "1")])
+def test_a_propeller_is_commanded_by_its_thrust_where_its_gear_leaves_that_as_it_is(gear: str, unit: str) -> None:
+    """The drag of a propeller is no gear."""
+    machine = f"""<mujoco><worldbody><body><freejoint/><geom size="0.1"/><site name="p"/></body></worldbody>
+      <actuator><motor site="p" gear="{gear}"/></actuator></mujoco>"""
+    assert drives_of(mujoco.MjModel.from_xml_string(machine), np.eye(6)[2:3])[0].unit == unit
