@@ -20,7 +20,7 @@ from dr_lab.proposal.output import Output
 from dr_lab.proposal.pages import measurements_page
 from dr_lab.proposal.propose import Proposal
 from dr_lab.proposal.settings import ProposalSettings
-from dr_lab.proposal.split import Split, split_logs
+from dr_lab.proposal.split import Split, covering, split_logs
 from dr_lab.trajectory import MeasurementSet
 
 _MESSAGE = 300  # letters of an error that a comment shows
@@ -32,6 +32,18 @@ def usable_logs(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, 
     Raises:
         DrLabError: none passes; the error of the first.
     """
+    split, measured = _passing(proposal, settings)
+    chosen = covering(split, (*measured.fit, *measured.held_out), proposal.logs.logs, settings)
+    if chosen.held_out == split.held_out:
+        return chosen, measured
+    try:
+        return chosen, _read(proposal, chosen, settings)
+    except DrLabError:  # a held-out log would hold data of a fitted one
+        return split, measured
+
+
+def _passing(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, MeasurementSet]:
+    """The logs that pass, every third or so held out."""
     split = split_logs(proposal, {}, settings.held_out)
     try:
         return split, _read(proposal, split, settings)

@@ -4,18 +4,16 @@ from collections.abc import Iterator, Sequence
 
 from dr_lab.errors import DataError
 from dr_lab.proposal.search import Found, Readings, ambiguous
+from dr_lab.proposal.searched import Searched
 from dr_lab.proposal.settings import ProposalSettings
-from dr_lab.proposal.survey import Series
+from dr_lab.proposal.survey import Series, Survey
+
+_LISTED = 20  # series that a message names
 
 
 def doubts_of(
-    joints: Sequence[str],
-    found: Found,
-    candidates: Sequence[Series],
-    settings: ProposalSettings,
-    *,
-    certain: bool,
-) -> list[str]:
+    joints: Sequence[str], found: Found, candidates: Sequence[Series], settings: ProposalSettings
+) -> tuple[str, ...]:
     """What the equation of motion leaves open, a sentence each.
 
     Args:
@@ -23,19 +21,49 @@ def doubts_of(
         found: the chosen reading, and those that explain the motion as well.
         candidates: what may be positions.
         settings: thresholds.
-        certain: whether it is known without the motion which series is which.
-
-    Raises:
-        DataError: the motion is not that of the robot, and it is not known otherwise.
     """
     left = float(found.outcome.left.max())
-    if left > settings.fits and not certain:
-        raise DataError(
-            f"No reading of {', '.join(str(each.place) for each in candidates)} moves as {', '.join(joints)} do: the "
-            f"best leaves {left:.0%} of a joint's forces unexplained. Are these logs of this robot? If so, "
-            "name columns or topics after the joints (elbow_position), or write the measurements by hand."
-        )
-    return [*_unexplained(left, settings), *_turned(joints, found), *_open(joints, found, candidates)]
+    return (*_unexplained(left, settings), *_turned(joints, found), *_open(joints, found, candidates))
+
+
+def require_fit(
+    joints: Sequence[str],
+    searched: Searched,
+    candidates: Sequence[Series],
+    logs: Survey,
+    settings: ProposalSettings,
+) -> None:
+    """Refuse logs that do not move as the robot does, where only the motion can tell which series is which.
+
+    Args:
+        joints: names, in the model's order.
+        searched: the best reading, and what was tried.
+        candidates: what may be positions.
+        logs: everything that they hold.
+        settings: thresholds.
+
+    Raises:
+        DataError: the motion is not that of the robot.
+    """
+    left = float(searched.found.outcome.left.max())
+    if left <= settings.fits:
+        return
+    commands = [each for each in (*searched.asked, *searched.vain) if each not in candidates]
+    tried = f" with {_listed(commands)} as command" if commands else " without a command"
+    rest = [each for each in logs.series if each.moves and each not in (*candidates, *commands)]
+    unread = f" Not read: {_listed(rest)}." if rest else ""
+    drive = next((drive.name for drive in searched.drives), joints[0])
+    raise DataError(
+        f"No reading of {_listed(candidates)} moves as {', '.join(joints)} do{tried}: the best leaves {left:.0%} of a "
+        f"joint's forces unexplained.{unread} Are these logs of this robot? If so, name columns or topics after the "
+        f"joints ({joints[0]}_position) and commands after the actuators ({drive}_command), or write the measurements "
+        "by hand."
+    )
+
+
+def _listed(series: Sequence[Series]) -> str:
+    """Where some series are, the first of very many."""
+    return ", ".join(str(each.place) for each in series[:_LISTED]) + " …" * (len(series) > _LISTED)
 
 
 def _unexplained(left: float, settings: ProposalSettings) -> Iterator[str]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from dr_lab.measurements.units import unit as unit_of
 from dr_lab.proposal.by_name import matches
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series
@@ -35,10 +36,11 @@ class Drive:
         name: of the actuator, or of one that is to be added.
         dof: degree of freedom that it moves most.
         joint: name of that joint.
-        unit: SI unit of its control.
+        unit: SI unit of its control; 1 where the model does not say it, as of a motor with a gear.
         force: joint force per unit of control, N·m or N.
         servo: whether its control is a position.
         added: whether the model lacks it.
+        slides: whether the joint's force is one in N.
     """
 
     name: str
@@ -48,6 +50,12 @@ class Drive:
     force: float
     servo: bool
     added: bool
+    slides: bool
+
+    @property
+    def told(self) -> str:
+        """What 1 of a control without a unit does, as the end of a sentence; empty of others."""
+        return f"; 1 of ctrl is {self.force:.3g} {'N' if self.slides else 'N·m'}" if self.unit == "1" else ""
 
 
 @dataclass(frozen=True)
@@ -88,17 +96,16 @@ def drives_of(model: mujoco.MjModel, force: Array) -> tuple[Drive, ...]:
     """
     if model.nu == 0:
         return tuple(
-            Drive(name, dof, name, "N" if _slides(model, dof) else "N·m", 1.0, servo=False, added=True)
-            for dof in range(model.nv)
+            Drive(name, dof, name, "N" if slides else "N·m", 1.0, servo=False, added=True, slides=slides)
+            for dof, slides in ((dof, _slides(model, dof)) for dof in range(model.nv))
             if (name := _joint(model, dof))
         )
     found = []
     for k in range(model.nactuator):
         dof = int(np.argmax(np.abs(force[k]))) if model.nv else 0
         unit, servo = _control(model, k, dof)
-        found.append(
-            Drive(model.actuator(k).name, dof, _joint(model, dof), unit, float(force[k, dof]), servo, added=False)
-        )
+        name, joint, slides = model.actuator(k).name, _joint(model, dof), _slides(model, dof)
+        found.append(Drive(name, dof, joint, unit, float(force[k, dof]), servo, added=False, slides=slides))
     return tuple(found)
 
 
@@ -127,15 +134,15 @@ def choose_commands(
         allowed = [given for given in outcome.given[drive.dof] if given.series in mine and _fits(drive, given, series)]
         least = min((given.left for given in allowed), default=0.0)
         for given in allowed:
-            equal = _explains(given, drive, outcome, settings) and given.left <= settings.near * least + settings.close
+            equal = explains(given, drive, outcome, settings) and given.left <= settings.near * least + settings.close
             rank = (series[given.series].words.asked, given.stiffness > 0) if equal else (True, True)
             offers.append((not equal, *rank, given.left, k, given))
     commanding = {k for k in usable if series[k].words.kind in ("drive", "reference")}
     chosen: dict[int, Given] = {}
     for *_, k, given in sorted(offers, key=lambda offer: offer[:4]):
-        explains = _explains(given, drives[k], outcome, settings)
+        explained = explains(given, drives[k], outcome, settings)
         alone = len({*named[k]} & commanding) == 1
-        if k not in chosen and (explains or alone) and given.series not in {g.series for g in chosen.values()}:
+        if k not in chosen and (explained or alone) and given.series not in {g.series for g in chosen.values()}:
             chosen[k] = given
     return tuple(_command(drives[k], series, chosen[k], outcome, settings) for k in sorted(chosen))
 
@@ -148,12 +155,12 @@ def commands_by_name(drives: Sequence[Drive], series: Sequence[Series]) -> tuple
         fitting = [series[k] for k in places if not (drive.added and series[k].words.kind != "drive")]
         measured = [each for each in fitting if not each.words.asked] or fitting
         if len(measured) == 1:
-            unit = measured[0].words.unit or drive.unit
-            found.append(Command(drive, measured[0], None, unit, 1, 1.0, 0.0, seen=False, why="by its name", doubts=()))
+            unit, why = measured[0].words.unit or drive.unit, f"by its name{drive.told}"
+            found.append(Command(drive, measured[0], None, unit, 1, 1.0, 0.0, seen=False, why=why, doubts=()))
     return tuple(found)
 
 
-def _explains(given: Given, drive: Drive, outcome: Outcome, settings: ProposalSettings) -> bool:
+def explains(given: Given, drive: Drive, outcome: Outcome, settings: ProposalSettings) -> bool:
     """Whether a series takes away most of what its joint leaves without it."""
     return given.left <= (1 - settings.explained) * float(outcome.idle[drive.dof])
 
@@ -177,10 +184,10 @@ def _command(
     unit, scale, doubts = _unit(gain, base, words.unit, settings)
     explained = 1 - given.left / max(idle, np.finfo(float).tiny)
     late = f", {1e3 * given.lag:.0f} ms late" if given.lag else ""
-    why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {gain:.2g}"
+    why = f"explains {max(explained, 0.0):.0%} of what {drive.joint} needs{late}; gain {gain:.2g}{drive.told}"
     if explained < settings.explained:
         doubts = _unexplained(drive, series[given.series], given, max(explained, 0.0))
-        unit, why = words.unit or base, "by its name"
+        unit, why = words.unit or base, f"by its name{drive.told}"
         return Command(drive, series[given.series], given, unit, 1, 1.0, 0.0, seen=False, why=why, doubts=doubts)
     sign = 1 if gain > 0 else -1
     return Command(drive, series[given.series], given, unit, sign, scale, 0.0, seen=True, why=why, doubts=tuple(doubts))
@@ -200,24 +207,36 @@ def _unexplained(drive: Drive, series: Series, given: Given, explained: float) -
     )
 
 
+def factors(base: str, said: str) -> dict[str, float]:
+    """Sizes of the units that a command's numbers may have; a control without a unit may be in any that is said."""
+    known = UNITS.get(base, {base: 1.0})
+    return {**known, said: unit_of(said).factor} if base == "1" and said else known
+
+
 def _unit(gain: float, base: str, said: str, settings: ProposalSettings) -> tuple[str, float, list[str]]:
     """Unit and scale of a command by its gain, and what is unsure about them."""
-    size, known = abs(gain), UNITS.get(base, {base: 1.0})
+    size, known = abs(gain), factors(base, said)
     if said in known:
         left = size / known[said]
         if settings.gain < left < 1 / settings.gain:
             return said, 1.0, []
     name, factor = min(known.items(), key=lambda entry: abs(math.log(size / entry[1])))
     if abs(math.log(size / factor)) < math.log(settings.near_unit):
-        contradicts = [f"named {said}, but it moves the joint as {name} do."] if said and said != name else []
+        contradicts = [f"named {said}, but it moves the joint as {_plain(name)} do."] if said and said != name else []
         return name, 1.0, contradicts
     if settings.gain < size < 1 / settings.gain and said in ("", base):
-        return base, 1.0, [f"acts {size:.2g} times as strongly as {base} would; read as {base}."]
-    return base, float(f"{size:.3g}"), [f"its scale of {size:.3g} {base} is judged from the motion alone; check it."]
+        return base, 1.0, [f"acts {size:.2g} times as strongly as {_plain(base)} would; read as {_plain(base)}."]
+    scale = f"{size:.3g}" if base == "1" else f"{size:.3g} {base}"
+    return base, float(f"{size:.3g}"), [f"its scale of {scale} is judged from the motion alone; check it."]
+
+
+def _plain(name: str) -> str:
+    """A unit in words."""
+    return "numbers of ctrl" if name == "1" else name
 
 
 def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
-    """SI unit of an actuator's control, and whether it is a position."""
+    """SI unit of an actuator's control, 1 where that may be any, and whether it is a position."""
     slide = _slides(model, dof)
     if int(model.actuator_gaintype[k]) == int(mujoco.mjtGain.mjGAIN_DCMOTOR):
         return "V", False
@@ -226,9 +245,15 @@ def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
         return ("m" if slide else "rad"), True
     if stiffness == 0 and damping < 0 and math.isclose(gain, -damping):
         return ("m/s" if slide else "rad/s"), False
-    if int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE) and gain == 1.0:
+    if int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE) and gain == 1.0 and not _geared(model, k):
         return ("N" if slide else "N·m"), False
     return "1", False
+
+
+def _geared(model: mujoco.MjModel, k: int) -> bool:
+    """Whether an actuator's gear makes another force of it, or another torque where it has no force."""
+    force, torque = np.split(model.actuator_gear[k], 2)
+    return not math.isclose(float(np.linalg.norm(force if force.any() else torque)), 1.0)
 
 
 def _slides(model: mujoco.MjModel, dof: int) -> bool:

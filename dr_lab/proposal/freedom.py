@@ -1,25 +1,24 @@
 """Which masses and dampings are free, and between which bounds."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
-from dr_lab.diagnosis.faults.equation_error import parameter_columns
 from dr_lab.physics.inertial import KEY
-from dr_lab.physics.model import Model, from_spec
+from dr_lab.physics.model import from_spec
 from dr_lab.physics.target import Target
+from dr_lab.proposal.drives import Command
 from dr_lab.proposal.output import Positions
-from dr_lab.proposal.positions import unhindered
 from dr_lab.proposal.robot import Robot
 from dr_lab.proposal.settings import ProposalSettings
-from dr_lab.trajectory import Array
+from dr_lab.proposal.shown import shown
+from dr_lab.proposal.unscaled import Unscaled, beside_hinge, unscaled
 
 Entry = dict[str, str | float] | list[str]  # of a parameter; or the bodies whose inertia is free
 
-_STEP = 0.01  # share of a mass, for its influence
 _WIDER = 4.0  # times the documented damping, at least
 _QUICK = 10.0  # 1/s; a damping that stops a joint in a tenth of a second, where no motion tells more
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
@@ -38,17 +37,20 @@ class Freedom:
     notes: tuple[str, ...]
 
 
-def free_parameters(robot: Robot, spec: mujoco.MjSpec, found: Positions, settings: ProposalSettings) -> Freedom:
+def free_parameters(
+    robot: Robot, spec: mujoco.MjSpec, found: Positions, commands: Sequence[Command], settings: ProposalSettings
+) -> Freedom:
     """Masses of the bodies that move by a joint of their own, inertias of free ones, and dampings of the joints.
 
-    A mass stays as documented where the motion hardly shows it, or where other parameters do what it does. That of a
-    free body that nothing drives cancels. Of one that is driven, and carries nothing, all ten inertial parameters are
-    free.
+    A mass stays as documented where the motion hardly shows it, or where other parameters do what it does. Of bodies
+    that no known force drives, the heaviest keeps its mass, and what sets the period may be free: centres of mass and
+    inertias. Of a free body that is driven, and carries nothing, all ten inertial parameters are free.
 
     Args:
         robot: as described.
         spec: with the actuators that were added; it is not changed.
         found: what is known of the motion.
+        commands: what drives the robot.
         settings: bounds and thresholds.
     """
     model = from_spec(robot.name, spec, {}).nominal()
@@ -69,10 +71,43 @@ def free_parameters(robot: Robot, spec: mujoco.MjSpec, found: Positions, setting
         f"{joint}.damping": _damping(model, spec, joint, found)
         for joint in (model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in _SCALAR)
     }
+    undriven = unscaled(from_spec(robot.name, spec, masses), found, commands, settings)
+    kept = {name: entry for name, entry in masses.items() if name not in {each.mass for each in undriven}}
     if found.trial is None or found.found is None:
-        return Freedom(masses | inertias | dampings, ())
-    seen, notes = _seen(from_spec(robot.name, spec, masses), found, settings)
-    return Freedom({name: entry for name, entry in masses.items() if name in seen} | dampings, notes)
+        centres = _centres(model, [each.heaviest for each in undriven], settings)
+        return Freedom(kept | centres | inertias | dampings, tuple(_anchored(undriven, centres)))
+    bodies = [body for each in undriven for body in each.bodies]
+    others = _centres(model, bodies, settings) | {f"{b}.inertia_scale": _inertia(b, settings) for b in bodies}
+    most = [(each, each.most(from_spec(robot.name, spec, masses | others))) for each in undriven]
+    seen, notes = shown(from_spec(robot.name, spec, kept | others), found, most, settings)
+    free = {name: entry for name, entry in (kept | others).items() if name in seen}
+    return Freedom(free | dampings, (*notes, *_anchored(undriven, free)))
+
+
+def _anchored(undriven: Sequence[Unscaled], free: Mapping[str, Entry]) -> Iterator[str]:
+    """Which mass gives other forces their scale, and what is free in its place."""
+    for each in undriven:
+        place = [name for name in free if name.rsplit(".", 1)[0] in each.bodies]
+        instead = f" Free in its place is what sets the period: {', '.join(place)}." if place else ""
+        yield (
+            f"{each.mass} stays as documented. No known force drives {', '.join(each.bodies)}, and one factor on all "
+            f"masses and dampings leaves such a motion as it is.{instead}"
+        )
+
+
+def _centres(model: mujoco.MjModel, bodies: Sequence[str], settings: ProposalSettings) -> dict[str, Entry]:
+    """How far centres of mass lie from the axes of their bodies' hinges, along the bodies' own axes."""
+    found: dict[str, Entry] = {}
+    for body in bodies:
+        offset = beside_hinge(model, body)
+        axis = int(np.argmax(np.abs(offset)))
+        if offset[axis] == 0.0:
+            continue
+        start = float(model.body(body).ipos[axis] - offset[axis])
+        low, high = sorted(start + float(offset[axis]) * factor for factor in (1 / settings.spread, settings.spread))
+        target = f"body.{body}.ipos[{axis}]"
+        found[f"{body}.com"] = {"target": target, "unit": "m", "low": _rounded(low), "high": _rounded(high)}
+    return found
 
 
 def _mass(body: str, mass: float, settings: ProposalSettings) -> Entry:
@@ -108,65 +143,6 @@ def _damping(model: mujoco.MjModel, spec: mujoco.MjSpec, joint: str, found: Posi
     return {"target": target, "unit": unit, "low": 0.0, "high": _rounded(max(high, _WIDER * nominal))}
 
 
-def _seen(model: Model, found: Positions, settings: ProposalSettings) -> tuple[set[str], tuple[str, ...]]:
-    """The masses that the motion shows, each apart from the others and from what brakes."""
-    assert found.trial is not None
-    assert found.found is not None
-    motion, weak = found.trial.motion(found.found.readings), found.trial.grid.weak
-    space = model.space
-    if not space.names:
-        return set(), ()
-    controls = np.zeros((len(motion), model.nominal().nu))
-    columns = parameter_columns(
-        lambda z: unhindered(model.compile(z)), space.nominal, _STEP * space.nominal, motion, controls
-    )
-    need = found.found.outcome.need
-    size = np.sqrt((need**2).mean(0))
-    size[size == 0.0] = 1.0
-    moved = (weak.project(columns) * space.nominal / size[:, None]).reshape(-1, len(space.names))
-    brakes = _brakes(weak.project(motion.qvel), weak.project(np.tanh(motion.qvel / _slow(motion.qvel))))
-    return _chosen(space.names, moved, brakes, settings)
-
-
-def _chosen(
-    names: tuple[str, ...], moved: Array, brakes: Array, settings: ProposalSettings
-) -> tuple[set[str], tuple[str, ...]]:
-    felt = np.sqrt((moved**2).mean(0))
-    basis = np.linalg.qr(brakes)[0]
-    seen, weak, alike = set(), [], []
-    for k in np.argsort(-felt):
-        rest = moved[:, k] - basis @ (basis.T @ moved[:, k])
-        if felt[k] < settings.felt:
-            weak.append(names[k])
-        elif np.linalg.norm(rest) < settings.distinct * np.linalg.norm(moved[:, k]):
-            alike.append(names[k])
-        else:
-            seen.add(names[k])
-            basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
-    notes = []
-    if weak:
-        notes.append(f"{', '.join(weak)} stay as documented: they move less than {settings.felt:.0%} of the forces.")
-    if alike:
-        notes.append(
-            f"{', '.join(alike)} stay as documented: in these logs the other free parameters do what they would."
-        )
-    return seen, tuple(notes)
-
-
-def _brakes(speed: Array, direction: Array) -> Array:
-    """Columns of each joint's own viscous and dry friction, rows as those of the masses."""
-    count, nv = speed.shape
-    columns = np.zeros((count, nv, 2 * nv))
-    for j in range(nv):
-        columns[:, j, j], columns[:, j, nv + j] = speed[:, j], direction[:, j]
-    return columns.reshape(count * nv, 2 * nv)
-
-
-def _slow(speed: Array) -> Array:
-    usual = 0.05 * np.sqrt((speed**2).mean(0))
-    return np.where(usual > 0, usual, 1.0)
-
-
 def _rounded(value: float) -> float:
     """Two digits."""
-    return float(f"{value:.2g}") if value > 0 and math.isfinite(value) else value
+    return float(f"{value:.2g}") if math.isfinite(value) else value

@@ -50,7 +50,7 @@ def measurements_page(proposal: Proposal, split: Split) -> str:
         lines.append(f"group: {_text(clock.group)}  # every value of this column is a log, FILE/VALUE")
     if split.fit is not None:
         lines.append(_names("fit", split.fit))
-    lines.append(_names("held_out", split.held_out) + "  # never fitted; what models are judged by")
+    lines.append(_names("held_out", split.held_out) + f"  # never fitted; what models are judged by{_said(split)}")
     if clock is not None:
         lines.append(f"time: {{column: {_text(clock.axis.column)}, unit: {clock.axis.unit}}}")
     else:
@@ -96,6 +96,10 @@ def _comments(prefix: str, sentences: Sequence[str]) -> list[str]:
 def _left_out(split: Split) -> Iterator[str]:
     for name, why in {**split.left_out, **split.shortened}.items():
         yield from textwrap.wrap(f"Left out: {name}. {why}", _WIDTH, initial_indent="# ", subsequent_indent="#   ")
+
+
+def _said(split: Split) -> str:
+    return f",{split.said_of_reach}" if split.said_of_reach else ""
 
 
 def _names(key: str, names: Sequence[str]) -> str:

@@ -1,21 +1,24 @@
 """The joints' positions found among the series of the logs."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import mujoco
-import numpy as np
 
+from dr_lab.errors import DataError
 from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
-from dr_lab.proposal.doubts import doubts_of
-from dr_lab.proposal.drives import UNITS, Drive, drives_of
+from dr_lab.proposal.doubts import doubts_of, require_fit
+from dr_lab.proposal.drives import UNITS, Drive, drives_of, factors
 from dr_lab.proposal.grid import Grid, grid_of, held_of, path_of, wrapped
 from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.search import Found, Options, Readings, search
+from dr_lab.proposal.searched import Searched
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series, Survey
 from dr_lab.proposal.trial import Outcome, Trial, per_control
+from dr_lab.proposal.velocities import no_velocities
 from dr_lab.proposal.weight import shown_by_weight
 
 _ANGLES, _LENGTHS = UNITS["rad"], UNITS["m"]
@@ -41,8 +44,8 @@ def find_positions(
     """
     model = unhindered(model)
     joints = [model.joint(i).name for i in range(model.njnt)]
-    named = [s for s in logs.named("position") if s.moves]
-    unnamed = [] if len(named) >= len(joints) else _no_velocities([s for s in logs.named("") if s.moves], settings)
+    named, nameless = ([s for s in logs.named(kind) if s.moves] for kind in ("position", ""))
+    unnamed = [] if len(named) >= len(joints) else no_velocities(nameless, nameless, settings)
     candidates = [*named, *unnamed]
     scalar = bool((model.jnt_type == _HINGE).all() or model.nv == model.njnt == model.nq)
     allowed, by_words = joints_may_be(model, joints, candidates), say_same(joints, candidates)
@@ -50,21 +53,59 @@ def find_positions(
     asked = [s for s in (*logs.named("drive"), *logs.named("reference"), *unnamed) if s.moves]
     if not (scalar and assignable):
         return positions_by_name(model, logs, candidates, asked, sensed=sensed)
+    options = _options(model, allowed, candidates)
+    searched = _searched(model, candidates, asked, options, settings)
+    if nameless and not unnamed and searched.lacks_command(settings):
+        searched = _with_nameless(model, candidates, searched, nameless, options, settings)
+    found = searched.found
+    outputs = tuple(_position(model, j, found, candidates, by_words=by_words) for j in range(len(joints)))
+    if not (by_words or len(joints) == len(candidates) == 1):
+        require_fit(joints, searched, candidates, logs, settings)
+    return Positions(
+        outputs, found, searched.trial, searched.asked, searched.drives, doubts_of(joints, found, candidates, settings)
+    )
+
+
+def _with_nameless(
+    model: mujoco.MjModel,
+    candidates: Sequence[Series],
+    searched: Searched,
+    nameless: Sequence[Series],
+    options: Sequence[Options],
+    settings: ProposalSettings,
+) -> Searched:
+    """The search with series as commands whose names say nothing, where one of them explains a motion; else as it was.
+
+    Velocities are none: they would do what a damping does.
+    """
+    try:
+        spare = no_velocities(nameless, candidates, settings)
+        wider = _searched(model, candidates, [*searched.asked, *spare], options, settings)
+    except DataError:  # they share no time with the positions
+        return searched
+    return wider if wider.explained_by(spare, settings) else replace(searched, vain=tuple(spare))
+
+
+def _searched(
+    model: mujoco.MjModel,
+    candidates: Sequence[Series],
+    asked: Sequence[Series],
+    options: Sequence[Options],
+    settings: ProposalSettings,
+) -> Searched:
+    """The reading of the candidates that fits best, with such series as may be commands."""
     grid = grid_of([*candidates, *asked], settings)
     force, biased = per_control(model)
     drives = drives_of(model, force)
     trial = _trial(model, grid, candidates, asked, drives, settings, biased=biased)
     found = search(
         trial,
-        _options(model, allowed, candidates),
+        options,
         lambda readings, outcome: _cost(outcome, drives, asked, settings) + len(beyond(model, trial, readings)),
         lambda readings: shown_by_weight(trial, readings, settings),
         settings,
     )
-    outputs = tuple(_position(model, j, found, candidates, by_words=by_words) for j in range(len(joints)))
-    certain = by_words or len(joints) == len(candidates) == 1
-    doubts = doubts_of(joints, found, candidates, settings, certain=certain)
-    return Positions(outputs, found, trial, tuple(asked), drives, tuple(doubts))
+    return Searched(trial, found, tuple(asked), drives)
 
 
 def _options(model: mujoco.MjModel, allowed: Sequence[Sequence[int]], candidates: Sequence[Series]) -> list[Options]:
@@ -121,7 +162,8 @@ def _cost(outcome: Outcome, drives: Sequence[Drive], asked: Sequence[Series], se
             continue
         given = outcome.given[drive.dof][0]
         gain = given.gain / (given.stiffness or drive.force)
-        factor = UNITS.get(drive.unit, {}).get(asked[given.series].words.unit, 1.0)
+        said = asked[given.series].words.unit
+        factor = factors(drive.unit, said).get(said, 1.0)
         usual = settings.gain < abs(gain) / factor < 1 / settings.gain
         cost += (gain < 0) + _UNUSUAL * (not usual)
     return cost
@@ -149,17 +191,3 @@ def _position(model: mujoco.MjModel, j: int, found: Found, candidates: Sequence[
     wrap = any(wrapped(signal.value) > 0 for signal in series.signals)
     sign = 1 if reading.factor > 0 else -1
     return Output(f"{model.joint(j).name}.position", (series,), unit, sign, reading.offset / factor, wrap, why)
-
-
-def _no_velocities(series: list[Series], settings: ProposalSettings) -> list[Series]:
-    """The series that are not the derivative of another."""
-    if len(series) < 2:
-        return series
-    grid = grid_of(series, settings)
-    paths = [path_of(each, grid, settings.cutoff) for each in series]
-    slopes, values = (np.stack([getattr(path, name) for path in paths]) for name in ("slope", "value"))
-    slopes = slopes - slopes.mean(1, keepdims=True)
-    values = values - values.mean(1, keepdims=True)
-    norms = np.outer(np.linalg.norm(slopes, axis=1), np.linalg.norm(values, axis=1))
-    alike = np.abs(slopes @ values.T) / np.where(norms == 0, np.inf, norms)
-    return [each for k, each in enumerate(series) if alike[:, k].max() < settings.derivative]

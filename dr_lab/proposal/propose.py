@@ -8,6 +8,7 @@ import mujoco
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
+from dr_lab.proposal.far import far_slides
 from dr_lab.proposal.freedom import Entry, free_parameters
 from dr_lab.proposal.lengths import lengths_as_angles
 from dr_lab.proposal.output import Output, Positions
@@ -77,7 +78,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     overlapping = overlaps(compiled(spec.copy()), found, settings.touching)
     for a, b in overlapping:
         spec.add_exclude(bodyname1=a, bodyname2=b)
-    free = free_parameters(robot, spec, found, settings)
+    free = free_parameters(robot, spec, found, commands, settings)
     apart = [
         f"{a} and {b} overlap in the whole motion: their contact is taken out (<exclude>)." for a, b in overlapping
     ]
@@ -95,6 +96,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *sensed.doubts,
             *found.doubts,
             *lengths_as_angles(compiled(spec.copy()), found.outputs),
+            *far_slides(compiled(spec.copy()), found, settings),
             *_of_commands(found, commands),
             *_ranges(compiled(spec.copy()), found),
         ),
@@ -149,7 +151,8 @@ def _of_commands(found: Positions, commands: Sequence[Command]) -> list[str]:
             f"No series of the logs is the command of {', '.join(lacking)}: controlled by 0. If one is constant, see "
             "the comment at the end of the measurements."
         )
-    unused = [str(each.place) for each in found.commands if each.place not in {c.series.place for c in commands}]
+    read = {c.series.place for c in commands} | {part.place for output in found.outputs for part in output.parts}
+    unused = [str(each.place) for each in found.commands if each.place not in read]
     if not commands and unused:
         doubts.append(
             f"None of {', '.join(unused)} moves a joint as a command would: the machine is taken to swing freely."

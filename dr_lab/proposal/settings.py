@@ -28,10 +28,13 @@ class ProposalSettings:
         explained: share of the squares that a command must take away.
         weighs: share of the squares left without gravity that gravity must take away if an angle gets an offset.
         fits: share of the squares that may be left.
+        far: times the size of its model that a slide may move before its unit is doubted …
+        violent: m/s², if it is accelerated by more than this as well.
         gain: commands that act with less than this, or more than its inverse, have another unit.
         near_unit: ratio up to which a gain passes for a unit.
         derivative: least correlation of a velocity with its position's derivative.
         held_out: share of the logs that are never fitted.
+        reach: share of the whole motion by which a held-out log may reach beyond the fitted ones.
         spread: bounds of a mass are the documented one over and times this.
         distinct: share of what a mass does that no other parameter does.
         felt: share of the forces that a mass must move.
@@ -59,10 +62,13 @@ class ProposalSettings:
     explained: Share
     weighs: Share
     fits: Share
+    far: Positive
+    violent: Positive
     gain: Share
     near_unit: Annotated[float, above(1.0)]
     derivative: Share
     held_out: Share
+    reach: Share
     spread: Annotated[float, above(1.0)]
     distinct: Share
     felt: Share

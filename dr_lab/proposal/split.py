@@ -1,11 +1,16 @@
 """Which logs are fitted and which are held out; and those that cannot be used."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from dr_lab.measurements.log_file import kind
+from dr_lab.proposal.coverage import reach_of, within
 from dr_lab.proposal.propose import Proposal
+from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.trajectory import Log
+
+_FEWEST = 3  # logs of which one may be chosen
 
 
 @dataclass(frozen=True)
@@ -19,6 +24,7 @@ class Split:
         left_out: why, by the name of a log.
         cut: s from the start of the only log that can be used, from which it is held out; None where whole logs are.
         shortened: what is taken of a log and why no more, by the name that it had.
+        covered: whether the held-out logs lie within what the fitted ones cover; None where that is not known.
     """
 
     files: tuple[str, ...]
@@ -27,6 +33,7 @@ class Split:
     left_out: Mapping[str, str]
     cut: float | None = None
     shortened: Mapping[str, str] = field(default_factory=dict)
+    covered: bool | None = None
 
     def said(self, logs: int) -> str:
         """How so many logs are used, in a few words."""
@@ -34,11 +41,39 @@ class Split:
         if self.left_out:
             parts.append(f"{len(self.left_out)} left out")
         if self.cut is None:
-            parts.append(f"{len(self.held_out)} held out")
+            parts.append(f"{len(self.held_out)} held out{self.said_of_reach}")
         else:
             which = "of the other the" if self.left_out else "its"
             parts.append(f"{which} first {self.cut:g} s fitted and the rest held out")
         return ", ".join(parts)
+
+    @property
+    def said_of_reach(self) -> str:
+        """How the held-out logs lie to the fitted ones, as the end of a sentence; empty where that is not known."""
+        if self.covered is None:
+            return ""
+        return " within what the fitted ones cover" if self.covered else " that reach beyond the fitted ones"
+
+
+def covering(split: Split, logs: Sequence[Log], names: Sequence[str], settings: ProposalSettings) -> Split:
+    """The split whose held-out logs lie within what the fitted ones cover, as far as whole logs allow it.
+
+    What is fitted to small motions is not scored on large ones. Of less than three logs, nothing can be chosen.
+
+    Args:
+        split: every third log or so held out.
+        logs: all that are used, read.
+        names: of all logs in order, by which the nearest is exchanged for another.
+        settings: how much farther a held-out log may reach.
+    """
+    if len(logs) < _FEWEST:
+        return split
+    reach = reach_of(sorted(logs, key=lambda log: names.index(log.name)), settings.half_width)
+    if reach is None:
+        return split
+    held = within(reach, split.held_out, settings.reach)
+    fit = None if split.fit is None else tuple(name for name in reach.names if name not in held)
+    return replace(split, fit=fit, held_out=held, covered=bool(reach.beyond(held).max() <= settings.reach))
 
 
 def split_logs(proposal: Proposal, left_out: Mapping[str, str], share: float) -> Split:

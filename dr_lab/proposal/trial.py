@@ -194,20 +194,25 @@ def _as_servo(k: int, lag: float, column: Array, joint: _Joint) -> Given:
     return Given(k, lag, float(c[0]) / unit, float(x[0]), float(x[1]), float(c[1]), left / joint.size)
 
 
+def made_up_motion(model: mujoco.MjModel) -> Motion:
+    """Places about the reference, each with some velocity and acceleration, for what no log needs to show."""
+    rng = np.random.default_rng(0)
+    moving = rng.normal(scale=0.1, size=(3, _PROBED, model.nv))
+    places = np.tile(model.qpos0, (_PROBED, 1))
+    for place, move in zip(places, moving[0], strict=True):
+        mujoco.mj_integratePos(model, place, move, 1.0)
+    return Motion(
+        np.zeros(_PROBED, np.intp), np.arange(_PROBED, dtype=np.float64), places, moving[1],
+        moving[2], np.ones(_PROBED, bool), np.zeros(model.nv), np.zeros(model.nv), np.zeros(model.nv, np.intp), 0.1,
+    )  # fmt: skip
+
+
 def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
     """Force of each actuator at each degree of freedom per unit of control, shape (nu, nv); whether any acts at 0.
 
     Activations are given time to settle.
     """
-    rng = np.random.default_rng(0)
-    moving = rng.normal(scale=0.1, size=(2, _PROBED, model.nv))
-    places = np.tile(model.qpos0, (_PROBED, 1))
-    for place, move in zip(places, moving[0], strict=True):
-        mujoco.mj_integratePos(model, place, move, 1.0)
-    motion = Motion(
-        np.zeros(_PROBED, np.intp), np.arange(_PROBED, dtype=np.float64), places, moving[1],
-        0 * moving[0], np.ones(_PROBED, bool), np.zeros(model.nv), np.zeros(model.nv), np.zeros(model.nv, np.intp), 0.1,
-    )  # fmt: skip
+    motion = made_up_motion(model)
     found = np.zeros((model.nu, model.nv))
     idle = np.zeros((_PROBED, model.nv))
     for k in range(model.nu):

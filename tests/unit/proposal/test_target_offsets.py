@@ -24,7 +24,7 @@ def series(name: str) -> Series:
 
 def command(constant: float, unit: str, *, servo: bool, seen: bool = True) -> Command:
     """A model's own actuator, beside whose command a constant force acts."""
-    drive = Drive("motor", 0, "joint", "rad" if servo else "N·m", KP, servo=servo, added=False)
+    drive = Drive("motor", 0, "joint", "rad" if servo else "N·m", KP, servo=servo, added=False, slides=False)
     given = Given(0, 0.0, KP, 0.0, 0.0, constant, 0.01)
     return Command(drive, series("goal"), given, unit, 1, 1.0, 0.0, seen=seen, why="", doubts=())
 
