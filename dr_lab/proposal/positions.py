@@ -1,6 +1,6 @@
 """The joints' positions found among the series of the logs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 
 import mujoco
@@ -16,6 +16,7 @@ from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.search import Found, Options, Readings, search
 from dr_lab.proposal.searched import Searched
 from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.settled import Rests, all_rests, unit_by_rests
 from dr_lab.proposal.survey import Series, Survey
 from dr_lab.proposal.trial import Outcome, Trial, per_control
 from dr_lab.proposal.velocities import no_velocities
@@ -25,7 +26,7 @@ _ANGLES, _LENGTHS = UNITS["rad"], UNITS["m"]
 _BEYOND = 0.02  # rad or m, of a joint's range, by which its stop may give way
 _UNUSUAL = 0.5  # cost of a command whose gain is that of no unit
 _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
-_FREE = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+_FREE = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
 
 
 def find_positions(
@@ -53,7 +54,7 @@ def find_positions(
     asked = [s for s in (*logs.named("drive"), *logs.named("reference"), *unnamed) if s.moves]
     if not (scalar and assignable):
         return positions_by_name(model, logs, candidates, asked, sensed=sensed)
-    options = _options(model, allowed, candidates)
+    options = _options(model, allowed, candidates, asked, settings)
     searched = _searched(model, candidates, asked, options, settings)
     if nameless and not unnamed and searched.lacks_command(settings):
         searched = _with_nameless(model, candidates, searched, nameless, options, settings)
@@ -97,28 +98,47 @@ def _searched(
     grid = grid_of([*candidates, *asked], settings)
     force, biased = per_control(model)
     drives = drives_of(model, force)
+    rests = all_rests(candidates, asked, settings) if any(each.servo or each.added for each in drives) else {}
     trial = _trial(model, grid, candidates, asked, drives, settings, biased=biased)
     found = search(
         trial,
         options,
-        lambda readings, outcome: _cost(outcome, drives, asked, settings) + len(beyond(model, trial, readings)),
+        lambda readings, outcome: (
+            sum(_cost(drive, readings, outcome, asked, rests, settings) for drive in drives)
+            + len(beyond(model, trial, readings))
+        ),
         lambda readings: shown_by_weight(trial, readings, settings),
         settings,
     )
     return Searched(trial, found, tuple(asked), drives)
 
 
-def _options(model: mujoco.MjModel, allowed: Sequence[Sequence[int]], candidates: Sequence[Series]) -> list[Options]:
+def _options(
+    model: mujoco.MjModel,
+    allowed: Sequence[Sequence[int]],
+    candidates: Sequence[Series],
+    asked: Sequence[Series],
+    settings: ProposalSettings,
+) -> list[Options]:
     """What each joint's position may be."""
-    return [
-        Options(tuple(each), _units(model, j, [candidates[k] for k in each]), bool(model.jnt_type[j] == _HINGE))
-        for j, each in enumerate(allowed)
-    ]
+    found = []
+    for j, each in enumerate(allowed):
+        angle = bool(model.jnt_type[j] == _HINGE)
+        known = _ANGLES if angle else _LENGTHS
+        series = [candidates[k] for k in each]
+        said = {s.words.unit or unit_by_rests(s, asked, known, settings) for s in series}
+        found.append(Options(tuple(each), _units(said, known), angle))
+    return found
 
 
 def unhindered(model: mujoco.MjModel) -> mujoco.MjModel:
-    """The caller's own model without contacts and without ends of joints, which a wrong reading would run into."""
+    """The caller's own model without contacts, ends of joints and limits of forces: a wrong reading would meet them.
+
+    A servo's force is looked at with and without its command, and each of them alone may be far beyond what both make.
+    """
     model.opt.disableflags |= int(_FREE)
+    for limited in (model.actuator_forcelimited, model.jnt_actfrclimited, model.tendon_actfrclimited):
+        limited[:] = 0
     return model
 
 
@@ -145,28 +165,33 @@ def _trial(
     )
 
 
-def _units(model: mujoco.MjModel, j: int, series: Sequence[Series]) -> tuple[float, ...]:
-    """Factors to SI that a joint's series may have: that of the name, or all."""
-    known = _ANGLES if model.jnt_type[j] == _HINGE else _LENGTHS
-    said = {s.words.unit for s in series}
-    if said <= {*known}:
-        return tuple(known[unit] for unit in known if unit in said)
-    return tuple(known.values())
+def _units(said: Set[str], known: Mapping[str, float]) -> tuple[float, ...]:
+    """Factors to SI that a joint's series may have: those that are said, or all."""
+    return tuple(factor for unit, factor in known.items() if unit in said or not said <= {*known})
 
 
-def _cost(outcome: Outcome, drives: Sequence[Drive], asked: Sequence[Series], settings: ProposalSettings) -> float:
-    """Commands that act against their sign, or with the gain of no unit that their name may mean."""
-    cost = 0.0
-    for drive in drives:
-        if not outcome.given[drive.dof]:
-            continue
-        given = outcome.given[drive.dof][0]
-        gain = given.gain / (given.stiffness or drive.force)
-        said = asked[given.series].words.unit
-        factor = factors(drive.unit, said).get(said, 1.0)
-        usual = settings.gain < abs(gain) / factor < 1 / settings.gain
-        cost += (gain < 0) + _UNUSUAL * (not usual)
-    return cost
+def _cost(
+    drive: Drive,
+    readings: Readings,
+    outcome: Outcome,
+    asked: Sequence[Series],
+    rests: Rests,
+    settings: ProposalSettings,
+) -> float:
+    """What speaks against a command that acts against its sign, or with the gain of no unit that its name may mean.
+
+    Where its joint comes to rest at it, that says which gain it should have.
+    """
+    if not outcome.given[drive.dof]:
+        return 0.0
+    given = outcome.given[drive.dof][0]
+    gain = given.gain / (given.stiffness or drive.force)
+    reading = readings[drive.dof]
+    rest = rests.get((reading.series, given.series)) if drive.servo or given.stiffness > 0 else None
+    unit = asked[given.series].words.unit
+    factor = factors(drive.unit, unit).get(unit, 1.0) if rest is None else reading.factor * rest.ratio
+    usual = settings.gain < abs(gain / factor) < 1 / settings.gain
+    return (gain / factor < 0) + _UNUSUAL * (not usual)
 
 
 def beyond(model: mujoco.MjModel, trial: Trial, readings: Readings) -> dict[str, tuple[float, float]]:
