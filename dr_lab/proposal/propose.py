@@ -14,6 +14,7 @@ from dr_lab.proposal.lengths import lengths_as_angles
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.overlaps import overlaps
 from dr_lab.proposal.positions import beyond, find_positions
+from dr_lab.proposal.remaining import by_elimination
 from dr_lab.proposal.robot import Robot
 from dr_lab.proposal.sensor_parts import find_sensor_parts
 from dr_lab.proposal.sensors import find_sensors
@@ -73,7 +74,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     sensed = find_sensors(spec, logs, settings)
     sensed = find_sensor_parts(spec, _without(logs, sensed.outputs), sensed, settings)
     found = find_positions(compiled(spec.copy()), _without(logs, sensed.outputs), settings, sensed=bool(sensed.outputs))
-    commands = _commands(found, settings)
+    commands = _commands(found, _without(logs, sensed.outputs), settings)
     added = [_add(spec, command) for command in commands if command.drive.added]
     overlapping = overlaps(compiled(spec.copy()), found, settings.touching)
     for a, b in overlapping:
@@ -116,14 +117,15 @@ def _without(logs: Survey, outputs: Sequence[Output]) -> Survey:
     return replace(logs, series=tuple(each for each in logs.series if each.place not in taken))
 
 
-def _commands(found: Positions, settings: ProposalSettings) -> tuple[Command, ...]:
+def _commands(found: Positions, logs: Survey, settings: ProposalSettings) -> tuple[Command, ...]:
     used = {part.place for output in found.outputs for part in output.parts}
     usable = [k for k, series in enumerate(found.commands) if series.place not in used]
     if found.found is None:
         chosen = commands_by_name(found.drives, [found.commands[k] for k in usable])
     else:
         chosen = choose_commands(found.drives, found.commands, usable, found.found.outcome, settings)
-    return tuple(_as_positions(each, found, settings) for each in chosen)
+    every = (*chosen, *by_elimination(found, chosen, logs, settings))
+    return tuple(_as_positions(each, found, settings) for each in every)
 
 
 def _as_positions(command: Command, found: Positions, settings: ProposalSettings) -> Command:
