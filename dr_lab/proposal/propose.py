@@ -7,13 +7,14 @@ import mujoco
 
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.model import Model, from_spec
+from dr_lab.proposal.against import beyond
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.far import far_slides
 from dr_lab.proposal.freedom import Entry, free_parameters
 from dr_lab.proposal.lengths import lengths_as_angles
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.overlaps import overlaps
-from dr_lab.proposal.positions import beyond, find_positions
+from dr_lab.proposal.positions import find_positions
 from dr_lab.proposal.remaining import by_elimination
 from dr_lab.proposal.robot import Robot
 from dr_lab.proposal.sensor_parts import find_sensor_parts

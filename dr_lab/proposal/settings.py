@@ -30,6 +30,7 @@ class ProposalSettings:
         fits: share of the squares that may be left.
         far: times the size of its model that a slide may move before its unit is doubted …
         violent: m/s², if it is accelerated by more than this as well.
+        nothing: share of the squares that a series leaves as a position, above which it is tried as a velocity.
         gain: commands that act with less than this, or more than its inverse, have another unit.
         near_unit: ratio up to which a gain passes for a unit.
         rests_after: s after a command's step from which a joint may be at rest.
@@ -65,6 +66,7 @@ class ProposalSettings:
     explained: Share
     weighs: Share
     fits: Share
+    nothing: Share
     far: Positive
     violent: Positive
     gain: Share
