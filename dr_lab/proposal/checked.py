@@ -16,6 +16,7 @@ from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.errors import DrLabError
 from dr_lab.measurements.read import read
 from dr_lab.measurements.units import unit
+from dr_lab.proposal.option_line import in_mjcf
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.pages import measurements_page
 from dr_lab.proposal.propose import Proposal
@@ -97,14 +98,8 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
     )
     step = finer.model.spec.option.timestep
     if not proposal.robot.urdf:
-        remedy = (
-            f"Set timestep {step:g}"
-            if step < floor.step
-            else "Set integrator RK4"
-            if finer.left < floor.largest
-            else ""
-        )
-        doubt = f"{moved}, which can pass for missing physics. {remedy or 'Finer steps do not help (contacts)'}."
+        remedy = in_mjcf(proposal, finer.model) if finer.left < floor.largest else ""
+        doubt = f"{moved}, which can pass for missing physics. {remedy or 'Finer steps do not help (contacts).'}"
         return replace(told, doubts=(*told.doubts, doubt))
     note = f"Time step {step:g} s: {moved.replace('The time', 'a')}."
     spec = proposal.spec.copy()

@@ -25,6 +25,7 @@ UNITS: dict[str, dict[str, float]] = {
     "m/s": {"m/s": 1.0, "mm/s": 1e-3},
     "1": {"1": 1.0, "percent": 1e-2},
 }
+BY_NAME = "sign and unit are by its name alone."  # what is unsure of a command that the motion hardly shows
 _POSITIONS = {*UNITS["rad"], *UNITS["m"]}
 
 
@@ -195,13 +196,12 @@ def _command(
 
 def _unexplained(drive: Drive, series: Series, given: Given, explained: float) -> tuple[str, ...]:
     """What is unsure about a command that explains little of its joint's motion."""
-    little = (
-        f"{series.place} explains {explained:.0%} of what {drive.joint} needs; sign and unit are by its name alone."
-    )
+    little = f"{series.place} explains {explained:.0%} of what {drive.joint} needs."
     if given.stiffness == 0:
-        return (little,)
+        return (little, BY_NAME)
     return (
         little,
+        BY_NAME,
         f"the servo's gains, kp {given.stiffness:.3g} and kv {given.damping:.3g}, are a guess, as the motion hardly "
         f"shows them. Write its own into the model, or free actuator.{drive.name}.kp and .kv as parameters.",
     )

@@ -86,14 +86,16 @@ def grid_of(series: Sequence[Series], settings: ProposalSettings) -> Grid:
     return Grid(np.array(logs), np.concatenate(times), shape / shape.sum(), settings.grid)
 
 
-def path_of(series: Series, grid: Grid, cutoff: float) -> Path:
-    """Smooth a series and evaluate it on a grid."""
+def path_of(series: Series, grid: Grid, cutoff: float, *, rate: bool = False) -> Path:
+    """Smooth a series and evaluate it on a grid; a rate is integrated from the beginning of every log on."""
     parts = np.zeros((3, *grid.time.shape))
-    turn = max(wrapped(signal.value) for signal in series.signals)
+    turn = 0.0 if rate else max(wrapped(signal.value) for signal in series.signals)
     for k, signal in enumerate(series.signals):
         rows = grid.log == k
         if rows.any():
             spline = smooth(_around(_unwrapped(signal, turn), grid.time[rows]), cutoff)
+            if rate:
+                spline = spline.antiderivative()
             for order in range(3):
                 parts[order, rows] = spline(grid.time[rows], order)
     value, slope, curvature = parts.reshape(3, -1)

@@ -39,7 +39,7 @@ def overlaps(model: mujoco.MjModel, found: Positions, share: float) -> tuple[tup
 
 
 def _places(model: mujoco.MjModel, found: Positions) -> Array:
-    if found.trial is not None and found.found is not None:
+    if found.trial is not None and found.found is not None and not found.trial.rates:
         qpos = found.trial.motion(found.found.readings).qpos
         return qpos[:: len(qpos) // _LOOKED_AT + 1]
     rng = np.random.default_rng(0)

@@ -1,10 +1,14 @@
-"""The files of a proposal: measurements and model, with what was found and what is unsure in their comments."""
+"""The files of a proposal: MJCF, measurements and model; comments say what was found and what is unsure."""
 
 import json
 import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 
+import mujoco
+
+from dr_lab.physics.mjcf import mjcf
+from dr_lab.physics.model import from_spec
 from dr_lab.proposal.drives import Command
 from dr_lab.proposal.freedom import Entry
 from dr_lab.proposal.output import Output
@@ -77,6 +81,17 @@ def model_page(proposal: Proposal) -> str:
     ]
     lines += [f"  {_text(key)}: {_parameter(entry)}" for key, entry in proposal.parameters.items()]
     return "\n".join([*lines, ""])
+
+
+def model_xml(proposal: Proposal) -> str:
+    """``model/<name>.xml``: the file as it was where nothing was changed and nothing beside it is needed."""
+    if not proposal.changed:
+        text = proposal.robot.path.read_text(encoding="utf-8")
+        unnamed = mujoco.MjSpec.from_string(text) if "<include" not in text and "file=" not in text else None
+        if unnamed is not None and all(e.name for kind in (unnamed.joints, unnamed.actuators) for e in kind):
+            return text
+    model = from_spec(proposal.robot.name, proposal.spec, {})
+    return mjcf(model, model.space.nominal)
 
 
 def _parameter(entry: Entry) -> str:

@@ -1,31 +1,30 @@
 """The joints' positions found among the series of the logs."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import replace
 
 import mujoco
 
 from dr_lab.errors import DataError
+from dr_lab.proposal.against import beyond, of_command, too_fast
 from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
 from dr_lab.proposal.doubts import doubts_of, require_fit
-from dr_lab.proposal.drives import UNITS, Drive, drives_of, factors
+from dr_lab.proposal.drives import UNITS, Drive, drives_of
 from dr_lab.proposal.grid import Grid, grid_of, held_of, path_of, wrapped
 from dr_lab.proposal.lengths import joints_may_be
 from dr_lab.proposal.output import Output, Positions
-from dr_lab.proposal.search import Found, Options, Readings, search
+from dr_lab.proposal.search import Options, search
 from dr_lab.proposal.searched import Searched
 from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.settled import all_rests, unit_by_rests
 from dr_lab.proposal.survey import Series, Survey
-from dr_lab.proposal.trial import Outcome, Trial, per_control
-from dr_lab.proposal.velocities import no_velocities
+from dr_lab.proposal.trial import Trial, per_control
+from dr_lab.proposal.velocities import may_be_rate, no_velocities
 from dr_lab.proposal.weight import shown_by_weight
 
-_ANGLES, _LENGTHS = UNITS["rad"], UNITS["m"]
-_BEYOND = 0.02  # rad or m, of a joint's range, by which its stop may give way
-_UNUSUAL = 0.5  # cost of a command whose gain is that of no unit
 _HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
-_FREE = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+_FREE = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT | mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
 
 
 def find_positions(
@@ -51,19 +50,81 @@ def find_positions(
     allowed, by_words = joints_may_be(model, joints, candidates), say_same(joints, candidates)
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)
     asked = [s for s in (*logs.named("drive"), *logs.named("reference"), *unnamed) if s.moves]
+    if scalar and not assignable:
+        found = _by_velocities(model, logs, asked, settings)
+        if found is not None:
+            return found
     if not (scalar and assignable):
         return positions_by_name(model, logs, candidates, asked, sensed=sensed)
-    options = _options(model, allowed, candidates)
+    options = _options(model, allowed, candidates, asked, settings)
     searched = _searched(model, candidates, asked, options, settings)
     if nameless and not unnamed and searched.lacks_command(settings):
         searched = _with_nameless(model, candidates, searched, nameless, options, settings)
-    found = searched.found
-    outputs = tuple(_position(model, j, found, candidates, by_words=by_words) for j in range(len(joints)))
+    searched = _with_velocities(model, candidates, searched, options, settings)
     if not (by_words or len(joints) == len(candidates) == 1):
         require_fit(joints, searched, candidates, logs, settings)
-    return Positions(
-        outputs, found, searched.trial, searched.asked, searched.drives, doubts_of(joints, found, candidates, settings)
-    )
+    return _positions(model, searched, candidates, settings, by_words=by_words)
+
+
+def _positions(
+    model: mujoco.MjModel,
+    searched: Searched,
+    candidates: Sequence[Series],
+    settings: ProposalSettings,
+    *,
+    by_words: bool,
+) -> Positions:
+    joints = [model.joint(i).name for i in range(model.njnt)]
+    outputs = tuple(_output(model, j, searched, candidates, by_words=by_words) for j in range(len(joints)))
+    doubts = doubts_of(joints, searched.found, candidates, settings)
+    return Positions(outputs, searched.found, searched.trial, searched.asked, searched.drives, doubts)
+
+
+def _by_velocities(
+    model: mujoco.MjModel, logs: Survey, asked: Sequence[Series], settings: ProposalSettings
+) -> Positions | None:
+    """The joints' velocities where no series may be their positions; None unless the motion is that of the robot."""
+    joints = [model.joint(i).name for i in range(model.njnt)]
+    rates = [s for s in logs.named("velocity") if s.moves]
+    allowed = joints_may_be(model, joints, rates)
+    if not all(allowed) or len({k for each in allowed for k in each}) < len(joints):
+        return None
+    options = _options(model, allowed, rates, (), settings, rates=range(len(rates)))
+    try:
+        searched = _searched(model, rates, asked, options, settings, rates=range(len(rates)))
+    except DataError:  # no log is long enough
+        return None
+    if float(searched.found.outcome.left.max()) > settings.fits:
+        return None
+    return _positions(model, searched, rates, settings, by_words=say_same(joints, rates))
+
+
+def _with_velocities(
+    model: mujoco.MjModel,
+    candidates: Sequence[Series],
+    searched: Searched,
+    options: Sequence[Options],
+    settings: ProposalSettings,
+) -> Searched:
+    """The search with series as velocities that explain nothing as positions, where they then do; else as it was.
+
+    A name that says a position, or its unit, is believed.
+    """
+    readings, outcome = searched.found.readings, searched.found.outcome
+    bad = [j for j, reading in enumerate(readings) if outcome.left[j] > settings.nothing]
+    rates = [k for j in bad if may_be_rate(candidates[k := readings[j].series])]
+    if not rates or len(rates) < len(bad):
+        return searched
+    kept = [each for each in searched.asked if all(each is not candidates[k] for k in rates)]
+    places = [(reading.series,) for reading in readings]
+    narrow = [
+        turned if j in bad else Options(place, each.units, each.angle)
+        for j, (place, each, turned) in enumerate(
+            zip(places, options, _options(model, places, candidates, (), settings, rates=rates), strict=True)
+        )
+    ]
+    found = _searched(model, candidates, kept, narrow, settings, rates=rates)
+    return found if float(found.found.outcome.left[bad].max()) <= settings.fits else searched
 
 
 def _with_nameless(
@@ -92,33 +153,62 @@ def _searched(
     asked: Sequence[Series],
     options: Sequence[Options],
     settings: ProposalSettings,
+    *,
+    rates: Collection[int] = (),
 ) -> Searched:
-    """The reading of the candidates that fits best, with such series as may be commands."""
+    """The reading of the candidates, some of which are velocities, that fits best, with what may be commands."""
     grid = grid_of([*candidates, *asked], settings)
     force, biased = per_control(model)
     drives = drives_of(model, force)
-    trial = _trial(model, grid, candidates, asked, drives, settings, biased=biased)
+    rests = all_rests(candidates, asked, settings) if any(each.servo or each.added for each in drives) else {}
+    trial = _trial(model, grid, candidates, asked, drives, settings, biased=biased, rates=rates)
     found = search(
         trial,
         options,
-        lambda readings, outcome: _cost(outcome, drives, asked, settings) + len(beyond(model, trial, readings)),
+        lambda readings, outcome: (
+            sum(of_command(drive, readings, outcome, asked, rests, settings) for drive in drives)
+            + len(beyond(model, trial, readings))
+            + too_fast(model, trial, readings, settings.contract.speed_limit)
+        ),
         lambda readings: shown_by_weight(trial, readings, settings),
         settings,
     )
     return Searched(trial, found, tuple(asked), drives)
 
 
-def _options(model: mujoco.MjModel, allowed: Sequence[Sequence[int]], candidates: Sequence[Series]) -> list[Options]:
-    """What each joint's position may be."""
-    return [
-        Options(tuple(each), _units(model, j, [candidates[k] for k in each]), bool(model.jnt_type[j] == _HINGE))
-        for j, each in enumerate(allowed)
-    ]
+def _options(
+    model: mujoco.MjModel,
+    allowed: Sequence[Sequence[int]],
+    candidates: Sequence[Series],
+    asked: Sequence[Series],
+    settings: ProposalSettings,
+    *,
+    rates: Collection[int] = (),
+) -> list[Options]:
+    """What each joint's position may be, or its velocity where a series is one."""
+    found = []
+    for j, each in enumerate(allowed):
+        rate, angle = bool({*each} & {*rates}), bool(model.jnt_type[j] == _HINGE)
+        known, series = _known(model, j, rate=rate), [candidates[k] for k in each]
+        said = {s.words.unit or unit_by_rests(s, asked, known, settings) for s in series}
+        found.append(Options(tuple(each), _units(said, known), angle and not rate))
+    return found
+
+
+def _known(model: mujoco.MjModel, j: int, *, rate: bool) -> Mapping[str, float]:
+    """Sizes of the units that a joint's position or velocity may have."""
+    unit = "rad" if model.jnt_type[j] == _HINGE else "m"
+    return UNITS[f"{unit}/s" if rate else unit]
 
 
 def unhindered(model: mujoco.MjModel) -> mujoco.MjModel:
-    """The caller's own model without contacts and without ends of joints, which a wrong reading would run into."""
+    """The caller's own model without contacts, ends of joints and limits of forces: a wrong reading would meet them.
+
+    A servo's force is looked at with and without its command, and each of them alone may be far beyond what both make.
+    """
     model.opt.disableflags |= int(_FREE)
+    for limited in (model.actuator_forcelimited, model.jnt_actfrclimited, model.tendon_actfrclimited):
+        limited[:] = 0
     return model
 
 
@@ -131,63 +221,40 @@ def _trial(
     settings: ProposalSettings,
     *,
     biased: bool,
+    rates: Collection[int],
 ) -> Trial:
     moved = {drive.dof for drive in drives}
     return Trial(
         model=model,
         grid=grid,
-        candidates=tuple(path_of(each, grid, settings.cutoff) for each in candidates),
+        candidates=tuple(path_of(each, grid, settings.cutoff, rate=k in rates) for k, each in enumerate(candidates)),
         drives=tuple(tuple(held_of(each, grid, lag) for lag in settings.lags) for each in asked),
         lags=settings.lags,
         servos=tuple(model.nu == 0 and each.words.kind != "drive" for each in asked),
         driven=tuple(dof in moved for dof in range(model.nv)),
         biased=biased,
+        rates=frozenset(rates),
     )
 
 
-def _units(model: mujoco.MjModel, j: int, series: Sequence[Series]) -> tuple[float, ...]:
-    """Factors to SI that a joint's series may have: that of the name, or all."""
-    known = _ANGLES if model.jnt_type[j] == _HINGE else _LENGTHS
-    said = {s.words.unit for s in series}
-    if said <= {*known}:
-        return tuple(known[unit] for unit in known if unit in said)
-    return tuple(known.values())
+def _units(said: Set[str], known: Mapping[str, float]) -> tuple[float, ...]:
+    """Factors to SI that a joint's series may have: those that are said, or all."""
+    return tuple(factor for unit, factor in known.items() if unit in said or not said <= {*known})
 
 
-def _cost(outcome: Outcome, drives: Sequence[Drive], asked: Sequence[Series], settings: ProposalSettings) -> float:
-    """Commands that act against their sign, or with the gain of no unit that their name may mean."""
-    cost = 0.0
-    for drive in drives:
-        if not outcome.given[drive.dof]:
-            continue
-        given = outcome.given[drive.dof][0]
-        gain = given.gain / (given.stiffness or drive.force)
-        said = asked[given.series].words.unit
-        factor = factors(drive.unit, said).get(said, 1.0)
-        usual = settings.gain < abs(gain) / factor < 1 / settings.gain
-        cost += (gain < 0) + _UNUSUAL * (not usual)
-    return cost
-
-
-def beyond(model: mujoco.MjModel, trial: Trial, readings: Readings) -> dict[str, tuple[float, float]]:
-    """The joints that a reading moves beyond their range in the model, each with where it moves them."""
-    found = {}
-    for i, reading in enumerate(readings):
-        low, high = model.jnt_range[i]
-        place = reading.factor * trial.candidates[reading.series].value + reading.offset
-        if model.jnt_limited[i] and (place.min() < low - _BEYOND or place.max() > high + _BEYOND):
-            found[model.joint(i).name] = (float(place.min()), float(place.max()))
-    return found
-
-
-def _position(model: mujoco.MjModel, j: int, found: Found, candidates: Sequence[Series], *, by_words: bool) -> Output:
+def _output(
+    model: mujoco.MjModel, j: int, searched: Searched, candidates: Sequence[Series], *, by_words: bool
+) -> Output:
+    found = searched.found
     reading = found.readings[j]
-    series, factor = candidates[reading.series], abs(reading.factor)
-    known = _ANGLES if model.jnt_type[j] == _HINGE else _LENGTHS
+    series, factor, rate = candidates[reading.series], abs(reading.factor), reading.series in searched.trial.rates
+    known = _known(model, j, rate=rate)
     unit = min(known, key=lambda name: abs(known[name] - factor))
     left = float(found.outcome.left[model.jnt_dofadr[j]])
     how = "by its name" if by_words else "by the motion"
     why = f"{how}; the equation of motion leaves {left:.1%}"
-    wrap = any(wrapped(signal.value) > 0 for signal in series.signals)
-    sign = 1 if reading.factor > 0 else -1
-    return Output(f"{model.joint(j).name}.position", (series,), unit, sign, reading.offset / factor, wrap, why)
+    if rate and series.words.kind != "velocity":
+        why += ", and hardly less than all if this were the position"
+    wrap = not rate and any(wrapped(signal.value) > 0 for signal in series.signals)
+    sign, what = 1 if reading.factor > 0 else -1, "velocity" if rate else "position"
+    return Output(f"{model.joint(j).name}.{what}", (series,), unit, sign, reading.offset / factor, wrap, why)

@@ -7,17 +7,19 @@ import mujoco
 
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.model import Model, from_spec
+from dr_lab.proposal.against import beyond
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.far import far_slides
 from dr_lab.proposal.freedom import Entry, free_parameters
 from dr_lab.proposal.lengths import lengths_as_angles
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.overlaps import overlaps
-from dr_lab.proposal.positions import beyond, find_positions
+from dr_lab.proposal.positions import find_positions
+from dr_lab.proposal.remaining import by_elimination
 from dr_lab.proposal.robot import Robot
 from dr_lab.proposal.sensor_parts import find_sensor_parts
 from dr_lab.proposal.sensors import find_sensors
-from dr_lab.proposal.setpoints import counted
+from dr_lab.proposal.setpoints import at_rest, counted, of_units
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Survey
 
@@ -73,7 +75,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     sensed = find_sensors(spec, logs, settings)
     sensed = find_sensor_parts(spec, _without(logs, sensed.outputs), sensed, settings)
     found = find_positions(compiled(spec.copy()), _without(logs, sensed.outputs), settings, sensed=bool(sensed.outputs))
-    commands = _commands(found, settings)
+    commands = _commands(found, _without(logs, sensed.outputs), settings)
     added = [_add(spec, command) for command in commands if command.drive.added]
     overlapping = overlaps(compiled(spec.copy()), found, settings.touching)
     for a, b in overlapping:
@@ -98,6 +100,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *lengths_as_angles(compiled(spec.copy()), found.outputs),
             *far_slides(compiled(spec.copy()), found, settings),
             *_of_commands(found, commands),
+            *of_units(found.outputs, commands, settings),
             *_ranges(compiled(spec.copy()), found),
         ),
     )
@@ -115,13 +118,26 @@ def _without(logs: Survey, outputs: Sequence[Output]) -> Survey:
     return replace(logs, series=tuple(each for each in logs.series if each.place not in taken))
 
 
-def _commands(found: Positions, settings: ProposalSettings) -> tuple[Command, ...]:
+def _commands(found: Positions, logs: Survey, settings: ProposalSettings) -> tuple[Command, ...]:
     used = {part.place for output in found.outputs for part in output.parts}
     usable = [k for k, series in enumerate(found.commands) if series.place not in used]
     if found.found is None:
-        return commands_by_name(found.drives, [found.commands[k] for k in usable])
-    chosen = choose_commands(found.drives, found.commands, usable, found.found.outcome, settings)
-    return tuple(counted(each, found.found, found.outputs[each.drive.dof]) for each in chosen)
+        chosen = commands_by_name(found.drives, [found.commands[k] for k in usable])
+    else:
+        chosen = choose_commands(found.drives, found.commands, usable, found.found.outcome, settings)
+    every = (*chosen, *by_elimination(found, chosen, logs, settings))
+    return tuple(_as_positions(each, found, settings) for each in every)
+
+
+def _as_positions(command: Command, found: Positions, settings: ProposalSettings) -> Command:
+    """A command as it is, or, where it is a position, counted as that of its joint is."""
+    places = [output for output in found.outputs if output.channel == f"{command.drive.joint}.position"]
+    if not places:
+        return command
+    resting = at_rest(command, places[0], settings)
+    if resting is not None or found.found is None:
+        return resting or command
+    return counted(command, found.found, places[0])
 
 
 def _add(spec: mujoco.MjSpec, command: Command) -> str:

@@ -30,8 +30,12 @@ class ProposalSettings:
         fits: share of the squares that may be left.
         far: times the size of its model that a slide may move before its unit is doubted …
         violent: m/s², if it is accelerated by more than this as well.
+        nothing: share of the squares that a series leaves as a position, above which it is tried as a velocity.
         gain: commands that act with less than this, or more than its inverse, have another unit.
         near_unit: ratio up to which a gain passes for a unit.
+        rests_after: s after a command's step from which a joint may be at rest.
+        rests_moved: share of a position's range within which it rests.
+        rests_off: share of the rests' range by which they may miss a line, and the line zero.
         derivative: least correlation of a velocity with its position's derivative.
         held_out: share of the logs that are never fitted.
         reach: share of the whole motion by which a held-out log may reach beyond the fitted ones.
@@ -62,10 +66,14 @@ class ProposalSettings:
     explained: Share
     weighs: Share
     fits: Share
+    nothing: Share
     far: Positive
     violent: Positive
     gain: Share
     near_unit: Annotated[float, above(1.0)]
+    rests_after: Positive
+    rests_moved: Share
+    rests_off: Share
     derivative: Share
     held_out: Share
     reach: Share

@@ -104,6 +104,7 @@ class Trial:
         servos: whether each drive may be the reference of a servo that the model lacks.
         driven: degrees of freedom that may be driven.
         biased: whether actuators give force at control 0.
+        rates: places of candidates that are velocities, integrated.
     """
 
     model: mujoco.MjModel
@@ -114,6 +115,7 @@ class Trial:
     servos: tuple[bool, ...]
     driven: tuple[bool, ...]
     biased: bool
+    rates: frozenset[int] = frozenset()
 
     def motion(self, readings: Sequence[Reading]) -> Motion:
         """The motion that a reading makes of the candidates, joints in the model's order."""

@@ -5,9 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from dr_lab.proposal.grid import grid_of, path_of
+from dr_lab.proposal.lengths import is_bare
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.survey import Series
 from dr_lab.trajectory import Array
+
+
+def may_be_rate(series: Series) -> bool:
+    """Whether a series' name leaves open that it is a velocity: it says neither a position nor a unit."""
+    return not series.words.unit and (series.words.kind == "" or is_bare(series))
 
 
 def no_velocities(series: Sequence[Series], positions: Sequence[Series], settings: ProposalSettings) -> list[Series]:

@@ -3,18 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import mujoco
-
 from dr_lab.comparison.comparison import ComparisonSettings
 from dr_lab.diagnosis.faults.data_faults import suspect_faults
 from dr_lab.errors import DrLabError
 from dr_lab.files import write_text
-from dr_lab.physics.mjcf import mjcf
-from dr_lab.physics.model import from_spec
 from dr_lab.proposal.checked import closed, told, usable_logs
 from dr_lab.proposal.folder import Folder
 from dr_lab.proposal.held import without_held
-from dr_lab.proposal.pages import measurements_page, model_page
+from dr_lab.proposal.pages import measurements_page, model_page, model_xml
 from dr_lab.proposal.propose import Proposal, propose
 from dr_lab.proposal.robot import read_robot
 from dr_lab.proposal.settings import ProposalSettings
@@ -48,7 +44,7 @@ def init(
     files = folder.files(described.name)
     found = propose(described, survey(logs, proposal), proposal)
     found, split = _checked(found, proposal, checks)
-    write_text(files.xml, _xml(found))
+    write_text(files.xml, model_xml(found))
     write_text(files.measurements, measurements_page(found, split))
     write_text(files.model, model_page(found))
     _tell(found, split, folder)
@@ -72,17 +68,6 @@ def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSett
         return told(found, measured, checks, [fault for fault in faults if not fault.rest]), split
     except DrLabError as error:
         return replace(found, doubts=(*found.doubts, str(error))), split
-
-
-def _xml(found: Proposal) -> str:
-    """The file as it was where nothing was changed and nothing beside it is needed."""
-    if not found.changed:
-        text = found.robot.path.read_text(encoding="utf-8")
-        unnamed = mujoco.MjSpec.from_string(text) if "<include" not in text and "file=" not in text else None
-        if unnamed is not None and all(e.name for kind in (unnamed.joints, unnamed.actuators) for e in kind):
-            return text
-    model = from_spec(found.robot.name, found.spec, {})
-    return mjcf(model, model.space.nominal)
 
 
 def _tell(found: Proposal, split: Split, folder: Folder) -> None:
