@@ -60,9 +60,8 @@ class Replay:
         self._compiled = compiled = model.nominal()
         self._controls = _widen(windows.controls, compiled.nu)
         self._past = _widen(windows.past, compiled.nu)
-        before = windows.before
-        moved = before.qpos, before.qvel, _widen(before.controls, compiled.nu)
-        self._history = History(windows.begin, *moved, before.far, before.interval)
+        past, held = windows.before, _widen(windows.before.controls, compiled.nu)
+        self._history = History(windows.begin, past.qpos, past.qvel, held, past.far, past.interval)
         known = windows.activations
         self._run_in = None if known is None else RunIn(model, self._history, known.begin, threads)
         self._steps = self._read_steps(self._reaches())
