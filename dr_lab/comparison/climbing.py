@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from dr_lab.comparison.calibrated import calibrated
 from dr_lab.comparison.study import Study
-from dr_lab.diagnosis.evidence.bench import FittedModel
+from dr_lab.diagnosis.evidence.bench import FittedModel, fit_and_score, fitted_for_comparison
 from dr_lab.diagnosis.evidence.confirmation import confirm
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
@@ -122,7 +122,7 @@ def _as_long_as_noise(
         longer = _with_windows(study, length, len(lengths), None)
         if longer is None:
             break
-        base = calibrated(longer)
+        base = _calibrated_from(longer, first[1].base)
         if not _grows(first[1].base.held_out, base.held_out, longer.bench.evidence):
             continue
         ladder = _ladder(longer, effects, most, watch, base)
@@ -130,6 +130,18 @@ def _as_long_as_noise(
             return longer, ladder
         shown = (longer, ladder) if shown is first else shown
     return shown
+
+
+def _calibrated_from(study: Study, short: FittedModel) -> FittedModel:
+    """The model calibrated to longer windows, where it passes the floor also from where it ended in short ones.
+
+    Longer windows have more valleys in which a fit can end.
+    """
+    base = calibrated(study)
+    if at_floor(base.held_out, study.bench.evidence):
+        return base
+    near = fitted_for_comparison(study.bench, fit_and_score(study.bench, study.model, short.fit.z))
+    return min(base, near, key=lambda model: model.fit.order)
 
 
 def _grows(short: Score, long: Score, evidence: EvidenceSettings) -> bool:

@@ -77,19 +77,22 @@ def few_blocks(bench: Bench) -> list[NoteEntry]:
 
 
 def disagreeing_logs(bench: Bench, last: FittedModel) -> list[NoteEntry]:
-    """Notes on parameters of which two logs ask for values that differ beyond their noise and by a factor of two.
+    """Notes on parameters of which two logs ask for values that differ beyond their noise and by `growth`.
 
-    Nothing is told of a model that leaves noise alone, nor of bodies that are free as a whole, whose numbers trade.
+    Their noise is what the model leaves. Nothing is told of a model that leaves noise alone, of bodies that are free as
+    a whole, whose numbers trade, of values at a bound, and of what may have either sign, whose zero is arbitrary.
     """
     space, told = last.model.space, []
     if last.model.inertials or at_floor(last.held_out, bench.evidence):
         return []
     values, std = (found(space, last.fit, bench.fit) for found in (per_log, per_log_std))
+    left = last.held_out.colour * last.fit.cost / bench.samples
     for k, parameter in enumerate(space.parameters):
         least, most = int(values[:, k].argmin()), int(values[:, k].argmax())
         low, high = float(values[least, k]), float(values[most, k])
-        noise = std[least, k] ** 2 + std[most, k] ** 2
-        if (high - low) ** 2 > bench.evidence.threshold * noise and high - low > min(abs(low), abs(high)):
+        noise = left * (std[least, k] ** 2 + std[most, k] ** 2)
+        inside = parameter.low >= 0 and not any(any(parameter.ends(value)) for value in (low, high))
+        if inside and high > bench.evidence.growth * low and (high - low) ** 2 > bench.evidence.threshold * noise:
             asked = [
                 f"{bench.fit.logs[row]} asks for {uncertain(value, None, parameter.unit)}"
                 for row, value in ((least, low), (most, high))

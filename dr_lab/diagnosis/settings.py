@@ -227,7 +227,7 @@ class EvidenceSettings:
         least_explained: share of the χ² above the noise floor that an effect must close to be added.
         least_named: the same of all added effects together, for them to be named where they leave more than noise.
         growth: times the χ² that a model leaves in short windows, where that passes for noise, beyond which what it
-            leaves in longer ones does not.
+            leaves in longer ones does not; the same of windows that chose nothing, too few to tell more.
         penalty: Δχ² that each added parameter must earn on top.
         floor: largest χ² per sample that counts as the noise floor, where samples are many.
         absorbed: share of an effect's information below which the free parameters are said to absorb it.

@@ -17,7 +17,7 @@ from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 Complex = NDArray[np.complex128]
-_STEPS = 10  # of the simulation, that the shortest period takes at least
+_STEPS = 60  # of the simulation, that the shortest period takes at least: ω h is 0.1, and the explicit force stable
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,9 @@ class FlexibleMode(JointEffect, ForceLaw):
 
     Parameters (nominal = absent): inertia J ≥ 0 [kg·m², slide: kg]; period P > 0 [s] and damping ratio ζ > 0, which act
     only where J > 0 (fits start away from absent).
-    Limits: hinge and slide joints; one mode of each; periods of ten time steps at least, for which ω h < 0.63; what
-    swung before the lookback is forgotten, so that a mode with ζ ω below 1 over the lookback begins wrong.
+    Limits: hinge and slide joints; one mode of each; periods of 60 time steps at least, for the force is that of the
+    step's extrapolated velocity, which feeds faster modes of heavy parts; what swung before the lookback is forgotten,
+    so that a mode with ζ ω below 1 over the lookback begins wrong, and so does one that swings as a log begins.
     Source: the equivalent mechanical model of a sloshing liquid, Abramson (ed.), The Dynamic Behavior of Liquids in
     Moving Containers, NASA SP-106 (1966), chapter 6; of a flexible link with one assumed mode, De Luca and Book,
     Springer Handbook of Robotics (2016), section 11.3.
@@ -59,6 +60,7 @@ class FlexibleMode(JointEffect, ForceLaw):
     confused_with: ClassVar[tuple[str, ...]] = ("armature", "inertia_error", "joint_elasticity", "payload")
     holds: ClassVar[Mapping[str, SpecialCase]] = {"armature": SpecialCase(("period",), {"inertia": "inertia"})}
     shapes: ClassVar[tuple[str, ...]] = ("period", "damping")
+    limited: ClassVar[tuple[str, ...]] = ("inertia",)
     lacks: ClassVar[str] = "the part that swings on a spring; add a body on a sprung joint for it"
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
@@ -132,17 +134,24 @@ class _Swinging(MotionLaw):
         self.swing, self.speed = memory[:, 0] + 1j * memory[:, 1], memory[:, 2].copy()
 
     def follow(self, qvel: Array, step: float) -> None:
+        """Go along a motion; where nothing came before it, the part moves with the link at first.
+
+        Before a log its motion is told as none: the link's own velocity is known from the second interval in motion on.
+        """
         count, steps = qvel.shape[:2]
         self._of(count)
         if not steps:
             return
-        speed = qvel[:, :, self.dof]
-        before = np.where(np.isnan(self.speed), speed[:, 0], self.speed)
-        rise = np.diff(speed, axis=1, prepend=before[:, None])
+        speed, new = qvel[:, :, self.dof], np.isnan(self.speed)
+        moving = speed != 0
+        first = np.minimum(moving.argmax(1) + 1, steps - 1)
+        begun = np.where(new, np.take_along_axis(speed, first[:, None], 1)[:, 0], self.speed)
+        speed = np.where(new[:, None] & (np.arange(steps) < first[:, None]), begun[:, None], speed)
+        rise = np.diff(speed, axis=1, prepend=begun[:, None])
         pole = (-self._decay + 1j * self._turn)[:, None] * step
         ago = np.exp(pole * np.arange(steps, 0, -1))
         self.swing = ago[:, 0] * self.swing - (ago * rise).sum(1)
-        self.speed = speed[:, -1].copy()
+        self.speed = np.where(new & ~moving.any(1), np.nan, speed[:, -1])
 
     def act(self, moment: Moment, influence: Influence) -> None:
         speed = moment.qvel[:, self.dof]

@@ -129,14 +129,18 @@ def _confirmed(report: GapReport) -> str:
         return "**The calibrated model predicts the logs better: what was added bends the fitted starts alone.**"
     if found.gain is None:
         return ""
-    where = f"{found.windows} window{'s' * (found.windows != 1)} that chose nothing"
-    share = f"{percent(found.gain.gap_closed)} of a typical window's gap"
-    closed, few = f"{share} closes there", "too few to be sure"
-    shows = (found.gain.gap_closed or 0.0) >= (report.judged.explained.share or 0.0) / 2
+    one, gap = found.windows == 1, found.gain.gap_closed or 0.0
+    where, few = f"{found.windows} window{'s' * (not one)} that chose nothing", "too few to be sure"
+    closed = f"{percent(gap)} of a typical window's gap closes there"
+    if gap < 0:
+        closed = f"a typical window's gap is {number(1.0 - gap, 3)} times as wide there"
+    share = report.judged.explained.share
+    shows = share is not None and gap >= share / 2
+    only = "only " if gap >= 0 else ""
     told = {
         "confirmed": f"On {where} the same is found: {closed}.",
-        "undecided": f"On {where}, {few}, {'the same shows: ' if shows else 'only '}{closed}.",
-        "contradicted": f"**{where} contradict that: {closed}. Do not trust what was added.**",
+        "undecided": f"On {where}, {few}, {'the same shows: ' if shows else only}{closed}.",
+        "contradicted": f"**{where} contradict{'s' * one} that: {closed}. Do not trust what was added.**",
     }
     return told[found.status]
 

@@ -80,7 +80,7 @@ def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[
 
 
 def _on_all(study: Study, base: FittedModel, candidate: Candidate) -> FittedModel:
-    """The candidate fitted to all windows, also where few of them promised nothing, and beyond bounds as in a rank."""
+    """The candidate fitted to all windows, also where few of them promised nothing, and beyond bounds that it meets."""
     if candidate.final:
         return candidate.fitted_model
     bench, model, values = study.bench.beside(base), candidate.fitted_model.model, candidate.fitted_model.values()

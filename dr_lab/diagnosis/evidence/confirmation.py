@@ -10,6 +10,7 @@ from dr_lab.diagnosis.evidence.paired_gain import Gain, certain, largest_gap, pa
 from dr_lab.diagnosis.evidence.score import Score, score_of
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit
+from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
@@ -46,11 +47,14 @@ class Confirmation:
             better than the last one beyond doubt and by no trifle, and the last one leaves more than noise there. What
             was added then bends the fitted starts, not the motion. The threshold that guards a choice among many is not
             asked for.
+        grown: whether the last model leaves more than noise on the windows that were left out, and there
+            `EvidenceSettings.growth` times as much as the calibrated one, or as noise.
     """
 
     apart: Comparison | None
     predicted: Comparison
     predicted_worse: bool
+    grown: bool = False
 
     @property
     def enough(self) -> bool:
@@ -61,13 +65,12 @@ class Confirmation:
     def contradicts(self) -> bool:
         """Whether what was added is not found again.
 
-        It predicts worse, or gains nothing on windows left out. Where these are too few to know, it must at least
-        double the gap there.
+        It predicts worse, or gains nothing on windows left out. Where these are too few to know, the error must have
+        grown there.
         """
         if self.predicted_worse or self.apart is None:
             return self.predicted_worse
-        gain = self.apart.gain
-        return gain.total <= 0 and (self.enough or gain.gap <= -1.0)
+        return self.apart.gain.total <= 0 and (self.enough or self.grown)
 
     @property
     def status(self) -> str:
@@ -96,7 +99,13 @@ def confirm(bench: Bench, predicted: Windows, base: FittedModel, last: FittedMod
     known = _compared(bench, predicted, base, last, fits)
     back = paired_gain(known.after, known.before, bench.evidence)
     sure = certain(back, bench.evidence) and largest_gap(back) >= bench.evidence.least_gap
-    return Confirmation(apart, known, sure and not at_floor(known.after, bench.evidence))
+    worse = sure and not at_floor(known.after, bench.evidence)
+    return Confirmation(apart, known, worse, apart is not None and _grown(apart, bench.evidence))
+
+
+def _grown(apart: Comparison, evidence: EvidenceSettings) -> bool:
+    grown = apart.after.chi2 >= evidence.growth * max(apart.before.chi2, 1.0)
+    return grown and not at_floor(apart.after, evidence)
 
 
 def _compared(bench: Bench, windows: Windows, first: FittedModel, second: FittedModel, fits: Fits) -> Comparison:

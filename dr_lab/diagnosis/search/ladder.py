@@ -175,8 +175,7 @@ def climb(
        stays until the climb is over, because what is still missing scatters what it gains.
     4. An effect that holds a special case is put back to that for good, unless its further parameters are beyond doubt.
        This is decided once another effect stands beside it, and when the climb is over.
-    5. If this leaves a model that was not judged before, the climb goes on from there. Beside one at the noise floor
-       with the effects of an earlier one, the candidates that are left keep their fits.
+    5. If this leaves a model that was not judged before, the climb goes on from there.
     6. Beside a model that leaves noise, richer kinds of what it holds are not tried: they were weighed against it.
 
     Args:
@@ -215,7 +214,7 @@ def _as_before(ladder: Ladder, placed: Sequence[PlacedEffect], settings: Evidenc
     for rung in reversed(ladder.rungs):
         kept = [candidate for candidate in rung.ranking if candidate.effect.label in wanted]
         alike = _labels(rung.base.model) == _labels(last.model) and len(kept) == len(wanted)
-        if alike and at_floor(rung.base.held_out, settings):
+        if alike and all(at_floor(model.held_out, settings) for model in (rung.base, last)):
             return Ranking(last, beside(last, kept, settings))
     return None
 

@@ -229,9 +229,10 @@ def _nearness(candidate: Candidate) -> tuple[int, float]:
 
 
 def _absorbed(candidate: Candidate, settings: EvidenceSettings) -> bool:
-    """Whether the model's own parameters take its place, by a linear step; a fit that changed much shows otherwise."""
+    """Whether the model's own parameters take its place, by a linear step; a fit that gains much shows otherwise."""
     known = candidate.identifiability
-    moved = candidate.fitted and abs(candidate.gain.total) >= settings.threshold
+    gain = candidate.gain
+    moved = candidate.fitted and gain.total >= settings.threshold and largest_gap(gain) >= settings.least_named
     excited = known.alone >= settings.threshold and not moved
     return excited and (known.share < settings.absorbed or known.beside < settings.threshold)
 

@@ -123,14 +123,14 @@ def test_the_shortest_windows_that_explain_the_gap(
         confidence.append(made.bench.evidence.confidence)
         return cast(Ladder, next(left))
 
-    def calibrated(made: Study) -> SimpleNamespace:
-        del made
+    def calibrated(made: Study, short: object) -> SimpleNamespace:
+        del made, short
         chi2 = next(left, 1.0)
         assert isinstance(chi2, float)
         return fitted(chi2)
 
     monkeypatch.setattr(climbing, "_ladder", climb)
-    monkeypatch.setattr(climbing, "calibrated", calibrated)
+    monkeypatch.setattr(climbing, "_calibrated_from", calibrated)
     windows, evidence = windows_settings(length=0.3, longest=2.7), evidence_settings(confidence=0.97)
     first = cast(Study, Windowed(comparison_settings(windows=windows, evidence=evidence), room))
     found, ladder = climbing.climbed(first, {}, most=1, watch=Silence())
@@ -141,7 +141,7 @@ def test_the_shortest_windows_that_explain_the_gap(
 
 def test_longer_windows_are_not_asked_of_commands_that_changed_unlogged(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(climbing, "_ladder", lambda *_: NOISE)
-    monkeypatch.setattr(climbing, "calibrated", lambda _: fitted(9.0))
+    monkeypatch.setattr(climbing, "_calibrated_from", lambda *_: fitted(9.0))
     windows = windows_settings(length=0.3, longest=2.7)
     study = cast(Study, Windowed(comparison_settings(windows=windows), 9.0, unlogged="something"))
     found, ladder = climbing.climbed(study, {}, most=1, watch=Silence())

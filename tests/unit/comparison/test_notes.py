@@ -69,7 +69,7 @@ def test_a_fit_without_its_certificate_is_told_with_what_helps(remedy: str, *, o
     assert remedy in note.message
 
 
-@pytest.mark.parametrize(("worn", "count"), [(0.25, 1), (0.05, 0)])
+@pytest.mark.parametrize(("worn", "count"), [(0.25, 1), (0.07, 0), (0.05, 0)])
 def test_logs_that_do_not_agree_on_a_parameter_are_told(worn: float, count: int) -> None:
     damping = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 1.0}}
     model = model_of(PENDULUM, damping)

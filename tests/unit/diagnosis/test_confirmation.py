@@ -1,5 +1,6 @@
 """What windows that chose nothing say: found again, undecided, or contradicted."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -17,8 +18,9 @@ from diagnosis_machines import (
 )
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
-from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation, confirm
+from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation, _grown, confirm
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
+from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
@@ -27,9 +29,8 @@ from dr_lab.trajectory import Array
 FREE = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 1.0}}
 
 
-def comparison(total: float, low: float, gap: float = 0.5) -> Comparison:
-    gain = SimpleNamespace(total=total, total_low=low, gap=gap)
-    return Comparison(5, cast(Any, None), cast(Any, None), cast(Any, gain))
+def comparison(total: float, low: float) -> Comparison:
+    return Comparison(5, cast(Any, None), cast(Any, None), cast(Any, SimpleNamespace(total=total, total_low=low)))
 
 
 @pytest.mark.parametrize(
@@ -39,8 +40,6 @@ def comparison(total: float, low: float, gap: float = 0.5) -> Comparison:
         (comparison(50.0, -20.0), False, "undecided"),
         (comparison(-5.0, -20.0), False, "contradicted"),
         (comparison(-5.0, np.nan), False, "undecided"),
-        (comparison(-5.0, np.nan, gap=-0.9), False, "undecided"),
-        (comparison(-5.0, np.nan, gap=-9.8), False, "contradicted"),
         (comparison(50.0, 20.0), True, "contradicted"),
         (None, False, "undecided"),
         (None, True, "contradicted"),
@@ -48,6 +47,22 @@ def comparison(total: float, low: float, gap: float = 0.5) -> Comparison:
 )
 def test_status(apart: Comparison | None, worse: bool, status: str) -> None:
     assert Confirmation(apart, comparison(1.0, 0.0), worse).status == status
+
+
+def chi2(level: float) -> Score:
+    """Of five windows with sixty residuals each."""
+    sums, count = np.full(5, 60 * level), np.full(5, 60.0)
+    return Score(level, {}, {}, {}, sums, count, np.zeros(5, int), 0)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "grown"),
+    [(1.01, 1.03, False), (1.05, 1.4, False), (0.99, 8.0, True), (600.0, 700.0, False), (600.0, 7000.0, True)],
+)
+def test_few_windows_contradict_what_grows_the_error_there(before: float, after: float, *, grown: bool) -> None:
+    few = replace(comparison(-5.0, np.nan), before=chi2(before), after=chi2(after))
+    found = Confirmation(few, comparison(1.0, 0.0), predicted_worse=False, grown=_grown(few, evidence_settings()))
+    assert found.contradicts == grown
 
 
 def at(model: Model, bench: Bench, damping: float) -> FittedModel:

@@ -22,10 +22,11 @@ from pretended_rankings import (
 )
 
 from dr_lab.diagnosis.evidence.confirmation import Comparison, Confirmation
+from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
-from dr_lab.diagnosis.search.ladder import Ladder, Rung
+from dr_lab.diagnosis.search.ladder import Ladder, Rung, _as_before
 from dr_lab.diagnosis.search.step import AddedEffect
-from dr_lab.diagnosis.search.verdict import decide
+from dr_lab.diagnosis.search.verdict import _absorbed, decide
 from dr_lab.reports.quantity import number, percent
 
 
@@ -180,9 +181,12 @@ def test_what_free_parameters_can_replace_is_told() -> None:
     assert verdict.status == {"armature@rail": "equivalent", "coulomb_friction@rail": "rejected"}
 
 
-def test_what_changed_the_error_much_is_replaced_by_nothing() -> None:
-    verdict = judged(20.0, ("armature", 40.0), armature=ABSORBED)
-    assert (verdict.absorbed, verdict.status) == ((), {"armature@rail": "rejected"})
+@pytest.mark.parametrize(("total", "gap", "absorbed"), [(60.0, 0.6, False), (60.0, 0.3, True), (9.0, 0.6, True)])
+def test_what_gains_much_is_replaced_by_nothing(total: float, gap: float, *, absorbed: bool) -> None:
+    base = model(20.0)
+    found = candidate(base, "armature", 12.0, ABSORBED)
+    found = replace(found, gain=replace(found.gain, total=total, gap=gap, channels={}))
+    assert _absorbed(found, SETTINGS) == absorbed
 
 
 def test_what_free_parameters_can_replace_is_told_of_few_data_as_well() -> None:
@@ -226,3 +230,29 @@ def test_a_special_case_takes_the_place_of_what_is_put_back_to_it() -> None:
     }
     assert settled.put_back("stribeck_friction@rail", "coulomb_friction@rail") is settled
     assert verdict.put_back("stribeck_friction@rail", "coulomb_friction@elbow") is verdict  # none of the candidates
+
+
+@pytest.mark.parametrize(
+    ("judged_at", "now", "wanted", "kept"),
+    [
+        (1.0, 0.99, ("viscous_friction",), True),
+        (1.0, 0.99, ("viscous_friction", "spring"), False),  # one of them was not judged
+        (1.0, 20.0, ("viscous_friction",), False),
+        (20.0, 1.0, ("viscous_friction",), False),
+    ],
+)
+def test_candidates_keep_their_fits_beside_a_model_of_the_same_effects_at_the_noise_floor(
+    judged_at: float, now: float, wanted: tuple[str, ...], *, kept: bool
+) -> None:
+    plain = cast(Any, SimpleNamespace(effects=()))
+    base, last = (replace(model(level), model=plain) for level in (judged_at, now))
+    ranking = tuple(candidate(base, name, 0.98, CLEAR) for name in ("coulomb_friction", "viscous_friction"))
+    ladder = Ladder((Rung(base, ranking, decide(base, ranking, SETTINGS)),), last, ())
+    placed = [candidate(base, name, 0.98, CLEAR).effect for name in wanted]
+    found = _as_before(ladder, placed, SETTINGS)
+    assert (found is not None) == kept
+    if found is not None:
+        (again,) = found.candidates
+        assert (found.base, again.effect.label) == (last, "viscous_friction@rail")
+        expected = paired_gain(last.held_out, again.fitted_model.held_out, SETTINGS)
+        assert again.gain.total == pytest.approx(expected.total)

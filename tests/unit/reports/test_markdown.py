@@ -122,6 +122,11 @@ def test_what_was_found_first_is_told_first(close_report: dict[str, Any]) -> Non
 @pytest.mark.parametrize(
     ("windows", "gap", "told"),
     [
+        (
+            2,
+            -0.5,
+            "On 2 windows that chose nothing, too few to be sure, a typical window's gap is 1.5 times as wide",
+        ),
         (3, 0.8, "On 3 windows that chose nothing, too few to be sure, the same shows: 80 % of a typical window's gap"),
         (1, 0.041, "On 1 window that chose nothing, too few to be sure, only 4.1 % of a typical window's gap"),
     ],
@@ -144,6 +149,20 @@ def test_what_few_windows_say_is_told_as_it_is(
             "evidence_low": None,
         },
     }
+    assert told in page(close_report)
+
+
+def test_one_window_contradicts(close_report: dict[str, Any]) -> None:
+    gain = {"chi2_before": 37.0, "chi2_after": 370.0, "gap_closed": -9.0, "gain": -9.0, "gain_ci": [None, None]}
+    close_report["confirmation"] = {
+        "status": "contradicted",
+        "predicted_worse": False,
+        "windows": 1,
+        **gain,
+        "evidence": -18.0,
+        "evidence_low": None,
+    }
+    told = "1 window that chose nothing contradicts that: a typical window's gap is 10 times as wide there."
     assert told in page(close_report)
 
 
