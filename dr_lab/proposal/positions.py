@@ -108,12 +108,14 @@ def _with_velocities(
 ) -> Searched:
     """The search with series as velocities that explain nothing as positions, where they then do; else as it was.
 
-    A name that says a position, or its unit, is believed.
+    A name that says a position, or its unit, is believed, and so is a rest where a command would have a position.
     """
     readings, outcome = searched.found.readings, searched.found.outcome
     bad = [j for j, reading in enumerate(readings) if outcome.left[j] > settings.nothing]
     rates = [k for j in bad if may_be_rate(candidates[k := readings[j].series])]
-    if not rates or len(rates) < len(bad):
+    asked = [each for each in searched.asked if each.words.kind != "drive"]
+    rests = all_rests([candidates[k] for k in rates], asked, settings).values()
+    if not rates or len(rates) < len(bad) or any(rest.passes_for(1.0, settings) for rest in rests):
         return searched
     kept = [each for each in searched.asked if all(each is not candidates[k] for k in rates)]
     places = [(reading.series,) for reading in readings]

@@ -99,8 +99,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *found.doubts,
             *lengths_as_angles(compiled(spec.copy()), found.outputs),
             *far_slides(compiled(spec.copy()), found, settings),
-            *_of_commands(found, commands),
-            *of_units(found.outputs, commands, settings),
+            *_of_commands(found, commands, settings),
             *_ranges(compiled(spec.copy()), found),
         ),
     )
@@ -157,7 +156,7 @@ def _add(spec: mujoco.MjSpec, command: Command) -> str:
     )
 
 
-def _of_commands(found: Positions, commands: Sequence[Command]) -> list[str]:
+def _of_commands(found: Positions, commands: Sequence[Command], settings: ProposalSettings) -> list[str]:
     """What is unsure about the commands."""
     doubts = [d if d.startswith(c.drive.name) else f"{c.drive.name}: {d}" for c in commands for d in c.doubts]
     given = {command.drive.name for command in commands}
@@ -173,7 +172,7 @@ def _of_commands(found: Positions, commands: Sequence[Command]) -> list[str]:
         doubts.append(
             f"None of {', '.join(unused)} moves a joint as a command would: the machine is taken to swing freely."
         )
-    return doubts
+    return [*doubts, *of_units(found.outputs, commands, settings)]
 
 
 def _ranges(model: mujoco.MjModel, found: Positions) -> list[str]:
