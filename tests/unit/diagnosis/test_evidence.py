@@ -40,6 +40,7 @@ SETTINGS = EvidenceSettings(
     least_gap=0.1,
     least_explained=0.25,
     least_named=0.7,
+    growth=2.0,
     penalty=2.0,
     floor=1.1,
     absorbed=1e-3,

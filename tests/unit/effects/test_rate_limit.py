@@ -43,7 +43,8 @@ def test_nothing_but_the_ramp_is_lost() -> None:
 
 def test_fits_start_at_rates_within_the_commands() -> None:
     one = placed(block(), "rate_limit", "drive")
-    assert one.parameters[0].high == pytest.approx(0.03 / 5.0)
-    assert [start["rate_limit@drive.inverse_rate"] * 5.0 for start in one.starts] == pytest.approx([0.004, 0.015])
+    assert one.parameters[0].high == pytest.approx(0.3 / 5.0)
+    times = [start["rate_limit@drive.inverse_rate"] * 5.0 for start in one.starts]
+    assert times == pytest.approx([0.004, 0.015, 0.06, 0.2])
     series = np.ones((1, 1, 3))
     assert block().with_effect(one).command(np.ones((1, 1)), "another", series) is series
