@@ -54,23 +54,12 @@ def free_parameters(
         settings: bounds and thresholds.
     """
     model = from_spec(robot.name, spec, {}).nominal()
-    masses = {
-        f"{name}.mass": _mass(name, float(model.body(name).mass[0]), settings)
-        for name in (model.body(i).name for i in range(1, model.nbody) if model.body_dofnum[i] > 0)
-        if model.body(name).mass[0] > mujoco.mjMINVAL
-    }
-    loose = [
-        model.body(int(model.jnt_bodyid[i])).name
-        for i in range(model.njnt)
-        if int(model.jnt_type[i]) == int(mujoco.mjtJoint.mjJNT_FREE)
-    ]
+    masses, loose = _masses(model, settings), _loose(model)
     inertias = {f"{name}.inertia_scale": _inertia(name, settings) for name in loose if f"{name}.mass" in masses}
     if len(masses) == len(inertias) == 1:
         return Freedom({KEY: loose} if model.nu else inertias, ())
-    dampings = {
-        f"{joint}.damping": _damping(model, spec, joint, found)
-        for joint in (model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in _SCALAR)
-    }
+    joints = (model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in _SCALAR)
+    dampings = {f"{joint}.damping": _damping(model, spec, joint, found) for joint in joints}
     undriven = unscaled(from_spec(robot.name, spec, masses), found, commands, settings)
     kept = {name: entry for name, entry in masses.items() if name not in {each.mass for each in undriven}}
     if found.trial is None or found.found is None:
@@ -82,6 +71,19 @@ def free_parameters(
     seen, notes = shown(from_spec(robot.name, spec, kept | others), found, most, settings)
     free = {name: entry for name, entry in (kept | others).items() if name in seen}
     return Freedom(free | dampings, (*notes, *_anchored(undriven, free)))
+
+
+def _masses(model: mujoco.MjModel, settings: ProposalSettings) -> dict[str, Entry]:
+    """Masses of the bodies that move by a joint of their own."""
+    names = (model.body(i).name for i in range(1, model.nbody) if model.body_dofnum[i] > 0)
+    known = {name: float(model.body(name).mass[0]) for name in names}
+    return {f"{name}.mass": _mass(name, mass, settings) for name, mass in known.items() if mass > mujoco.mjMINVAL}
+
+
+def _loose(model: mujoco.MjModel) -> list[str]:
+    """Bodies on free joints."""
+    free = (i for i in range(model.njnt) if int(model.jnt_type[i]) == int(mujoco.mjtJoint.mjJNT_FREE))
+    return [model.body(int(model.jnt_bodyid[i])).name for i in free]
 
 
 def _anchored(undriven: Sequence[Unscaled], free: Mapping[str, Entry]) -> Iterator[str]:
