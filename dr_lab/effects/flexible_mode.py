@@ -17,6 +17,7 @@ from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 Complex = NDArray[np.complex128]
+_BEGIN = 10  # intervals whose mean velocity is that of a log's beginning, so that its noise kicks no part
 _STEPS = 60  # of the simulation, that the shortest period takes at least: ω h is 0.1, and the explicit force stable
 
 
@@ -136,7 +137,8 @@ class _Swinging(MotionLaw):
     def follow(self, qvel: Array, step: float) -> None:
         """Go along a motion; where nothing came before it, the part moves with the link at first.
 
-        Before a log its motion is told as none: the link's own velocity is known from the second interval in motion on.
+        Before a log its motion is told as none: the link's velocity then is taken to be the mean of `_BEGIN` intervals
+        behind the first one in motion, of which a part may lie before the log.
         """
         count, steps = qvel.shape[:2]
         self._of(count)
@@ -145,7 +147,8 @@ class _Swinging(MotionLaw):
         speed, new = qvel[:, :, self.dof], np.isnan(self.speed)
         moving = speed != 0
         first = np.minimum(moving.argmax(1) + 1, steps - 1)
-        begun = np.where(new, np.take_along_axis(speed, first[:, None], 1)[:, 0], self.speed)
+        behind = np.minimum(first[:, None] + np.arange(_BEGIN), steps - 1)
+        begun = np.where(new, np.take_along_axis(speed, behind, 1).mean(1), self.speed)
         speed = np.where(new[:, None] & (np.arange(steps) < first[:, None]), begun[:, None], speed)
         rise = np.diff(speed, axis=1, prepend=begun[:, None])
         pole = (-self._decay + 1j * self._turn)[:, None] * step

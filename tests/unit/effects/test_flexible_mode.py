@@ -113,7 +113,7 @@ def test_the_past_of_a_window_tells_how_the_part_swings(period: float, damping: 
 def test_far_past_and_near_past_are_one_motion() -> None:
     """A history by longer intervals ends where the same one by steps does, wherever it is cut."""
     speed = np.repeat(np.random.default_rng(3).normal(size=60), 5)
-    speed[:5] = speed[5:10]  # where nothing came before, the second interval counts for the first
+    speed[:60] = 0.4  # where nothing came before, the next intervals tell how the link moved
     cut, whole = law(0.5, 0.1), law(0.5, 0.1)
     cut.follow(speed[None, :200:5, None], 5 * STEP)
     cut.follow(speed[None, 200:, None], STEP)
