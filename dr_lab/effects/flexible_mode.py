@@ -17,7 +17,8 @@ from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 Complex = NDArray[np.complex128]
-_BEGIN = 10  # intervals whose mean velocity is that of a log's beginning, so that its noise kicks no part
+_BEGIN = 3  # intervals whose mean velocity is that of a log's beginning
+_MOVING = 0.25  # of the RMS velocity; a log that begins slower begins at rest, or its noise seems to move it
 _STEPS = 60  # of the simulation, that the shortest period takes at least: ω h is 0.1, and the explicit force stable
 
 
@@ -137,8 +138,8 @@ class _Swinging(MotionLaw):
     def follow(self, qvel: Array, step: float) -> None:
         """Go along a motion; where nothing came before it, the part moves with the link at first.
 
-        Before a log its motion is told as none: the link's velocity then is taken to be the mean of `_BEGIN` intervals
-        behind the first one in motion, of which a part may lie before the log.
+        Before a log its motion is told as none. Where the log begins in motion, the link is taken to have moved before
+        as it does behind the first interval, of which a part may lie before the log.
         """
         count, steps = qvel.shape[:2]
         self._of(count)
@@ -148,8 +149,10 @@ class _Swinging(MotionLaw):
         moving = speed != 0
         first = np.minimum(moving.argmax(1) + 1, steps - 1)
         behind = np.minimum(first[:, None] + np.arange(_BEGIN), steps - 1)
-        begun = np.where(new, np.take_along_axis(speed, behind, 1).mean(1), self.speed)
-        speed = np.where(new[:, None] & (np.arange(steps) < first[:, None]), begun[:, None], speed)
+        found, usual = np.take_along_axis(speed, behind, 1).mean(1), np.sqrt((speed**2).sum(1) / moving.sum(1).clip(1))
+        rolling = new & (np.abs(found) > _MOVING * usual)
+        begun = np.where(new, np.where(rolling, found, speed[:, 0]), self.speed)
+        speed = np.where(rolling[:, None] & (np.arange(steps) < first[:, None]), begun[:, None], speed)
         rise = np.diff(speed, axis=1, prepend=begun[:, None])
         pole = (-self._decay + 1j * self._turn)[:, None] * step
         ago = np.exp(pole * np.arange(steps, 0, -1))

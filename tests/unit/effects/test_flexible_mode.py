@@ -140,3 +140,12 @@ def test_a_window_begins_with_what_swung_before() -> None:
     force = -0.5 * omega**2 * size * np.cos(omega * ago)  # J ω² δ with δ = −size cos ωt
     expected = 0.5 * force / MASS * (5 * STEP) ** 2
     assert place[5] == pytest.approx(expected, rel=0.15)
+
+
+def test_a_log_that_begins_at_rest_begins_so() -> None:
+    speeds = np.concatenate([np.zeros(50), 0.02 * np.arange(150.0)])[None, :, None]
+    found, rested = law(0.4, 0.01), law(0.4, 0.01)
+    rested.remember(np.zeros((1, 3)))
+    for each in (found, rested):
+        each.follow(speeds, INTERVAL)
+    np.testing.assert_allclose(found.memory, rested.memory, rtol=1e-12)
