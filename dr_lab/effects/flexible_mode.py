@@ -17,8 +17,6 @@ from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
 Complex = NDArray[np.complex128]
-_BEGIN = 3  # intervals whose mean velocity is that of a log's beginning
-_MOVING = 0.25  # of the RMS velocity; a log that begins slower begins at rest, or its noise seems to move it
 _STEPS = 60  # of the simulation, that the shortest period takes at least: ω h is 0.1, and the explicit force stable
 
 
@@ -36,7 +34,8 @@ class FlexibleMode(JointEffect, ForceLaw):
     only where J > 0 (fits start away from absent).
     Limits: hinge and slide joints; one mode of each; periods of 60 time steps at least, for the force is that of the
     step's extrapolated velocity, which feeds faster modes of heavy parts; what swung before the lookback is forgotten,
-    so that a mode with ζ ω below 1 over the lookback begins wrong, and so does one that swings as a log begins.
+    so that a mode with ζ ω below 1 over the lookback begins wrong. Logs are taken to begin at rest: where one begins in
+    motion, its first seconds are told wrong.
     Source: the equivalent mechanical model of a sloshing liquid, Abramson (ed.), The Dynamic Behavior of Liquids in
     Moving Containers, NASA SP-106 (1966), chapter 6; of a flexible link with one assumed mode, De Luca and Book,
     Springer Handbook of Robotics (2016), section 11.3.
@@ -136,28 +135,18 @@ class _Swinging(MotionLaw):
         self.swing, self.speed = memory[:, 0] + 1j * memory[:, 1], memory[:, 2].copy()
 
     def follow(self, qvel: Array, step: float) -> None:
-        """Go along a motion; where nothing came before it, the part moves with the link at first.
-
-        Before a log its motion is told as none. Where the log begins in motion, the link is taken to have moved before
-        as it does behind the first interval, of which a part may lie before the log.
-        """
+        """Go along a motion; where nothing came before it, the part moves with the link at first."""
         count, steps = qvel.shape[:2]
         self._of(count)
         if not steps:
             return
-        speed, new = qvel[:, :, self.dof], np.isnan(self.speed)
-        moving = speed != 0
-        first = np.minimum(moving.argmax(1) + 1, steps - 1)
-        behind = np.minimum(first[:, None] + np.arange(_BEGIN), steps - 1)
-        found, usual = np.take_along_axis(speed, behind, 1).mean(1), np.sqrt((speed**2).sum(1) / moving.sum(1).clip(1))
-        rolling = new & (np.abs(found) > _MOVING * usual)
-        begun = np.where(new, np.where(rolling, found, speed[:, 0]), self.speed)
-        speed = np.where(rolling[:, None] & (np.arange(steps) < first[:, None]), begun[:, None], speed)
-        rise = np.diff(speed, axis=1, prepend=begun[:, None])
+        speed = qvel[:, :, self.dof]
+        before = np.where(np.isnan(self.speed), speed[:, 0], self.speed)
+        rise = np.diff(speed, axis=1, prepend=before[:, None])
         pole = (-self._decay + 1j * self._turn)[:, None] * step
         ago = np.exp(pole * np.arange(steps, 0, -1))
         self.swing = ago[:, 0] * self.swing - (ago * rise).sum(1)
-        self.speed = np.where(new & ~moving.any(1), np.nan, speed[:, -1])
+        self.speed = speed[:, -1].copy()
 
     def act(self, moment: Moment, influence: Influence) -> None:
         speed = moment.qvel[:, self.dof]
