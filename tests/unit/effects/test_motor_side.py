@@ -147,7 +147,8 @@ def test_a_clipped_command_is_made_up_for() -> None:
     extended = model.with_effect(placed(model, "joint_elasticity", "rail", scales_of(model)))
     values = {f"joint_elasticity@rail.{key}": value for key, value in spring(40.0, retardation=0.02).items()}
     controls, rest = np.full((1, 300, 1), FORCE), np.zeros((1, 1, 1))
-    history = History(np.zeros(1), *(np.zeros((1, 5, 1)) for _ in range(3)))
+    still = np.zeros((1, 5, 1))
+    history = History(np.zeros(1), still, still, still)
     rollout = Simulator(extended, 1, threads=1).replay(
         extended.space.vector(values)[None], rest, rest, controls, controls[:, :1], history
     )
