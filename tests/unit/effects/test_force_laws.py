@@ -132,7 +132,8 @@ def test_a_written_spring_swings() -> None:
 
 
 def test_a_formula_knows_command_speed_and_the_logs_time() -> None:
-    history = History(np.array([10.0]), *(np.zeros((1, 0, 1)) for _ in range(3)))
+    nothing = np.zeros((1, 0, 1))
+    history = History(np.array([10.0]), nothing, nothing, nothing)
     effect = formula("a * u + b * (t - 10) - c * v", "a", "b", "c")
     time, ramp = played(block(), effect, {"b": 3.0}, 0.5, history=history)
     np.testing.assert_allclose(ramp.qvel[0, :, 0], 0.5 * 3.0 / MASS * time**2, atol=1e-12)
