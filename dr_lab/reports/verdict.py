@@ -78,9 +78,7 @@ def _found(report: GapReport) -> str:
     return sentences.get(report.verdict or "", f"**Added:** {_listed(added)}." if added else done)
 
 
-def _named(effects: Sequence[str], *, beside: bool = False) -> str:
-    if beside:
-        return f"**Named beside them:** {_listed(effects)}."
+def _named(effects: Sequence[str]) -> str:
     return f"**The missing {'effects are' if len(effects) > 1 else 'effect is'} named:** {_listed(effects)}."
 
 
@@ -106,7 +104,8 @@ def _equivalent(report: GapReport) -> str:
     equivalent = f"**Equivalent effects:** these logs cannot tell apart {told}."
     if not alone:
         return equivalent
-    return f"{_named(alone)} {equivalent}" if not added[0][1] else f"{equivalent} {_named(alone, beside=True)}"
+    groups_first = bool(added[0][1])
+    return f"{equivalent} **Named beside them:** {_listed(alone)}." if groups_first else f"{_named(alone)} {equivalent}"
 
 
 def _fall(report: GapReport) -> str:
@@ -140,7 +139,8 @@ def _confirmed(report: GapReport) -> str:
     told = {
         "confirmed": f"On {where} the same is found: {closed}.",
         "undecided": f"On {where}, {few}, {'the same shows: ' if shows else only}{closed}.",
-        "contradicted": f"**{where} contradict{'s' * one} that: {closed}. Do not trust what was added.**",
+        "contradicted": f"**{where} contradict{'s' * one} that: χ² goes from {number(found.gain.chi2_before)} to "
+        f"{number(found.gain.chi2_after)} there. Do not trust what was added.**",
     }
     return told[found.status]
 

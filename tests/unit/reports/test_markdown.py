@@ -162,7 +162,7 @@ def test_one_window_contradicts(close_report: dict[str, Any]) -> None:
         "evidence": -18.0,
         "evidence_low": None,
     }
-    told = "1 window that chose nothing contradicts that: a typical window's gap is 10 times as wide there."
+    told = "1 window that chose nothing contradicts that: χ² goes from 37 to 370 there."
     assert told in page(close_report)
 
 
