@@ -9,15 +9,13 @@ import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect
 from dr_lab.effects.effect import Scales
+from dr_lab.effects.joint_force import acts_on, drives_joint
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.compiled_contexts import distinct
 from dr_lab.physics.effect_parts import ForceLaw
 from dr_lab.physics.law import Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
-
-_SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-_FORCE_ALONE = (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_NONE))
 
 
 @dataclass(frozen=True)
@@ -56,16 +54,13 @@ class TorqueSpeedLimit(ActuatorEffect, ForceLaw):
 
     def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
         """At a joint, where the force is gain times command."""
-        return _bare_force(model, row)
+        return drives_joint(model, row)
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """Inverse stall torque and inverse no-load speed."""
-        row = model.actuator(site).id
-        joint = model.joint(int(model.actuator_trnid[row, 0])).name
-        gain, gear = abs(float(model.actuator_gainprm[row, 0])), abs(float(model.actuator_gear[row, 0]))
+        gain, (joint, gear, slide) = abs(float(model.actuator(site).gainprm[0])), acts_on(model, site)
         force = max(scales.command.get(site, 0.0) * gain, self.least)
         speed = max(scales.speed.get(joint, 0.0) * gear, self.least)
-        slide = int(model.joint(joint).type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
         units = ("1/N", "s/m") if slide else ("1/(N·m)", "s/rad")
         return (
             Parameter("inverse_stall", units[0], 0.0, 0.0, self.strongest / force),
@@ -107,11 +102,3 @@ class _Bounded(Law):
         relative = np.clip(self.stall * force, np.minimum(-1.0 - share, 0.0), np.maximum(1.0 - share, 0.0))
         limited = np.divide(relative, self.stall, out=force.copy(), where=self.stall > 0)
         influence.control[:, self.column] = limited / self.gain
-
-
-def _bare_force(model: mujoco.MjModel, row: int) -> bool:
-    kinds = (int(model.actuator_gaintype[row]), int(model.actuator_biastype[row]))
-    direct = int(model.actuator_dyntype[row]) == int(mujoco.mjtDyn.mjDYN_NONE)
-    at_joint = int(model.actuator_trntype[row]) == int(mujoco.mjtTrn.mjTRN_JOINT)
-    scalar = at_joint and int(model.jnt_type[model.actuator_trnid[row, 0]]) in _SCALAR
-    return kinds == _FORCE_ALONE and direct and scalar and model.actuator_gainprm[row, 0] != 0

@@ -265,8 +265,9 @@ def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings)
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """Whether a gain is beyond its interval, the threshold and the penalty of the added parameters, and no trifle.
 
-    Few blocks make the interval wide, or leave none. It is not asked for where a model above the noise floor gets
-    better in every window and as much of its gap is closed as is asked of a cause.
+    Few blocks make the interval of the evidence wide, or leave none. It is not asked for where a model above the noise
+    floor gets better in every window that scores and as much of its gap is closed as is asked of a cause, unless what a
+    typical window gains is in doubt, fitted ones included as fits to the others foretell them.
     """
     return certain(gain, settings) and sizeable(gain, extra_parameters, settings)
 
@@ -282,7 +283,7 @@ def certain(gain: Gain, settings: EvidenceSettings) -> bool:
 
 
 def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
-    return low > 0 or (gain.clear and gain.gap >= settings.least_named)
+    return low > 0 or (gain.clear and gain.gap >= settings.least_named and not gain.low <= 0)
 
 
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

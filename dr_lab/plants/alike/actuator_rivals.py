@@ -52,6 +52,8 @@ def actuator_rivals(
         low, high = grids.scales
         yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-driven[:, :, row])], [low - 1], [high - 1]),))
         yield from _limited(course, grids, driven[:, :, row], name)
+        coasting = np.abs(driven[:, :, row]) * course.velocity
+        yield Rival(f"coasting_bridge@{name}", 1, linear(lacked(coasting), positive=True))
 
 
 def _with_history(course: Course, row: int) -> tuple[Array, Array, int]:

@@ -78,6 +78,19 @@ def test_what_others_do_not_foretell_counts_against_a_model() -> None:
     assert not supported(gain, 1, SETTINGS)
 
 
+def test_two_windows_that_gain_do_not_outweigh_fitted_ones_that_gain_nothing_typically() -> None:
+    """So a curve of the commands was named on two windows, while what the logs foretell of one another got worse."""
+    before, after = (score(np.array(sums)) for sums in ([4000.0, 4400.0], [400.0, 500.0]))
+    steady, torn = np.full(12, 4000.0), np.tile([100.0, 16000.0], 6)
+    gain = paired_gain(replace(before, foretold=score(steady)), replace(after, foretold=score(torn)), SETTINGS)
+    alone = paired_gain(before, after, SETTINGS)
+    assert gain.clear
+    assert gain.total > SETTINGS.threshold
+    assert gain.low < 0
+    assert not supported(gain, 1, SETTINGS)
+    assert supported(alone, 1, SETTINGS)
+
+
 def test_a_fitted_window_that_diverges_counts_against_a_model() -> None:
     before, after = score(np.full(24, 400.0)), score(np.full(24, 100.0))
     first = np.arange(24) == 0

@@ -28,6 +28,7 @@ VALUES = {
     "rate_limit": {"inverse_rate": 0.01},
     "saturation": {"inverse_limit": 0.6},
     "torque_scale": {"factor": 0.8},
+    "coasting_bridge": {"inverse_speed": 0.05},
     "torque_speed_limit": {"inverse_stall": 0.5, "inverse_speed": 0.05},
     "voltage_sag": {"slope": 0.1},
 }

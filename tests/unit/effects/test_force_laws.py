@@ -94,6 +94,17 @@ def test_below_the_limit_nothing_is_cut() -> None:
     assert (rollout.controls[0] == 2.0).all()
 
 
+@pytest.mark.parametrize("command", [1.0, 5.0, -3.0])
+def test_a_motor_that_coasts_between_its_pulses_reaches_one_speed_by_any_command(command: float) -> None:
+    """m v' = u − n |u| v: v = sign(u)/n (1 − exp(−n |u| t / m)), sooner by a larger command."""
+    model = block()
+    effect = placed(model, "coasting_bridge", "drive")
+    time, rollout = played(model, effect, {"inverse_speed": 0.5}, 1.0, command=command)
+    rate = 0.5 * abs(command) / MASS
+    expected = np.sign(command) * 2.0 * (1 - np.exp(-rate * time))
+    np.testing.assert_allclose(rollout.qvel[0, :, 0], expected, atol=1e-5)
+
+
 def test_yielding_spring_swings_then_slips() -> None:
     """Below the yield a spring of tau_y/x_y; beyond it a constant force."""
     model = block()

@@ -12,6 +12,7 @@ from dr_lab.plants.command import Command
 from dr_lab.plants.drive import ForceDrive
 from dr_lab.plants.hidden.actuator_lag import ActuatorLag
 from dr_lab.plants.hidden.bending_friction import BendingFriction
+from dr_lab.plants.hidden.coasting_bridge import CoastingBridge
 from dr_lab.plants.hidden.command_power import CommandPower
 from dr_lab.plants.hidden.constant_offset import ConstantOffset
 from dr_lab.plants.hidden.creeping_friction import CreepingFriction
@@ -158,3 +159,5 @@ def test_gears_and_motors_under_load() -> None:
     assert [limit._added(8.0, 0.0, v) for v in (0.0, 2.0, -2.0)] == pytest.approx([0.0, -3.0, 0.0])
     assert limit._added(-8.0, 0.0, 5.0) == pytest.approx(0.0)
     assert limit._added(8.0, 0.0, 5.0) == pytest.approx(-10.5)
+    coasting = CoastingBridge("lift", free=4.0)
+    assert [coasting._added(f, -30.0, v) for f, v in ((8.0, 2.0), (-8.0, 2.0), (8.0, 0.0))] == [-4.0, -4.0, 0.0]
