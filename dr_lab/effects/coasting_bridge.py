@@ -21,9 +21,9 @@ from dr_lab.trajectory import Array
 class CoastingBridge(ActuatorEffect, ForceLaw):
     """The back-EMF of a DC motor behind an H-bridge with pulse-width modulation and fast decay (coasting).
 
-    u → u − n |u| v. Current flows during the pulses alone, driven by the supply less the back-EMF, so both the torque and
-    the damping grow with the length of the pulses. Any command reaches the no-load speed 1/n in the end, but for
-    friction. A bridge that brakes between the pulses (slow decay) damps always alike: that is viscous friction.
+    u → u − n |u| v. Current flows during the pulses alone, driven by the supply less the back-EMF. So both the torque
+    and the damping grow with the length of the pulses, and any command reaches the no-load speed 1/n in the end, but
+    for friction. A bridge that brakes between the pulses (slow decay) damps always alike: that is viscous friction.
 
     Parameters (nominal = absent): inverse no-load speed n ≥ 0 [s/rad, s/m] of the joint.
     Limits: actuators at a joint whose force is gain times command; the winding's time constant is far below the pulses'.
@@ -43,9 +43,7 @@ class CoastingBridge(ActuatorEffect, ForceLaw):
     name: ClassVar[str] = "coasting_bridge"
     family: ClassVar[str] = "actuator"
     law: ClassVar[str] = "u -> u - n |u| v"
-    fingerprint: ClassVar[str] = (
-        "damping that grows with the command: small commands reach nearly the speed of large ones"
-    )
+    fingerprint: ClassVar[str] = "damping that grows with the command: small ones reach nearly the speed of large ones"
     confused_with: ClassVar[tuple[str, ...]] = (
         "viscous_friction",
         "torque_speed_limit",
