@@ -26,7 +26,7 @@ class CoastingBridge(ActuatorEffect, ForceLaw):
     for friction. A bridge that brakes between the pulses (slow decay) damps always alike: that is viscous friction.
 
     Parameters (nominal = absent): inverse no-load speed n ≥ 0 [s/rad, s/m] of the joint.
-    Limits: actuators at a joint whose force is gain times command; the winding's time constant is far below the pulses'.
+    Limits: actuators at a joint whose force is gain times command; the winding is fast beside the pulses.
     Source: Hughes and Drury, Electric Motors and Drives, 5th edition (2019), chapter 4 (chopper-fed DC motors,
     discontinuous current); Texas Instruments, DRV8833 data sheet, "Bridge control" (fast and slow decay).
 
