@@ -28,6 +28,10 @@ def actuator_rivals(
     for name, force in pulled.items():
         yield Rival(f"gain_error@{name}", 1, (Choice([lacked(-force)], [low - 1], [high - 1]),))
     for row, name in enumerate(course.machine.actuators):
+        if name in pulled:
+            whole = driven[:, :, row]
+            ends = np.abs(whole).max() * np.array([1.0, *sorted((s for s in grids.stalls if s < 1.0), reverse=True)])
+            yield Rival(f"force_limit@{name}", 1, along([lacked(whole - np.clip(whole, -end, end)) for end in ends]))
         sent, gain = course.sent[row], per_command[:, row]
         mean = mean_held(sent, course.edge)
         largest = float(np.abs(sent.value).max())

@@ -92,6 +92,8 @@ def test_delays_of_all_and_of_one_add_up() -> None:
         (UNLIKE, "torque_scale", True),  # a factor
         (UNLIKE, "dead_zone", False),  # N·m of drives of other sizes
         (SERVOS, "gain_error", True),
+        (SERVOS, "force_limit", False),  # N·m of servos that pull with other gains
+        (ALIKE, "force_limit", False),  # of a motor it is a saturation
         (SERVOS, "command_power", False),  # no site at all
         ('<motor name="one" joint="shoulder"/>', "actuator_lag", False),
     ],

@@ -19,6 +19,7 @@ from dr_lab.plants.hidden.creeping_friction import CreepingFriction
 from dr_lab.plants.hidden.effect import HiddenEffect
 from dr_lab.plants.hidden.encoder_eccentricity import EncoderEccentricity
 from dr_lab.plants.hidden.end_stop import EndStop
+from dr_lab.plants.hidden.force_limit import ForceLimit
 from dr_lab.plants.hidden.hysteresis import Hysteresis
 from dr_lab.plants.hidden.load_dependent_friction import LoadDependentFriction
 from dr_lab.plants.hidden.lugre_friction import LugreFriction
@@ -159,5 +160,7 @@ def test_gears_and_motors_under_load() -> None:
     assert [limit._added(8.0, 0.0, v) for v in (0.0, 2.0, -2.0)] == pytest.approx([0.0, -3.0, 0.0])
     assert limit._added(-8.0, 0.0, 5.0) == pytest.approx(0.0)
     assert limit._added(8.0, 0.0, 5.0) == pytest.approx(-10.5)
+    servo = ForceLimit("lift", limit=10.0)
+    assert [servo._added(f, -30.0, 2.0) for f in (8.0, 14.0, -14.0)] == [0.0, -4.0, 4.0]
     coasting = CoastingBridge("lift", free=4.0)
     assert [coasting._added(f, -30.0, v) for f, v in ((8.0, 2.0), (-8.0, 2.0), (8.0, 0.0))] == [-4.0, -4.0, 0.0]
