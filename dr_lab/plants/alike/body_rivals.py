@@ -113,6 +113,9 @@ def _of_world(response: _Response) -> Iterator[Rival]:
     )
     if tilted:
         yield Rival("base_tilt@world", len(tilted), linear(*map(lacked, tilted)))
+    lighter = felt(slope(machine.with_gravity(((1 - _SMALL) * x, (1 - _SMALL) * y, (1 - _SMALL) * z)), _SMALL))
+    if lighter and len(machine.joints) > 1:
+        yield Rival("gravity_compensation@world", 1, linear(*map(lacked, lighter), positive=True))
     dragged = felt(slope(machine.with_medium(1.0, (0.0, 0.0, 0.0)), 1.0))
     if dragged:
         yield Rival("air_drag@world", 1, linear(*map(lacked, dragged), positive=True))

@@ -1,0 +1,77 @@
+"""A controller that carries the weight of its robot."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from dr_lab.effects.effect import Effect, Scales
+from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
+from dr_lab.physics.parameter import Parameter
+
+_HINGE, _SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+_COUNTED = (
+    1e-12  # MuJoCo takes the forces of bodies that a compiled model counts, of which contexts change the size alone
+)
+
+
+@dataclass(frozen=True)
+class GravityCompensation(Effect, SpecEdit, SpecPreparation):
+    """A controller that adds the torques which hold the links, and does not log them with the commands.
+
+    τ → τ + s g(q), of all bodies. Controllers of cobots do so: the torques that libfranka takes, and logs as desired,
+    are without gravity. A motion that gravity does not bend makes every mass look wrong.
+
+    Parameters (nominal = absent): share s of the weight, 0 = absent, 1 = all of it.
+    Limits: robots that stand on the ground, of two joints or more, each with an actuator: of a pole that swings freely
+    no controller can carry the weight, and of a single joint more inertia is the same where the mass is free. What
+    the file compensates already stays, s being added to it.
+    Source: MuJoCo 4.0, XML reference, body/gravcomp.
+
+    Attributes:
+        largest: largest s.
+    """
+
+    largest: float
+
+    name: ClassVar[str] = "gravity_compensation"
+    family: ClassVar[str] = "actuator"
+    law: ClassVar[str] = "tau -> tau + s g(q)"
+    fingerprint: ClassVar[str] = "force residual that depends on where the links point, as their weight does"
+    confused_with: ClassVar[tuple[str, ...]] = ("payload", "spring", "base_tilt", "torque_scale")
+
+    def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
+        """``world``, where gravity acts on several joints that are all driven."""
+        scalar = np.isin(model.jnt_type, (_HINGE, _SLIDE))
+        at_joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
+        driven = np.isin(np.arange(model.njnt), model.actuator_trnid[at_joint, 0])
+        return ("world",) if model.njnt > 1 and (scalar & driven).all() and _weighs(model) else ()
+
+    def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
+        """The share."""
+        del model, site, scales
+        return (Parameter("share", "1", 0.0, 0.0, self.largest),)
+
+    def prepare(self, spec: mujoco.MjSpec, element: str) -> None:
+        """Let every body count among those that are carried."""
+        del element
+        for body in spec.bodies[1:]:
+            body.gravcomp = body.gravcomp or _COUNTED
+
+    def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
+        """Carry the bodies."""
+        del site
+        for body in spec.bodies[1:]:
+            body.gravcomp += values["share"]
+
+
+def _weighs(model: mujoco.MjModel) -> bool:
+    """Whether gravity moves a joint at the model's pose, or at one beside it."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.qpos0 + np.sin(np.arange(1, model.nq + 1))  # no symmetry of the pose hides a force
+    mujoco.mj_fwdPosition(model, data)
+    forces = np.zeros(model.nv)
+    mujoco.mj_rne(model, data, 0, forces)
+    return bool(np.abs(forces).max(initial=0.0) > 0)
