@@ -54,9 +54,9 @@ class GravityCompensation(Effect, SpecEdit, SpecPreparation):
         del model, site, scales
         return (Parameter("share", "1", 0.0, 0.0, self.largest),)
 
-    def prepare(self, spec: mujoco.MjSpec, element: str) -> None:
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
         """Let every body count among those that are carried."""
-        del element
+        del site
         for body in spec.bodies[1:]:
             body.gravcomp = body.gravcomp or _COUNTED
 
