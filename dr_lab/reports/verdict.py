@@ -90,9 +90,11 @@ def _unexplained(report: GapReport) -> str:
     told = [law.told for law in report.judged.laws if law.refuted]
     if told:
         return f"**Unexplained:** {' '.join(told)}"
-    closes = "closes" if len(added) == 1 else "together close"
-    share = percent(report.judged.gap_closed)
-    return f"**Unexplained:** {_listed(added)} {closes} {share} of a typical window's gap, too little to be the cause."
+    one, share = len(added) == 1, report.judged.gap_closed
+    closes = f"{'closes' if one else 'together close'} {percent(share)} of a typical window's gap"
+    if share is not None and share <= 0:
+        closes = f"{'closes' if one else 'close'} nothing of a typical window's gap"
+    return f"**Unexplained:** {_listed(added)} {closes}, too little to be the cause."
 
 
 def _equivalent(report: GapReport) -> str:
@@ -127,7 +129,7 @@ def _confirmed(report: GapReport) -> str:
     if found.predicted_worse:
         return "**The calibrated model predicts the logs better: what was added bends the fitted starts alone.**"
     if found.gain is None:
-        return ""
+        return "No window was left that chose nothing and could confirm it."
     one, gap = found.windows == 1, found.gain.gap_closed or 0.0
     where, few = f"{found.windows} window{'s' * (not one)} that chose nothing", "too few to be sure"
     closed = f"{percent(gap)} of a typical window's gap closes there"
@@ -160,7 +162,8 @@ def _share(report: GapReport) -> str:
     """How much of what the calibrated model misses the added effects explain, and the prediction that gains most."""
     explained, first, last = report.judged.explained, report.ladder[0], report.catalogued[-1]
     added = len(report.catalogued) > 1 and not first.effects
-    if not added or explained.share is None or explained.share <= 0:
+    little = report.verdict == "unexplained" and not any(law.refuted for law in report.judged.laws)
+    if not added or little or explained.share is None or explained.share <= 0:
         return ""
     low, high = explained.low, explained.high
     interval = f" ({percent(low)} … {percent(high)})" if low is not None and high is not None else ""

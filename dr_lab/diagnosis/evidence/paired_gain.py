@@ -43,7 +43,7 @@ class Gain:
         blocks_low: as `total_low`, by the scatter between blocks alone, whatever that between logs is.
         wins: share of the windows that score in which the χ² is lower.
         clear: whether each of these gains, no window diverges that did not, and the worse model is above the noise
-            floor.
+            floor and the better one at it.
     """
 
     share: float
@@ -102,8 +102,12 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         trial_low=bounds.trial,
         blocks_low=bounds.blocks,
         wins=float((theirs > ours).mean()),
-        clear=bool((theirs > ours).all() and not _diverges(worse, better) and not at_floor(worse, settings)),
+        clear=bool((theirs > ours).all() and not _diverges(worse, better) and _reaches_floor(worse, better, settings)),
     )
+
+
+def _reaches_floor(worse: Score, better: Score, settings: EvidenceSettings) -> bool:
+    return at_floor(better, settings) and not at_floor(worse, settings)
 
 
 def _diverges(worse: Score, better: Score) -> bool:
@@ -266,8 +270,8 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
     """Whether a gain is beyond its interval, the threshold and the penalty of the added parameters, and no trifle.
 
     Few blocks make the interval of the evidence wide, or leave none. It is not asked for where a model above the noise
-    floor gets better in every window that scores and as much of its gap is closed as is asked of a cause, unless what a
-    typical window gains is in doubt, fitted ones included as fits to the others foretell them.
+    floor comes down to it and gets better in every window that scores, for at the floor the evidence is a ratio of
+    likelihoods, unless what a typical window gains is in doubt, fitted ones included as fits to the others foretell them.
     """
     return certain(gain, settings) and sizeable(gain, extra_parameters, settings)
 

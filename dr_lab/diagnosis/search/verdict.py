@@ -7,7 +7,7 @@ from math import isnan
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.likelihood import less_likely
 from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, sizeable, supported, worth_a_trial
+from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, supported, worth_a_trial
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
@@ -58,7 +58,6 @@ def decide(
     1. The best one and those that it does not beat beyond doubt form a group.
     2. Of the group the poorest stand. A richer effect that explains nothing more is no rival.
     3. If the best one does not stand, those join that no standing one beats.
-    4. If the data are too few for an interval, a richer effect also stands that seems to explain much more.
 
     Args:
         base: the model without them.
@@ -167,8 +166,8 @@ def _worth(base: FittedModel, candidate: Candidate, settings: EvidenceSettings) 
 def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> list[Candidate]:
     """The candidates that the data cannot separate, as `decide` says.
 
-    Those that join because the best one is needlessly rich displace none of the group. A candidate that seems to
-    explain much more than another one comes before it; otherwise the one nearest to a joint comes first.
+    Those that join because the best one is needlessly rich displace none of the group. The one nearest to a joint comes
+    first.
     """
     if not backed:
         return []
@@ -179,7 +178,7 @@ def _inseparable(backed: Sequence[Candidate], settings: EvidenceSettings) -> lis
         others = [c for c in backed if c not in group and not any(_beats(k, c, settings) for k in kept)]
         needed = _needed([*kept, *others], settings)
         kept = [*kept, *(c for c in others if c in needed)]
-    return sorted(kept, key=lambda c: (sum(_seems_ahead(other, c, settings) for other in kept), *_nearness(c)))
+    return sorted(kept, key=_nearness)
 
 
 def _beats(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
@@ -188,20 +187,13 @@ def _beats(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -
 
 
 def _needed(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
-    """The candidates that are as likely as any, and that seem to explain more than every poorer one."""
+    """The poorest of the candidates that are as likely as any."""
     group = _likeliest(group, settings)
-    return [c for c in group if all(_seems_ahead(c, other, settings) for other in group if _richer(c, other))]
+    return [c for c in group if not any(_richer(c, other) for other in group)]
 
 
 def _richer(candidate: Candidate, other: Candidate) -> bool:
     return len(candidate.effect.parameters) > len(other.effect.parameters)
-
-
-def _seems_ahead(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
-    """Whether a candidate explains a fair part of what another one leaves, but the data are too few to be certain."""
-    gain = paired_gain(other.fitted_model.held_out, candidate.fitted_model.held_out, settings)
-    extra = max(len(candidate.effect.parameters) - len(other.effect.parameters), 0)
-    return isnan(gain.total_low) and sizeable(gain, extra, settings) and gain.gap >= settings.least_explained
 
 
 def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
