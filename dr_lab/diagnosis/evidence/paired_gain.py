@@ -270,8 +270,8 @@ def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> 
     """Whether a gain is beyond its interval, the threshold and the penalty of the added parameters, and no trifle.
 
     Few blocks make the interval of the evidence wide, or leave none. It is not asked for where a model above the noise
-    floor comes down to it and gets better in every window that scores, for at the floor the evidence is a ratio of
-    likelihoods, unless what a typical window gains is in doubt, fitted ones included as fits to the others foretell them.
+    floor comes down to it and gets better in every window that scores, for there the evidence is a likelihood ratio,
+    unless what a typical window gains is in doubt, fitted ones included as fits to the others foretell them.
     """
     return certain(gain, settings) and sizeable(gain, extra_parameters, settings)
 
