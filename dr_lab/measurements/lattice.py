@@ -51,6 +51,19 @@ def lattice_step(value: Array) -> float | None:
     return max((step for step in found if not _uniform_motion(samples, step)), default=None)
 
 
+def on_lattice(value: Array, step: float) -> bool:
+    """Whether values that may be too few to tell a step of their own lie on a lattice with this one.
+
+    Args:
+        value: samples, shape (n,).
+        step: in the values' unit.
+    """
+    points = np.unique(value[np.isfinite(value)])
+    multiples = np.diff(points) / step
+    multiples = multiples[multiples > _OFF]
+    return len(multiples) > 0 and bool((np.abs(multiples - np.rint(multiples)) < _OFF).mean() >= _AGREE)
+
+
 def _uniform_motion(samples: Array, step: float) -> bool:
     """Whether the step is the way of a uniform motion from sample to sample.
 

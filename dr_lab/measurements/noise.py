@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
-from dr_lab.measurements.lattice import lattice_step
+from dr_lab.measurements.lattice import lattice_step, on_lattice
 from dr_lab.trajectory import Array, Noise, Signal
 
 _ORDERS = range(2, 9)
@@ -66,11 +66,10 @@ def estimate_noise(signals: Sequence[Signal], longest_wait: float, contract: Dat
 
 
 def _std(columns: Sequence[tuple[Array, Array]], longest_wait: float, contract: DataContract) -> float:
-    steps = [step for _, column in columns if (step := lattice_step(column)) is not None]
-    if 2 * len(steps) < len(columns):
+    step = _common_step([column for _, column in columns])
+    if step is None:
         moving = [_drop_repeats(time, value) for time, value in columns]
         return _settled(moving, longest_wait, 0.0, contract, fast=False)
-    step = float(np.median(steps))
     rounding = step / np.sqrt(12.0)
     every = _settled(columns, longest_wait, 0.0, contract, fast=False)
     fast = _settled(columns, longest_wait, contract.fast * step, contract, fast=True)
@@ -81,6 +80,19 @@ def _std(columns: Sequence[tuple[Array, Array]], longest_wait: float, contract: 
     # A uniform motion by half a step more than whole ones rounds up and down by turns, but every other sample alike.
     others = _settled(columns, longest_wait, contract.fast * step, contract, fast=True, apart=2) or fast
     return fast if min(fast, others) > contract.quantised * rounding else rounding
+
+
+def _common_step(columns: Sequence[Array]) -> float | None:
+    """The step of half of the columns or more; those that hold few values are of a step that others tell."""
+    found = [lattice_step(column) for column in columns]
+    steps = [step for step in found if step is not None]
+    if not steps:
+        return None
+    common = float(np.median(steps))
+    agree = len(steps) + sum(
+        on_lattice(column, common) for column, step in zip(columns, found, strict=True) if step is None
+    )
+    return common if 2 * agree >= len(columns) else None
 
 
 def _settled(

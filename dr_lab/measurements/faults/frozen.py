@@ -53,7 +53,7 @@ def find_frozen(signal: Signal, contract: DataContract) -> tuple[Frozen, ...]:
     elsewhere it goes on for v² / 2a. A span is frozen if the value stops, or goes on behind it, from a speed whose
     braking distance is `contract.frozen_stop` usual changes of a sample; one such end suffices where the sensor's noise
     moves every other sample or half such a jump follows, and else both do, or a jump by `contract.frozen_jump` usual
-    changes at its end.
+    changes at its end. A machine that stands still when a log begins starts by itself: there only such a jump tells.
 
     Args:
         signal: a scalar channel; others have none.
@@ -131,6 +131,7 @@ def _frozen(
         jump = float(abs(signal.value[last + 1] - signal.value[last]))
     jumps = jump > contract.frozen_jump * usual
     leaps = jump > 0.5 * contract.frozen_jump * usual
+    goes &= first > _REACH
     if not (jumps or (stops and goes) or ((noisy or leaps) and (stops or goes))):
         return None
     return Frozen(first, last, float(signal.time[first]), float(signal.time[last]), jump if jumps else 0.0, signal.unit)

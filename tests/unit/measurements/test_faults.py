@@ -10,6 +10,7 @@ from dr_lab.cli.compose import compose
 from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.faults.find import mark_faults
+from dr_lab.measurements.faults.frozen import find_frozen
 from dr_lab.trajectory import Array, Log, Note, Signal
 
 QUANTUM, LENGTH = 2 * np.pi / 2048, 5.0
@@ -81,6 +82,17 @@ def test_a_sensor_slower_than_its_topic_is_not_frozen(contract: DataContract) ->
     }
     ((marked,), _) = mark_faults([replace(log, outputs=slow)], [], contract)
     assert faults(marked) == []
+
+
+def test_a_motor_that_starts_from_rest_is_no_frozen_sensor(contract: DataContract) -> None:
+    """It turns evenly most of the time, so that the braking it shows would not stop it within a sample."""
+    time = np.arange(0.0, 6.0, 0.01)
+    gone = np.maximum(time - 1.0, 0.0)
+    value = 20.0 * (gone - 0.02 * (1 - np.exp(-gone / 0.02)))
+    assert not find_frozen(Signal("shaft.position", "rad", time, value), contract)
+    amid = np.where(time < 1.0, 20.0 * (time - 1.0), value)  # turning at once, and at once again behind the span
+    held = np.where((time > 0.4) & (time < 1.0), amid[time <= 0.4][-1], amid)
+    assert find_frozen(Signal("shaft.position", "rad", time, held), contract)
 
 
 def test_friction_that_holds_a_joint_is_no_frozen_sensor(contract: DataContract) -> None:

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
-from dr_lab.measurements.lattice import lattice_step
+from dr_lab.measurements.lattice import lattice_step, on_lattice
 from dr_lab.measurements.noise import estimate_noise
 from dr_lab.trajectory import Array, Signal
 
@@ -131,6 +131,17 @@ def test_vector_channels_count_all_components(contract: DataContract) -> None:
 def test_a_channel_that_never_changes_asks_for_noise_std(contract: DataContract) -> None:
     with pytest.raises(DataError, match=r"'q' never changes.*give noise_std"):
         estimate(np.arange(100.0), np.ones(100), contract=contract)
+
+
+def test_short_logs_of_an_encoder_share_their_step(contract: DataContract) -> None:
+    """Servos at 10 Hz went through few counts in a log, too few to tell a step, which another log of theirs tells."""
+    time, many = 0.1 * np.arange(100), COUNT * np.cumsum(np.arange(100) % 3)
+    counts = ([0, 90, 210, 330, 430, 520, 606, 690, 771, 850], [4, 95, 217, 329, 436, 528, 610, 689, 772, 853])
+    few = [COUNT * np.concatenate([each, np.full(90, each[-1])]) for each in counts]
+    assert [lattice_step(each) for each in few] == [None, None]
+    assert all(on_lattice(each, COUNT) for each in few)
+    assert not on_lattice(np.random.default_rng(0).normal(size=20), COUNT)
+    assert estimate(time, *few, many, contract=contract) >= 0.99 * ROUNDING
 
 
 @pytest.mark.parametrize("digits", [None, 7])
