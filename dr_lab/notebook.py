@@ -127,7 +127,7 @@ class NotebookComparison(Comparison):
         folder = run_dir or Path(cfg.outputs) / verb / self.model.name / _now()
         folder.mkdir(parents=True, exist_ok=run_dir is not None)
         if all(getattr(self, part) is getattr(self.loaded, part) for part in ("model", "measurements", "settings")):
-            write_config(folder, verb, typed, "run", cfg)
+            write_config(folder, verb, typed, "run", cfg, self.config_folders[:-1])
         with algebra_on_one_thread():
             return workflow(comparison=self, recorder=self.recorder, run_dir=folder, **arguments)
 

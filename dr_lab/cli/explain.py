@@ -19,6 +19,7 @@ from dr_lab.cli.experiments import GROUP as EXPERIMENT
 from dr_lab.cli.experiments import experiments
 from dr_lab.cli.groups import nested_options, options, subgroups
 from dr_lab.cli.overrides import RefusedKey, refused_key
+from dr_lab.cli.targets import of_the_user
 from dr_lab.cli.verbs import description
 from dr_lab.errors import ConfigError, DrLabError, UnknownNameError
 from dr_lab.extras import MissingLibraryError, lacking
@@ -50,6 +51,9 @@ def explain(error: Exception, verb: str, folders: Sequence[Path]) -> tuple[str, 
     if mendable is not None:
         return mendable, USER_FAULT
     detail = f"{type(error).__name__}: {error}"
+    own = _line_of_the_user(error)
+    if own is not None:
+        return f"{detail}\nIt comes from code of yours: {own}. HYDRA_FULL_ERROR=1 shows the way there.", USER_FAULT
     return f"{detail}\nThis looks like a fault of dr_lab; HYDRA_FULL_ERROR=1 shows where it happened.", OUR_FAULT
 
 
@@ -76,6 +80,15 @@ def _file_error(error: OSError) -> str:
             "hydra.run.dir=FOLDER if you gave that."
         )
     return f"{error.filename}: {error.strerror}. Choose another one, or change its permissions."
+
+
+def _line_of_the_user(error: Exception) -> str | None:
+    """The last line of the user's own code, such as a task or a target, on the way to an error."""
+    calls = [
+        (frame.f_code.co_filename, line, frame.f_globals) for frame, line in traceback.walk_tb(error.__traceback__)
+    ]
+    own = [f"{file}, line {line}" for file, line, names in calls if of_the_user(str(names.get("__name__")))]
+    return own[-1] if own else None
 
 
 def _raised_by_hydra(error: Exception) -> bool:

@@ -62,7 +62,7 @@ def find(folders: Sequence[Path], relative: str) -> str:
         relative: path inside a configuration folder.
 
     Raises:
-        UnknownNameError: no folder has it; the message lists the files of that kind beside it.
+        ConfigError: no folder has it; the message lists the files of that kind beside it.
     """
     for folder in folders:
         path = folder / relative
@@ -72,7 +72,16 @@ def find(folders: Sequence[Path], relative: str) -> str:
     beside = {
         str(given.parent / path.name) for folder in folders for path in (folder / given.parent).glob(f"*{given.suffix}")
     }
-    raise UnknownNameError("configuration file", relative, beside, " or ".join(map(str, folders)))
+    unknown = UnknownNameError("configuration file", relative, beside, " or ".join(map(str, folders)))
+    raise ConfigError(f"{unknown} {_own(relative)}")
+
+
+def _own(relative: str) -> str:
+    """How a file of the user's own is found: as it was when the run that names it was made."""
+    found = next((path for path in Path.cwd().glob(f"*/{relative}")), None)
+    folder = "FOLDER" if found is None else found.relative_to(Path.cwd()).parts[0]
+    lies = f"One lies in {folder}: add" if found is not None else "If it is your own, add"
+    return f"{lies} --config-dir {folder}, beside other ones."
 
 
 def example(relative: str) -> str:

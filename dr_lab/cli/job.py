@@ -114,7 +114,7 @@ def build(job: Job, cfg: DictConfig) -> tuple[Callable[..., Any], dict[str, Any]
         arguments[COMPOSE] = functools.partial(compose_arguments, folders=job.folders)
     if RUN_DIR in parameters:
         arguments[RUN_DIR] = claim(job.output_dir)
-        write_config(arguments[RUN_DIR], job.verb, job.overrides, job.base, cfg)
+        write_config(arguments[RUN_DIR], job.verb, job.overrides, job.base, cfg, job.folders[:-1])
     return workflow, arguments
 
 

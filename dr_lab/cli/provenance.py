@@ -1,6 +1,7 @@
 """What a run was made with, and the file from which it can be made again."""
 
 import platform
+import re
 import shlex
 import subprocess
 from collections.abc import Sequence
@@ -49,11 +50,14 @@ def _git(*arguments: str) -> str | None:
     return done.stdout.strip() if done.returncode == 0 else None
 
 
-def write_config(run_dir: Path, verb: str, overrides: Sequence[str], base: str | None, cfg: DictConfig) -> None:
+def write_config(
+    run_dir: Path, verb: str, overrides: Sequence[str], base: str | None, cfg: DictConfig, folders: Sequence[Path] = ()
+) -> None:
     """Write ``config.yaml``: the configuration as composed, with what it was made with.
 
     Interpolations stay as they are, so that paths of this machine do not enter. The file is itself a root
-    configuration: ``dr-lab <verb> --config-dir <run_dir> --config-name config`` runs the same again.
+    configuration: ``dr-lab <verb> --config-dir <run_dir> --config-name config`` runs the same again. Where the user has
+    a folder of files of her own, such as the model's MJCF, a second ``--config-dir`` names it; the comments on top do.
 
     Args:
         run_dir: the run's folder.
@@ -61,6 +65,7 @@ def write_config(run_dir: Path, verb: str, overrides: Sequence[str], base: str |
         overrides: what the user typed.
         base: option of the group ``base`` that the root configuration builds on; it places the runs.
         cfg: the job's configuration without Hydra's node.
+        folders: configuration folders that the user gave.
 
     Raises:
         DrLabError: the folder cannot be written.
@@ -71,7 +76,24 @@ def write_config(run_dir: Path, verb: str, overrides: Sequence[str], base: str |
     made_with: dict[str, Any] = {"overrides": list(overrides), "versions": versions(), "git": git_state()}
     defaults = ["_self_"] if base is None else [{"base": base}, "_self_"]
     body = {"defaults": defaults, **values, "made_with": made_with}
-    typed = shlex.join(["dr-lab", verb, *overrides])
-    header = f"# {typed}\n# Again: dr-lab {verb} --config-dir FOLDER_OF_THIS_FILE --config-name config\n"
+    own = _given(folders)
+    typed = shlex.join(["dr-lab", verb, *own, *overrides])
+    again = " ".join(["--config-dir FOLDER_OF_THIS_FILE", *filter(None, [shlex.join(own)]), "--config-name config"])
+    header = f"# {typed}\n# Again: dr-lab {verb} {again}\n"
     text = header + yaml.safe_dump(body, sort_keys=False, allow_unicode=True, width=120)
     write_text(run_dir / CONFIG_FILE, text)
+
+
+def verb_of(run: Path) -> str | None:
+    """Which verb made a run folder, where its configuration says so in its first line, the command."""
+    path = run / CONFIG_FILE
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
+    made = re.match(r"# dr-lab (\w+)", lines[0]) if lines else None
+    return made[1] if made else None
+
+
+def _given(folders: Sequence[Path]) -> list[str]:
+    """The flags that name these folders, as they may be typed here; the folder of a run that is repeated is none."""
+    own = [folder for folder in folders if not (folder / CONFIG_FILE).is_file()]
+    typed = [folder.relative_to(Path.cwd()) if folder.is_relative_to(Path.cwd()) else folder for folder in own]
+    return [word for folder in typed for word in ("--config-dir", str(folder))]

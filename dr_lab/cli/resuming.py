@@ -6,7 +6,7 @@ from pathlib import Path
 
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
-from dr_lab.cli.provenance import CONFIG_FILE
+from dr_lab.cli.provenance import CONFIG_FILE, verb_of
 from dr_lab.errors import ConfigError
 
 _NOT_SETTINGS = ("defaults", "made_with", "outputs", "resume")
@@ -36,6 +36,9 @@ def require_same_settings(cfg: DictConfig, run: Path, verb: str, may_differ: Col
         raise ConfigError(f"There is no folder {run}. {remedy}")
     if not path.is_file():
         raise ConfigError(f"resume={run} holds no {CONFIG_FILE}. {remedy}")
+    of = verb_of(run)
+    if of not in (None, verb):
+        raise ConfigError(f"resume={run} is a run of dr-lab {of}. {remedy}")
     recorded = OmegaConf.load(path)
     left_out = {*_NOT_SETTINGS, *may_differ}
     here, there = _settings(cfg, left_out), _settings(recorded, left_out)

@@ -23,6 +23,11 @@ def trusted() -> frozenset[str]:
     return frozenset({*TRUSTED, *(name.strip() for name in named if name.strip())})
 
 
+def of_the_user(module: str) -> bool:
+    """Whether a module belongs to a package that the user's shell names as trusted."""
+    return any(f"{module}.".startswith(f"{package}.") for package in trusted() - {*TRUSTED})
+
+
 def locate(target: str, where: str, beside: Collection[str] = ()) -> Callable[..., Any]:
     """The callable that a `_target_` names.
 
@@ -64,9 +69,19 @@ def _import(target: str, where: str) -> object:
         if (library := lacking(error)) is not None:
             raise MissingLibraryError(f"{where}={target}", library) from error
         cause = f"{type(error).__name__}: {error}"
-        raise ConfigError(f"{where}: _target_ {target!r} cannot be imported. {cause}") from error
+        raise ConfigError(
+            f"{where}: _target_ {target!r} cannot be imported. {cause}{_on_path(error, module)}"
+        ) from error
     if not hasattr(loaded, name):
         origins = {n: f"{getattr(value, '__module__', '')}." for n, value in vars(loaded).items() if n[0] != "_"}
         public = [n for n, origin in origins.items() if origin.startswith(f"{module}.")]  # a package shows its modules'
         raise UnknownNameError("name", name, public, f"{module} ({where}._target_)")
     return getattr(loaded, name)
+
+
+def _on_path(error: Exception, module: str) -> str:
+    """Where Python looks, where it is the user's own module that it does not find."""
+    package = module.partition(".")[0]
+    if not isinstance(error, ModuleNotFoundError) or error.name != package or not of_the_user(package):
+        return ""
+    return f". Say in which folder {package} lies: PYTHONPATH=FOLDER {TRUST_VARIABLE}={package} dr-lab …"

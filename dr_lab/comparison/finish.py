@@ -6,6 +6,7 @@ from pathlib import Path
 
 from dr_lab.comparison.export import write_context, write_model, write_rollout
 from dr_lab.comparison.fault_notes import KIND, faults_markdown
+from dr_lab.comparison.notes import DISAGREEING
 from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.comparison.progress import Screen
 from dr_lab.comparison.study import Study
@@ -128,8 +129,8 @@ def _record(
 
 
 def _completed(report: GapReport, notes: Sequence[NoteEntry], run_dir: Path) -> GapReport:
-    """The report as it is written: all notes, faults first, and only finite numbers."""
-    every = sorted([*report.notes, *notes], key=lambda note: note.kind != KIND)
+    """The report as it is written: all notes, faults and logs that disagree first, and only finite numbers."""
+    every = sorted([*report.notes, *notes], key=lambda note: (note.kind != KIND, note.kind != DISAGREEING))
     return finite(replace(report, notes=tuple(every), run=str(run_dir)))
 
 

@@ -26,6 +26,8 @@ from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.quantity import uncertain
 from dr_lab.trajectory import MeasurementSet, Note
 
+DISAGREEING = "disagreeing_logs"
+
 
 def study_notes(study: Study) -> list[NoteEntry]:
     """Notes on the data and the model, before anything is fitted."""
@@ -101,7 +103,7 @@ def disagreeing_logs(bench: Bench, last: FittedModel) -> list[NoteEntry]:
                 f"The logs do not agree on {parameter.name}: {' and '.join(asked)}. Was it one machine, set up alike? "
                 "If so, what is missing acts more in one of them."
             )
-            told.append(NoteEntry(message, "disagreeing_logs"))
+            told.append(NoteEntry(message, DISAGREEING))
     return told
 
 

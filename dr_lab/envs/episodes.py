@@ -9,6 +9,7 @@ from dr_lab.envs.context_slots import ContextSlots, first_ages
 from dr_lab.envs.drivers import stepwise
 from dr_lab.envs.slots import Flags, Rows, Starts, StepOutcome
 from dr_lab.envs.task import Change, Fields, Task, Values, context_space, required_bounds
+from dr_lab.envs.task_outputs import ReadFields, require_finite, require_observation, require_outcome, require_start
 from dr_lab.physics.contact_forces import ContactForces
 from dr_lab.physics.model import Model
 from dr_lab.physics.setpoints import Setpoints
@@ -51,6 +52,7 @@ class Episodes(ContextSlots):
     Raises:
         ModelError: an effect of the model does something to commands that cannot be done step by step, or an actuator
             has no range to act in.
+        ConfigError: what the task gives has another shape than its contract says, or is not finite.
     """
 
     def __init__(
@@ -74,7 +76,7 @@ class Episodes(ContextSlots):
         self.low, self.high = required_bounds(task, compiled)
         self.seconds = task.frame_skip * float(compiled.opt.timestep)
         self._infeasible_return, self._speed_limit = infeasible_return, speed_limit
-        self._fields = {name: self.simulator.batch.bind(name) for name in task.reads if name != _FORCES}
+        self._fields = ReadFields({name: self.simulator.batch.bind(name) for name in task.reads if name != _FORCES})
         self._forces = ContactForces(self.simulator.batch) if _FORCES in task.reads else None
         if self._forces is not None:
             self._fields[_FORCES] = self._forces.values
@@ -82,6 +84,7 @@ class Episodes(ContextSlots):
         self._setpoints = Setpoints(self.simulator.batch)
         self._steps, self._returns = np.zeros(nsim, np.intp), np.zeros(nsim)
         self._failed = np.zeros(nsim, bool)  # ended as infeasible and not begun anew
+        self._over = np.zeros(nsim, bool)  # ended and not begun anew
         self.infeasible = 0
         self._marker = task.marker(self._fields)
         self.observation = self._seen(self._fields, self.contexts)
@@ -108,13 +111,15 @@ class Episodes(ContextSlots):
             self._qpos[rows], self._qvel[rows] = starts
         else:
             for row, rng in zip(rows, streams, strict=True):
-                self._qpos[row], self._qvel[row] = self.task.start(rng, self.simulator.compiled)
+                start = self.task.start(rng, self.simulator.compiled)
+                require_start(self.task, start, self.simulator.compiled)
+                self._qpos[row], self._qvel[row] = start
         self._setpoints.follow(rows)
         self.simulator.forward(rows)
         if self._forces is not None:
             self._forces.rest(rows)
-        self._steps[rows], self._returns[rows], self._failed[rows] = 0, 0.0, False
-        fields = {name: field[rows] for name, field in self._fields.items()}
+        self._steps[rows], self._returns[rows], self._failed[rows], self._over[rows] = 0, 0.0, False, False
+        fields = ReadFields({name: field[rows] for name, field in self._fields.items()})
         self._marker[rows] = self.task.marker(fields)
         self.observation = self.observation.copy()
         self.observation[rows] = self._seen(fields, self.contexts[rows])
@@ -133,16 +138,20 @@ class Episodes(ContextSlots):
         observation, marker = self._seen(fields, self.contexts), self.task.marker(fields)
         terminated = self.task.terminated(fields, values)
         reward = self.task.reward(Change(self._marker, marker, fields, values, terminated, action, self.seconds))
+        require_outcome(self.task, reward, terminated, self.nsim)
         failed = self._failed | self._diverged()
         if failed.any():
             self.infeasible += int((failed & ~self._failed).sum())
             observation[failed] = self.observation[failed]
             reward = np.where(failed, np.minimum(self._infeasible_return - self._returns, 0.0), reward)
             terminated = terminated | failed
+        require_finite(self.task, reward, observation, self._qpos, self._over)
         self._steps += 1
         self._returns += reward
         self.observation, self._marker, self._failed = observation, marker, failed.copy()  # `begin` writes into it
-        return StepOutcome(observation, reward, terminated, self._steps >= self.task.time_limit, failed)
+        outcome = StepOutcome(observation, reward, terminated, self._steps >= self.task.time_limit, failed)
+        self._over = self._over | outcome.done
+        return outcome
 
     def state_dict(self) -> dict[str, Any]:
         """All that the episodes' future depends on."""
@@ -164,6 +173,7 @@ class Episodes(ContextSlots):
         self._steps[:], self._returns[:] = state["steps"], state["returns"]
         self._marker, self.observation = state["marker"].copy(), state["observation"].copy()
         self._failed = self._diverged() & (self._steps > 0)
+        self._over[:] = False
         self.infeasible = state["infeasible"]
 
     def _diverged(self) -> Flags:
@@ -171,7 +181,9 @@ class Episodes(ContextSlots):
         return self.simulator.infeasible | ~slow
 
     def _seen(self, fields: Fields, contexts: Array) -> Array:
-        return self._with_context(self.task.observe(fields, self._by_name(contexts)), contexts)
+        observation = self.task.observe(fields, self._by_name(contexts))
+        require_observation(self.task, observation, len(contexts))
+        return self._with_context(observation, contexts)
 
     def _of_machine(self, z: Array) -> Array:
         return z[:, : len(self.model.space.names)]

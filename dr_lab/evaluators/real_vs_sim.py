@@ -91,14 +91,17 @@ class RealVsSimEvaluator(IntervalEvaluator):
         figures = self._figures(pairs) | {key: float(values.mean()) for key, values in solved.items()}
         returns = {"real": [p.real.undiscounted for p in pairs], "simulated": [p.expected for p in pairs]}
         samples = [Sample(name, np.array(values), "An episode each.") for name, values in returns.items()]
-        return Evaluation(figures, rows, _units(widest), samples=samples, episodes=shown, told=self._told(target))
+        return Evaluation(
+            figures, rows, _units(widest), samples=samples, episodes=shown, told=self._told(target, bool(solved))
+        )
 
-    def _told(self, target: Target) -> str:
+    def _told(self, target: Target, solved: bool) -> str:
+        share = "; solved that of those at whose end the task is solved" if solved else ""
         return (
             f"What is called real is {target.nature}, as config.yaml tells. {self.episodes} episodes were played on "
             "it, and from the same starts in the model. Returns are interquartile means, low and high their "
-            f"{percent(self.confidence)} intervals; infeasible is the share of episodes that diverge in the model; "
-            "solved that of those at whose end the task is solved, where it says so."
+            f"{percent(self.confidence)} intervals; infeasible is the share of episodes that diverge in the model"
+            f"{share}."
         )
 
     def _figures(self, pairs: Sequence[Pair]) -> dict[str, float]:

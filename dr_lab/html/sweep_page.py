@@ -74,7 +74,10 @@ def comparison_plots(groups: Sequence[GroupEntry], labels: Sequence[str]) -> lis
     first, others = ordered[:1], ordered[1:_PLOTS]
     columns = _columns(others, labels)
     rows = [first, *(others[at : at + columns] for at in range(0, len(others), columns))]
-    told = ["Interquartile means with their intervals; a group of one run has none.", *[""] * (len(rows) - 1)]
+    told = [
+        "Interquartile means with their intervals, which a group of fewer than three runs has not.",
+        *[""] * (len(rows) - 1),
+    ]
     return [_row(names, groups, labels, caption) for names, caption in zip(rows, told, strict=True)]
 
 

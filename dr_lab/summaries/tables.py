@@ -20,7 +20,7 @@ from dr_lab.summaries.groups import (
 from dr_lab.summaries.runs import Figure, Run
 from dr_lab.sweeps.overrides import differing
 
-_INTERVALS = "Interquartile means over the runs of a row, with {:g} % bootstrap intervals."
+_INTERVALS = "Interquartile means over the runs of a row, with {:g} % bootstrap intervals of three runs or more."
 _LARGER = (
     "larger is the probability that the figure is larger in one of these runs than in one of {}: 0.5 where neither is "
     "better, in doubt as long as its interval holds 0.5. It is left out where runs are so few that chance alone would "

@@ -53,6 +53,7 @@ def evaluated(plant: Rig, of: Subject, episodes: int = 1) -> Evaluation:
     assert len(found.rows) == episodes
     assert [each.name[:5] for each in found.episodes] == ["real_", "simul"]
     assert found.told.startswith("What is called real is no hardware but a machine by another simulator")
+    assert "solved" not in found.told  # the task names no such thing
     return found
 
 
@@ -93,6 +94,7 @@ def test_where_the_task_says_when_it_is_solved_its_share_is_told(depth: float, s
     )
     evaluator = RealVsSimEvaluator(target=target, episodes=2, confidence=0.9, resamples=50, seed=0)
     found = evaluator.evaluate(still, Path(), lambda _: None)
+    assert found.told.endswith("solved that of those at whose end the task is solved.")
     for where in ("real", "simulated"):
         assert found.figures[f"{where}.solved"] == solved
         assert [row[f"{where}.solved"] for row in found.rows] == [solved, solved]

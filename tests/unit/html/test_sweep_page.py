@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 from html_pages import figures, require_whole, text, traces, values
 
+from dr_lab.evaluators.statistics import iqm_interval
 from dr_lab.html.sweep_page import comparison_plots, write_sweep_page
 from dr_lab.recorders.sweep_review import SweepRecord
 from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal, Sample
@@ -75,3 +76,10 @@ def test_many_groups_and_figures_stay_small(tmp_path: Path) -> None:
     curves = [t for t in traces(written, "group 3") if t["mode"] == "lines"]
     assert len(curves) == 20
     assert values(curves[0]["x"])[[0, -1]].tolist() == frames[[0, -1]].tolist()
+
+
+def test_two_runs_have_no_interval_and_the_caption_says_so() -> None:
+    ends = iqm_interval(np.array([1.0, 2.0]), 0.95, 10, 0)
+    assert np.isnan([ends.low, ends.high]).all()
+    groups = [GroupEntry({}, ("0", "1"), {"return": {"iqm": value, "low": None, "runs": 2}}) for value in (1.5, 2.0)]
+    assert "fewer than three runs has not" in comparison_plots(groups, ["adr", "udr"])[0].caption

@@ -143,3 +143,18 @@ def test_every_target_is_composed_with_the_evaluator(name: str) -> None:
     made = instantiate(cfg.evaluator, _convert_="all")
     machine = setting("ergo_reacher") if name == "ergo_robot" else furuta("env.task.voltage=6.0")  # as in the logs
     assert isinstance(made.target(machine), Target)
+
+
+@pytest.mark.parametrize(
+    ("context", "told"),
+    [
+        (
+            {"coulomb_friction@arm.torque": -1e-3},
+            r"context has coulomb_friction@arm\.torque -0\.001, expected at least 0",
+        ),
+        ({"arm.mass": -0.1}, "context makes no machine: .*mass"),
+    ],
+)
+def test_values_that_no_machine_has_are_refused(context: dict[str, float], told: str) -> None:
+    with pytest.raises(ConfigError, match=told):
+        hidden(context)(furuta())
