@@ -77,6 +77,10 @@ def test_effects_that_close_too_little_are_not_the_cause(close_report: dict[str,
     close_report |= {"verdict": "unexplained", "gap_closed": 0.47}
     told = "**Unexplained:** `coulomb_friction@arm` closes 47 % of a typical window's gap, too little to be the cause."
     assert told in page(close_report)
+    assert "of what the calibrated model misses" not in page(close_report)  # how much they explain is no matter then
+    close_report["gap_closed"] = -0.45
+    told = "`coulomb_friction@arm` closes nothing of a typical window's gap, too little to be the cause."
+    assert told in page(close_report)
     close_report["ladder"] = close_report["ladder"][:1]
     assert "**Unexplained:** a gap remains that no effect of the catalogue explains." in page(close_report)
 
@@ -150,6 +154,11 @@ def test_what_few_windows_say_is_told_as_it_is(
         },
     }
     assert told in page(close_report)
+
+
+def test_no_window_that_could_confirm_is_told(close_report: dict[str, Any]) -> None:
+    close_report["confirmation"] = {"status": "undecided", "predicted_worse": False, "windows": 0}
+    assert "No window was left that chose nothing and could confirm it." in page(close_report)
 
 
 def test_one_window_contradicts(close_report: dict[str, Any]) -> None:
