@@ -21,9 +21,10 @@ from dr_lab.trajectory import Array
 class CoastingBridge(ActuatorEffect, ForceLaw):
     """The back-EMF of a DC motor behind an H-bridge with pulse-width modulation and fast decay (coasting).
 
-    u → u − n |u| v. Current flows during the pulses alone, driven by the supply less the back-EMF. So both the torque
-    and the damping grow with the length of the pulses, and any command reaches the no-load speed 1/n in the end, but
-    for friction. A bridge that brakes between the pulses (slow decay) damps always alike: that is viscous friction.
+    u → u − n |u| v, with u within the actuator's range. Current flows during the pulses alone, driven by the supply
+    less the back-EMF. So both the torque and the damping grow with the length of the pulses, and any command reaches
+    the no-load speed 1/n in the end, but for friction. A bridge that brakes between the pulses (slow decay) damps
+    always alike: that is viscous friction.
 
     Parameters (nominal = absent): inverse no-load speed n ≥ 0 [s/rad, s/m] of the joint.
     Limits: actuators at a joint whose force is gain times command; the winding is fast beside the pulses.
@@ -50,7 +51,7 @@ class CoastingBridge(ActuatorEffect, ForceLaw):
         "command_power",
         "torque_scale",
     )
-    lacks: ClassVar[str] = "the back-EMF, which weakens a command by its size times the joint's speed"
+    lacks: ClassVar[str] = "the back-EMF, which damps the joint in proportion to the command's size"
     limited: ClassVar[tuple[str, ...]] = ("inverse_speed",)
 
     def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
@@ -68,8 +69,10 @@ class CoastingBridge(ActuatorEffect, ForceLaw):
         unique, which = distinct(models)
         row = unique[0].actuator(site).id
         dof = int(unique[0].jnt_dofadr[unique[0].actuator_trnid[row, 0]])
-        way = np.sign([model.actuator_gainprm[row, 0] * model.actuator_gear[row, 0] for model in unique])[which]
-        return _Weakened(int(unique[0].actuator_ctrladr[row]), dof, way * values["inverse_speed"])
+        limited = bool(unique[0].actuator_ctrllimited[row])
+        low, high = unique[0].actuator_ctrlrange[row] if limited else (-np.inf, np.inf)
+        force = np.abs([model.actuator_gainprm[row, 0] * model.actuator_gear[row, 0] for model in unique])[which]
+        return _Braked(int(unique[0].actuator_ctrladr[row]), dof, low, high, force * values["inverse_speed"])
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Friction hides the no-load speed at first, and moves away from it where the damping is fitted."""
@@ -77,13 +80,15 @@ class CoastingBridge(ActuatorEffect, ForceLaw):
 
 
 @dataclass(frozen=True)
-class _Weakened(Law):
-    """What one command loses; inverse no-load speed, with the sign of the command's force, shape (n,)."""
+class _Braked(Law):
+    """Damping by one command within its range [low, high]; `unit` is that of a unit of it, shape (n,)."""
 
     column: int
     dof: int
-    inverse: Array
+    low: float
+    high: float
+    unit: Array
 
     def act(self, moment: Moment, influence: Influence) -> None:
-        command = influence.control[:, self.column]
-        influence.control[:, self.column] = command - self.inverse * np.abs(command) * moment.qvel[:, self.dof]
+        size = np.abs(np.clip(influence.control[:, self.column], self.low, self.high))
+        influence.force[:, self.dof] -= self.unit * size * moment.qvel[:, self.dof]

@@ -12,7 +12,7 @@ from dr_lab.effects.joint_force import acts_on, moves_joint
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
-_FORCE_ALONE = int(mujoco.mjtBias.mjBIAS_NONE)
+_AFFINE = int(mujoco.mjtBias.mjBIAS_AFFINE)
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class ForceLimit(ActuatorEffect, SpecEdit):
     is a finite value. Of a motor whose force is gain times command `saturation` is the same.
 
     Parameters (nominal = absent): inverse_limit i ≥ 0 [1/(N·m), 1/N] of the actuator's own force.
-    Limits: actuators at a hinge or slide whose force depends on the motion; symmetric. A limit above the file's own
+    Limits: position and velocity servos at a hinge or slide; symmetric. A limit above the file's own
     does not act: let `actuator.<name>.force_limit` be free for that. No slope at absent: fits start at several limits.
     Source: MuJoCo 4.0, XML reference, actuator/general/forcerange.
 
@@ -46,7 +46,7 @@ class ForceLimit(ActuatorEffect, SpecEdit):
 
     def acts_at(self, model: mujoco.MjModel, row: int) -> bool:
         """At a joint, where the force depends on its motion, too."""
-        return moves_joint(model, row) and int(model.actuator_biastype[row]) != _FORCE_ALONE
+        return moves_joint(model, row) and int(model.actuator_biastype[row]) == _AFFINE
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The inverse limit."""
@@ -62,7 +62,8 @@ class ForceLimit(ActuatorEffect, SpecEdit):
         limit = 1.0 / values["inverse_limit"]
         low, high = actuator.forcerange
         bounded = actuator.forcelimited != mujoco.mjtLimited.mjLIMITED_FALSE and low < high
-        actuator.forcerange = [max(low, -limit), min(high, limit)] if bounded else [-limit, limit]
+        inside = [end if bounded and abs(end) < limit else bound for end, bound in ((low, -limit), (high, limit))]
+        actuator.forcerange = inside
         actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:

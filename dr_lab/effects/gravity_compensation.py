@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -12,22 +12,24 @@ from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 
 _HINGE, _SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
-_COUNTED = (
-    1e-12  # MuJoCo takes the forces of bodies that a compiled model counts, of which contexts change the size alone
-)
+# MuJoCo carries only bodies that a compiled model counts; a context changes by how much. It is far below any share.
+_COUNTED = 1e-12
+_ROUNDING = float(np.sqrt(np.finfo(float).eps))  # of a force beside the whole weight at the model's own size
 
 
 @dataclass(frozen=True)
 class GravityCompensation(Effect, SpecEdit, SpecPreparation):
     """A controller that adds the torques which hold the links, and does not log them with the commands.
 
-    τ → τ + s g(q), of all bodies. Controllers of cobots do so: the torques that libfranka takes, and logs as desired,
-    are without gravity. A motion that gravity does not bend makes every mass look wrong.
+    τ → τ + s g(q), of the links. Controllers of cobots do so: the torques that libfranka takes, and logs as desired,
+    are without gravity. A motion that gravity does not bend makes every mass look wrong. A load of which the controller
+    does not know (`payload` and its kind) is not carried.
 
     Parameters (nominal = absent): share s of the weight, 0 = absent, 1 = all of it.
     Limits: robots that stand on the ground, of two joints or more, each with an actuator: of a pole that swings freely
-    no controller can carry the weight, and of a single joint more inertia is the same where the mass is free. What
-    the file compensates already stays, s being added to it.
+    no controller can carry the weight, and of a single joint more inertia is the same where the mass is free. Where
+    masses are free, s is a share of their weight, not of what the controller takes them for. What the file compensates
+    already stays, s being added to it.
     Source: MuJoCo 4.0, XML reference, body/gravcomp.
 
     Attributes:
@@ -57,14 +59,19 @@ class GravityCompensation(Effect, SpecEdit, SpecPreparation):
     def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
         """Let every body count among those that are carried."""
         del site
-        for body in spec.bodies[1:]:
+        for body in _links(spec):
             body.gravcomp = body.gravcomp or _COUNTED
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Carry the bodies."""
+        """Carry the links."""
         del site
-        for body in spec.bodies[1:]:
+        for body in _links(spec):
             body.gravcomp += values["share"]
+
+
+def _links(spec: mujoco.MjSpec) -> list[Any]:
+    """The file's own bodies; a load is named by the label of its effect."""
+    return [body for body in spec.bodies[1:] if "@" not in body.name]
 
 
 def _weighs(model: mujoco.MjModel) -> bool:
@@ -74,4 +81,5 @@ def _weighs(model: mujoco.MjModel) -> bool:
     mujoco.mj_fwdPosition(model, data)
     forces = np.zeros(model.nv)
     mujoco.mj_rne(model, data, 0, forces)
-    return bool(np.abs(forces).max(initial=0.0) > 0)
+    whole = float(model.body_mass.sum() * np.linalg.norm(model.opt.gravity) * model.stat.extent)
+    return bool(np.abs(forces).max(initial=0.0) > _ROUNDING * whole)

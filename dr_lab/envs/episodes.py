@@ -122,7 +122,9 @@ class Episodes(ContextSlots):
         fields = ReadFields({name: field[rows] for name, field in self._fields.items()})
         self._marker[rows] = self.task.marker(fields)
         self.observation = self.observation.copy()
-        self.observation[rows] = self._seen(fields, self.contexts[rows])
+        begun = self._seen(fields, self.contexts[rows])
+        require_finite(self.task, self._returns[rows], begun, self._qpos[rows], self._over[rows])
+        self.observation[rows] = begun
 
     def step(self, action: Array) -> StepOutcome:
         """One control step of all episodes; those that have ended want a `begin` before the next.

@@ -9,6 +9,8 @@ _OFF = 0.1
 _AGREE = 0.95
 # Fewest distances that may establish a step; eight random ones agree with a probability of 3e-6.
 _LEAST = 8
+# Fewest distances that confirm a step which is known; three random ones agree with a probability of 1 %.
+_FEW = 3
 # Distances up to this many steps establish the step before longer ones refine it.
 _NEAR = 20
 # Samples of a long signal that are looked at.
@@ -61,7 +63,7 @@ def on_lattice(value: Array, step: float) -> bool:
     points = np.unique(value[np.isfinite(value)])
     multiples = np.diff(points) / step
     multiples = multiples[multiples > _OFF]
-    return len(multiples) > 0 and bool((np.abs(multiples - np.rint(multiples)) < _OFF).mean() >= _AGREE)
+    return len(multiples) >= _FEW and bool((np.abs(multiples - np.rint(multiples)) < _OFF).mean() >= _AGREE)
 
 
 def _uniform_motion(samples: Array, step: float) -> bool:

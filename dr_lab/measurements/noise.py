@@ -83,16 +83,15 @@ def _std(columns: Sequence[tuple[Array, Array]], longest_wait: float, contract: 
 
 
 def _common_step(columns: Sequence[Array]) -> float | None:
-    """The step of half of the columns or more; those that hold few values are of a step that others tell."""
-    found = [lattice_step(column) for column in columns]
-    steps = [step for step in found if step is not None]
+    """The step of half of the columns that change; those that hold few values are of a step that others tell."""
+    moving = [column for column in columns if np.ptp(column) > 0]
+    found = [lattice_step(column) for column in moving]
+    steps = sorted(step for step in found if step is not None)
     if not steps:
         return None
-    common = float(np.median(steps))
-    agree = len(steps) + sum(
-        on_lattice(column, common) for column, step in zip(columns, found, strict=True) if step is None
-    )
-    return common if 2 * agree >= len(columns) else None
+    common = steps[(len(steps) - 1) // 2]
+    agree = sum(step is not None or on_lattice(column, common) for column, step in zip(moving, found, strict=True))
+    return common if 2 * agree >= len(moving) else None
 
 
 def _settled(

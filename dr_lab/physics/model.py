@@ -47,7 +47,6 @@ class Model:
         effects: effects that are compiled in, in order of their addition.
         derived: what follows from declared parameters, in the order in which it is written.
         inertials: bodies of which all ten inertial parameters are among the declared ones.
-        parts: steps into which a step of the model as given was divided.
     """
 
     name: str
@@ -57,7 +56,6 @@ class Model:
     effects: tuple[ModelEffect, ...] = ()
     derived: tuple[Derived, ...] = ()
     inertials: tuple[BodyInertial, ...] = ()
-    parts: int = 1
 
     @cached_property
     def space(self) -> ContextSpace:

@@ -13,15 +13,10 @@ def single_stage(model: Model) -> Model:
     Args:
         model: the model; returned as it is where its integrator is another one, which evaluates them once.
     """
-    if not multistage(model):
+    if model.spec.option.integrator != mujoco.mjtIntegrator.mjINT_RK4:
         return model
     spec = model.spec.copy()
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     found = replace(model, spec=spec)
     vars(found)["bodies_apart"] = model.bodies_apart  # it takes compiling to tell, and the integrator is no part of it
     return found
-
-
-def multistage(model: Model) -> bool:
-    """Whether a step of the model evaluates its equations of motion more than once."""
-    return bool(model.spec.option.integrator == mujoco.mjtIntegrator.mjINT_RK4)

@@ -129,7 +129,8 @@ def _confirmed(report: GapReport) -> str:
     if found.predicted_worse:
         return "**The calibrated model predicts the logs better: what was added bends the fitted starts alone.**"
     if found.gain is None:
-        return "No window was left that chose nothing and could confirm it."
+        told = "No window was left that chose nothing and could confirm what was added."
+        return "" if report.verdict == "unexplained" else told
     one, gap = found.windows == 1, found.gain.gap_closed or 0.0
     where, few = f"{found.windows} window{'s' * (not one)} that chose nothing", "too few to be sure"
     closed = f"{percent(gap)} of a typical window's gap closes there"

@@ -3,6 +3,7 @@
 import json
 import shutil
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,14 @@ SMALL = ("frames=2048", "episodes=16", "algorithm.batch_frames=1024", "algorithm
 BENCH = ("evaluator=real_vs_sim", "target@evaluator.target=rig_bench", "evaluator.episodes=2", "hydra.run.dir=judged")
 
 
+@pytest.fixture
+def _forgotten() -> Iterator[None]:
+    """Modules of the example are gone with its folder."""
+    yield
+    sys.modules.pop("rig_reach", None)
+
+
+@pytest.mark.usefixtures("_forgotten")
 def test_the_arm_of_the_example_is_trained_and_played(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.copytree(EXAMPLE, tmp_path / "robot")
     monkeypatch.chdir(tmp_path / "robot")
@@ -24,4 +33,3 @@ def test_the_arm_of_the_example_is_trained_and_played(tmp_path: Path, monkeypatc
     report = json.loads(Path("judged/report.json").read_text(encoding="utf-8"))
     # The elbow's dry friction, which the model lacks, shows in every episode.
     assert all(0.0 < row["elbow.rmse"] < 0.5 for row in report["rows"])
-    monkeypatch.delitem(sys.modules, "rig_reach")

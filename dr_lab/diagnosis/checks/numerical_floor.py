@@ -1,7 +1,7 @@
 """The integrator's own error: the nominal rollout against the same at a quarter of the time step."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,7 +9,6 @@ from dr_lab.diagnosis.fit.replay import Mask, Replay
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.errors import ModelError
-from dr_lab.physics.divided import in_parts
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array, Log, MeasurementSet
 
@@ -93,6 +92,15 @@ def moved(
         found[samples.channel.name] = float(np.sqrt((difference[used] ** 2).mean())) if used.any() else np.inf
     worst = max(found, key=found.__getitem__)
     return found[worst], worst
+
+
+def in_parts(model: Model, parts: int) -> Model:
+    """The model with its step divided, and as long a memory of delayed commands and readings."""
+    spec = model.spec.copy()
+    spec.option.timestep /= parts
+    for element in (*spec.actuators, *spec.sensors):
+        element.nsample *= parts
+    return replace(model, spec=spec)
 
 
 def _replay(

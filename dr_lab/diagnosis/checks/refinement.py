@@ -7,10 +7,9 @@ import mujoco
 import numpy as np
 
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
-from dr_lab.diagnosis.checks.numerical_floor import NumericalFloor, numerical_floor
+from dr_lab.diagnosis.checks.numerical_floor import NumericalFloor, in_parts, numerical_floor
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.errors import ModelError
-from dr_lab.physics.divided import in_parts
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Log, MeasurementSet
 

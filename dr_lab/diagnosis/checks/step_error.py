@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from dr_lab.diagnosis.checks.numerical_floor import in_parts
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations
 from dr_lab.diagnosis.fit.point import Mask, Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.windows.finer import finer
-from dr_lab.physics.divided import in_parts
 from dr_lab.trajectory import Array
 
 _PARTS = 2

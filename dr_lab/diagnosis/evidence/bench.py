@@ -17,7 +17,6 @@ from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
-from dr_lab.physics.single_stage import multistage
 from dr_lab.trajectory import Array
 
 Rows = NDArray[np.intp]
@@ -187,11 +186,11 @@ def fitted_to_the_end(bench: Bench, fitted_model: FittedModel) -> FittedModel:
     """A model whose fit goes on by exact slopes and crawls for longer (`SolverSettings.patient`).
 
     Candidates need not end as low as they can to be compared; what others are compared with, and whose parameters are
-    told with their standard deviations, ends lower. A fit by exact slopes stays as it is where it converged, and any by
-    steps that evaluate the model once where shapes touch: among their jags no certificate comes.
+    told with their standard deviations, ends lower. A fit by exact slopes stays as it is where it converged, or where
+    shapes touch: among their jags no certificate comes.
     """
     fit, replay = fitted_model.fit, Replay(fitted_model.model, bench.fit, bench.threads)
-    if (replay.quick is replay and fit.converged) or (replay.touching and not multistage(replay.model)):
+    if replay.quick is replay and (fit.converged or replay.touching):
         return fitted_model
     further = Fitter(replay.exact(), bench.solver.patient).run(fit.z, fit.delta)
     if further.order > fit.order:

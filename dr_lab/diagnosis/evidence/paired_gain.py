@@ -42,8 +42,7 @@ class Gain:
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
         blocks_low: as `total_low`, by the scatter between blocks alone, whatever that between logs is.
         wins: share of the windows that score in which the χ² is lower.
-        clear: whether each of these gains, no window diverges that did not, and the worse model is above the noise
-            floor and the better one at it.
+        clear: whether each of these gains, no window diverges that did not, and the better model alone is at the floor.
     """
 
     share: float
@@ -102,12 +101,10 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         trial_low=bounds.trial,
         blocks_low=bounds.blocks,
         wins=float((theirs > ours).mean()),
-        clear=bool((theirs > ours).all() and not _diverges(worse, better) and _reaches_floor(worse, better, settings)),
+        clear=bool((theirs > ours).all() and not _diverges(worse, better))
+        and at_floor(better, settings)
+        and not at_floor(worse, settings),
     )
-
-
-def _reaches_floor(worse: Score, better: Score, settings: EvidenceSettings) -> bool:
-    return at_floor(better, settings) and not at_floor(worse, settings)
 
 
 def _diverges(worse: Score, better: Score) -> bool:
@@ -267,11 +264,11 @@ def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings)
 
 
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
-    """Whether a gain is beyond its interval, the threshold and the penalty of the added parameters, and no trifle.
+    """Whether a gain is beyond its interval, threshold and penalty, and no trifle.
 
     Few blocks make the interval of the evidence wide, or leave none. It is not asked for where a model above the noise
     floor comes down to it and gets better in every window that scores, for there the evidence is a likelihood ratio,
-    unless what a typical window gains is in doubt, fitted ones included as fits to the others foretell them.
+    unless the interval of what a typical window gains, where there is one, holds 0.
     """
     return certain(gain, settings) and sizeable(gain, extra_parameters, settings)
 
@@ -287,7 +284,8 @@ def certain(gain: Gain, settings: EvidenceSettings) -> bool:
 
 
 def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
-    return low > 0 or (gain.clear and gain.gap >= settings.least_named and not gain.low <= 0)
+    typical = np.isnan(gain.low) or gain.low > 0
+    return low > 0 or bool(gain.clear and gain.gap >= settings.least_named and typical)
 
 
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

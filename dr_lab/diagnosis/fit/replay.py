@@ -12,7 +12,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.diagnosis.fit.cheaper import cheaper
 from dr_lab.diagnosis.fit.point import huber_weights
 from dr_lab.diagnosis.fit.touching import may_touch, touches
 from dr_lab.diagnosis.windows.channels import Channel, Tape, available, residual
@@ -25,6 +24,7 @@ from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
 from dr_lab.physics.signal import Reading
 from dr_lab.physics.simulator import Simulator
+from dr_lab.physics.single_stage import single_stage
 from dr_lab.trajectory import Array
 
 Mask = NDArray[np.bool_]
@@ -88,11 +88,11 @@ class Replay:
 
     @cached_property
     def quick(self) -> "Replay":
-        """The replay by cheaper steps, which slopes are taken by; itself where there are none."""
-        model, windows = cheaper(self.model, self.windows, touching=self.touching)
+        """The replay by steps that evaluate the model once, which slopes are taken by; itself if its own steps do."""
+        model = single_stage(self.model)
         if model is self.model:
             return self
-        found = self._like(model, windows)
+        found = self._like(model, self.windows)
         found.begin_like(self)
         return found
 

@@ -54,7 +54,7 @@ class Slopes:
 def quick_differences(
     replay: Replay, settings: SolverSettings, point: Point, *, states: bool, columns: NDArray[np.intp]
 ) -> Array:
-    """`differences` by cheaper steps (`Replay.quick`).
+    """`differences` by steps that evaluate the model once (`Replay.quick`).
 
     Columns are off by a few per cent, and by up to a fifth where friction sticks. A descent bears that, for the model's
     own steps tell how good its end is. Where a window diverges by the cheaper steps alone, all columns are taken by the
@@ -98,7 +98,7 @@ def differences(
 def quick_around(
     replay: Replay, settings: SolverSettings, z: Array, delta: Array, columns: NDArray[np.intp], first: Point | None
 ) -> tuple[Array, Mask, Array]:
-    """`around` with slopes by cheaper steps; see `quick_differences`."""
+    """`around` with slopes by steps that evaluate the model once; see `quick_differences`."""
     quick = replay.quick
     if quick is not replay and len(columns):
         residuals, infeasible, _ = around(replay, settings, z, delta, columns[:0], first)

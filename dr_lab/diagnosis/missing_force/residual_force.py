@@ -7,7 +7,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from dr_lab.diagnosis.fit.replay import Replay
-from dr_lab.diagnosis.fit.slopes import quick_differences
+from dr_lab.diagnosis.fit.slopes import differences
 from dr_lab.diagnosis.fit.states import StateFit
 from dr_lab.diagnosis.settings import SolverSettings
 from dr_lab.diagnosis.windows.channels import Tape
@@ -61,7 +61,7 @@ def residual_forces(
     measured = [channel for channel in positions if channel.dof in dofs]
     if not measured:
         return {}
-    slopes = quick_differences(replay, solver, fit, states=True, columns=np.zeros(0, np.intp))
+    slopes = differences(replay, solver, fit, states=True, columns=np.zeros(0, np.intp))
     accelerations, covariance = _accelerations(replay, fit, slopes, dofs)
     middle = tape.qpos[0][:, tape.qpos.shape[2] // 2]
     chained = prior.tangent is not None and not prior.grounded

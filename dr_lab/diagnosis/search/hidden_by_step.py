@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from dr_lab.diagnosis.checks.numerical_floor import in_parts
 from dr_lab.diagnosis.checks.step_error import step_error
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.fit.replay import Mask, Replay
 from dr_lab.diagnosis.windows.finer import finer
-from dr_lab.physics.divided import in_parts
 from dr_lab.trajectory import Array
 
 _FINER = 4  # parts of the step, by which what it does is a quarter

@@ -30,7 +30,7 @@ def actuator_rivals(
     for row, name in enumerate(course.machine.actuators):
         if name in pulled:
             whole = driven[:, :, row]
-            ends = np.abs(whole).max() * np.array([1.0, *sorted((s for s in grids.stalls if s < 1.0), reverse=True)])
+            ends = np.abs(whole).max() * np.array([1.0, *grids.limits])
             yield Rival(f"force_limit@{name}", 1, along([lacked(whole - np.clip(whole, -end, end)) for end in ends]))
         sent, gain = course.sent[row], per_command[:, row]
         mean = mean_held(sent, course.edge)

@@ -12,7 +12,7 @@ class Grids:
         delays: of actuators, s.
         lags: time constants of actuators, s.
         ramps: time from zero to the largest command at a limited rate, s.
-        limits: of commands, shares of the largest, falling.
+        limits: of commands and of servos' forces, shares of the largest, falling.
         dead: widths of dead zones, shares of the largest command.
         exponents: of the powers of commands.
         offsets: of encoders in time, s, from the earliest to the latest.

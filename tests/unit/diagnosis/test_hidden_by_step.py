@@ -6,11 +6,11 @@ import pytest
 from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
 from effect_machines import catalogue_effect
 
+from dr_lab.diagnosis.checks.numerical_floor import in_parts
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
 from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.hidden_by_step import hidden_by_step
 from dr_lab.effects.effect import place
-from dr_lab.physics.divided import in_parts
 from dr_lab.trajectory import Log
 
 NOISE = 2e-6  # rad; the step of 2 ms moves the pendulum by a hundred times as much

@@ -17,13 +17,13 @@ from diagnosis_machines import (
 
 from dr_lab.comparison.study import Study
 from dr_lab.comparison.uncertainty import known
+from dr_lab.diagnosis.checks.numerical_floor import in_parts
 from dr_lab.diagnosis.checks.step_error import step_shift
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.diagnosis.fit.covariance import estimate
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.windows.finer import finer
-from dr_lab.physics.divided import in_parts
 
 PARTS = 16
 NOISE = 1e-5  # rad

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+import mujoco
 import numpy as np
 import pytest
 from effect_machines import block, hanging, placed, scales_of
@@ -103,6 +104,18 @@ def test_a_motor_that_coasts_between_its_pulses_reaches_one_speed_by_any_command
     rate = 0.5 * abs(command) / MASS
     expected = np.sign(command) * 2.0 * (1 - np.exp(-rate * time))
     np.testing.assert_allclose(rollout.qvel[0, :, 0], expected, atol=1e-5)
+
+
+@pytest.mark.parametrize(("command", "begun"), [(-1.0, 1.6), (12.0, 0.0)])
+def test_the_range_of_a_command_bounds_what_drives_and_not_what_brakes(command: float, begun: float) -> None:
+    """Reversed at speed it brakes by more than its range; beyond its range it is what its range allows."""
+    model = block()
+    actuator = model.spec.actuator("drive")
+    actuator.ctrlrange, actuator.ctrllimited = [-1.0, 1.0], mujoco.mjtLimited.mjLIMITED_TRUE
+    effect, sent = placed(model, "coasting_bridge", "drive"), np.clip(command, -1.0, 1.0)
+    time, rollout = played(model, effect, {"inverse_speed": 0.5}, 0.5, start=(0.0, begun), command=command)
+    fades = np.exp(-0.5 * time / MASS)
+    np.testing.assert_allclose(rollout.qvel[0, :, 0], 2.0 * sent * (1 - fades) + begun * fades, atol=1e-4)
 
 
 def test_yielding_spring_swings_then_slips() -> None:

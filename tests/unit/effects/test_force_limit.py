@@ -41,6 +41,13 @@ def test_damping_within_the_limit_does_not_slow_it_further() -> None:
     np.testing.assert_allclose(velocity(cart(kv=5.0), 0.25, 0.5), velocity(cart(), 0.25, 0.5), atol=1e-9)
 
 
+def test_a_range_beyond_the_limit_on_one_side_ends_at_it() -> None:
+    """A press that pushes alone."""
+    np.testing.assert_allclose(
+        velocity(cart(limits='forcerange="2 5"'), 1.0, 0.2), velocity(cart(), 1.0, 0.2), atol=1e-9
+    )
+
+
 @pytest.mark.parametrize("limits", ['forcerange="-3 3"', 'forcerange="-3 3" forcelimited="true"'])
 def test_the_narrower_limit_counts(limits: str) -> None:
     given = cart(limits=limits)

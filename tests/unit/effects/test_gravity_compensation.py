@@ -53,6 +53,16 @@ def test_it_acts_beside_laws_and_contexts_of_one_batch() -> None:
         np.testing.assert_allclose(row, fall(arm(gravity=-9.81 * (1 - share)), {})[:101], atol=1e-6)
 
 
+def test_a_load_that_the_controller_does_not_know_is_not_carried() -> None:
+    model = arm()
+    for name, site in (("gravity_compensation", "world"), ("payload", "body_2")):
+        model = model.with_effect(placed(model, name, site))
+    compiled = model.compile(model.space.vector({GRAVITY: 1.0, "payload@body_2.mass": 0.3}))
+    carried = dict(zip([compiled.body(k).name for k in range(compiled.nbody)], compiled.body_gravcomp, strict=True))
+    assert carried.pop("payload@body_2") == 0.0
+    assert [*carried.values()] == pytest.approx([0.0, 1.0, 1.0])
+
+
 def test_what_the_file_carries_stays() -> None:
     text = BOTH.replace('<body pos="0.3 0 0">', '<body pos="0.3 0 0" gravcomp="1">')
     compiled = placed(arm(text), "gravity_compensation", "world")
@@ -67,6 +77,7 @@ def test_what_the_file_carries_stays() -> None:
         pytest.param(arm(gravity=0.0), (), id="nothing weighs"),
         pytest.param(arm(ARM.format(elbow="")), (), id="a joint that swings freely"),
         pytest.param(arm(BOTH.replace('axis="0 1 0"', 'axis="0 0 1"')), (), id="joints that turn about the vertical"),
+        pytest.param(arm(BOTH.replace('pos="0 0 1"', 'pos="0 0 1" euler="90 0 0"')), (), id="a base that is turned"),
         pytest.param(arm(FLYING), (), id="a free base"),
     ],
 )

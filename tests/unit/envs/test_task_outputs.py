@@ -89,6 +89,12 @@ def test_what_a_task_gives_is_held_against_its_contract(method: str, change: Cal
         episodes(method, change).step(np.ones((ROWS, 1)))
 
 
+def test_numbers_that_are_none_at_a_start_alone_are_told_there() -> None:
+    """As 0 / 0 at rest, which nobody would see in the steps after it."""
+    with pytest.raises(DrLabError, match=r"Block\.observe gives \[nan nan\]"):
+        episodes("observe", lambda given: np.where(np.abs(given[:, 1:]) > 1e-3, given, np.nan))
+
+
 def test_a_field_that_the_task_does_not_read_is_told_with_the_remedy() -> None:
     fields = ReadFields(qpos=np.zeros((ROWS, 1)), qvel=np.zeros((ROWS, 1)))
     with pytest.raises(

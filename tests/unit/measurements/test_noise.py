@@ -144,6 +144,12 @@ def test_short_logs_of_an_encoder_share_their_step(contract: DataContract) -> No
     assert estimate(time, *few, many, contract=contract) >= 0.99 * ROUNDING
 
 
+def test_logs_in_which_an_encoder_stands_still_say_nothing_of_its_step(contract: DataContract) -> None:
+    time, angle = pendulum(1.0)
+    moving, still = COUNT * np.round(angle / COUNT), np.full(len(time), 7 * COUNT)
+    assert estimate(time, moving, still, still, contract=contract) == pytest.approx(ROUNDING, rel=0.1)
+
+
 @pytest.mark.parametrize("digits", [None, 7])
 def test_lattice_step_of_a_moving_encoder(digits: int | None) -> None:
     _, angle = pendulum(1.0)

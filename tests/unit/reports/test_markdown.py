@@ -158,7 +158,7 @@ def test_what_few_windows_say_is_told_as_it_is(
 
 def test_no_window_that_could_confirm_is_told(close_report: dict[str, Any]) -> None:
     close_report["confirmation"] = {"status": "undecided", "predicted_worse": False, "windows": 0}
-    assert "No window was left that chose nothing and could confirm it." in page(close_report)
+    assert "No window was left that chose nothing and could confirm what was added." in page(close_report)
 
 
 def test_one_window_contradicts(close_report: dict[str, Any]) -> None:
