@@ -9,7 +9,6 @@ from itertools import chain
 from typing import Any
 
 from omegaconf import DictConfig, OmegaConf
-from typeguard import CollectionCheckStrategy, TypeCheckError, check_type
 
 from dr_lab.cli.expected import expected
 from dr_lab.cli.place import Place, interpolated
@@ -175,6 +174,8 @@ def _of_plain(value: object, hint: object, place: Place) -> str:
 def _fits(value: object, hint: object) -> bool:
     if isinstance(value, str) and not _takes_text(hint):  # a str is a sequence of str, but never meant as one
         return False
+    from typeguard import CollectionCheckStrategy, TypeCheckError, check_type  # noqa: PLC0415  --help need not wait for it
+
     try:
         check_type(value, hint, collection_check_strategy=CollectionCheckStrategy.ALL_ITEMS)
     except TypeCheckError:

@@ -3,13 +3,14 @@
 import json
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
 from dr_lab.errors import ConfigError
-from dr_lab.reports.force_entries import ForceFormulaEntry
-from dr_lab.reports.gap import GapReport
-from dr_lab.reports.plain import from_plain
+
+if TYPE_CHECKING:
+    from dr_lab.reports.force_entries import ForceFormulaEntry
 
 REPORT = "report.json"
 
@@ -52,12 +53,15 @@ def found_formula(
     )
 
 
-def _formula(folder: Path, joint: str | None) -> ForceFormulaEntry:
+def _formula(folder: Path, joint: str | None) -> "ForceFormulaEntry":
     path = folder / REPORT
     if not path.is_file():
         raise ConfigError(
             f"effect.run={folder} holds no {REPORT}. Give the folder of a run of dr-lab close, diagnose or add."
         )
+    from dr_lab.reports.gap import GapReport  # noqa: PLC0415  NumPy takes a tenth of a second, which --help would pay
+    from dr_lab.reports.plain import from_plain  # noqa: PLC0415  likewise
+
     report = from_plain(GapReport, json.loads(path.read_text(encoding="utf-8")))
     found = {row.joint: row.left for row in report.judged.missing_force if row.left and row.left.terms}
     listed = ", ".join(f"effect.joint={name}" for name in found) or "none"

@@ -12,7 +12,7 @@ GLOBAL = "_global_"
 _ASKS = (": ???", "oc.select:effect.run,")  # how an option asks the user for something
 
 # libyaml's, where it is: the help of a verb reads hundreds of files
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def options(group: str, folders: Sequence[Path]) -> dict[str, Path]:
@@ -56,8 +56,11 @@ def defaults_of(path: Path) -> list[str | dict[str, object]]:
     Args:
         path: a yaml file.
     """
+    text = path.read_text(encoding="utf-8")
+    if "defaults" not in text:  # as in most of hundreds
+        return []
     try:
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=_LOADER)
+        content = yaml.load(text, Loader=LOADER)
     except yaml.YAMLError:
         return []
     entries = content.get("defaults") if isinstance(content, dict) else None

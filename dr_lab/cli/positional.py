@@ -5,6 +5,8 @@ from pathlib import Path
 
 import yaml
 
+from dr_lab.cli.groups import LOADER
+
 KEY = "positional"  # of a root configuration: the keys whose names may be left out, in order
 
 
@@ -16,7 +18,7 @@ def positional(verb: str, folders: Sequence[Path]) -> list[str]:
         folders: configuration folders, first searched first.
     """
     root = next(path for folder in folders if (path := folder / f"{verb}.yaml").is_file())
-    content = yaml.safe_load(root.read_text(encoding="utf-8"))
+    content = yaml.load(root.read_text(encoding="utf-8"), Loader=LOADER)
     return list(content.get(KEY, ()))
 
 

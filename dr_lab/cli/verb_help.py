@@ -7,12 +7,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import yaml
+from hydra.errors import HydraException
 from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 
-from dr_lab.cli.compose import choices, compose_with_hydra
+from dr_lab.cli.compose import choices, compose_outline, compose_with_hydra
 from dr_lab.cli.experiments import GROUP as EXPERIMENT
 from dr_lab.cli.experiments import experiments
-from dr_lab.cli.groups import nested_options, options, side_by_side
+from dr_lab.cli.groups import LOADER, nested_options, options, side_by_side
 from dr_lab.cli.place import interpolated
 from dr_lab.cli.positional import KEY, positional
 from dr_lab.cli.verbs import description, summary
@@ -39,7 +41,13 @@ def verb_help(verb: str, overrides: Sequence[str], folders: Sequence[Path]) -> s
         overrides: what else was typed; the shown values follow it.
         folders: configuration folders, first searched first.
     """
-    cfg = compose_with_hydra(verb, overrides, folders)
+    try:
+        return _text(verb, compose_outline(verb, overrides, folders), folders)
+    except (HydraException, OmegaConfBaseException):  # a key of what an option `all` stands for, or of nothing
+        return _text(verb, compose_with_hydra(verb, overrides, folders), folders)
+
+
+def _text(verb: str, cfg: DictConfig, folders: Sequence[Path]) -> str:
     root = next(path for folder in folders if (path := folder / f"{verb}.yaml").is_file())
     first, *examples = description(root)
     words = "".join(f"{key.upper()} " for key in positional(verb, folders))
@@ -92,8 +100,10 @@ def _keys(cfg: DictConfig, root: Path, folders: Sequence[Path]) -> Iterator[str]
             comments |= _comments_of(files[chosen], group, alone=len(files) == 1)
     shown = {}
     for key, comment in comments.items():
+        if key in handed_on and not comment:
+            continue
         value = OmegaConf.select(cfg, key, default=ABSENT)
-        if value is not ABSENT and (comment or key not in handed_on):
+        if value is not ABSENT:
             shown[f"{key}={'null' if value is None else value}"] = comment
     width = min(max(map(len, shown), default=0), 48) + 2
     for text, comment in shown.items():
@@ -128,4 +138,4 @@ def commented(path: Path) -> Iterator[tuple[str, str]]:
                 rest = lines[value.end_mark.line][value.end_mark.column :]
                 yield name, rest.partition("#")[2].strip()
 
-    yield from walk(yaml.compose(text, yaml.SafeLoader), "")
+    yield from walk(yaml.compose(text, LOADER), "")

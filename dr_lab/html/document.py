@@ -4,6 +4,7 @@ import base64
 import gzip
 import html
 import importlib.resources
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -21,9 +22,15 @@ _LIBRARY = "package_data/plotly.min.js"
 
 @dataclass(frozen=True)
 class Text:
-    """Markdown, in which HTML is no markup but text."""
+    """Markdown, in which HTML is no markup but text.
+
+    Attributes:
+        markdown: what is said.
+        half: whether two stand side by side where there is room.
+    """
 
     markdown: str
+    half: bool = False
 
 
 @dataclass(frozen=True)
@@ -68,7 +75,9 @@ def document(title: str, lead: str, chapters: Sequence[Chapter]) -> str:
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{html.escape(title)}</title>\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<style>\n{_resource('page.css')}</style>\n</head>\n<body>\n<header><h1>{html.escape(title)}</h1>\n"
+        f"<style>\n{_resource('page.css')}</style>\n"
+        f'<style id="paper" media="print">\n{_resource("paper.css")}</style>\n</head>\n'
+        f"<body>\n<header><h1>{html.escape(title)}</h1>\n"
         f'<div class="lead">{_rendered(lead)}</div>\n<nav>{links}</nav></header>\n<main>\n{body}</main>\n'
         "<noscript><p>The plots need JavaScript; text and tables do not.</p></noscript>\n"
         f'<script type="application/gzip" id="library">{_library()}</script>\n'
@@ -88,7 +97,8 @@ def _parts(parts: Sequence[Part]) -> str:
 def _part(part: Part) -> str:
     match part:
         case Text():
-            return f'<div class="text">{_rendered(part.markdown)}</div>\n'
+            kind = "text half" if part.half else "text"
+            return f'<div class="{kind}">{_rendered(part.markdown)}</div>\n'
         case Fold():
             return f"<details><summary>{html.escape(part.title)}</summary>\n{_parts(part.parts)}</details>\n"
         case Plot():
@@ -105,7 +115,8 @@ def _plot(plot: Plot) -> str:
 
 
 def _rendered(markdown: str) -> str:
-    return _MARKDOWN.render(markdown)
+    """HTML in which no line ends between a number and its percent sign."""
+    return _MARKDOWN.render(re.sub(r"(?<=\d) %", "\u00a0%", markdown))
 
 
 def _resource(name: str) -> str:

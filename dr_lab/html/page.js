@@ -31,16 +31,45 @@
 
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawn.forEach((figure) => draw(figure)));
 
-  // On paper everything is open, in the colours of the light theme and as wide as a sheet.
-  const sheet = 680;
+  // On paper everything is open, in the colours of the light theme. What is as wide as a sheet is measured there: figures are
+  // drawn as on the screen and made smaller, further where a page is too low, and so are tables that are too wide.
+  const smaller = 0.72;
+  const tallest = 960;
+  const paper = document.getElementById("paper");
+  const tables = [...document.querySelectorAll("table")];
+
+  function drawOnPaper(figure) {
+    const canvas = figure.querySelector(".canvas");
+    const scale = Math.min(smaller, tallest / canvas.clientHeight);
+    draw(figure, canvas.clientWidth / scale);
+    canvas.style.setProperty("--scale", scale);
+  }
+
+  function fit(table) {
+    const room = table.parentElement.clientWidth;
+    table.classList.toggle("wide", table.offsetWidth > room / smaller);
+    table.style.setProperty("--scale", Math.min(1, room / table.offsetWidth));
+  }
+
   addEventListener("beforeprint", () => {
+    paper.media = "all";
     document.documentElement.classList.add("paper");
     document.querySelectorAll("details:not([open])").forEach((fold) => { fold.dataset.closed = ""; fold.open = true; });
-    figures.forEach((figure) => draw(figure, figure.classList.contains("half") ? sheet / 2 : sheet));
+    figures.forEach(drawOnPaper);
+    tables.forEach(fit);
   });
   addEventListener("afterprint", () => {
+    paper.media = "print";
     document.documentElement.classList.remove("paper");
     document.querySelectorAll("details[data-closed]").forEach((fold) => { delete fold.dataset.closed; fold.open = false; });
-    drawn.forEach((figure) => draw(figure));
+    tables.forEach((table) => table.style.removeProperty("--scale"));
+    drawn.clear();
+    figures.forEach((figure) => {
+      const canvas = figure.querySelector(".canvas");
+      canvas.style.removeProperty("--scale");
+      Plotly.purge(canvas);
+      near.unobserve(figure);
+      near.observe(figure);
+    });
   });
 })();

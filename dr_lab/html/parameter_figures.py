@@ -6,20 +6,25 @@ import plotly.graph_objects as go
 
 from dr_lab.html.figure import AFTER, MEASURED, NOISE, Plot, chart, rows_height
 from dr_lab.reports.gap import GapReport
-from dr_lab.reports.gap_entries import ParameterEntry
+from dr_lab.reports.gap_entries import ParameterEntry, Parameters
 from dr_lab.reports.quantity import titled, uncertain
 
 _COLUMNS = 2
 _ROW, _LABELS = 88, 62  # px of a parameter, and of them for ticks and the next title
+_MOST = 24  # parameters of a figure, which is to fit on a page
 _STDS = 2.0  # half-width of an interval
 
 
 def parameter_plots(report: GapReport) -> list[Plot]:
     """The last model's fitted parameters, beside the values given and those of each log alone."""
-    fitted = {name: row for name, row in report.ladder[-1].parameters.items() if row.value is not None}
-    if report.ladder[-1].fit is None or not fitted:
+    fitted = [(name, row) for name, row in report.ladder[-1].parameters.items() if row.value is not None]
+    if report.ladder[-1].fit is None:
         return []
     given = {} if report.as_given is None else report.as_given.parameters
+    return [_plot(dict(fitted[start : start + _MOST]), given) for start in range(0, len(fitted), _MOST)]
+
+
+def _plot(fitted: Parameters, given: Parameters) -> Plot:
     lines = -(-len(fitted) // _COLUMNS)
     titles = [titled(name, row.unit) for name, row in fitted.items()]
     figure = chart(lines, _COLUMNS, titles, vertical_spacing=_LABELS / (_ROW * lines), horizontal_spacing=0.08)
@@ -30,13 +35,8 @@ def parameter_plots(report: GapReport) -> list[Plot]:
     figure.update_yaxes(visible=False, range=[-1.0, 1.0], fixedrange=True)
     figure.update_xaxes(nticks=5)
     figure.update_annotations(xanchor="center", font={"size": 12})
-    return [
-        Plot(
-            figure,
-            rows_height(0) + _ROW * lines - _LABELS,
-            "Intervals are ±2 std; small dots are fits of one log alone.",
-        )
-    ]
+    caption = "Intervals are ±2 std; small dots are fits of one log alone."
+    return Plot(figure, rows_height(0) + _ROW * lines - _LABELS, caption)
 
 
 def _traces(row: ParameterEntry, given: ParameterEntry | None, first: bool) -> list[go.Scatter]:

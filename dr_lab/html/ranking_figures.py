@@ -11,7 +11,7 @@ from dr_lab.reports.gap_entries import CandidateEntry
 from dr_lab.reports.ladder import scored, status
 from dr_lab.reports.quantity import number
 from dr_lab.reports.rankings import rankings
-from dr_lab.reports.tables import ranking_table
+from dr_lab.reports.tables import promise_table, ranking_table
 
 _MOST = 20  # rows of a plot; all candidates are in the table
 _WORTH = 0.01  # share that a candidate promises, from which on it is drawn although it was not fitted
@@ -25,10 +25,18 @@ def ranking_parts(report: GapReport) -> list[Part]:
     for index, ranking in enumerate(rankings(report)):
         if not ranking.rows:
             continue
-        table = Fold(f"All {len(ranking.rows)} candidates", [Text(ranking_table(ranking.rows, report.verdict))])
-        inside: list[Part] = [*_plot(ranking.rows, report.verdict, scored(report)), table]
+        inside = [*_plot(ranking.rows, report.verdict, scored(report)), _tables(ranking.rows, report.verdict)]
         parts += [Fold(ranking.title, inside)] if index else [Text(f"### {ranking.title}"), *inside]
     return parts
+
+
+def _tables(ordered: Sequence[CandidateEntry], verdict: str | None) -> Fold:
+    """All candidates. Most were not fitted, and there is little to say of them: two of these stand side by side."""
+    fitted, others = ([row for row in ordered if row.fitted is each] for each in (True, False))
+    first, middle = len(fitted) + 1, -(-len(others) // 2)
+    halves = [promise_table(others[:middle], verdict, first), promise_table(others[middle:], verdict, first + middle)]
+    texts = [Text(ranking_table(fitted, verdict)), *(Text(half, half=True) for half in halves)]
+    return Fold(f"All {len(ordered)} candidates", [text for text in texts if text.markdown])
 
 
 def _plot(ordered: Sequence[CandidateEntry], verdict: str | None, logs: str) -> list[Plot]:

@@ -88,6 +88,15 @@ def ranking_table(ranking: Sequence[CandidateEntry], verdict: str | None) -> str
     return table(["", "effect", "status", "χ²", "gain (interval)", "its parameters"], rows)
 
 
+def promise_table(ranking: Sequence[CandidateEntry], verdict: str | None, first: int) -> str:
+    """Candidates that were not fitted, from place `first` on: status, and the gain that a linear step foretells."""
+    rows = [
+        [str(place), f"`{row.label}`", status(row, verdict), _promised(row)]
+        for place, row in enumerate(ranking, start=first)
+    ]
+    return table(["", "effect", "status", "promised"], rows)
+
+
 def ranking_summary(ranking: Sequence[CandidateEntry], verdict: str | None) -> str:
     """Candidates, best first, without their parameters, which leaves room for whole names on a screen."""
     rows = [[f"`{row.label}`", status(row, verdict), *_outcome(row)[:2]] for row in ranking]
@@ -97,12 +106,15 @@ def ranking_summary(ranking: Sequence[CandidateEntry], verdict: str | None) -> s
 def _outcome(row: CandidateEntry) -> tuple[str, str, str]:
     """χ², gain and parameters of a candidate; of one that was not fitted, what it promised."""
     if not row.fitted:
-        promised = None if row.predicted_gain is None else max(row.predicted_gain, 0.0)
-        return ABSENT, f"≈ {percent(promised)} promised", ABSENT
+        return ABSENT, f"{_promised(row)} promised", ABSENT
     low, high = row.gain_ci
     interval = "" if low is None and high is None else f" ({percent(low)} … {percent(high)})"
     gain = f"{percent(row.gain)}{interval if row.final else ', tried on few windows'}"
     return number(row.held_out_chi2), gain, "; ".join(_own_parameters(row)) or ABSENT
+
+
+def _promised(row: CandidateEntry) -> str:
+    return f"≈ {percent(None if row.predicted_gain is None else max(row.predicted_gain, 0.0))}"
 
 
 def parameter_table(parameters: Parameters) -> str:

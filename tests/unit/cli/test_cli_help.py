@@ -10,6 +10,8 @@ import pytest
 from cli_machine import CommandLine, write
 
 from dr_lab import __version__
+from dr_lab.cli.compose import compose, compose_outline
+from dr_lab.cli.folders import shipped
 from dr_lab.cli.verbs import verbs
 
 Capture = pytest.CaptureFixture[str]
@@ -158,6 +160,37 @@ def test_help_of_a_verb_whose_group_needs_a_choice(dr_lab: CommandLine, capsys: 
     out = capsys.readouterr().out
     assert "  effect=???   several" in out
     assert "  effect.joint=null" in out
+
+
+def test_help_knows_the_keys_of_what_all_stands_for(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
+    assert dr_lab("compare", "--help") == 0
+    plain = capsys.readouterr().out
+    assert dr_lab("compare", "--help", "effects.rust.name=moss") == 0
+    assert capsys.readouterr().out == plain
+    assert dr_lab("compare", "--help", "effects.rust.colour=red") == 2
+    assert "effects.rust.colour" in capsys.readouterr().err
+    own = "label: ${effects.wind.name}  # of the wind\n"
+    write(tmp_path / "conf/fit.yaml", f"# fit\ndefaults: [{{base: run}}, {{effect: all}}, _self_]\n{own}")
+    assert dr_lab("fit", "--help") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert ["label=wind", "of", "the", "wind"] in [line.split() for line in lines]
+    assert "  effect=all   several at once: effect=[a,b]" in lines
+
+
+def test_verb_help_imports_nothing_heavy_but_hydra() -> None:
+    heavy = {"mujoco", "numpy", "rerun", "rich", "scipy", "typeguard"}
+    code = (
+        "import sys; from dr_lab.__main__ import main; main(['close', '--help']); print(*sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert heavy.isdisjoint(done.stderr.split())
+
+
+def test_an_outline_holds_nothing_of_what_all_stands_for() -> None:
+    outline = compose_outline("close", ["seed=3"], (shipped(),))
+    assert outline.seed == 3
+    assert "effects" not in outline
+    assert len(compose("close").effects) > 40  # composing has not been changed by it
 
 
 COMPLETIONS = {

@@ -1,4 +1,5 @@
 import dataclasses
+import re
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +101,30 @@ def test_every_rung_has_its_ranking_and_what_was_not_fitted_no_gain(
     assert "coulomb_friction@arm" not in gains[1]
     assert gains[0]["actuator_delay@motor"] == 30.0
     assert all(t["marker"]["symbol"] == "diamond-open" for t in traces(page, "not fitted: what it promised"))
+
+
+def test_candidates_that_were_not_fitted_stand_in_two_halves_and_keep_their_places(
+    tmp_path: Path, close_report: dict[str, Any], look: Look
+) -> None:
+    for index, row in enumerate(close_report["ranking"][2:], start=3):
+        row.update(fitted=False, predicted_gain=0.01 * index, status="rejected")
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [], look)
+    tables = re.findall(r"<thead>.*?</tbody>", (tmp_path / "report.html").read_text("utf-8"), re.S)
+    rows = [re.findall(r">(\d+)</td>\s*<td[^>]*><code>(\w+)@", each) for each in tables if "status" in each]
+    assert rows[0] == [("1", "coulomb_friction"), ("2", "stribeck_friction")]
+    assert rows[1:] == [[("3", "base_tilt"), ("4", "payload")], [("5", "actuator_delay"), ("6", "quadratic_drag")]]
+    assert any("≈ 6.0\u00a0%" in each for each in tables)
+
+
+def test_many_parameters_stand_in_several_figures(tmp_path: Path, close_report: dict[str, Any], look: Look) -> None:
+    last = close_report["ladder"][1]
+    last |= {"converged": True, "fit": {"converged": True, "iterations": 3, "windows": 66, "infeasible_windows": 0}}
+    last["parameters"] = {f"link_{k}.mass": {"value": 0.1 + k, "std": 0.01, "unit": "kg"} for k in range(50)}
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [], look)
+    drawn = figures((tmp_path / "report.html").read_text("utf-8"))
+    fitted = [[trace["x"][0] for trace in each["data"] if trace.get("name") == "fitted"] for each in drawn]
+    assert [len(each) for each in fitted if each] == [24, 24, 2]
+    assert [x for each in fitted for x in each] == [0.1 + k for k in range(50)]
 
 
 def test_the_next_experiment_is_the_command_file(written: str) -> None:
