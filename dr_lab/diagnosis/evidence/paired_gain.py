@@ -266,9 +266,8 @@ def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings)
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """Whether a gain is beyond its interval, threshold and penalty, and no trifle.
 
-    Few blocks make the interval of the evidence wide, or leave none. It is not asked for where a model above the noise
-    floor comes down to it and gets better in every window that scores, for there the evidence is a likelihood ratio,
-    unless the interval of what a typical window gains, where there is one, holds 0.
+    With few blocks the evidence may have no bound above 0. None is asked of a model that comes down to the noise floor,
+    where evidence is a likelihood ratio, and gains in every window that scores and typically, as far as that is known.
     """
     return certain(gain, settings) and sizeable(gain, extra_parameters, settings)
 
@@ -284,8 +283,7 @@ def certain(gain: Gain, settings: EvidenceSettings) -> bool:
 
 
 def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
-    typical = np.isnan(gain.low) or gain.low > 0
-    return low > 0 or bool(gain.clear and gain.gap >= settings.least_named and typical)
+    return low > 0 or bool(gain.clear and gain.gap >= settings.least_named and (np.isnan(gain.low) or gain.low > 0))
 
 
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
