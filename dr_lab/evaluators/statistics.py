@@ -10,7 +10,7 @@ from scipy.stats import t as student
 
 from dr_lab.trajectory import Array
 
-_TOLD = 3  # values, which have an interval
+_TOLD = 3  # values or curves, which have an interval
 _BATCH = 100  # resamples at a time, which bounds the memory that long curves take
 
 
@@ -51,8 +51,7 @@ def iqm_interval(values: Array, confidence: float, resamples: int, seed: int) ->
     if len(known) == 0:
         return Interval(np.nan, np.nan, np.nan)
     value, low, high = iqm_band(known[:, None], confidence, resamples, seed)
-    ends = (float(low[0]), float(high[0])) if len(known) >= _TOLD else (np.nan, np.nan)
-    return Interval(float(value[0]), *ends)
+    return Interval(float(value[0]), float(low[0]), float(high[0]))
 
 
 def improvement_interval(ours: Array, theirs: Array, confidence: float, resamples: int, seed: int) -> Interval:
@@ -123,12 +122,12 @@ def iqm_band(values: Array, confidence: float, resamples: int, seed: int) -> tup
         seed: of the bootstrap.
 
     Returns:
-        The mean and the interval's ends, shape (n,) each; the ends are NaN where there is but one curve.
+        The mean and the interval's ends, shape (n,) each; the ends are NaN where there are fewer than three curves.
     """
     known = np.isfinite(values).all(axis=0)
     value, low, high = (np.full(values.shape[1], np.nan) for _ in range(3))
     value[known] = interquartile_mean(values[:, known], axis=0)
-    if len(values) < 2 or not known.any():
+    if len(values) < _TOLD or not known.any():
         return value, low, high
     found = bootstrap(
         (values[:, known],),

@@ -69,7 +69,7 @@ def _ends(marginal: Marginal) -> Plot:
 
 
 def _with_axes(figure: go.Figure, marginal: Marginal) -> go.Figure:
-    figure.update_xaxes(title=titled(marginal.name, marginal.unit))
+    figure.update_xaxes(title=marginal.title)
     return figure.update_yaxes(title=titled("density", _inverse(marginal.unit)), rangemode="tozero")
 
 
@@ -98,7 +98,7 @@ def _course(marginal: Marginal, times: int) -> list[Plot]:
         go.Heatmap(x=marginal.iteration[kept], y=middle, z=numbers(density.T), colorscale=DENSITY, colorbar=bar)
     )
     figure.update_xaxes(title="iteration", showgrid=False)
-    figure.update_yaxes(title=titled(marginal.name, marginal.unit), showgrid=False)
+    figure.update_yaxes(title=marginal.title, showgrid=False)
     return [Plot(figure, _HEIGHT, half=True)]
 
 

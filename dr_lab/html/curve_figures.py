@@ -102,7 +102,8 @@ def _bands(name: str, bands: Sequence[Band], groups: Sequence[str], first: bool)
         figure.add_trace(go.Scatter(x=x, y=numbers(y), name=each.group, showlegend=first, **look, **common))
     figure.update_xaxes(title="control steps", rangemode="tozero", exponentformat="SI")
     figure.update_yaxes(title=name.replace("_", " "))
-    caption = ["Interquartile mean over the runs of a group, with its interval."] if first else []
+    told = "Interquartile mean over the runs of a group, with its interval where they are three or more."
+    caption = [told] if first else []
     return Plot(figure, _LARGE if first else _SMALL, " ".join([*caption, *_alone(bands)]), half=not first)
 
 

@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from dr_lab.errors import ConfigError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.histogram import Histogram
-from dr_lab.randomizers.randomizer import Density
+from dr_lab.randomizers.randomizer import Density, bin_shares
 from dr_lab.randomizers.uniform import box
 from dr_lab.trajectory import Array
 
@@ -75,13 +75,13 @@ class DiscreteRandomizer(Density):
             return super().edges(axis)
         return np.linspace(self.space.low[axis], self.space.high[axis], self.logits.shape[axis] + 1)
 
-    def marginal(self, axis: int) -> Array:
-        """Exact where the cells fill just the bounds."""
-        if not self._fills(axis):
-            return super().marginal(axis)
+    def shares(self, axis: int, edges: Array) -> Array:
+        """Exact: the distribution function is linear within a cell."""
         probabilities = self.distribution().log_probabilities.detach().exp()
         others = [k for k in range(probabilities.ndim) if k != axis]
-        return (torch.sum(probabilities, others) if others else probabilities).numpy()
+        cells = (torch.sum(probabilities, others) if others else probabilities).numpy()
+        ends = np.linspace(float(self.low[axis]), float(self.high[axis]), len(cells) + 1)
+        return bin_shares(np.interp(edges, ends, np.concatenate([[0.0], np.cumsum(cells)])))
 
     def _fills(self, axis: int) -> bool:
         return (self.low[axis], self.high[axis]) == (self.space.low[axis], self.space.high[axis])

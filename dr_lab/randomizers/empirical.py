@@ -8,7 +8,7 @@ from torch import Tensor
 
 from dr_lab.bounds import Count, require_bounds
 from dr_lab.physics.context import ContextSpace
-from dr_lab.randomizers.randomizer import Randomizer
+from dr_lab.randomizers.randomizer import Randomizer, bin_shares
 from dr_lab.randomizers.uniform import box
 from dr_lab.trajectory import Array
 
@@ -68,11 +68,12 @@ class EmpiricalRandomizer(Randomizer):
         """Of `bins` bins that fill the box."""
         return np.linspace(float(self.low[axis]), float(self.high[axis]), self.bins + 1)
 
-    def marginal(self, axis: int) -> Array:
+    def shares(self, axis: int, edges: Array) -> Array:
         """Share of the noted contexts in each bin, exact."""
         if len(self._noted):
-            return np.histogram(self._noted[:, axis], self.edges(axis))[0] / len(self._noted)
-        return np.full(self.bins, 1.0 / self.bins)
+            return np.histogram(np.clip(self._noted[:, axis], edges[0], edges[-1]), edges)[0] / len(self._noted)
+        low, high = float(self.low[axis]), float(self.high[axis])
+        return bin_shares(np.clip((edges - low) / (high - low), 0.0, 1.0))
 
     def moments(self) -> None:
         """None: contexts that were sought often lie in several places, of which an ellipse says nothing."""

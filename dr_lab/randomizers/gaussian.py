@@ -74,10 +74,9 @@ class GaussianRandomizer(Density):
         """−½‖Λ⁻¹(z − μ)‖² − log det Λ − n/2·log 2π."""
         return self.distribution().log_prob(z)
 
-    def marginal(self, axis: int) -> Array:
+    def shares(self, axis: int, edges: Array) -> Array:
         """Exact; where draws are clipped, the bins at the bounds have what was moved there."""
         mean, covariance = self.moments()
-        edges = self.edges(axis)
         below = ndtr((edges - mean[axis]) / math.sqrt(covariance[axis, axis]))
         if self.clip:
             below = np.where(edges <= self.space.low[axis], 0.0, np.where(edges >= self.space.high[axis], 1.0, below))

@@ -69,9 +69,9 @@ class ProductRandomizer(Density):
         """Those of the parameter's factor."""
         return self._place(axis)[0].edges(self._place(axis)[1])
 
-    def marginal(self, axis: int) -> Array:
-        """That of the parameter's factor."""
-        return self._place(axis)[0].marginal(self._place(axis)[1])
+    def shares(self, axis: int, edges: Array) -> Array:
+        """Those of the parameter's factor."""
+        return self._place(axis)[0].shares(self._place(axis)[1], edges)
 
     def _place(self, axis: int) -> tuple[Density, int]:
         """Factor of a parameter, and the parameter's place in it."""

@@ -51,8 +51,12 @@ class Randomizer(nn.Module, ABC):
         return np.concatenate([*parts, [above]])
 
     def marginal(self, axis: int) -> Array:
-        """Probability of each bin of a parameter, shape (b,), from draws unless it is known."""
-        draws, high, edges = self._draws()[:, axis], self.space.high[axis], self.edges(axis)
+        """Probability of each of these bins of a parameter, shape (b,)."""
+        return self.shares(axis, self.edges(axis))
+
+    def shares(self, axis: int, edges: Array) -> Array:
+        """Probability of each bin between any `edges`, from draws unless it is known; the outermost hold all beyond."""
+        draws, high = self._draws()[:, axis], self.space.high[axis]
         inside = np.where(draws == high, np.nextafter(high, -np.inf), draws)  # bins are open above
         return np.histogram(np.clip(inside, edges[0], edges[-1]), edges)[0] / len(draws)  # what is beyond: in the last
 

@@ -79,10 +79,10 @@ class TruncatedNormalRandomizer(Density):
         inside = ((unit >= 0) & (unit <= 1)).all(-1)
         return torch.where(inside, density.sum(-1), -torch.inf)
 
-    def marginal(self, axis: int) -> Array:
+    def shares(self, axis: int, edges: Array) -> Array:
         """Exact."""
         loc, std = float(self.loc[axis].detach()), float(self.log_std[axis].detach().exp())
-        unit = (self.edges(axis) - float(self.low[axis])) / float(self.span[axis])
+        unit = (edges - float(self.low[axis])) / float(self.span[axis])
         return bin_shares(truncnorm.cdf(unit, -loc / std, (1.0 - loc) / std, loc=loc, scale=std))
 
     def edges(self, axis: int) -> Array:

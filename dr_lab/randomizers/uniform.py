@@ -73,10 +73,10 @@ class UniformRandomizer(Density):
         """−Σ log(high − low) within the box, −∞ outside."""
         return self.distribution().log_prob(z)
 
-    def marginal(self, axis: int) -> Array:
+    def shares(self, axis: int, edges: Array) -> Array:
         """Exact."""
         low, high = float(self.low[axis]), float(self.high[axis])
-        return bin_shares(np.clip((self.edges(axis) - low) / (high - low), 0.0, 1.0))
+        return bin_shares(np.clip((edges - low) / (high - low), 0.0, 1.0))
 
     def moments(self) -> tuple[Array, Array]:
         """(low + high) / 2 and, for each parameter, (high − low)² / 12, exact."""

@@ -7,7 +7,6 @@ from dr_lab.recorders.chart import Chart, linear_axis
 from dr_lab.recorders.heat_map import CANVAS, DARK_TO_LIGHT, ColourScale, log_picture, pixels
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.training import Marginal
-from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array
 
 
@@ -21,7 +20,7 @@ def log_course(root: Branch, marginal: Marginal, look: Look) -> None:
     """
     first, last = (float(marginal.iteration[end]) for end in (0, -1))
     low, high = (float(marginal.edges[end]) for end in (0, -1))
-    value = linear_axis(titled(marginal.name, marginal.unit), low, high)
+    value = linear_axis(marginal.title, low, high)
     chart = Chart(root, CANVAS, linear_axis("iteration", first, last), value)
     density = course(marginal, *pixels())
     log_picture(root, density, ColourScale(float(density.min()), float(density.max()), DARK_TO_LIGHT), look)

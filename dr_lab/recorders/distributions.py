@@ -31,7 +31,7 @@ def log_marginal(root: Branch, marginal: Marginal, look: Look) -> None:
     """
     density, initial = (_density(p, marginal.edges) for p in (marginal.probability, marginal.initial))
     top = 1.05 * max(float(density.max(initial=0.0)), float(initial.max(initial=0.0)))
-    x = linear_axis(titled(marginal.name, marginal.unit), float(marginal.edges[0]), float(marginal.edges[-1]), 8)
+    x = linear_axis(marginal.title, float(marginal.edges[0]), float(marginal.edges[-1]), 8)
     chart = Chart(root, CANVAS, x, linear_axis("probability density", 0.0, top))
     chart.frame(look.colour("axis"), look.colour("text"))
     if not marginal.learned:
@@ -102,7 +102,7 @@ def log_marginals(root: Branch, learned: Mapping[str, Marginal], colours: Mappin
     initial = _density(first.initial, first.edges)
     top = 1.05 * max(float(each.max(initial=0.0)) for each in (initial, *density.values()))
     low, high = (float(f(each.edges[end] for each in learned.values())) for f, end in ((min, 0), (max, -1)))
-    x = linear_axis(titled(first.name, first.unit), low, high, 8)
+    x = linear_axis(first.title, low, high, 8)
     chart = Chart(root, CANVAS, x, linear_axis("probability density", 0.0, top))
     chart.frame(look.colour("axis"), look.colour("text"))
     chart.line("initial", *_stairs(first.edges, initial), look.colour("noise"), look.line_width)

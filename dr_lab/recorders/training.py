@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.reports.quantity import number, titled
 from dr_lab.trajectory import Array
 
 
@@ -40,6 +41,7 @@ class Marginal:
         initial: probability of each bin under the distribution that training began with, shape (b,).
         iteration: shape (k,), increasing.
         probability: probability of each bin, shape (k, b).
+        bounds: of the parameter, where the bins show only a part of what lies between them.
     """
 
     name: str
@@ -48,6 +50,13 @@ class Marginal:
     initial: Array
     iteration: NDArray[np.integer]
     probability: Array
+    bounds: tuple[float, float] | None = None
+
+    @property
+    def title(self) -> str:
+        """Of the parameter's axis."""
+        part = "" if self.bounds is None else f", part of its bounds {' to '.join(map(number, self.bounds))}"
+        return titled(self.name, self.unit) + part
 
     @property
     def learned(self) -> bool:

@@ -1,5 +1,6 @@
 """What an evaluation found, for a person."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,6 +11,7 @@ from dr_lab.reports.quantity import number, titled
 from dr_lab.reports.tables import table
 
 _FIRST = 3  # figures that the first sentence tells
+_RETURN = "return"  # column by which some rows are worse than others
 _SHOWN = 40  # rows of the table in the page; all are in a file
 
 
@@ -26,15 +28,30 @@ def evaluate_page(
     """
     figures = [[name.replace("_", " "), number(value)] for name, value in report.figures.items()]
     header = [_column(name, report.units) for name in (rows[0] if rows else ())]
-    cells = [[_cell(value) for value in row.values()] for row in rows[:_SHOWN]]
-    more = f"\n\n… and {len(rows) - _SHOWN} more in {file}." if len(rows) > _SHOWN else ""
+    shown, left_out = _most_important(rows, file)
+    cells = [[_cell(value) for value in row.values()] for row in shown]
     sections = [
         Section("figures", "Figures", table(["figure", "value"], figures)),
-        Section("rows", "Table", f"{table(header, cells)}{more}"),
+        Section("rows", "Table", "\n\n".join(filter(None, (table(header, cells), left_out)))),
     ]
     first = _in_short(_with_intervals(figures)[:_FIRST])
     lead = f"**{first[:1].upper()}{first[1:]}.** {told}" if first else told
     return Page(f"{_spelt(report.evaluator)} of {Path(report.trained).name} on {report.env}", lead, sections)
+
+
+def _most_important(rows: Sequence[Mapping[str, Cell]], file: str) -> tuple[Sequence[Mapping[str, Cell]], str]:
+    """The rows that a page has room for, and a sentence on the others: the worst, where they have a return."""
+    if len(rows) <= _SHOWN:
+        return rows, ""
+    if any(_RETURN not in row for row in rows):
+        return rows[:_SHOWN], f"… and {len(rows) - _SHOWN} more in {file}."
+    worst = sorted(rows, key=lambda row: _known(row[_RETURN]))[:_SHOWN]
+    return worst, f"The {_SHOWN} worst of {len(rows)}, worst return first; {file} has all."
+
+
+def _known(value: Cell) -> float:
+    """A return to sort by; one that is unknown, as of a context that always diverges, is the worst of all."""
+    return float(value) if value is not None and math.isfinite(float(value)) else -math.inf
 
 
 def _spelt(evaluator: str) -> str:

@@ -7,6 +7,8 @@ from dr_lab.reports.train import TrainReport
 
 _NO_EPISODE = "No episode ended, so that no return is known; dr-lab evaluate plays whole ones."
 
+_WHOLE = 9.95  # s, from which on 10 is said
+
 
 def train_page(report: TrainReport) -> Page:
     """How long was trained, what the policy returns, which one is deployed, and what it was trained on."""
@@ -22,7 +24,9 @@ def train_page(report: TrainReport) -> Page:
 
 
 def _trained(report: TrainReport) -> str:
-    taken = f"Trained for {report.frames} control steps in {report.seconds:.0f} s, {report.iterations} iterations."
+    taken = (
+        f"Trained for {report.frames} control steps in {_seconds(report)} s, {counted(report.iterations, 'iteration')}."
+    )
     if report.adapted_returns:
         first, *others = map(number, report.adapted_returns)
         after = ", ".join(f"{value} after {counted(k, 'update')}" for k, value in enumerate(others, start=1))
@@ -35,6 +39,11 @@ def _trained(report: TrainReport) -> str:
         f"{taken} While it trained, {ended} that ended last returned {number(value)} on average, with exploration; "
         "episodes that outlast the run are not among them."
     )
+
+
+def _seconds(report: TrainReport) -> str:
+    """How long it took: whole seconds from ten on, else tenths."""
+    return f"{report.seconds:.{1 if report.seconds < _WHOLE else 0}f}"
 
 
 def _ladder(report: TrainReport) -> list[Section]:

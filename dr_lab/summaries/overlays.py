@@ -10,7 +10,7 @@ from dr_lab.errors import DataError
 from dr_lab.evaluators.statistics import iqm_band
 from dr_lab.recorders.training import Band, ContextAxis, Grid, Marginal, Sample
 from dr_lab.reports.evaluate import Cell, EvaluateReport
-from dr_lab.reports.train import HistogramEntry, TrainReport
+from dr_lab.reports.train import ContextEntry, TrainReport
 from dr_lab.summaries.groups import Group, Statistics
 from dr_lab.summaries.runs import Run, history
 from dr_lab.trajectory import Array
@@ -42,8 +42,7 @@ def marginals(groups: Sequence[Group]) -> dict[str, dict[str, Marginal]]:
         for name, first in contexts[0].items() if contexts else ():
             entries = [context[name] for context in contexts if name in context and context[name].histogram]
             if any(entry.std for entry in entries):
-                histograms = [entry.histogram for entry in entries if entry.histogram is not None]
-                found.setdefault(name, {})[group.label] = _mean_marginal(name, first.unit, histograms)
+                found.setdefault(name, {})[group.label] = _mean_marginal(name, first, entries)
     return found
 
 
@@ -97,12 +96,15 @@ def _by_frames(run: Run) -> dict[float, dict[str, float]]:
     return {row["frames"]: row for row in (dict(zip(columns, map(float, values), strict=True)) for values in rows)}
 
 
-def _mean_marginal(name: str, unit: str, each: Sequence[HistogramEntry]) -> Marginal:
+def _mean_marginal(name: str, first: ContextEntry, entries: Sequence[ContextEntry]) -> Marginal:
     """Over the edges of all: where a distribution reaches, and with it its bins, differs from run to run."""
+    each = [entry.histogram for entry in entries if entry.histogram is not None]
     edges = functools.reduce(np.union1d, [np.array(entry.edges) for entry in each])
     learned = np.mean([_rebinned(entry.probability, entry.edges, edges) for entry in each], axis=0)
     initial = _rebinned(each[0].initial, each[0].edges, edges)
-    return Marginal(name, unit, edges, initial, np.zeros(1, int), learned[None])
+    bounds = _number(first.low), _number(first.high)
+    part = bounds if bounds[0] < edges[0] and edges[-1] < bounds[1] else None
+    return Marginal(name, first.unit, edges, initial, np.zeros(1, int), learned[None], part)
 
 
 def _rebinned(probability: Sequence[float], edges: Sequence[float], finer: Array) -> Array:

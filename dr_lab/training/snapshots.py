@@ -10,9 +10,8 @@ import numpy as np
 from dr_lab.randomizers.gaussian import GaussianRandomizer
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.training import Comparison, Comparisons, Marginal, Pair, Spread
+from dr_lab.training.narrow_bins import narrow_bins, rebinned, seen, shared_bins
 from dr_lab.trajectory import Array
-
-_UNSEEN = 1e-3  # share of draws beyond either end of a picture
 
 
 class Snapshots:
@@ -28,26 +27,37 @@ class Snapshots:
 
     def take(self, iteration: int, compared: Sequence[Comparison] = ()) -> None:
         """Keep p_φ(z) as it is now, and what this iteration compared."""
-        marginals = [self._randomizer.marginal(axis) for axis in range(len(self._randomizer.space.names))]
+        axes = range(len(self._randomizer.space.names))
+        marginals = [self._randomizer.marginal(axis) for axis in axes]
+        narrow = {axis: list(bins) for axis in axes if (bins := narrow_bins(self._randomizer, axis)) is not None}
         moments = self._randomizer.moments()
         mean, covariance = (None, None) if moments is None else moments
         self._taken.append({"iteration": iteration, "marginals": marginals, "mean": mean, "covariance": covariance})
+        self._taken[-1] |= {"narrow": narrow} if narrow else {}
         self._taken[-1] |= (
             {"compared": [asdict(each) for each in compared]} if compared else {}
         )  # as checkpoints take it
 
     def marginals(self) -> list[Marginal]:
-        """One parameter each, over its bounds and as far beyond as p_φ(z) reaches, at most once their width."""
-        found, space = [], self._randomizer.space
-        for axis, parameter in enumerate(space.parameters):
-            probability, edges = (
-                np.array([each["marginals"][axis] for each in self._taken]),
-                self._randomizer.edges(axis),
-            )
-            first, last = _seen(probability, *np.searchsorted(edges, [space.low[axis], space.high[axis]]).tolist())
-            edges, shown = edges[first : last + 1], probability[:, first:last]
-            found.append(Marginal(parameter.name, parameter.unit, edges, shown[0], self._iterations, shown))
-        return found
+        """One parameter each, over its bounds and as far beyond as p_φ(z) reaches, at most once their width.
+
+        Where p_φ(z) is always much narrower than the bounds, over where it lies.
+        """
+        return [self._marginal(axis) for axis in range(len(self._randomizer.space.names))]
+
+    def _marginal(self, axis: int) -> Marginal:
+        parameter, wide = self._randomizer.space.parameters[axis], self._randomizer.edges(axis)
+        bounds = (parameter.low, parameter.high)
+        probability = np.array([each["marginals"][axis] for each in self._taken])
+        first, last = _shown(probability, *np.searchsorted(wide, bounds).tolist())
+        narrow = [each.get("narrow", {}).get(axis) for each in self._taken]
+        own = [None if bins is None else bins[0] for bins in narrow]
+        edges, part = shared_bins(own, wide[first : last + 1], parameter.high - parameter.low)
+        shares = [each if bins is None else bins[1] for each, bins in zip(probability, narrow, strict=True)]
+        known = zip(shares, (wide if each is None else each for each in own), strict=True)
+        shown = np.array([rebinned(share, between, edges) for share, between in known])
+        among = bounds if part else None
+        return Marginal(parameter.name, parameter.unit, edges, shown[0], self._iterations, shown, among)
 
     def spreads(self) -> list[Spread]:
         """One parameter each, of a Gaussian, whose bands these are."""
@@ -100,7 +110,7 @@ class Snapshots:
         return np.array([each["iteration"] for each in self._taken])
 
 
-def _seen(probability: Array, low: int, high: int) -> tuple[int, int]:
+def _shown(probability: Array, low: int, high: int) -> tuple[int, int]:
     """First bin that a picture shows and the first that it does not, of probabilities (k, b).
 
     Args:
@@ -108,7 +118,5 @@ def _seen(probability: Array, low: int, high: int) -> tuple[int, int]:
         low: first bin within the bounds, which are always shown.
         high: first bin above them.
     """
-    cumulated = probability.cumsum(1)
-    first = int((cumulated < _UNSEEN).sum(1).min())
-    last = int((cumulated < cumulated[:, -1:] - _UNSEEN).sum(1).max()) + 1
+    first, last = seen(probability)
     return min(first, low), max(last, high)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import mannwhitneyu
 
-from dr_lab.evaluators.statistics import improvement_interval, iqm_interval, lower_tail, means_of_contexts
+from dr_lab.evaluators.statistics import improvement_interval, iqm_band, iqm_interval, lower_tail, means_of_contexts
 
 
 def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
@@ -19,6 +19,14 @@ def test_two_values_are_no_interval() -> None:
     two, three = (iqm_interval(np.array(values), 0.95, 500, 0) for values in ([1.0, 3.0], [1.0, 2.0, 3.0]))
     assert (two.value, np.isnan(two.low), np.isnan(two.high)) == (2.0, True, True)
     assert 1.0 <= three.low < three.value < three.high <= 3.0
+
+
+def test_two_curves_have_no_band() -> None:
+    curves = np.array([[1.0, 5.0], [3.0, 7.0], [2.0, 6.0]])
+    two, three = (iqm_band(curves[:k], 0.95, 500, 0) for k in (2, 3))
+    np.testing.assert_array_equal(two, [[2.0, 6.0], [np.nan] * 2, [np.nan] * 2])
+    assert (three[1] < three[0]).all()
+    assert (three[0] < three[2]).all()
 
 
 def test_the_probability_of_improvement_is_that_of_mann_and_whitney() -> None:

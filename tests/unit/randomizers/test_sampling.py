@@ -166,7 +166,7 @@ def test_the_picture_of_a_known_density_is_exact(clip: bool) -> None:
     for randomizer in (make() for make in makers):
         for axis in range(2):
             exact = randomizer.marginal(axis)
-            drawn = Density.marginal(randomizer, axis)  # by counting 4000 draws
+            drawn = Density.shares(randomizer, axis, randomizer.edges(axis))  # by counting 4000 draws
             assert exact.shape == drawn.shape
             assert exact.sum() == pytest.approx(1.0)
             np.testing.assert_allclose(

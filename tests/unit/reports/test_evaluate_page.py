@@ -1,5 +1,7 @@
 """The first sentence of an evaluation: what the figures come to, in words that can be read aloud."""
 
+import math
+
 import pytest
 
 from dr_lab.reports.evaluate import SCHEMA, EvaluateReport
@@ -35,3 +37,13 @@ def test_a_long_table_names_the_file_that_holds_all_of_it() -> None:
     assert "430" not in body
     assert "390" in body
     assert body.endswith("… and 5 more in domains.csv.")
+
+
+def test_a_long_table_of_returns_shows_the_worst() -> None:
+    rows = [{"mass": float(k), "return": math.nan if k == 20 else 100.0 - k} for k in range(42)]
+    report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "GridEvaluator", {}, (), "run")
+    body = evaluate_page(report, "Told.", rows).sections[1].body
+    assert [line.split()[1] for line in body.splitlines()[2:5]] == ["20", "41", "40"]  # diverged, then lowest return
+    assert "| 0 |" not in body
+    assert body.endswith("The 40 worst of 42, worst return first; returns.csv has all.")
+    assert evaluate_page(report, "Told.", rows[:40]).sections[1].body.splitlines()[2].split()[1] == "0"  # in grid order

@@ -3,9 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
+import pytest
 import torch
 from randomizer_samples import SPACE, correlated, uneven
+from scipy.stats import norm
 
+from dr_lab.randomizers.fixed import FixedRandomizer
+from dr_lab.randomizers.gaussian import gaussian
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.training import Comparison
 from dr_lab.training.snapshots import Snapshots
@@ -58,6 +62,45 @@ def test_what_leaves_its_bounds_stays_in_the_picture() -> None:
     below, above = first.edges[first.edges < middle[0]], first.edges[first.edges > middle[0]]
     mass = first.probability[1][: len(below)].sum(), first.probability[1][-len(above) :].sum()
     np.testing.assert_allclose(mass, 0.5, atol=0.05)
+
+
+@pytest.mark.parametrize("std", [7e-4, 1e-5])
+def test_bins_follow_a_spread_much_narrower_than_the_bounds(std: float) -> None:
+    randomizer = gaussian(SPACE, {"mass": 1.4}, {"mass": std}, 1.0, clip=False)
+    snapshots = Snapshots(randomizer)
+    for iteration in range(3):
+        snapshots.take(iteration)
+        randomizer.set_moments(np.array([1.4 + std, 0.0]), randomizer.moments()[1])
+    mass, friction = snapshots.marginals()
+    assert np.ptp(mass.edges) < 20 * std
+    assert "part of its bounds 0.5 to 2.5" in mass.title
+    middle = (mass.edges[1:] + mass.edges[:-1]) / 2
+    for at, probability in ((1.4, mass.initial), (1.4 + std, mass.probability[-1])):
+        density = probability / np.diff(mass.edges)
+        np.testing.assert_allclose(density, norm.pdf(middle, at, std), atol=0.03 / std)
+    assert friction.title == "friction"
+    assert friction.edges[0] <= SPACE.low[1] < SPACE.high[1] <= friction.edges[-1]
+
+
+def test_a_spread_that_narrows_has_its_density_in_the_end() -> None:
+    randomizer = gaussian(SPACE, {"mass": 1.4}, {"mass": 0.3}, 1.0, clip=False)
+    snapshots = Snapshots(randomizer)
+    snapshots.take(0)
+    randomizer.set_moments(np.array([1.4, 0.0]), np.diag([1e-6, 1.0]))
+    snapshots.take(1)
+    mass = snapshots.marginals()[0]
+    np.testing.assert_allclose(mass.probability.sum(1), 1.0, atol=2e-3)
+    density = mass.probability / np.diff(mass.edges)
+    assert density.max(1) == pytest.approx(norm.pdf(0.0, 0.0, [0.3, 1e-3]), rel=0.05)
+    assert mass.bounds is None
+
+
+def test_one_value_keeps_the_bins_over_the_bounds() -> None:
+    snapshots = Snapshots(FixedRandomizer(SPACE, None))
+    snapshots.take(0)
+    for axis, marginal in enumerate(snapshots.marginals()):
+        np.testing.assert_allclose(marginal.edges[[0, -1]], [SPACE.low[axis], SPACE.high[axis]])
+        assert marginal.bounds is None
 
 
 def test_what_tells_no_moments_has_marginals_and_no_pairs() -> None:
