@@ -45,14 +45,15 @@ def usable_logs(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, 
 
 def _passing(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, MeasurementSet]:
     """The logs that pass, every third or so held out."""
-    split = split_logs(proposal, {}, settings.held_out)
+    short = proposal.logs.short
+    split = split_logs(proposal, short, settings.held_out)
     try:
         return split, _read(proposal, split, settings)
     except DrLabError as error:
         refused = _refused(proposal, split, settings)
-        if len(refused) in (0, len(proposal.logs.logs)):
+        if len(refused) in (0, len(proposal.logs.logs) - len(short)):
             raise error from None
-    split = split_logs(proposal, refused, settings.held_out)
+    split = split_logs(proposal, {**short, **refused}, settings.held_out)
     return split, _read(proposal, split, settings)
 
 
@@ -110,7 +111,7 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
 def _refused(proposal: Proposal, split: Split, settings: ProposalSettings) -> dict[str, str]:
     """Logs that cannot be used alone, with the reason."""
     reasons = {}
-    for name in proposal.logs.logs:
+    for name in (name for name in proposal.logs.logs if name not in proposal.logs.short):
         alone = Split(split.files, (name,), (), {})
         try:
             _read(proposal, alone, settings)

@@ -61,7 +61,7 @@ def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSett
         found = mended
     except DrLabError as error:
         refused = f"The other verbs refuse these logs as they are read here: {error}"
-        return replace(found, doubts=(*found.doubts, refused)), split_logs(found, {}, settings.held_out)
+        return replace(found, doubts=(*found.doubts, refused)), split_logs(found, found.logs.short, settings.held_out)
     try:
         faults = suspect_faults(found.model, measured, checks.faults)
         split = without_held(split, faults, found.logs.logs)
