@@ -95,6 +95,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
         notes=(*robot.notes, *sensed.notes, *added, *apart, *free.notes),
         doubts=(
             *_of_clock(logs),
+            *logs.spoilt,
             *sensed.doubts,
             *found.doubts,
             *lengths_as_angles(compiled(spec.copy()), found.outputs),

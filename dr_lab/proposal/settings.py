@@ -44,6 +44,7 @@ class ProposalSettings:
         felt: share of the forces that a mass must move.
         turns: correlation above which an angular rate is that of an orientation.
         derived: the same from sample to sample, above which it may be computed from it.
+        text: share of a column's cells that may be text for it to be called one of numbers.
         touching: share of the motion in which two bodies touch that overlap by their shapes.
         timestep: s, of a URDF.
 
@@ -82,6 +83,7 @@ class ProposalSettings:
     felt: Share
     turns: Share
     derived: Share
+    text: Share
     touching: Share
     timestep: Positive
 

@@ -15,6 +15,7 @@ from dr_lab.measurements.recordings import Recording, recordings
 from dr_lab.measurements.signal_map import ChannelMap, channel_map
 from dr_lab.measurements.split import find_files
 from dr_lab.measurements.table_file import load
+from dr_lab.measurements.text_columns import text_columns
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.time_column import Clock, find_clock
 from dr_lab.proposal.words import Words, read_name
@@ -51,6 +52,7 @@ class Survey:
         looked_at: those of them that `series` shows.
         series: every series of numbers that all those logs hold.
         clock: of tables; None of messages.
+        spoilt: columns of tables that some text keeps from being read, a sentence each.
         short: logs that hold too few rows or messages to be used, each with what is said of it.
     """
 
@@ -59,6 +61,7 @@ class Survey:
     looked_at: tuple[str, ...]
     series: tuple[Series, ...]
     clock: Clock | None
+    spoilt: tuple[str, ...] = ()
     short: Mapping[str, str] = field(default_factory=dict)
 
     def named(self, kind: str) -> list[Series]:
@@ -79,13 +82,13 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     """
     files = find_files(patterns)
     tables = require_one_kind(list(files.values()))
-    clock = find_clock(_first_long(list(files.values()), settings)) if tables else None
+    clock = _clock(list(files.values()), settings) if tables else None
     known = recordings(files, clock.group if clock else None)
     short: dict[str, str] = {}
     while True:
         long = [name for name in known if name not in short]
         chosen = [long[k] for k in _spread(len(long), settings.logs)]
-        places = _places([known[name] for name in chosen], clock)
+        places = _places([known[name] for name in chosen], clock, settings)
         read = [_series(known[name], places, clock, settings) for name in chosen]
         few = {name: said for name, log in zip(chosen, read, strict=True) if (said := _too_few(log, settings))}
         if not few:
@@ -96,16 +99,27 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     signals = [[None if s is None or len(s.time) < least else s for s in log] for log in read]
     usable = [k for k, _ in enumerate(places) if all(log[k] is not None for log in signals)]
     series = tuple(_named(places[k], tuple(s for log in signals if (s := log[k]) is not None)) for k in usable)
-    return Survey(files, tuple(known), tuple(chosen), series, clock, short)
+    spoilt = _spoilt([known[name] for name in chosen], settings) if clock else ()
+    return Survey(files, tuple(known), tuple(chosen), series, clock, spoilt, short)
 
 
-def _first_long(tables: Sequence[Path], settings: ProposalSettings) -> Path:
-    """The first table with enough rows; the first of all where none has."""
+def _spoilt(chosen: Sequence[Recording], settings: ProposalSettings) -> tuple[str, ...]:
+    """What is said of columns that some text keeps from being read."""
+    paths = dict.fromkeys(recording.path for recording in chosen)
+    return tuple(str(column) for path in paths for column in text_columns(path, settings.text))
+
+
+def _clock(tables: Sequence[Path], settings: ProposalSettings) -> Clock:
+    """The clock of the first table with enough rows; of the first of all where none has."""
     least = settings.contract.minimum_samples
-    return next((path for path in tables if load(path).table.num_rows >= least), tables[0])
+    path = next((path for path in tables if load(path).table.num_rows >= least), tables[0])
+    try:
+        return find_clock(path)
+    except DataError as error:
+        raise DataError(" ".join([str(error), *_spoilt([Recording(path)], settings)])) from error
 
 
-def _places(chosen: Sequence[Recording], clock: Clock | None) -> list[Place]:
+def _places(chosen: Sequence[Recording], clock: Clock | None, settings: ProposalSettings) -> list[Place]:
     """What all of some logs hold beside their clock."""
     if clock is None:
         places = _common([messages_of(recording.path) for recording in chosen])
@@ -113,7 +127,8 @@ def _places(chosen: Sequence[Recording], clock: Clock | None) -> list[Place]:
         every = _common([columns_of(recording.path) for recording in chosen])
         places = [place for place in every if place.path not in (clock.axis.column, clock.group)]
     if not places:
-        raise DataError(f"{chosen[0].path.name} holds no numbers beside its clock. Name another log.")
+        spoilt = " ".join(_spoilt(chosen, settings)) if clock else ""
+        raise DataError(f"{chosen[0].path.name} holds no numbers beside its clock. {spoilt or 'Name another log.'}")
     return places
 
 
