@@ -45,6 +45,7 @@ class ProposalSettings:
         turns: correlation above which an angular rate is that of an orientation.
         derived: the same from sample to sample, above which it may be computed from it.
         text: share of a column's cells that may be text for it to be called one of numbers.
+        counts: of an encoder a turn, the usual first; whole numbers without a unit may be these.
         touching: share of the motion in which two bodies touch that overlap by their shapes.
         timestep: s, of a URDF.
 
@@ -84,6 +85,7 @@ class ProposalSettings:
     turns: Share
     derived: Share
     text: Share
+    counts: Sequence[int]
     touching: Share
     timestep: Positive
 
