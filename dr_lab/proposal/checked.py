@@ -20,6 +20,7 @@ from dr_lab.proposal.option_line import in_mjcf
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.pages import measurements_page
 from dr_lab.proposal.propose import Proposal
+from dr_lab.proposal.rooms import rooms_of
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.split import Split, covering, split_logs
 from dr_lab.trajectory import MeasurementSet
@@ -27,14 +28,23 @@ from dr_lab.trajectory import MeasurementSet
 _MESSAGE = 300  # letters of an error that a comment shows
 
 
-def usable_logs(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, MeasurementSet]:
+def usable_logs(
+    proposal: Proposal, settings: ProposalSettings, checks: ComparisonSettings
+) -> tuple[Split, MeasurementSet]:
     """Split the logs that the data contract lets pass.
+
+    Args:
+        proposal: how the logs are read.
+        settings: how they are split.
+        checks: which windows the other verbs ask for.
 
     Raises:
         DrLabError: none passes; the error of the first.
     """
     split, measured = _passing(proposal, settings)
-    chosen = covering(split, (*measured.fit, *measured.held_out), proposal.logs.logs, settings)
+    chosen = covering(
+        split, (*measured.fit, *measured.held_out), proposal.logs.logs, rooms_of(measured, checks), settings
+    )
     if chosen.held_out == split.held_out:
         return chosen, measured
     try:

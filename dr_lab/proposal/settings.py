@@ -38,6 +38,7 @@ class ProposalSettings:
         rests_off: share of the rests' range by which they may miss a line, and the line zero.
         derivative: least correlation of a velocity with its position's derivative.
         held_out: share of the logs that are never fitted.
+        several: windows that a held-out log should hold, where one does.
         reach: share of the whole motion by which a held-out log may reach beyond the fitted ones.
         spread: bounds of a mass are the documented one over and times this.
         distinct: share of what a mass does that no other parameter does.
@@ -78,6 +79,7 @@ class ProposalSettings:
     rests_off: Share
     derivative: Share
     held_out: Share
+    several: Count
     reach: Share
     spread: Annotated[float, above(1.0)]
     distinct: Share
