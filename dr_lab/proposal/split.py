@@ -62,7 +62,7 @@ def covering(
     """The split whose held-out logs lie within what the fitted ones cover, as far as whole logs allow it.
 
     What is fitted to small motions is not scored on large ones. Of less than three logs, none can be chosen by that.
-    Logs that hold no window, or fewer than others, are not held out.
+    Logs that hold no window are not held out, and those that hold few neither, where others cover as much.
 
     Args:
         split: every third log or so held out.
@@ -75,10 +75,16 @@ def covering(
         return split
     ordered = sorted(logs, key=lambda log: names.index(log.name))
     used = [log.name for log in ordered]
+    reach = reach_of(ordered, settings.half_width) if len(logs) >= _FEWEST else None
     held, covered = rooms.held(split.held_out, used, settings.several), None
-    if len(logs) >= _FEWEST and (reach := reach_of(ordered, settings.half_width)):
-        held = within(reach, held, settings.reach, rooms.may_replace(held, settings.several))
-        covered = bool(reach.beyond(held).max() <= settings.reach)
+    if reach is not None:
+        options = [
+            within(reach, some, settings.reach, rooms.may_replace(some, enough))
+            for enough in (settings.several, 1)
+            if (some := rooms.held(split.held_out, used, enough))
+        ]
+        inside = [each for each in options if reach.beyond(each).max() <= settings.reach]
+        held, covered = [*inside, *options][0], bool(inside)
     fit = None if split.fit is None else tuple(name for name in used if name not in held)
     return replace(split, fit=fit, held_out=held, covered=covered)
 
