@@ -53,6 +53,7 @@ def positions_by_name(
 def _nothing_fits(joints: Sequence[str], logs: Survey) -> str:
     seen = [str(each.place) for each in logs.series]
     listed = f"The logs hold {', '.join(seen[:20])}{' …' if len(seen) > 20 else ''}."
+    listed = " ".join([listed if seen else "The logs hold no numbers that change.", *logs.spoilt])
     if not joints:
         return (
             f"No series of the logs is a position (x, y, z), an orientation (qw, qx, qy, qz), an angular rate (gx, gy, "

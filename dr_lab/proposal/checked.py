@@ -20,6 +20,7 @@ from dr_lab.proposal.option_line import in_mjcf
 from dr_lab.proposal.output import Output
 from dr_lab.proposal.pages import measurements_page
 from dr_lab.proposal.propose import Proposal
+from dr_lab.proposal.rooms import rooms_of
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.split import Split, covering, split_logs
 from dr_lab.trajectory import MeasurementSet
@@ -27,14 +28,23 @@ from dr_lab.trajectory import MeasurementSet
 _MESSAGE = 300  # letters of an error that a comment shows
 
 
-def usable_logs(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, MeasurementSet]:
+def usable_logs(
+    proposal: Proposal, settings: ProposalSettings, checks: ComparisonSettings
+) -> tuple[Split, MeasurementSet]:
     """Split the logs that the data contract lets pass.
+
+    Args:
+        proposal: how the logs are read.
+        settings: how they are split.
+        checks: which windows the other verbs ask for.
 
     Raises:
         DrLabError: none passes; the error of the first.
     """
     split, measured = _passing(proposal, settings)
-    chosen = covering(split, (*measured.fit, *measured.held_out), proposal.logs.logs, settings)
+    chosen = covering(
+        split, (*measured.fit, *measured.held_out), proposal.logs.logs, rooms_of(measured, checks), settings
+    )
     if chosen.held_out == split.held_out:
         return chosen, measured
     try:
@@ -45,14 +55,15 @@ def usable_logs(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, 
 
 def _passing(proposal: Proposal, settings: ProposalSettings) -> tuple[Split, MeasurementSet]:
     """The logs that pass, every third or so held out."""
-    split = split_logs(proposal, {}, settings.held_out)
+    short = proposal.logs.short
+    split = split_logs(proposal, short, settings.held_out)
     try:
         return split, _read(proposal, split, settings)
     except DrLabError as error:
         refused = _refused(proposal, split, settings)
-        if len(refused) in (0, len(proposal.logs.logs)):
+        if len(refused) in (0, len(proposal.logs.logs) - len(short)):
             raise error from None
-    split = split_logs(proposal, refused, settings.held_out)
+    split = split_logs(proposal, {**short, **refused}, settings.held_out)
     return split, _read(proposal, split, settings)
 
 
@@ -110,7 +121,7 @@ def told(proposal: Proposal, measured: MeasurementSet, checks: ComparisonSetting
 def _refused(proposal: Proposal, split: Split, settings: ProposalSettings) -> dict[str, str]:
     """Logs that cannot be used alone, with the reason."""
     reasons = {}
-    for name in proposal.logs.logs:
+    for name in (name for name in proposal.logs.logs if name not in proposal.logs.short):
         alone = Split(split.files, (name,), (), {})
         try:
             _read(proposal, alone, settings)

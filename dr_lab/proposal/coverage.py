@@ -1,6 +1,6 @@
 """Held-out logs that lie within what the fitted ones cover: where the joints are, and how fast they move."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,13 +50,14 @@ def reach_of(logs: Sequence[Log], window: float) -> Reach | None:
     return Reach(tuple(log.name for log in logs), np.stack(columns, axis=1))
 
 
-def within(reach: Reach, held: Sequence[str], most: float) -> tuple[str, ...]:
+def within(reach: Reach, held: Sequence[str], most: float, allowed: Collection[str] | None = None) -> tuple[str, ...]:
     """The held-out logs, where one that reaches beyond the others is exchanged for the nearest that does not.
 
     Args:
         reach: of all logs, in their order.
         held: names of those that are held out at first.
         most: share of the whole by which a held-out log may reach beyond the fitted ones.
+        allowed: names of those that may be held out; None allows all.
     """
     held = tuple(held)
     for _ in held:
@@ -64,22 +65,24 @@ def within(reach: Reach, held: Sequence[str], most: float) -> tuple[str, ...]:
         if beyond.max() <= most:
             break
         farthest = int(np.argmax(beyond))
-        exchanged = _exchanged(reach, held, farthest, most)
+        exchanged = _exchanged(reach, held, farthest, most, reach.names if allowed is None else allowed)
         if reach.beyond(exchanged).max() >= beyond.max():
             break
         held = exchanged
     return tuple(name for name in reach.names if name in held)
 
 
-def _exchanged(reach: Reach, held: tuple[str, ...], place: int, most: float) -> tuple[str, ...]:
+def _exchanged(
+    reach: Reach, held: tuple[str, ...], place: int, most: float, allowed: Collection[str]
+) -> tuple[str, ...]:
     """The nearest log in order that may be held out in place of another; the one that reaches least where none may."""
     here = reach.names.index(held[place])
-    fitted = [k for k, name in enumerate(reach.names) if name not in held]
+    fitted = [k for k, name in enumerate(reach.names) if name not in held and name in allowed]
     options = [
         (*held[:place], reach.names[k], *held[place + 1 :]) for k in sorted(fitted, key=lambda k: (abs(k - here), k))
     ]
     good = (option for option in options if reach.beyond(option).max() <= most)
-    return next(good, min(options, key=lambda option: float(reach.beyond(option).max())))
+    return next(good, min((*options, held), key=lambda option: float(reach.beyond(option).max())))
 
 
 def _share(values: Array, whole: float) -> Array:

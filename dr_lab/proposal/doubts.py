@@ -51,7 +51,7 @@ def require_fit(
     commands = [each for each in (*searched.asked, *searched.vain) if each not in candidates]
     tried = f" with {_listed(commands)} as command" if commands else " without a command"
     rest = [each for each in logs.series if each.moves and each not in (*candidates, *commands)]
-    unread = f" Not read: {_listed(rest)}." if rest else ""
+    unread = (f" Not read: {_listed(rest)}." if rest else "") + "".join(f" {said}" for said in logs.spoilt)
     drive = next((drive.name for drive in searched.drives), joints[0])
     raise DataError(
         f"No reading of {_listed(candidates)} moves as {', '.join(joints)} do{tried}: the best leaves {left:.0%} of a "

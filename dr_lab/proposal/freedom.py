@@ -1,7 +1,7 @@
 """Which masses and dampings are free, and between which bounds."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 import mujoco
@@ -10,6 +10,7 @@ import numpy as np
 from dr_lab.physics.inertial import KEY
 from dr_lab.physics.model import from_spec
 from dr_lab.physics.target import Target
+from dr_lab.proposal.armatures import armatures
 from dr_lab.proposal.drives import Command
 from dr_lab.proposal.output import Positions
 from dr_lab.proposal.robot import Robot
@@ -44,7 +45,8 @@ def free_parameters(
 
     A mass stays as documented where the motion hardly shows it, or where other parameters do what it does. Of bodies
     that no known force drives, the heaviest keeps its mass, and what sets the period may be free: centres of mass and
-    inertias. Of a free body that is driven, and carries nothing, all ten inertial parameters are free.
+    inertias. Where a command's gain is off beside a mass that is hardly seen, its joint's armature is free. Of a free
+    body that is driven, and carries nothing, all ten inertial parameters are free.
 
     Args:
         robot: as described.
@@ -68,9 +70,20 @@ def free_parameters(
     bodies = [body for each in undriven for body in each.bodies]
     others = _centres(model, bodies, settings) | {f"{b}.inertia_scale": _inertia(b, settings) for b in bodies}
     most = [(each, each.most(from_spec(robot.name, spec, masses | others))) for each in undriven]
-    seen, notes = shown(from_spec(robot.name, spec, kept | others), found, most, settings)
-    free = {name: entry for name, entry in (kept | others).items() if name in seen}
-    return Freedom(free | dampings, (*notes, *_anchored(undriven, free)))
+    motion = shown(from_spec(robot.name, spec, kept | others), found, most, settings)
+    free = {name: entry for name, entry in (kept | others).items() if name in motion.seen}
+    kept_back = {*motion.faint, *(each.mass for each in undriven)}
+    rotors = [*armatures(model, _as_documented(kept_back, free), found, commands, settings)]
+    driven = {each.body for each in rotors}
+    anchored = _anchored([each for each in undriven if not driven & {*each.bodies}], free)
+    inertial = {f"{each.joint}.armature": each.entry for each in rotors}
+    return Freedom(free | inertial | dampings, (*motion.notes, *(each.note for each in rotors), *anchored))
+
+
+def _as_documented(kept_back: Set[str], free: Mapping[str, Entry]) -> set[str]:
+    """Bodies whose mass is kept back, and whose inertia is not free either."""
+    bodies = {name.removesuffix(".mass") for name in kept_back if name.endswith(".mass")}
+    return {body for body in bodies if f"{body}.inertia_scale" not in free}
 
 
 def _masses(model: mujoco.MjModel, settings: ProposalSettings) -> dict[str, Entry]:

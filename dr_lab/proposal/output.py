@@ -20,6 +20,8 @@ class Output:
         offset: in that unit.
         wrap: whether the numbers jump by full turns.
         why: what speaks for it.
+        scale: factor into the unit.
+        counts: a turn, the usual first, where its whole numbers may be an encoder's and the motion does not tell.
     """
 
     channel: str
@@ -29,6 +31,8 @@ class Output:
     offset: float
     wrap: bool
     why: str
+    scale: float = 1.0
+    counts: tuple[int, ...] = ()
 
     @property
     def entry(self) -> dict[str, object]:

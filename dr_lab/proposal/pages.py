@@ -9,6 +9,7 @@ import mujoco
 
 from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import from_spec
+from dr_lab.proposal.counts import entry_of_counts, may_be_counts, other_scales
 from dr_lab.proposal.drives import Command
 from dr_lab.proposal.freedom import Entry
 from dr_lab.proposal.output import Output
@@ -61,8 +62,10 @@ def measurements_page(proposal: Proposal, split: Split) -> str:
         lines.append(f"clock: {_clock(proposal)}  # of the channels that name none")
     lines.append("outputs:  # <joint>.position, <joint>.velocity, sensor.<name> or of one axis sensor.<name>.x")
     lines += [_channel(each.channel, _of_output(each, proposal), each.why) for each in proposal.outputs]
+    lines += _counts_of_outputs(proposal)
     lines.append("commands:  # by actuator" if proposal.commands else "commands: {}  # none: the machine swings freely")
     lines += [_channel(each.drive.name, _of_command(each, proposal), each.why) for each in proposal.commands]
+    lines += _counts_of_commands(proposal)
     lines += _comments("Not read: ", [", ".join(proposal.unread)] if proposal.unread else [])
     return "\n".join([*lines, *_left_out(split), CHANNEL_KEYS])
 
@@ -125,10 +128,37 @@ def _channel(name: str, entry: Mapping[str, object], why: str) -> str:
     return f"  {_text(name)}: {_flow(entry)}  # {why}"
 
 
+def _counts_of_outputs(proposal: Proposal) -> Iterator[str]:
+    """What to write for angles that may be counts."""
+    may = [each for each in proposal.outputs if each.counts]
+    if may:
+        yield f"  # If the numbers are counts, {may[0].counts[0]} a turn, write in place of these lines"
+        yield f"  # (scale is {other_scales(may[0].counts)} a turn):"
+    for each in may:
+        yield f"  # {_text(each.channel)}: {_flow(entry_of_counts(_of_output(each, proposal), each.counts))}"
+
+
+def _counts_of_commands(proposal: Proposal) -> Iterator[str]:
+    """What to write for commands that are asked of such angles, in the same counts."""
+    counts = {each.channel.rpartition(".")[0]: each.counts for each in proposal.outputs if each.counts}
+    may = [
+        each
+        for each in proposal.commands
+        if each.drive.joint in counts and each.unit in ("rad", "deg") and may_be_counts(each.series)
+    ]
+    if may:
+        yield "  # If the numbers are counts, as those of the outputs, write in place of these lines:"
+    for each in may:
+        entry = entry_of_counts(_of_command(each, proposal), counts[each.drive.joint])
+        yield f"  # {_text(each.drive.name)}: {_flow(entry)}"
+
+
 def _of_output(output: Output, proposal: Proposal) -> dict[str, object]:
     entry = {**output.entry, "unit": output.unit}
     if output.sign < 0:
         entry["sign"] = -1
+    if output.scale != 1.0:
+        entry["scale"] = output.scale
     if output.offset:
         entry["offset"] = float(f"{output.offset:.15g}")
     if output.wrap:

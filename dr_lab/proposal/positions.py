@@ -9,6 +9,7 @@ from dr_lab.errors import DataError
 from dr_lab.proposal.against import beyond, of_command, too_fast
 from dr_lab.proposal.by_name import say_same
 from dr_lab.proposal.by_name_alone import positions_by_name
+from dr_lab.proposal.counts import counted_by_name, with_counts
 from dr_lab.proposal.doubts import doubts_of, require_fit
 from dr_lab.proposal.drives import UNITS, Drive, drives_of
 from dr_lab.proposal.grid import Grid, grid_of, held_of, path_of, wrapped
@@ -55,15 +56,23 @@ def find_positions(
         if found is not None:
             return found
     if not (scalar and assignable):
-        return positions_by_name(model, logs, candidates, asked, sensed=sensed)
+        found = positions_by_name(model, logs, candidates, asked, sensed=sensed)
+        return replace(found, outputs=tuple(counted_by_name(each, settings) for each in found.outputs))
     options = _options(model, allowed, candidates, asked, settings)
     searched = _searched(model, candidates, asked, options, settings)
     if nameless and not unnamed and searched.lacks_command(settings):
         searched = _with_nameless(model, candidates, searched, nameless, options, settings)
     searched = _with_velocities(model, candidates, searched, options, settings)
+    searched, counted = with_counts(
+        [bool(kind == _HINGE) for kind in model.jnt_type],
+        candidates,
+        searched,
+        lambda narrow: _searched(model, candidates, searched.asked, narrow, settings, rates=searched.trial.rates),
+        settings,
+    )
     if not (by_words or len(joints) == len(candidates) == 1):
         require_fit(joints, searched, candidates, logs, settings)
-    return _positions(model, searched, candidates, settings, by_words=by_words)
+    return _positions(model, searched, candidates, settings, by_words=by_words, counted=counted)
 
 
 def _positions(
@@ -73,9 +82,13 @@ def _positions(
     settings: ProposalSettings,
     *,
     by_words: bool,
+    counted: Set[int] = frozenset(),
 ) -> Positions:
     joints = [model.joint(i).name for i in range(model.njnt)]
-    outputs = tuple(_output(model, j, searched, candidates, by_words=by_words) for j in range(len(joints)))
+    read = (_output(model, j, searched, candidates, by_words=by_words) for j in range(len(joints)))
+    outputs = tuple(
+        replace(output, counts=tuple(settings.counts) if j in counted else ()) for j, output in enumerate(read)
+    )
     doubts = doubts_of(joints, searched.found, candidates, settings)
     return Positions(outputs, searched.found, searched.trial, searched.asked, searched.drives, doubts)
 
@@ -252,6 +265,7 @@ def _output(
     series, factor, rate = candidates[reading.series], abs(reading.factor), reading.series in searched.trial.rates
     known = _known(model, j, rate=rate)
     unit = min(known, key=lambda name: abs(known[name] - factor))
+    scale = float(f"{factor / known[unit]:.9g}")
     left = float(found.outcome.left[model.jnt_dofadr[j]])
     how = "by its name" if by_words else "by the motion"
     why = f"{how}; the equation of motion leaves {left:.1%}"
@@ -259,4 +273,6 @@ def _output(
         why += ", and hardly less than all if this were the position"
     wrap = not rate and any(wrapped(signal.value) > 0 for signal in series.signals)
     sign, what = 1 if reading.factor > 0 else -1, "velocity" if rate else "position"
-    return Output(f"{model.joint(j).name}.{what}", (series,), unit, sign, reading.offset / factor, wrap, why)
+    return Output(
+        f"{model.joint(j).name}.{what}", (series,), unit, sign, reading.offset / known[unit], wrap, why, scale
+    )

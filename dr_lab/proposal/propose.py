@@ -8,6 +8,7 @@ import mujoco
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.proposal.against import beyond
+from dr_lab.proposal.counts import doubts_of_counts
 from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.far import far_slides
 from dr_lab.proposal.freedom import Entry, free_parameters
@@ -95,8 +96,10 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
         notes=(*robot.notes, *sensed.notes, *added, *apart, *free.notes),
         doubts=(
             *_of_clock(logs),
+            *logs.spoilt,
             *sensed.doubts,
             *found.doubts,
+            *doubts_of_counts(found.outputs),
             *lengths_as_angles(compiled(spec.copy()), found.outputs),
             *far_slides(compiled(spec.copy()), found, settings),
             *_of_commands(found, commands, settings),

@@ -157,11 +157,15 @@ def _offsets(options: Sequence[Options], tried: dict[Readings, Outcome], total: 
 
 def _near(tried: Mapping[Readings, Outcome], settings: ProposalSettings) -> list[Readings]:
     """The readings that explain the motion about as well as the best; more of them where that does not fit either."""
-    best = min(tried.values(), key=lambda each: each.total)
+    most = most_near(min(tried.values(), key=lambda each: each.total), settings)
+    return [readings for readings, each in tried.items() if each.total <= most]
+
+
+def most_near(best: Outcome, settings: ProposalSettings) -> float:
+    """Share of the squares up to which a reading explains the motion about as well as the best."""
     fits = float(best.left.max()) <= settings.fits
     open_squares = min(best.total, settings.well) if fits else best.total
-    most = best.total + settings.close + (settings.near - 1) * open_squares
-    return [readings for readings, each in tried.items() if each.total <= most]
+    return best.total + settings.close + (settings.near - 1) * open_squares
 
 
 def _shown(tried: Mapping[Readings, Outcome], shown: Callable[[Readings], bool]) -> dict[Readings, Outcome]:

@@ -24,13 +24,14 @@ def at_rest(command: Command, output: Output, settings: ProposalSettings) -> Com
     rest = settled(output.parts[0], command.series, settings) if _stiffness(command) else None
     if rest is None or output.unit not in known:
         return None
-    for unit in sorted(known, key=lambda name: name != said):
-        if rest.passes_for(known[unit] / known[output.unit], settings):
+    sizes = [(unit, 1.0) for unit in sorted(known, key=lambda name: name != said)]
+    for unit, scale in [*sizes, (output.unit, output.scale)]:
+        if rest.passes_for(known[unit] * scale / (known[output.unit] * output.scale), settings):
             return replace(
                 command,
                 unit=unit,
                 sign=output.sign if rest.ratio > 0 else -output.sign,
-                scale=1.0,
+                scale=scale,
                 offset=output.offset * known[output.unit] / known[unit],
                 seen=True,
                 why=f"{command.why}; {command.drive.joint} comes to rest at it",
@@ -58,7 +59,7 @@ def of_units(outputs: Sequence[Output], commands: Sequence[Command], settings: P
     places = {output.channel: output for output in outputs}
     for command in commands:
         output = places.get(f"{command.drive.joint}.position")
-        if output is None or not _stiffness(command) or output.unit == command.unit:
+        if output is None or not _stiffness(command) or (output.unit, output.scale) == (command.unit, command.scale):
             continue
         said = all(series.words.unit for series in (command.series, output.parts[0]))
         if not said and at_rest(command, output, settings) is None:
@@ -83,8 +84,9 @@ def counted(command: Command, found: Found, output: Output) -> Command:
     if given is None or not stiffness:
         return command
     if not command.seen:
-        unit, why = command.series.words.unit or output.unit, f"{command.why}, read as the angle is"
-        command = replace(command, sign=output.sign, unit=unit, why=why)
+        said, why = command.series.words.unit, f"{command.why}, read as the angle is"
+        unit, scale = (said, 1.0) if said else (output.unit, output.scale)
+        command = replace(command, sign=output.sign, unit=unit, scale=scale, why=why)
     offset, seen = found.readings[command.drive.dof].offset, given.constant / stiffness
     factor = _units(command).get(command.unit)
     if factor is None or not offset or abs(seen - offset) > abs(seen):  # a unit of another kind has another zero

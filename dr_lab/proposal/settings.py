@@ -38,12 +38,17 @@ class ProposalSettings:
         rests_off: share of the rests' range by which they may miss a line, and the line zero.
         derivative: least correlation of a velocity with its position's derivative.
         held_out: share of the logs that are never fitted.
+        several: windows that a held-out log should hold, where one does.
         reach: share of the whole motion by which a held-out log may reach beyond the fitted ones.
         spread: bounds of a mass are the documented one over and times this.
         distinct: share of what a mass does that no other parameter does.
         felt: share of the forces that a mass must move.
+        gain_off: share by which a command's gain must differ from 1 for an inertia to be free in place of a mass …
+        certain: … and standard deviations of it.
         turns: correlation above which an angular rate is that of an orientation.
         derived: the same from sample to sample, above which it may be computed from it.
+        text: share of a column's cells that may be text for it to be called one of numbers.
+        counts: of an encoder a turn, the usual first; whole numbers without a unit may be these.
         touching: share of the motion in which two bodies touch that overlap by their shapes.
         timestep: s, of a URDF.
 
@@ -76,12 +81,17 @@ class ProposalSettings:
     rests_off: Share
     derivative: Share
     held_out: Share
+    several: Count
     reach: Share
     spread: Annotated[float, above(1.0)]
     distinct: Share
     felt: Share
+    gain_off: Share
+    certain: Positive
     turns: Share
     derived: Share
+    text: Share
+    counts: Sequence[int]
     touching: Share
     timestep: Positive
 

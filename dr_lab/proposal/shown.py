@@ -1,6 +1,7 @@
 """Which parameters the motion shows, each apart from the others and from what brakes."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,10 +14,24 @@ from dr_lab.trajectory import Array
 _SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
 
 
+class Shown(NamedTuple):
+    """What the motion shows of parameters.
+
+    Attributes:
+        seen: the parameters that it shows.
+        faint: those from which hardly a force follows.
+        notes: which masses stay as documented and why, a sentence each.
+    """
+
+    seen: set[str]
+    faint: set[str]
+    notes: tuple[str, ...]
+
+
 def shown(
     model: Model, found: Positions, undriven: Sequence[tuple[Unscaled, int]], settings: ProposalSettings
-) -> tuple[set[str], tuple[str, ...]]:
-    """The parameters that the motion shows, and which masses stay as documented and why, a sentence each.
+) -> Shown:
+    """Which parameters the motion shows.
 
     Args:
         model: whose parameters may be free.
@@ -27,7 +42,7 @@ def shown(
     assert found.trial is not None
     assert found.found is not None
     if not model.space.names:
-        return set(), ()
+        return Shown(set(), set(), ())
     motion, weak, outcome = found.trial.motion(found.found.readings), found.trial.grid.weak, found.found.outcome
     size = np.sqrt((outcome.need**2).mean(0))
     for each, _ in undriven:  # what they need is what their forces leave of one another
@@ -47,7 +62,7 @@ def _chosen(
     room_of: Mapping[str, int],
     most: list[int],
     settings: ProposalSettings,
-) -> tuple[set[str], tuple[str, ...]]:
+) -> Shown:
     felt = np.sqrt((moved**2).mean(0))
     basis, room = np.linalg.qr(brakes)[0], [*most]
     seen, weak, alike = set(), [], []
@@ -63,7 +78,7 @@ def _chosen(
             basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
             if names[k] in room_of:
                 room[room_of[names[k]]] -= 1
-    return seen, tuple(_notes(weak, alike, settings))
+    return Shown(seen, {*weak}, tuple(_notes(weak, alike, settings)))
 
 
 def _notes(weak: list[str], alike: list[str], settings: ProposalSettings) -> Iterator[str]:

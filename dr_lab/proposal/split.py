@@ -7,6 +7,7 @@ from pathlib import Path
 from dr_lab.measurements.log_file import kind
 from dr_lab.proposal.coverage import reach_of, within
 from dr_lab.proposal.propose import Proposal
+from dr_lab.proposal.rooms import Rooms
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.trajectory import Log
 
@@ -55,25 +56,37 @@ class Split:
         return " within what the fitted ones cover" if self.covered else " that reach beyond the fitted ones"
 
 
-def covering(split: Split, logs: Sequence[Log], names: Sequence[str], settings: ProposalSettings) -> Split:
+def covering(
+    split: Split, logs: Sequence[Log], names: Sequence[str], rooms: Rooms, settings: ProposalSettings
+) -> Split:
     """The split whose held-out logs lie within what the fitted ones cover, as far as whole logs allow it.
 
-    What is fitted to small motions is not scored on large ones. Of less than three logs, nothing can be chosen.
+    What is fitted to small motions is not scored on large ones. Of less than three logs, none can be chosen by that.
+    Logs that hold no window are not held out, and those that hold few neither, where others cover as much.
 
     Args:
         split: every third log or so held out.
         logs: all that are used, read.
         names: of all logs in order, by which the nearest is exchanged for another.
+        rooms: how many windows they hold.
         settings: how much farther a held-out log may reach.
     """
-    if len(logs) < _FEWEST:
+    if split.cut is not None:
         return split
-    reach = reach_of(sorted(logs, key=lambda log: names.index(log.name)), settings.half_width)
-    if reach is None:
-        return split
-    held = within(reach, split.held_out, settings.reach)
-    fit = None if split.fit is None else tuple(name for name in reach.names if name not in held)
-    return replace(split, fit=fit, held_out=held, covered=bool(reach.beyond(held).max() <= settings.reach))
+    ordered = sorted(logs, key=lambda log: names.index(log.name))
+    used = [log.name for log in ordered]
+    reach = reach_of(ordered, settings.half_width) if len(logs) >= _FEWEST else None
+    held, covered = rooms.held(split.held_out, used, settings.several), None
+    if reach is not None:
+        options = [
+            within(reach, some, settings.reach, rooms.may_replace(some, enough))
+            for enough in (settings.several, 1)
+            if (some := rooms.held(split.held_out, used, enough))
+        ]
+        inside = [each for each in options if reach.beyond(each).max() <= settings.reach]
+        held, covered = [*inside, *options][0], bool(inside)
+    fit = None if split.fit is None else tuple(name for name in used if name not in held)
+    return replace(split, fit=fit, held_out=held, covered=covered)
 
 
 def split_logs(proposal: Proposal, left_out: Mapping[str, str], share: float) -> Split:

@@ -1,8 +1,8 @@
 """All series of numbers of all logs, on each log's clock, as they are before anything is known of them."""
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,8 @@ from dr_lab.measurements.raw_log import RawChannel, TimeAxis, read_raw
 from dr_lab.measurements.recordings import Recording, recordings
 from dr_lab.measurements.signal_map import ChannelMap, channel_map
 from dr_lab.measurements.split import find_files
+from dr_lab.measurements.table_file import load
+from dr_lab.measurements.text_columns import text_columns
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.time_column import Clock, find_clock
 from dr_lab.proposal.words import Words, read_name
@@ -50,6 +52,8 @@ class Survey:
         looked_at: those of them that `series` shows.
         series: every series of numbers that all those logs hold.
         clock: of tables; None of messages.
+        spoilt: columns of tables that some text keeps from being read, a sentence each.
+        short: logs that hold too few rows or messages to be used, each with what is said of it.
     """
 
     files: dict[str, Path]
@@ -57,6 +61,8 @@ class Survey:
     looked_at: tuple[str, ...]
     series: tuple[Series, ...]
     clock: Clock | None
+    spoilt: tuple[str, ...] = ()
+    short: Mapping[str, str] = field(default_factory=dict)
 
     def named(self, kind: str) -> list[Series]:
         """The series whose names say a quantity."""
@@ -76,18 +82,67 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     """
     files = find_files(patterns)
     tables = require_one_kind(list(files.values()))
-    clock = find_clock(next(iter(files.values()))) if tables else None
+    clock = _clock(list(files.values()), settings) if tables else None
     known = recordings(files, clock.group if clock else None)
-    chosen = [list(known)[k] for k in _spread(len(known), settings.logs)]
-    places = _common([columns_of(known[name].path) if tables else messages_of(known[name].path) for name in chosen])
-    if clock is not None:
-        places = [place for place in places if place.path not in (clock.axis.column, clock.group)]
+    short: dict[str, str] = {}
+    while True:
+        long = [name for name in known if name not in short]
+        chosen = [long[k] for k in _spread(len(long), settings.logs)]
+        places = _places([known[name] for name in chosen], clock, settings)
+        read = [_series(known[name], places, clock, settings) for name in chosen]
+        few = {name: said for name, log in zip(chosen, read, strict=True) if (said := _too_few(log, settings))}
+        if not few:
+            break
+        short |= few
+        _require_long(short, len(known))
+    least = settings.contract.minimum_samples
+    signals = [[None if s is None or len(s.time) < least else s for s in log] for log in read]
+    usable = [k for k, _ in enumerate(places) if all(log[k] is not None for log in signals)]
+    series = tuple(_named(places[k], tuple(s for log in signals if (s := log[k]) is not None)) for k in usable)
+    spoilt = _spoilt([known[name] for name in chosen], settings) if clock else ()
+    return Survey(files, tuple(known), tuple(chosen), series, clock, spoilt, short)
+
+
+def _spoilt(chosen: Sequence[Recording], settings: ProposalSettings) -> tuple[str, ...]:
+    """What is said of columns that some text keeps from being read."""
+    paths = dict.fromkeys(recording.path for recording in chosen)
+    return tuple(str(column) for path in paths for column in text_columns(path, settings.text))
+
+
+def _clock(tables: Sequence[Path], settings: ProposalSettings) -> Clock:
+    """The clock of the first table with enough rows; of the first of all where none has."""
+    least = settings.contract.minimum_samples
+    path = next((path for path in tables if load(path).table.num_rows >= least), tables[0])
+    try:
+        return find_clock(path)
+    except DataError as error:
+        raise DataError(" ".join([str(error), *_spoilt([Recording(path)], settings)])) from error
+
+
+def _places(chosen: Sequence[Recording], clock: Clock | None, settings: ProposalSettings) -> list[Place]:
+    """What all of some logs hold beside their clock."""
+    if clock is None:
+        places = _common([messages_of(recording.path) for recording in chosen])
+    else:
+        every = _common([columns_of(recording.path) for recording in chosen])
+        places = [place for place in every if place.path not in (clock.axis.column, clock.group)]
     if not places:
-        raise DataError(f"{chosen[0]} holds no numbers beside its clock. Name another log.")
-    read = [_series(known[name], places, clock, settings) for name in chosen]
-    usable = [k for k, _ in enumerate(places) if all(log[k] is not None for log in read)]
-    series = tuple(_named(places[k], tuple(s for log in read if (s := log[k]) is not None)) for k in usable)
-    return Survey(files, tuple(known), tuple(chosen), series, clock)
+        spoilt = " ".join(_spoilt(chosen, settings)) if clock else ""
+        raise DataError(f"{chosen[0].path.name} holds no numbers beside its clock. {spoilt or 'Name another log.'}")
+    return places
+
+
+def _too_few(log: Sequence[Signal | None], settings: ProposalSettings) -> str:
+    """What is said of a log none of whose series has enough samples; empty of one that has such a series."""
+    most, least = max((len(s.time) for s in log if s is not None), default=0), settings.contract.minimum_samples
+    return "" if most >= least else f"It holds {most} row{'s' * (most != 1)} of numbers; expected at least {least}."
+
+
+def _require_long(short: Mapping[str, str], logs: int) -> None:
+    """Refuse logs of which none is long enough."""
+    if len(short) == logs:
+        listed = " ".join(f"{name}: {said}" for name, said in short.items())
+        raise DataError(f"Each log is too short. {listed} Record for longer or at a higher rate, or name other logs.")
 
 
 def _named(place: Place, signals: tuple[Signal, ...]) -> Series:
@@ -108,21 +163,20 @@ def _common(found: Sequence[Sequence[Place]]) -> list[Place]:
 def _series(
     recording: Recording, places: Sequence[Place], clock: Clock | None, settings: ProposalSettings
 ) -> list[Signal | None]:
-    """Numbers of every place in one log; None where there are too few."""
+    """Numbers of every place in one log, however few; None where there are none."""
     channels = [_channel(k, place) for k, place in enumerate(places)]
     raw = read_raw(recording, channels, (), clock.axis if clock else TimeAxis(), settings.contract)
-    return [_sound(channel, settings) for channel in raw.outputs]
+    return [_sound(channel) for channel in raw.outputs]
 
 
 def _channel(k: int, place: Place) -> ChannelMap:
     return channel_map(f"sensor.{k}", {**place.entry, "unit": "1"}, place.clock)
 
 
-def _sound(channel: RawChannel, settings: ProposalSettings) -> Signal | None:
+def _sound(channel: RawChannel) -> Signal | None:
     name = channel.channel.name
     if channel.value.ndim > 1 or not np.isfinite(channel.value).any():
         return None
     finite = drop_not_finite(name, channel.time, channel.value)
     ordered = drop_unordered(name, finite.time, finite.value)
-    few = len(ordered.time) < settings.contract.minimum_samples
-    return None if few else Signal(name, "1", ordered.time, ordered.value)
+    return Signal(name, "1", ordered.time, ordered.value)

@@ -49,6 +49,8 @@ class Given:
         damping: of that servo, N·m·s/rad or N·s/m.
         constant: force that acts beside the series, N·m or N.
         left: squares that remain, over those of the joint's inertial and gravitational forces, or of what it needs.
+        gain_std: standard deviation of `gain` by what remains, where the series is a force.
+        rotor: inertia that acts beside the model's, where the series is a force, kg·m² or kg.
     """
 
     series: int
@@ -58,6 +60,8 @@ class Given:
     damping: float
     constant: float
     left: float
+    gain_std: float = 0.0
+    rotor: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -184,8 +188,10 @@ class _Joint(NamedTuple):
 
 def _as_force(k: int, lag: float, column: Array, joint: _Joint) -> Given:
     unit = float(np.abs(column).max()) or 1.0
-    c, _, left = _fit(joint.need, np.column_stack([column / unit, np.ones(len(column))]), joint.brakes)
-    return Given(k, lag, float(c[0]) / unit, 0.0, 0.0, float(c[1]), left / joint.size)
+    free = np.column_stack([column / unit, np.ones(len(column))])
+    c, x, left = _fit(joint.need, free, joint.brakes)
+    std = _std(np.column_stack([free, joint.brakes[:, x > 0]]), left) / unit
+    return Given(k, lag, float(c[0]) / unit, 0.0, 0.0, float(c[1]), left / joint.size, std, float(x[2]))
 
 
 def _as_servo(k: int, lag: float, column: Array, joint: _Joint) -> Given:
@@ -194,6 +200,15 @@ def _as_servo(k: int, lag: float, column: Array, joint: _Joint) -> Given:
     free = np.column_stack([column / unit, np.ones(len(column))])
     c, x, left = _fit(joint.need, free, np.column_stack([-joint.place, joint.brakes]))
     return Given(k, lag, float(c[0]) / unit, float(x[0]), float(x[1]), float(c[1]), left / joint.size)
+
+
+def _std(columns: Array, left: float) -> float:
+    """Standard deviation of the first coefficient of a least-squares fit."""
+    count, known = columns.shape
+    others = np.linalg.qr(columns[:, 1:])[0]
+    alone = columns[:, 0] - others @ (others.T @ columns[:, 0])
+    squares = float((alone**2).sum())
+    return float(np.sqrt(left / (max(count - known, 1) * squares))) if squares > 0 else np.inf
 
 
 def made_up_motion(model: mujoco.MjModel) -> Motion:

@@ -13,6 +13,7 @@ from dr_lab.proposal.held import without_held
 from dr_lab.proposal.pages import measurements_page, model_page, model_xml
 from dr_lab.proposal.propose import Proposal, propose
 from dr_lab.proposal.robot import read_robot
+from dr_lab.proposal.rooms import doubt_of_room
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.split import Split, split_logs
 from dr_lab.proposal.survey import survey
@@ -54,14 +55,15 @@ def init(
 def _checked(found: Proposal, settings: ProposalSettings, checks: ComparisonSettings) -> tuple[Proposal, Split]:
     """The proposal with what the other verbs would say first, and how its logs are used."""
     try:
-        split, measured = usable_logs(found, settings)
+        split, measured = usable_logs(found, settings, checks)
         mended = closed(found, measured, checks.model_check)
         if mended.outputs != found.outputs:
-            split, measured = usable_logs(mended, settings)
-        found = mended
+            split, measured = usable_logs(mended, settings, checks)
+        room = doubt_of_room(measured, checks)
+        found = replace(mended, doubts=(*mended.doubts, *([room] if room else [])))
     except DrLabError as error:
         refused = f"The other verbs refuse these logs as they are read here: {error}"
-        return replace(found, doubts=(*found.doubts, refused)), split_logs(found, {}, settings.held_out)
+        return replace(found, doubts=(*found.doubts, refused)), split_logs(found, found.logs.short, settings.held_out)
     try:
         faults = suspect_faults(found.model, measured, checks.faults)
         split = without_held(split, faults, found.logs.logs)
