@@ -135,9 +135,10 @@ def test_a_channel_that_never_changes_asks_for_noise_std(contract: DataContract)
 
 def test_short_logs_of_an_encoder_share_their_step(contract: DataContract) -> None:
     """Servos at 10 Hz went through few counts in a log, too few to tell a step, which another log of theirs tells."""
-    time, many = 0.1 * np.arange(100, dtype=np.float64), COUNT * np.cumsum(np.arange(100) % 3)
+    time = 0.1 * np.arange(100, dtype=np.float64)
+    many = COUNT * np.cumsum(np.arange(100) % 3).astype(np.float64)
     counts = ([0, 90, 210, 330, 430, 520, 606, 690, 771, 850], [4, 95, 217, 329, 436, 528, 610, 689, 772, 853])
-    few = [COUNT * np.concatenate([each, np.full(90, each[-1])]) for each in counts]
+    few = [COUNT * np.append(each, np.full(90, each[-1])).astype(np.float64) for each in counts]
     assert [lattice_step(each) for each in few] == [None, None]
     assert all(on_lattice(each, COUNT) for each in few)
     assert not on_lattice(np.random.default_rng(0).normal(size=20), COUNT)
