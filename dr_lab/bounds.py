@@ -22,6 +22,10 @@ class Bound:
     holds: Callable[[float], bool]
     expected: str
 
+    def fault(self, key: str, value: float) -> str:
+        """What to say where it does not hold of the value of a key."""
+        return f"{key} is {value:g}; expected {self.expected}."
+
 
 def above(end: float) -> Bound:
     """A number above `end`."""
@@ -64,9 +68,9 @@ def require_bounds(built: object, key: str, declared: type | None = None) -> Non
     """
     for name, bounds in _bounds(declared or type(built)).items():
         value = getattr(built, name)
-        fault = next((bound for bound in bounds if value is not None and not bound.holds(value)), None)
-        if fault is not None:
-            raise ConfigError(f"{key}{'.' if key else ''}{name} is {value:g}; expected {fault.expected}.")
+        fault = None if value is None else next((bound for bound in bounds if not bound.holds(value)), None)
+        if fault is not None and value is not None:
+            raise ConfigError(fault.fault(f"{key}{'.' if key else ''}{name}", value))
 
 
 def require_range(given: Sequence[float], key: str, unit: str) -> None:

@@ -4,13 +4,14 @@ import collections.abc
 import inspect
 import types
 import typing
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any
 
 from omegaconf import DictConfig, OmegaConf
 from typeguard import CollectionCheckStrategy, TypeCheckError, check_type
 
+from dr_lab.bounds import Bound
 from dr_lab.cli.expected import expected
 from dr_lab.cli.place import Place, interpolated
 from dr_lab.cli.targets import locate
@@ -142,9 +143,10 @@ def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]
 
 
 def _in_value(value: object, hint: object, place: Place, name: str) -> Iterator[tuple[Place, DrLabError]]:
-    """What is wrong with a value by its type hint; bounds of numbers are checked where they are declared."""
+    """What is wrong with a value by its type hint, and by the bounds that are stated there."""
+    bounds: Sequence[object] = ()
     if typing.get_origin(hint) is typing.Annotated:
-        hint = typing.get_args(hint)[0]
+        hint, *bounds = typing.get_args(hint)
     if isinstance(value, Mapping) and "_target_" in value:
         fault = _of_class(str(value["_target_"]), hint, place, name)
     elif isinstance(value, Mapping) and _objects(hint) is not None:
@@ -156,9 +158,17 @@ def _in_value(value: object, hint: object, place: Place, name: str) -> Iterator[
     elif not _is_plain(hint):
         fault = _of_object(value, hint, place, name)
     else:
-        fault = None if _fits(value, hint) else _of_plain(value, hint, place)
+        fault = _of_bounds(value, bounds, place) if _fits(value, hint) else _of_plain(value, hint, place)
     if fault is not None:
         yield place, ConfigError(fault)
+
+
+def _of_bounds(value: object, bounds: Iterable[object], place: Place) -> str | None:
+    """What is wrong with a number by its bounds."""
+    if not isinstance(value, int | float):
+        return None
+    stated = (bound for bound in bounds if isinstance(bound, Bound))
+    return next((bound.fault(str(place), value) for bound in stated if not bound.holds(value)), None)
 
 
 def _of_plain(value: object, hint: object, place: Place) -> str:

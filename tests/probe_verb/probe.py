@@ -5,6 +5,7 @@ import os
 import time
 from pathlib import Path
 
+from dr_lab.bounds import Natural
 from dr_lab.errors import DataError
 from dr_lab.files import write_text
 from dr_lab.sweeps.progress import tell
@@ -13,7 +14,7 @@ RESUMES_FROM = "steps.txt"
 STEPS = 4
 
 
-def probe(value: float, seconds: float, size: int, trouble: str, resume: str | None, run_dir: Path) -> None:
+def probe(value: float, seconds: float, size: Natural, trouble: str, resume: str | None, run_dir: Path) -> None:
     """Write what (value − 3)² is, in steps; `trouble` may hold ``fails_<value>`` and ``dies_<value>``."""
     done = 0 if resume is None else int((Path(resume) / RESUMES_FROM).read_text(encoding="utf-8"))
     score = (value - 3.0) ** 2

@@ -107,6 +107,10 @@ def test_nothing_begins_where_one_job_cannot_be_run(
     assert "No value for value. Give one: dr-lab probe value=…" in told
     assert "Interpolation key 'nowhere' not found" in told
     assert "outside the trusted packages" in told
+    assert sweep("size=4,-5", "value=1,two") == 2
+    told = capsys.readouterr().err
+    assert "3 of 4 jobs cannot be run, so none was begun:\n" in told
+    assert "\n  size=-5 value=1: size is -5; expected at least 0.\n" in told
     assert sweep("value=1", "+valu=3") == 2
     assert "There is no key 'valu' in dr-lab probe. Did you mean 'value'?" in capsys.readouterr().err
     assert sweep("valu=1,2") == 2
