@@ -2,7 +2,7 @@
 
 import re
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 import yaml
@@ -15,6 +15,7 @@ from hydra.errors import (
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
 from dr_lab.cli.compose import choices, compose_with_hydra
+from dr_lab.cli.deeper_groups import ending_in
 from dr_lab.cli.experiments import GROUP as EXPERIMENT
 from dr_lab.cli.experiments import experiments
 from dr_lab.cli.groups import nested_options, options, subgroups
@@ -227,7 +228,15 @@ def _unknown_key(refused: RefusedKey, error: Exception, verb: str, folders: Sequ
         return ConfigError(f"{refused.prefix} holds no key yet. Add one: '+{refused.prefix}={{{below}:VALUE}}'.")
     if refused.key in known:
         return ConfigError(_group_of_others(refused.key, folders) or str(error))
-    return UnknownNameError("key or group", refused.key, known, f"dr-lab {verb}")
+    unknown = UnknownNameError("key or group", refused.key, known, f"dr-lab {verb}")
+    return ConfigError(f"{unknown}{'' if refused.prefix else _deeper(refused.key, known, folders)}")
+
+
+def _deeper(key: str, known: Collection[str], folders: Sequence[Path]) -> str:
+    """The spelling of groups that are called so and stand below others, each beside an option that brings it."""
+    found = ending_in(key, known, folders)
+    spelt = ", ".join(f"{spelling}=… (with {group}={option})" for spelling, (group, option) in sorted(found.items()))
+    return f" Of that name below other groups: {spelt}." if found else ""
 
 
 def _group_of_others(key: str, folders: Sequence[Path]) -> str | None:
