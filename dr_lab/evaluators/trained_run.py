@@ -1,6 +1,5 @@
 """The training run that is evaluated: where it is, and its policy as it left it."""
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from dr_lab.distribution_learners.none import NoLearner
 from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import MetaLearner, Subject
 from dr_lab.randomizers.context_source import ContextSource
+from dr_lab.training.finished_run import difference, require_run
 from dr_lab.training.plan import CHECKPOINT, Plan, Training
 from dr_lab.training.policy_snapshots import PolicySnapshot, PolicySnapshots
 from dr_lab.training.run_state import RunState
@@ -51,13 +51,7 @@ class TrainedRun:
                     f"There is no training run below {self.runs}. Run dr-lab train first, or give run=FOLDER."
                 )
             return found[-1].parent
-        folder = Path(self.run).expanduser()
-        remedy = "Give run=FOLDER of a training run, or run=latest."
-        if not folder.is_dir():
-            raise DataError(f"There is no folder {folder}. {remedy}")
-        if not (folder / CHECKPOINT).is_file():
-            raise DataError(f"{folder} holds no {CHECKPOINT}{_origin(folder)}. {remedy}")
-        return folder
+        return require_run(Path(self.run).expanduser(), "", "Give run=FOLDER of a training run, or run=latest.")
 
 
 def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:
@@ -96,14 +90,6 @@ def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:
     return Subject(folder.name, plan.env, learnt.deployed, again, threads, *made)
 
 
-def _origin(folder: Path) -> str:
-    """Which verb made a run folder, where its configuration says so in its first line, the command."""
-    config = folder / "config.yaml"
-    lines = config.read_text(encoding="utf-8", errors="replace").splitlines() if config.is_file() else []
-    made = re.match(r"# dr-lab (\w+)", lines[0]) if lines else None
-    return f"; it is that of a run of dr-lab {made[1]}" if made else ""
-
-
 def _restored(training: Training, folder: Path) -> tuple[RunState, list[PolicySnapshot]]:
     """Put algorithm and distribution into the state that a run left; gives that, and the policies that it kept."""
     left, policies = RunState.load(folder), PolicySnapshots(training.algorithm, 0)  # takes none
@@ -115,6 +101,6 @@ def _restored(training: Training, folder: Path) -> tuple[RunState, list[PolicySn
     except (KeyError, RuntimeError, TypeError, ValueError) as error:
         raise DataError(
             f"{folder / CHECKPOINT} does not fit {folder / 'config.yaml'}, or is of another version of dr_lab: "
-            f"{' '.join(str(error).split())} Give run=FOLDER of a training run as it was left, or train again."
+            f"{difference(error)} Give run=FOLDER of a training run as it was left, or train again."
         ) from error
     return left, snapshots

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dr_lab.errors import DataError
+from dr_lab.training.finished_run import command_of, difference, require_run
 from dr_lab.training.plan import Training
 from dr_lab.training.run_state import RunState
 
@@ -38,7 +39,8 @@ class Beginning:
         """
         if self.run is None:
             return
-        folder = Path(self.run).expanduser()
+        remedy = "Give init=FOLDER of a run of dr-lab train, or leave init out."
+        folder = require_run(Path(self.run).expanduser(), f"init={self.run}", remedy)
         finished = RunState.load(folder)
         try:
             if self.policy:
@@ -46,8 +48,9 @@ class Beginning:
             if self.distribution:
                 training.learner.inherit(finished.last["learner"])
         except (KeyError, RuntimeError, TypeError, ValueError) as error:
+            made = command_of(folder)
             raise DataError(
                 f"init={self.run} is a run with another algorithm, other networks or another distribution: "
-                f"{' '.join(str(error).split())} Give algorithm, env and, with init_distribution=true, randomizer and "
-                f"distribution_learner as in {folder / 'config.yaml'}."
+                f"{difference(error)} {f'It was made by {made}. ' if made else ''}Give algorithm, env and, with "
+                f"init_distribution=true, randomizer and distribution_learner as in {folder / 'config.yaml'}."
             ) from error

@@ -15,6 +15,7 @@ from dr_lab.physics.context import ContextSpace
 from dr_lab.reports.json_file import typed
 from dr_lab.reports.train import TrainReport
 from dr_lab.seeding import derived_seed
+from dr_lab.training.finished_run import difference, require_run
 from dr_lab.training.run_state import RunState
 from dr_lab.trajectory import Array
 
@@ -59,11 +60,10 @@ class FinishedTeachers(Teachers):
 def _take_over(member: PPO, folder: Path, seed: int) -> None:
     """Put PPO into the state of a run, with the policy that it chose."""
     try:
-        RunState.load(folder).train_on(member, seed)
+        RunState.load(require_run(folder, "", _REMEDY)).train_on(member, seed)
     except (KeyError, RuntimeError, TypeError, ValueError) as error:
         raise DataError(
-            f"The teacher {folder} is a run of another algorithm or has other networks: {' '.join(str(error).split())} "
-            f"{_REMEDY}"
+            f"The teacher {folder} is a run of another algorithm or has other networks: {difference(error)} {_REMEDY}"
         ) from error
 
 

@@ -1,6 +1,8 @@
 """A new run that begins with what an earlier one learnt."""
 
 import functools
+import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -110,5 +112,31 @@ def test_another_run_is_refused(finished: Path, tmp_path: Path) -> None:
         begun(f"init={finished}", "env.show_context=true")
     with pytest.raises(DataError, match=r"another distribution.*Give algorithm, env and"):
         begun(f"init={finished}", "init_distribution=true", "randomizer=discrete")
-    with pytest.raises(DataError, match="Cannot read the checkpoint"):
-        begun(f"init={tmp_path}")
+    with pytest.raises(DataError, match="explorer is here alone"):
+        begun(f"init={finished}", algorithm=DDPG)
+
+
+def test_other_networks_are_told_by_their_sizes(finished: Path) -> None:
+    (finished / "config.yaml").write_text("# dr-lab train env=hopper algorithm=ppo\nseed: 0\n", encoding="utf-8")
+    with pytest.raises(DataError) as told:
+        begun(f"init={finished}", "env=half_cheetah", "env/context=half_cheetah/friction")
+    assert "log_std is 3 there, 6 here; centre is 3 there, 6 here; reach is 3 there, 6 here; and 7 more." in str(
+        told.value
+    )
+    assert "It was made by dr-lab train env=hopper algorithm=ppo. Give algorithm, env and" in str(told.value)
+    assert "torch" not in str(told.value)
+
+
+def test_a_folder_without_a_training_is_told_with_those_beside_it(tmp_path: Path, finished: Path) -> None:
+    closed = tmp_path / "closed"
+    closed.mkdir()
+    (closed / "config.yaml").write_text("# dr-lab close model=furuta\nseed: 0\n", encoding="utf-8")
+    (tmp_path / "policy").mkdir()
+    shutil.copy(finished / CHECKPOINT, tmp_path / "policy" / CHECKPOINT)
+    remedy = f"Give init=FOLDER of a run of dr-lab train, or leave init out. Available: {tmp_path / 'policy'}."
+    for given, what in (
+        (closed, f"{closed} holds no checkpoint.pt; it is that of a run of dr-lab close"),
+        (tmp_path / "nowhere", f"There is no folder {tmp_path / 'nowhere'}"),
+    ):
+        with pytest.raises(DataError, match="^" + re.escape(f"init={given}: {what}. {remedy}") + "$"):
+            begun(f"init={given}")

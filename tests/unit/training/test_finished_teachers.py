@@ -78,7 +78,7 @@ def test_one_that_goes_on_needs_the_runs_no_more(tmp_path: Path) -> None:
 def test_what_cannot_teach_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"algorithm.teachers.runs is empty"):
         teachers()
-    with pytest.raises(DataError, match="Cannot read the checkpoint"):
+    with pytest.raises(DataError, match=r"There is no folder .*Give folders of finished runs"):
         teachers(tmp_path / "gone").slot_contexts(gains())
     run(tmp_path / "other", 0, 0.6, "mass")
     with pytest.raises(DataError, match="trained in contexts of mass; expected gain"):
