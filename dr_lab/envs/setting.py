@@ -9,6 +9,7 @@ from dr_lab.bounds import Positive, require_bounds
 from dr_lab.envs.environment import Environment
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.envs.task import Task, context_space
+from dr_lab.envs.task_outputs import require_methods
 from dr_lab.errors import ConfigError, ModelError
 from dr_lab.physics.context import ContextSpace
 from dr_lab.physics.mjcf import mjcf
@@ -29,7 +30,7 @@ class Setting(Environment):
             Runs of earlier versions have none.
 
     Raises:
-        ConfigError: the speed limit is not above 0.
+        ConfigError: the speed limit is not above 0, or a field of the task hides a method of its contract.
     """
 
     model: Model
@@ -39,6 +40,7 @@ class Setting(Environment):
 
     def __post_init__(self) -> None:
         require_bounds(self, "env")
+        require_methods(self.task)
 
     @property
     def space(self) -> ContextSpace:

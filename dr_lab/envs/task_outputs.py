@@ -1,6 +1,8 @@
 """What a task gives is held against its contract, so that a mistake in a new task is told where it was made."""
 
+import inspect
 from collections.abc import Sequence
+from dataclasses import fields
 
 import mujoco
 import numpy as np
@@ -16,6 +18,21 @@ class ReadFields(dict[str, Array]):
 
     def __missing__(self, name: str) -> Array:
         raise UnknownNameError("field", name, self, "`reads` of the task, which has to name each MjData field it takes")
+
+
+def require_methods(task: Task) -> None:
+    """Refuse a task one of whose fields has the name of a method of the contract, which it would hide.
+
+    Raises:
+        ConfigError: there is such a field.
+    """
+    methods = [name for name, each in vars(Task).items() if inspect.isfunction(each) and not name.startswith("_")]
+    hidden = [field.name for field in fields(task) if field.name in methods]
+    if hidden:
+        raise ConfigError(
+            f"{_name(task)} has a field {hidden[0]!r}, which hides the method Task.{hidden[0]}; expected a name "
+            f"that the contract has not: {', '.join(methods)}. Rename the field, in the task and in its yaml."
+        )
 
 
 def require_start(task: Task, start: tuple[Array, Array], compiled: mujoco.MjModel) -> None:

@@ -11,9 +11,10 @@ from block_on_rail import BlockOnRail
 from numpy.typing import NDArray
 
 from dr_lab.envs.episodes import Episodes
+from dr_lab.envs.setting import Setting
 from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.envs.task_outputs import ReadFields
-from dr_lab.errors import DrLabError
+from dr_lab.errors import ConfigError, DrLabError
 from dr_lab.physics.model import from_spec
 from dr_lab.trajectory import Array
 
@@ -87,6 +88,18 @@ def episodes(method: str, change: Callable[[Any], Any]) -> Episodes:
 def test_what_a_task_gives_is_held_against_its_contract(method: str, change: Callable[[Any], Any], told: str) -> None:
     with pytest.raises(DrLabError, match=told):
         episodes(method, change).step(np.ones((ROWS, 1)))
+
+
+def test_a_dataclass_field_that_hides_a_method_is_refused_when_the_environment_is_made() -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Going(Block):
+        goal: tuple[float, float] = (1.0, 0.0)  # pyright: ignore[reportIncompatibleMethodOverride]
+
+    model = from_spec("block", mujoco.MjSpec.from_string(XML), {})
+    rest = {"name": "block", "model": model, "show_context": False, "infeasible_return": -9.0}
+    assert Setting(task=Block(frame_skip=1, time_limit=9), **rest).time_limit == 9
+    with pytest.raises(ConfigError, match=r"Going has a field 'goal', which hides the method Task\.goal; .*start, obs"):
+        Setting(task=Going(frame_skip=1, time_limit=9), **rest)
 
 
 def test_a_field_that_the_task_does_not_read_is_told_with_the_remedy() -> None:
