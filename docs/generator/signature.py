@@ -27,7 +27,7 @@ class Bench:
         seconds: how long.
         before: s of commands before that, for effects that remember.
         scales: magnitudes that give an effect's bounds their size.
-        command: command at times, of the actuator.
+        command: command at times, of every actuator.
         command_unit: its unit.
         channel: ``position`` or ``velocity``.
     """
@@ -81,7 +81,8 @@ TWO_LINKS = replace(
 )
 WRIST = replace(MOTOR_ARM, name="wrist", scales=_scales(("turn", "joint", "roll", "bend"), "motor", 0.7, 3.0, 0.6))
 FLYER = replace(BLOCK, name="flyer", joint="flight", command=lambda t: 8.0 * np.cos(12.0 * t))
-BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS, WRIST, FLYER)
+DRIVEN_LINKS = replace(TWO_LINKS, name="driven_links")
+BENCHES = (MOTOR_ARM, SERVO_ARM, BLOCK, TWO_LINKS, WRIST, FLYER, DRIVEN_LINKS)
 SHOWN_AT = {"contact_stiffness": "up"}  # another joint than the bench's
 SHOWN_IN = {"velocity_low_pass": "velocity"}  # another channel than the position
 
@@ -172,11 +173,12 @@ def _reported(model: Model, z: Array, bench: Bench, time: Array, channel: str) -
     """Position or velocity that the machine reports, shape (n,)."""
     compiled = model.nominal()
     step = compiled.opt.timestep
-    past = bench.command(np.arange(-round(bench.before / step), 0) * step)
-    start = compiled.qpos0[None, None], np.zeros((1, 1, compiled.nv))
-    rollout = Simulator(model, 1, threads=1).replay(
-        z, *start, bench.command(time[:-1])[None, :, None], past[None, :, None]
+    now, past = (
+        np.tile(bench.command(t)[None, :, None], compiled.nu)
+        for t in (time[:-1], np.arange(-round(bench.before / step), 0) * step)
     )
+    start = compiled.qpos0[None, None], np.zeros((1, 1, compiled.nv))
+    rollout = Simulator(model, 1, threads=1).replay(z, *start, now, past)
     joint = compiled.joint(bench.joint)
     paths = {"position": rollout.qpos[0, :, joint.qposadr[0]], "velocity": rollout.qvel[0, :, joint.dofadr[0]]}
     path = paths[channel]
