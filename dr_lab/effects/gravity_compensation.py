@@ -12,8 +12,8 @@ from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 
 _HINGE, _SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
-# MuJoCo carries only bodies that a compiled model counts; a context changes by how much. It is far below any share.
-_COUNTED = 1e-12
+# MuJoCo carries only bodies that a compiled model counts; a context changes by how much. So small a share moves no bit.
+_COUNTED = float(np.finfo(float).tiny)
 _ROUNDING = float(np.sqrt(np.finfo(float).eps))  # of a force beside the whole weight at the model's own size
 
 

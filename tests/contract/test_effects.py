@@ -32,7 +32,8 @@ MOTOR = SMALL % '<motor name="drive" joint="rail" gear="2"/>'
 SMALL_ONES = {
     "two_joints_motor": MOTOR,
     "two_joints_dcmotor": SMALL % '<dcmotor name="drive" joint="rail" motorconst="0.5 0.5" resistance="1"/>',
-    "two_joints_in_air": MOTOR.replace("<option ", '<option density="1.2" '),
+    "two_joints_in_air": SMALL.replace("<option ", '<option density="1.2" ')
+    % '<motor name="drive" joint="rail" gear="2"/><motor name="turn" joint="hinge"/>',
     "two_joints_servo": SMALL % '<position name="drive" joint="rail" kp="50" kv="3"/>',
 }
 UNSEEN = {
@@ -47,7 +48,7 @@ ARCHETYPES = (
     "cube",  # a free body with contacts and sensors
     "furuta",  # two hinges and a DC motor
     "hopper",  # slides, hinges, contacts and three motors
-    "two_joints_in_air",  # a medium
+    "two_joints_in_air",  # a medium, and a motor at each joint
     "two_joints_servo",  # a position servo at a slide, and a hinge without motor
 )
 MODELS = (*SMALL_ONES, *sorted(path.stem for path in (CONF / "model").glob("*.xml")))

@@ -48,6 +48,7 @@ def test_what_a_planar_arm_feels() -> None:
         "inertia_error@lower": 1,
         "cable_force@lower": 4,
         "base_tilt@world": 1,
+        "gravity_compensation@world": 1,
         "air_drag@world": 1,
     }
 
