@@ -67,7 +67,7 @@ def compose_once() -> None:
         given = [each for each in overrides_list if not each.is_sweep_override()]
         groups = [not isinstance(each.value(), dict) and repo.group_exists(each.key_or_group) for each in given]
         lines = tuple(each.input_line for each, group in zip(given, groups, strict=True) if group)
-        asked = (sources, config_name, lines, prepend_hydra, skip_missing)
+        asked = (sources, config_name, lines, prepend_hydra, skip_missing, _every())
         if asked not in _chosen:
             found = choose(repo, config_name, overrides_list, prepend_hydra, skip_missing)
             if any(source.startswith("file://") and source != f"file://{SHIPPED}" for source in sources):
@@ -86,6 +86,11 @@ def compose_once() -> None:
 
     loader.create_defaults_list = chosen  # pyright: ignore[reportPrivateImportUsage]
     loader.ConfigLoaderImpl._compose_config_from_defaults_list = merged
+
+
+def _every() -> tuple[str, ...]:
+    """What ``${every:effect}`` stands for, which the outline of a configuration leaves out."""
+    return tuple(OmegaConf.create({"all": "${every:effect}"})["all"]) if OmegaConf.has_resolver("every") else ()
 
 
 def look_for_cycles_rarely() -> None:
