@@ -20,6 +20,7 @@ from hydra._internal.defaults_list import DefaultsList, create_defaults_list
 from hydra.core.default_element import ResultDefault
 from hydra.core.override_parser.types import Override
 from omegaconf import DictConfig, ListConfig, OmegaConf
+from omegaconf.errors import InterpolationResolutionError
 
 SHIPPED = str(Path(__file__).parents[1] / "conf")
 _parsed: dict[str, bytes] = {}
@@ -89,8 +90,13 @@ def compose_once() -> None:
 
 
 def _every() -> tuple[str, ...]:
-    """What ``${every:effect}`` stands for, which the outline of a configuration leaves out."""
-    return tuple(OmegaConf.create({"all": "${every:effect}"})["all"]) if OmegaConf.has_resolver("every") else ()
+    """What ``${every:effect}`` stands for, which an outline leaves out; its fault, where it has one."""
+    if not OmegaConf.has_resolver("every"):
+        return ()
+    try:
+        return tuple(OmegaConf.create({"all": "${every:effect}"})["all"])
+    except InterpolationResolutionError as fault:
+        return (str(fault),)
 
 
 def look_for_cycles_rarely() -> None:
