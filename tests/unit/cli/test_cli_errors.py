@@ -131,19 +131,6 @@ def test_group_that_only_other_options_have(dr_lab: CommandLine, capsys: Capture
     assert told in capsys.readouterr().err
 
 
-def test_group_below_others_is_named_with_what_brings_it(dr_lab: CommandLine, capsys: Capture, tmp_path: Path) -> None:
-    swing = "_target_: parts.Machine\nname: swing\nmjcf: none\nparameters: {}\n"
-    write(tmp_path / "conf/model/paved.yaml", f"defaults: [/floor@ground.floor: tiled, _self_]\n{swing}")
-    write(tmp_path / "conf/floor/tiled.yaml", "defaults: [/stone@stone: slate]\n")
-    write(tmp_path / "conf/stone/slate.yaml", "{}\n")
-    for group, package in (("floor", "ground.floor"), ("stone", "ground.floor.stone")):
-        assert dr_lab("compare", f"{group}=tiled") == 2
-        told = f" Of that name below other groups: {group}@model.{package}=… (with model=paved).\n"
-        assert told in capsys.readouterr().err
-    assert dr_lab("compare", "flor=tiled") == 2
-    assert "below other groups" not in capsys.readouterr().err
-
-
 FILES = {
     "model/syntax.yaml": ("_target_: parts.Machine\n\tname: x\n", ["syntax.yaml, line 2", "indent with spaces"]),
     "model/plain.yaml": ("name: x\n", ["model names no class", "_target_: package.module.Name", "a Machine"]),
