@@ -15,8 +15,8 @@ from dr_lab.cli.check import check
 from dr_lab.cli.compose import compose_from, register_resolvers
 from dr_lab.cli.groups import misplaced, options
 from dr_lab.cli.positional import KEY as POSITIONAL
-from dr_lab.cli.provenance import CONFIG_FILE
 from dr_lab.errors import ConfigError
+from dr_lab.run_command import CONFIG_FILE
 
 # Keys of a configuration that are not a workflow's business, unless it asks for them.
 COMMAND_LINE_KEYS = ("outputs", "made_with", POSITIONAL)

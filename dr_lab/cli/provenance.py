@@ -1,7 +1,6 @@
 """What a run was made with, and the file from which it can be made again."""
 
 import platform
-import re
 import shlex
 import subprocess
 from collections.abc import Sequence
@@ -14,9 +13,9 @@ from omegaconf import DictConfig, OmegaConf
 
 from dr_lab.cli.folders import PACKAGE
 from dr_lab.files import write_text
+from dr_lab.run_command import CONFIG_FILE
 from dr_lab.version import __version__
 
-CONFIG_FILE = "config.yaml"
 LIBRARIES = {"mujoco": "mujoco", "numpy": "numpy", "scipy": "scipy", "rerun": "rerun-sdk"}
 
 
@@ -82,14 +81,6 @@ def write_config(
     header = f"# {typed}\n# Again: dr-lab {verb} {again}\n"
     text = header + yaml.safe_dump(body, sort_keys=False, allow_unicode=True, width=120)
     write_text(run_dir / CONFIG_FILE, text)
-
-
-def verb_of(run: Path) -> str | None:
-    """Which verb made a run folder, where its configuration says so in its first line, the command."""
-    path = run / CONFIG_FILE
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
-    made = re.match(r"# dr-lab (\w+)", lines[0]) if lines else None
-    return made[1] if made else None
 
 
 def _given(folders: Sequence[Path]) -> list[str]:

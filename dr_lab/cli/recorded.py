@@ -4,8 +4,8 @@ from pathlib import Path
 
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
-from dr_lab.cli.provenance import CONFIG_FILE
 from dr_lab.errors import ConfigError
+from dr_lab.run_command import CONFIG_FILE
 
 
 def recorded(run: str, key: str) -> DictConfig | ListConfig:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
-from dr_lab.cli.provenance import CONFIG_FILE, verb_of
 from dr_lab.errors import ConfigError
+from dr_lab.run_command import CONFIG_FILE, verb_of
 
 _NOT_SETTINGS = ("defaults", "made_with", "outputs", "resume")
 _SHOWN = 3  # differences
@@ -37,7 +37,7 @@ def require_same_settings(cfg: DictConfig, run: Path, verb: str, may_differ: Col
     if not path.is_file():
         raise ConfigError(f"resume={run} holds no {CONFIG_FILE}. {remedy}")
     of = verb_of(run)
-    if of not in (None, verb):
+    if of not in ("", verb):
         raise ConfigError(f"resume={run} is a run of dr-lab {of}. {remedy}")
     recorded = OmegaConf.load(path)
     left_out = {*_NOT_SETTINGS, *may_differ}

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dr_lab.errors import DataError
-from dr_lab.training.finished_run import command_of, difference, require_run
+from dr_lab.run_command import command_of
+from dr_lab.training.finished_run import difference, require_run
 from dr_lab.training.plan import Training
 from dr_lab.training.run_state import RunState
 

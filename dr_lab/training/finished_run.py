@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from dr_lab.errors import DataError
+from dr_lab.run_command import verb_of
 from dr_lab.training.plan import CHECKPOINT
 
 _SHOWN = 3  # parts of networks, or runs, that are named
@@ -29,19 +30,11 @@ def require_run(folder: Path, given: str, remedy: str) -> Path:
     if not folder.is_dir():
         raise DataError(f"{begin}There is no folder {folder}. {remedy}{_runs_in(folder.parent)}")
     if not (folder / CHECKPOINT).is_file():
-        made = re.match(r"dr-lab (\w+)", command_of(folder))
-        origin = f"; it is that of a run of dr-lab {made[1]}" if made else ""
+        verb = verb_of(folder)
+        origin = f"; it is that of a run of dr-lab {verb}" if verb else ""
         near = _runs_in(folder) or _runs_in(folder.parent)
         raise DataError(f"{begin}{folder} holds no {CHECKPOINT}{origin}. {remedy}{near}")
     return folder
-
-
-def command_of(folder: Path) -> str:
-    """The command that made a run folder, which is the first line of its configuration; empty where none is told."""
-    config = folder / "config.yaml"
-    lines = config.read_text(encoding="utf-8", errors="replace").splitlines() if config.is_file() else []
-    made = re.match(r"# (dr-lab \w+.*)", lines[0]) if lines else None
-    return made[1] if made else ""
 
 
 def difference(error: Exception) -> str:

@@ -1,0 +1,20 @@
+"""The command that made a run folder, as its configuration tells it."""
+
+import re
+from pathlib import Path
+
+CONFIG_FILE = "config.yaml"
+
+
+def command_of(folder: Path) -> str:
+    """The command that made a run folder, which is the first line of its configuration; empty where none is told."""
+    path = folder / CONFIG_FILE
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
+    made = re.match(r"# (dr-lab \w+.*)", lines[0]) if lines else None
+    return made[1] if made else ""
+
+
+def verb_of(folder: Path) -> str:
+    """The verb that made a run folder; empty where none is told."""
+    made = re.match(r"dr-lab (\w+)", command_of(folder))
+    return made[1] if made else ""
