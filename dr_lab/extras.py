@@ -7,7 +7,7 @@ from pathlib import Path
 from dr_lab.errors import ConfigError
 
 EXTRAS = {
-    **dict.fromkeys(("optuna", "tensordict", "torch", "torchrl"), "train"),
+    **dict.fromkeys(("onnx", "onnxruntime", "onnxscript", "optuna", "tensordict", "torch", "torchrl"), "train"),
     "Box2D": "box2d",
     "pinocchio": "strangers",
     "ray": "ray",

@@ -7,13 +7,10 @@ import mujoco
 import numpy as np
 
 from dr_lab.recorders.episode import Episode
+from dr_lab.recorders.joint_labels import LABELS
 from dr_lab.recorders.mcap import FloatArrays, JointStates, write_mcap
 
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-_LABELS = {
-    int(mujoco.mjtJoint.mjJNT_FREE): (("x", "y", "z", "qw", "qx", "qy", "qz"), ("vx", "vy", "vz", "wx", "wy", "wz")),
-    int(mujoco.mjtJoint.mjJNT_BALL): (("qw", "qx", "qy", "qz"), ("wx", "wy", "wz")),
-}
 
 
 def write_episodes(
@@ -75,7 +72,7 @@ def _other_joints(episode: Episode, place: str) -> list[FloatArrays]:
     model, topics = episode.geometry, list[FloatArrays]()
     for row in np.flatnonzero(~np.isin(model.jnt_type, _SCALAR)):
         sources = {"position": (episode.qpos, model.jnt_qposadr), "velocity": (episode.qvel, model.jnt_dofadr)}
-        for (kind, (values, address)), labels in zip(sources.items(), _LABELS[int(model.jnt_type[row])], strict=True):
+        for (kind, (values, address)), labels in zip(sources.items(), LABELS[int(model.jnt_type[row])], strict=True):
             columns = values[:, address[row] : address[row] + len(labels)]
             topics.append(FloatArrays(f"{place}/{model.joint(row).name}/{kind}", labels, episode.time, columns))
     return topics

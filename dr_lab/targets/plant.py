@@ -64,11 +64,12 @@ class PlantTarget(Target):
 
     def _play(self, drive: Callable[[int, Array, Array], Array], steps: int, qpos: Array, qvel: Array) -> TensorDict:
         plant, view = self._plant, self._view
-        time = np.arange(steps + 1, dtype=np.float64) * view.seconds
+        time, actions = np.arange(steps + 1, dtype=np.float64) * view.seconds, list[Array]()
 
         def controller(instant: int, position: Vector, velocity: Vector) -> Vector:
             asked = drive(instant, np.array([position]), np.array([velocity]))
-            return np.clip(asked, view.low, view.high).tolist()
+            actions.append(np.clip(asked, view.low, view.high))
+            return view.commands(actions[-1][None])[0].tolist()
 
         experiment = Experiment(
             machine=self._machine,
@@ -80,9 +81,9 @@ class PlantTarget(Target):
             start=(*qpos.tolist(), *qvel.tolist()),
             accuracy=plant.accuracy,
         )
-        states, actions = track(experiment, controller)
+        states, _ = track(experiment, controller)
         joints, degrees = len(plant.joints), states.shape[1] // 2
-        return view.course(states[:, :joints], states[:, degrees : degrees + joints], actions)
+        return view.course(states[:, :joints], states[:, degrees : degrees + joints], np.stack(actions))
 
     def _closed(self, policy: Policy) -> Callable[[int, Array, Array], Array]:
         def act(instant: int, qpos: Array, qvel: Array) -> Array:

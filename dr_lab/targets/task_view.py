@@ -18,8 +18,8 @@ class TaskView:
         setting: machine and task as this side knows them.
 
     Attributes:
-        low: lowest action, shape (nu,).
-        high: highest action, shape (nu,).
+        low: lowest action, shape (a,).
+        high: highest action, shape (a,).
         seconds: length of a control step.
         steps: control steps of an episode that is not ended before.
 
@@ -46,13 +46,17 @@ class TaskView:
         space = self._setting.space
         return np.concatenate([seen, np.tile(space.to_unit(space.nominal), (len(qpos), 1))], axis=1)
 
+    def commands(self, action: Array) -> Array:
+        """Commands of the actuators (n, nu) where a policy does `action` (n, a), which is cut off at its bounds."""
+        return self._task.controls(np.clip(action, self.low, self.high), self._values(len(action)))
+
     def course(self, qpos: Array, qvel: Array, action: Array) -> TensorDict:
         """One episode up to where the task ends it, size [≤ t], in the layout of `collectors.play.play`.
 
         Args:
             qpos: positions before the first and after every control step, shape (t + 1, nq).
             qvel: velocities, shape (t + 1, nv).
-            action: within its bounds, shape (t, nu).
+            action: within its bounds, shape (t, a).
         """
         before, after, values = _fields(qpos[:-1], qvel[:-1]), _fields(qpos[1:], qvel[1:]), self._values(len(action))
         terminated = self._task.terminated(after, values)

@@ -15,6 +15,7 @@ from dr_lab.reports.benchmark import BenchmarkReport
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.plain import IN_PLACE, OMITTED, key_of
+from dr_lab.reports.policy import PolicyReport
 from dr_lab.reports.summarize import SummarizeReport
 from dr_lab.reports.train import TrainReport
 
@@ -25,6 +26,7 @@ REPORTS = {
     "evaluate": EvaluateReport,
     "benchmark": BenchmarkReport,
     "summarize": SummarizeReport,
+    "policy": PolicyReport,
 }
 JSON = {str: "string", bool: "boolean", int: "integer", float: "number"}
 

@@ -1,0 +1,40 @@
+"""Names of the columns of a machine's positions, velocities and commands."""
+
+import mujoco
+
+FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
+_QUATERNION, _RATES = ("qw", "qx", "qy", "qz"), ("wx", "wy", "wz")
+LABELS = {FREE: (("x", "y", "z", *_QUATERNION), ("vx", "vy", "vz", *_RATES)), BALL: (_QUATERNION, _RATES)}
+"""Columns of a joint's position and velocity as MuJoCo has them, by the joint's type, where these are several."""
+
+_UNITS = {**dict.fromkeys("xyz", "m"), **dict.fromkeys(("vx", "vy", "vz"), "m/s"), **dict.fromkeys(_RATES, "rad/s")}
+
+Column = tuple[str, str]  # name and unit
+
+
+def columns(model: mujoco.MjModel) -> tuple[list[Column], list[Column]]:
+    """Name and unit of each column of the positions (nq) and of the velocities (nv), in MuJoCo's order."""
+    positions, velocities = list[Column](), list[Column]()
+    for row, kind in enumerate(model.jnt_type):
+        name = model.joint(row).name or f"joint_{row}"
+        if kind in LABELS:
+            for found, labels in zip((positions, velocities), LABELS[int(kind)], strict=True):
+                found += [(f"{name} {label}", _UNITS.get(label, "1")) for label in labels]
+        else:
+            unit = "m" if kind == mujoco.mjtJoint.mjJNT_SLIDE else "rad"
+            positions.append((f"{name} position", unit))
+            velocities.append((f"{name} velocity", f"{unit}/s"))
+    return positions, velocities
+
+
+def actuators(model: mujoco.MjModel) -> tuple[str, ...]:
+    """Name of each actuator; one without is called by the joint that it moves, or by its number."""
+    return tuple(model.actuator(i).name or _moved(model, i) for i in range(model.nu))
+
+
+def _moved(model: mujoco.MjModel, actuator: int) -> str:
+    joints = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+    moved = (
+        model.joint(model.actuator_trnid[actuator, 0]).name if int(model.actuator_trntype[actuator]) in joints else ""
+    )
+    return f"actuator of {moved}" if moved else f"actuator_{actuator}"
