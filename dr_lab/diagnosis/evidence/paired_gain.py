@@ -29,8 +29,8 @@ class Gain:
         high: upper end.
         error: share of the worse model's χ² that is more than noise, in a typical one of these windows.
         gap: share of the worse model's χ² above the noise floor of 1 that the better one closes in a typical window of
-            those that score; 1 where the worse one is at the floor.
-        channels: that share by channel.
+            those that score; where all channels together are at the floor, that of the channel `place`.
+        channels: that share by channel; 1 where the worse model is at the floor.
         place: the channel in which the evidence of the windows that score is most.
         total: Σ (D worse − D better) over channels and windows, those that score and those that were fitted, these as
             fits to the others foretell them; the difference of the deviances −2 ln L of residuals that are noise or,
@@ -80,8 +80,9 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     both = (worse.window_count > 0) & (better.window_count > 0)
     if not both.any():
         return _NOTHING
-    ours, theirs = better.window_sum[both], worse.window_sum[both]
+    ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
+    place = max(each, key=lambda name: float(each[name][0].sum()))
     evidence = np.sum([found[0] for found in each.values()], axis=0)
     every = _everywhere(evidence, worse, better, both)
     drawn, n = resampled(every.rows, every.log, settings), block_count(every.log, settings)
@@ -93,9 +94,9 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         low=low,
         high=float(np.minimum(high, 1.0)),
         error=max(1 - 1 / max(_typical_of(every.rows.sum(1))[0], _LEAST), 0.0),
-        gap=_gap(theirs, ours, worse.window_count[both]),
+        gap=_gap(theirs, ours, count) if _typical(theirs, count) > 1 else each[place][1],
         channels={name: found[1] for name, found in each.items()},
-        place=max(each, key=lambda name: float(each[name][0].sum())),
+        place=place,
         total=float(every.rows[3].sum()),
         total_low=bounds.total,
         trial_low=bounds.trial,
@@ -163,10 +164,9 @@ def _lowest(
 
     The distance from the estimate and the loss, which are independent, add up as roots of squares do.
     """
-    values = every.rows[3]
-    total, loss = float(values.sum()), _loss(*scores, tail)
+    total, loss = float(every.rows[3].sum()), _loss(*scores, tail)
     blocks = interval(total, drawn, block_count(every.log, settings), tail, settings)[0]
-    logs = least_between_logs(values, every.log, tail, settings)
+    logs = least_between_logs(every.rows[3], every.log, tail, settings)
     # Too few blocks leave no bound, whatever the logs say: Python's min would drop a NaN in second place.
     within, both = (total - float(np.hypot(total - low, loss)) for low in (blocks, np.minimum(blocks, logs)))
     return within, both

@@ -12,7 +12,7 @@ from dr_lab.diagnosis.evidence.paired_gain import (
     supported_within_logs,
     worth_a_trial,
 )
-from dr_lab.diagnosis.evidence.score import Score
+from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.law_settings import LawSettings
 from dr_lab.diagnosis.peak_settings import PeakSettings
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -158,6 +158,26 @@ def test_a_wild_window_that_both_share_hides_nothing() -> None:
 def test_an_effect_that_closes_a_trifle_of_the_gap_does_not_count() -> None:
     better = 100 * chi2(30, 7)
     assert not supported(paired_gain(score(1.05 * better), score(better), SETTINGS), 1, SETTINGS)
+
+
+def test_a_trifle_of_one_channel_does_not_count_where_another_one_is_below_its_noise() -> None:
+    """All channels together are then at the floor, where there is no gap that could close."""
+    count, log, level = np.full(240, 30.0), np.repeat(np.arange(6), 40), np.random.default_rng(0).random(240)
+
+    def of(gap: float) -> Score:
+        quiet, loud = (
+            ChannelScore(s * count, count, 1.0, instrumental=False) for s in (np.full(240, 0.5), gap + 0.02 * level)
+        )
+        sums = quiet.window_sum + loud.window_sum
+        channels = {"a.position": quiet, "b.position": loud}
+        return Score(float(sums.sum() / (2 * count.sum())), {}, {}, {}, sums, 2 * count, log, 0, channels)
+
+    gain = paired_gain(of(1.45), of(1.43), SETTINGS)
+    assert gain.total > SETTINGS.threshold
+    assert gain.total_low > 0
+    assert (gain.place, gain.gap) == ("b.position", gain.channels["b.position"])
+    assert gain.gap < SETTINGS.least_gap
+    assert not supported(gain, 1, SETTINGS)
 
 
 def test_equal_models_are_not_told_apart() -> None:
