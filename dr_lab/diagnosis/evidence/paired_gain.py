@@ -266,8 +266,8 @@ def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings)
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """Whether a gain is beyond its interval, threshold and penalty, and no trifle.
 
-    With few blocks the evidence may have no bound above 0. None is asked of a model that comes down to the noise floor,
-    where evidence is a likelihood ratio, and gains in every window that scores and typically, as far as that is known.
+    A typical window gains, too, where its interval is known. With few blocks the evidence may have no bound above 0. None
+    is asked of a model at the noise floor, where it is a likelihood ratio, and that gains in every window that scores.
     """
     return certain(gain, settings) and sizeable(gain, extra_parameters, settings)
 
@@ -283,7 +283,7 @@ def certain(gain: Gain, settings: EvidenceSettings) -> bool:
 
 
 def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
-    return low > 0 or bool(gain.clear and gain.gap >= settings.least_named and (np.isnan(gain.low) or gain.low > 0))
+    return not gain.low <= 0 and bool(low > 0 or (gain.clear and gain.gap >= settings.least_named))
 
 
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

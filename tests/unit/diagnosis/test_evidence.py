@@ -333,3 +333,11 @@ def test_the_bound_holds_what_the_fit_at_hand_costs(parameters: int) -> None:
     ]
     assert np.mean(held) >= SETTINGS.confidence - 2 * np.sqrt(0.01 * 0.99 / 400)
     assert np.mean(scatter) < np.mean(held)
+
+
+def test_evidence_alone_does_not_name_what_a_typical_window_may_lose() -> None:
+    """So a factor on all drives was named that closed 46 % (−14 … 74 %) where dry friction was hidden."""
+    gain = paired_gain(*seen(4 * chi2(24, 1), chi2(24, 0)), SETTINGS)
+    assert supported(gain, 1, SETTINGS)
+    assert supported(replace(gain, low=np.nan), 1, SETTINGS)
+    assert not supported(replace(gain, low=-0.14), 1, SETTINGS)
