@@ -13,7 +13,8 @@ class ModelCheckSettings:
     """How a model is tried on logs that it made itself, and how fine its time step must be.
 
     Attributes:
-        windows: windows in which it is tried, spread over the logs; 0 leaves the trial out.
+        windows: windows in which it is tried, spread over the logs; 0 leaves the trial out. Finer steps are tried in as
+            many, at least in one.
         lead: s that it is simulated before each of them, so that its hidden states are its own.
         largest_chi2: of a channel in its own logs, where samples are many.
         confidence: that a right model is not refused for the scatter of few samples.
