@@ -34,10 +34,11 @@ def horizon_error(replay: Replay, fit: Point, run_in: float, margin: float, bins
         fit: fit of those starts.
         run_in: time of the known samples, s.
         margin: simulated time before them, s.
-        bins: number of bins, evenly spread on a logarithmic scale.
+        bins: number of bins, evenly spread on a logarithmic scale; a single one is the whole window.
     """
     last = max(float(s.time[s.scored].max()) for s in replay.windows.samples if s.scored.any()) - run_in - margin
     edges = np.concatenate([[0.0], np.geomspace(min(_spacing(replay), last), last, bins)])
+    edges[-1] = last
     rmse = {}
     for samples, residual in replay.by_channel(fit.residuals):
         error = residual * samples.std
