@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from dr_lab.diagnosis.evidence.intervals import interval, least_between_logs, resampled
-from dr_lab.diagnosis.evidence.noise_floor import at_floor, channel_at_floor
+from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, channel_at_floor
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.blocks import Indices, blocks
@@ -38,7 +38,7 @@ class Gain:
             number of independent ones among them. It is Δχ² near the noise floor, no single wild window decides far
             above it, and there it does not depend on how large the noise is.
         total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
-            worse simulates, NaN where there are too few blocks of data to know.
+            worse simulates, NaN where there are too few blocks of data to know, or none that both simulate.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
         blocks_low: as `total_low`, by the scatter between blocks alone, whatever that between logs is.
         wins: share of the windows that score in which the χ² is lower.
@@ -60,7 +60,9 @@ class Gain:
     clear: bool
 
 
-_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, -np.inf, 0.0, clear=False)
+def _nothing(bound: float) -> Gain:
+    """The gain where both models simulate no window, with a lower bound of its evidence."""
+    return Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, bound, bound, bound, 0.0, clear=False)
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -79,7 +81,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     """
     both = (worse.window_count > 0) & (better.window_count > 0)
     if not both.any():
-        return _NOTHING
+        return _nothing(-np.inf if _diverges(worse, better) else np.nan)
     ours, theirs = better.window_sum[both], worse.window_sum[both]
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
     evidence = np.sum([found[0] for found in each.values()], axis=0)
@@ -101,9 +103,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         trial_low=bounds.trial,
         blocks_low=bounds.blocks,
         wins=float((theirs > ours).mean()),
-        clear=bool((theirs > ours).all() and not _diverges(worse, better))
-        and at_floor(better, settings)
-        and not at_floor(worse, settings),
+        clear=bool((theirs > ours).all() and not _diverges(worse, better)) and alone_at_floor(better, worse, settings),
     )
 
 
