@@ -22,7 +22,12 @@ def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
 
 
 def at_floor(score: Score, settings: EvidenceSettings) -> bool:
-    """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make."""
+    """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make.
+
+    It does not where half of the windows diverge or more: what the others leave says nothing of most of the motion.
+    """
+    if score.freedom <= 0 or 2 * score.infeasible >= len(score.window_count):
+        return False
     if score.chi2 <= noise_floor(score.freedom, settings):
         return True
     return bool(score.channels) and all(channel_at_floor(channel, settings) for channel in score.channels.values())
