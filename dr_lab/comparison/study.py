@@ -1,6 +1,6 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -51,7 +51,6 @@ class Study:
         scales: typical magnitudes of the machine.
         floor: error of the time step of the model as given.
         refinement: which step stands in its place, and why.
-        own_chi2: χ² by channel of logs that the model made itself.
         faults: what the model shows to be wrong with the logs.
     """
 
@@ -66,7 +65,6 @@ class Study:
     scales: Scales
     floor: NumericalFloor
     refinement: Refinement
-    own_chi2: Mapping[str, float]
     faults: tuple[Fault, ...]
 
     @property
@@ -125,6 +123,7 @@ def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
     compiled = refined.model.nominal()
     bench = _bench(refined.model, comparison, max(floor.step, resolution))
     short = cut(scored, measured, compiled, _short(settings.predicted, settings.localise))
+    require_own_logs_explained(refined.model, measured, windows, settings.solver, settings.model_check)
     return Study(
         comparison=comparison,
         model=refined.model,
@@ -137,7 +136,6 @@ def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
         scales=_scales(refined.model, compiled, measured, windows.smoother, bench),
         floor=floor,
         refinement=refined,
-        own_chi2=require_own_logs_explained(refined.model, measured, windows, settings.solver, settings.model_check),
         faults=faults,
     )
 
