@@ -61,8 +61,7 @@ def _linear(replay: Replay, fit: Fit, parts: list[Indices]) -> tuple[Array, Arra
     moved = np.zeros((len(fit.delta), len(unit)))
     for move, rows in zip(_moves(unit, fit, parts), parts, strict=True):
         moved[rows] = move
-    gain = np.linalg.solve(fit.equations.state, fit.equations.mixed)
-    follow = -(gain @ moved[..., None])[..., 0]
+    follow = -(fit.equations.reduced.gain @ moved[..., None])[..., 0]
     away = fit.slopes.parameter @ moved[..., None] + fit.slopes.state @ follow[..., None]
     return fit.delta + follow, fit.residuals + away[..., 0]
 
