@@ -38,9 +38,7 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
         The fit's context, with residuals, shape (w, m), states and windows that diverge as foretold.
     """
     log = replay.windows.log
-    parts = logs(log)
-    if len(parts) < settings.least_trusted:
-        parts = blocks(log, settings.block, settings.least_blocks)
+    parts = parts_of(log, settings)
     delta, residuals = _linear(replay, fit, parts)
     found = Point(fit.z, delta, residuals, np.inf, fit.infeasible.copy())
     for rows in parts:
@@ -50,6 +48,17 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
             found.delta[rows], found.residuals[rows] = own.delta, own.residuals
             found.infeasible[rows] |= own.infeasible
     return found
+
+
+def parts_of(log: Indices, settings: EvidenceSettings) -> list[Indices]:
+    """Parts of windows that are left out together: logs, or where they are few blocks of windows.
+
+    Args:
+        log: index of each window's log, shape (w,).
+        settings: number of logs that are few, and size of the blocks.
+    """
+    found = logs(log)
+    return found if len(found) >= settings.least_trusted else blocks(log, settings.block, settings.least_blocks)
 
 
 def _linear(replay: Replay, fit: Fit, parts: list[Indices]) -> tuple[Array, Array]:

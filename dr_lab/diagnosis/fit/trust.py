@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.settings import EvidenceSettings
-from dr_lab.diagnosis.windows.blocks import blocks, logs
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.trajectory import Array
@@ -19,8 +19,7 @@ def doubts(found: ContextEstimate, fit: Fit, windows: Windows, settings: Evidenc
     not to be trusted where there are too few blocks to resample, where the value lies at its bound, and where its
     standard deviation is so large that the prior decides.
     """
-    groups = logs(windows.log)
-    groups = groups if len(groups) > 1 else blocks(windows.log, settings.block, settings.least_blocks)
+    groups = clusters(windows, settings)
     few = [f"{len(groups)} blocks of data to resample"] if len(groups) < settings.least_trusted else []
     edge, width = at_bounds(found), found.std / found.space.span
     prior = fit.equations.prior**-0.5
