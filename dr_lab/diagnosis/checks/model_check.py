@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from scipy.stats import chi2
-
 from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, Share, at_least, require_bounds
+from dr_lab.diagnosis.fit.right_model import most_chi2
 
 
 @dataclass(frozen=True)
@@ -49,5 +48,5 @@ class ModelCheckSettings:
         require_bounds(self, "model_check")
 
     def most_chi2(self, freedom: float) -> float:
-        """Largest χ² per degree of freedom that a right model leaves: few samples scatter."""
-        return max(self.largest_chi2, float(chi2.ppf(self.confidence, freedom)) / freedom if freedom > 0 else 0.0)
+        """Largest χ² per degree of freedom that a right model leaves."""
+        return most_chi2(freedom, self.largest_chi2, self.confidence)
