@@ -25,6 +25,7 @@ from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.fit.touching import may_touch
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.diagnosis.windows.folds import folds
 from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.effects.effect import Scales
@@ -131,7 +132,7 @@ def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
         bench=bench,
         predicted=cut(scored, measured, compiled, settings.predicted.of_machine(compiled.nv)),
         short=short,
-        few=_spread(len(short), settings.localise.formula.windows),
+        few=spread(len(short), settings.localise.formula.windows),
         fits=StateFits(settings.solver, count),
         scales=_scales(refined.model, compiled, measured, windows.smoother, bench),
         floor=floor,
@@ -191,11 +192,6 @@ def _hopeful(model: Model, bench: Bench, check: ModelCheckSettings) -> Fit | Non
 
 def _short(predicted: WindowSettings, localise: LocaliseSettings) -> WindowSettings:
     return replace(predicted.of_length(localise.length), seconds=localise.seconds)
-
-
-def _spread(count: int, most: int) -> NDArray[np.intp]:
-    """At most so many of a count of places, from the first to the last."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.intp))
 
 
 def _scales(

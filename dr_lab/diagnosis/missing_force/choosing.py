@@ -8,6 +8,7 @@ import numpy as np
 from dr_lab.diagnosis.evidence.left_out import parts_of
 from dr_lab.diagnosis.missing_force.force_step import Choice, Course, Linear, Machine
 from dr_lab.diagnosis.missing_force.learning_settings import LearningSettings
+from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.physics.radial_basis import Input, RadialBasis, Seen, around, features
 from dr_lab.trajectory import Array
 
@@ -80,7 +81,7 @@ class _Search:
 def _some(seen: Seen, most: int) -> Seen:
     """At most so many of the states, evenly spread; none of windows that diverge."""
     finite = np.flatnonzero(np.isfinite(seen.qpos).all(1) & np.isfinite(seen.qvel).all(1))
-    every = finite[np.unique(np.linspace(0, len(finite) - 1, min(most, len(finite))).round().astype(np.intp))]
+    every = finite[spread(len(finite), most)]
     return Seen(*(part[every] for part in seen))
 
 
