@@ -13,6 +13,7 @@ from dr_lab.cli.compose import compose
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
+from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
@@ -234,3 +235,9 @@ def true_starts(replay: Replay, z: Array, motion: Mapping[str, Array]) -> Array:
         mujoco.mj_differentiatePos(replay.compiled, row[:nv], 1.0, guess, motion["qpos"][k])
     delta[:, nv:] = motion["qvel"][step] - tape.qvel[0, :, 0]
     return delta
+
+
+def formal_std(model: Model, fit: Fit) -> Array:
+    """Standard deviations of a fitted context by the fit's information and prior alone, shape (n,)."""
+    information = fit.equations.reduced.information + np.diag(fit.equations.prior)
+    return np.sqrt(np.diag(np.linalg.inv(information))) * model.space.span

@@ -1,6 +1,6 @@
 """What every comparing verb starts from: windows, scales and floors of one model and one set of logs."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -25,6 +25,7 @@ from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.fit.touching import may_touch
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import WindowSettings
+from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.diagnosis.windows.folds import folds
 from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.effects.effect import Scales
@@ -51,7 +52,6 @@ class Study:
         scales: typical magnitudes of the machine.
         floor: error of the time step of the model as given.
         refinement: which step stands in its place, and why.
-        own_chi2: χ² by channel of logs that the model made itself.
         faults: what the model shows to be wrong with the logs.
     """
 
@@ -66,7 +66,6 @@ class Study:
     scales: Scales
     floor: NumericalFloor
     refinement: Refinement
-    own_chi2: Mapping[str, float]
     faults: tuple[Fault, ...]
 
     @property
@@ -125,6 +124,7 @@ def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
     compiled = refined.model.nominal()
     bench = _bench(refined.model, comparison, max(floor.step, resolution))
     short = cut(scored, measured, compiled, _short(settings.predicted, settings.localise))
+    require_own_logs_explained(refined.model, measured, windows, settings.solver, settings.model_check)
     return Study(
         comparison=comparison,
         model=refined.model,
@@ -132,12 +132,11 @@ def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
         bench=bench,
         predicted=cut(scored, measured, compiled, settings.predicted.of_machine(compiled.nv)),
         short=short,
-        few=_spread(len(short), settings.localise.formula.windows),
+        few=spread(len(short), settings.localise.formula.windows),
         fits=StateFits(settings.solver, count),
         scales=_scales(refined.model, compiled, measured, windows.smoother, bench),
         floor=floor,
         refinement=refined,
-        own_chi2=require_own_logs_explained(refined.model, measured, windows, settings.solver, settings.model_check),
         faults=faults,
     )
 
@@ -193,11 +192,6 @@ def _hopeful(model: Model, bench: Bench, check: ModelCheckSettings) -> Fit | Non
 
 def _short(predicted: WindowSettings, localise: LocaliseSettings) -> WindowSettings:
     return replace(predicted.of_length(localise.length), seconds=localise.seconds)
-
-
-def _spread(count: int, most: int) -> NDArray[np.intp]:
-    """At most so many of a count of places, from the first to the last."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.intp))
 
 
 def _scales(

@@ -7,10 +7,10 @@ from scipy.special import ndtri
 
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
+from dr_lab.diagnosis.windows.commands import steps_at
 from dr_lab.trajectory import Array
 
 _CONFIDENCE = 0.99  # as MATLAB's resid
-_ROUNDING = 1e-6  # steps; a sample on the edge of a step belongs to the step that begins there
 
 
 @dataclass(frozen=True)
@@ -34,10 +34,11 @@ def horizon_error(replay: Replay, fit: Point, run_in: float, margin: float, bins
         fit: fit of those starts.
         run_in: time of the known samples, s.
         margin: simulated time before them, s.
-        bins: number of bins, evenly spread on a logarithmic scale.
+        bins: number of bins, evenly spread on a logarithmic scale; a single one is the whole window.
     """
     last = max(float(s.time[s.scored].max()) for s in replay.windows.samples if s.scored.any()) - run_in - margin
     edges = np.concatenate([[0.0], np.geomspace(min(_spacing(replay), last), last, bins)])
+    edges[-1] = last
     rmse = {}
     for samples, residual in replay.by_channel(fit.residuals):
         error = residual * samples.std
@@ -109,7 +110,7 @@ def input_correlations(replay: Replay, fit: Point, commands: dict[str, int], lag
             continue
         time, error = samples.time[kept], residual[kept][:, used, 0]
         step = float(np.median(np.diff(time[:, used], axis=1)))
-        index = np.clip((time / replay.windows.step + _ROUNDING).astype(int), 0, controls.shape[1] - 1)
+        index = steps_at(time, replay.windows.step, controls.shape[1])
         for command, ctrl in commands.items():
             u = np.take_along_axis(controls[..., ctrl], index, axis=1)[:, used]
             found.append(_correlate(samples.channel.name, command, error, u, most, step))

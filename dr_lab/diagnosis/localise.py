@@ -10,12 +10,11 @@ from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.missing_force.force_formula import FormulaSettings
 from dr_lab.diagnosis.windows.channels import Tape
+from dr_lab.diagnosis.windows.commands import steps_at
 from dr_lab.trajectory import Array
 
 if TYPE_CHECKING:
     from sklearn.tree import DecisionTreeRegressor
-
-_ROUNDING = 1e-6  # steps; a sample on the edge of a step belongs to the step that begins there
 
 
 @dataclass(frozen=True)
@@ -112,7 +111,7 @@ def _features(replay: Replay, tape: Tape, time: Array) -> tuple[list[tuple[str, 
             (f"{joint} position", slide),
             (f"time since {joint} reversed", "s"),
         ]
-    step = np.clip((time / replay.windows.step + _ROUNDING).astype(int), 0, replay.windows.controls.shape[1] - 1)
+    step = steps_at(time, replay.windows.step, replay.windows.controls.shape[1])
     for name, ctrl in replay.commands.items():
         columns.append(np.abs(np.take_along_axis(replay.windows.controls[..., ctrl], step, axis=1)))
         names.append((f"|{name} command|", ""))

@@ -40,7 +40,7 @@ class Grid:
     def weak(self) -> Weak:
         """As the diagnosis projects by them."""
         index = np.arange(self.time.size).reshape(self.time.shape)
-        return Weak(self.log, self.time.mean(1), index, self.weight, 0.0, 0.0)
+        return Weak(self.log, self.time.mean(1), index, self.weight)
 
 
 @dataclass(frozen=True)

@@ -49,8 +49,7 @@ class Survey:
     Attributes:
         files: all files and folders by name.
         logs: names of all logs.
-        looked_at: those of them that `series` shows.
-        series: every series of numbers that all those logs hold.
+        series: every series of numbers that all logs hold which were looked at.
         clock: of tables; None of messages.
         spoilt: columns of tables that some text keeps from being read, a sentence each.
         short: logs that hold too few rows or messages to be used, each with what is said of it.
@@ -58,7 +57,6 @@ class Survey:
 
     files: dict[str, Path]
     logs: tuple[str, ...]
-    looked_at: tuple[str, ...]
     series: tuple[Series, ...]
     clock: Clock | None
     spoilt: tuple[str, ...] = ()
@@ -100,7 +98,7 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     usable = [k for k, _ in enumerate(places) if all(log[k] is not None for log in signals)]
     series = tuple(_named(places[k], tuple(s for log in signals if (s := log[k]) is not None)) for k in usable)
     spoilt = _spoilt([known[name] for name in chosen], settings) if clock else ()
-    return Survey(files, tuple(known), tuple(chosen), series, clock, spoilt, short)
+    return Survey(files, tuple(known), series, clock, spoilt, short)
 
 
 def _spoilt(chosen: Sequence[Recording], settings: ProposalSettings) -> tuple[str, ...]:

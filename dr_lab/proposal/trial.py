@@ -129,13 +129,8 @@ class Trial:
             for name in ("value", "slope", "curvature")
         )
         qpos = qpos + [r.offset for r in readings]
-        count, nv = qpos.shape
-        log = np.repeat(self.grid.log, self.grid.time.shape[1])
-        still = np.zeros(nv)
-        return Motion(
-            log, self.grid.time.ravel(), qpos, qvel, qacc, np.ones(count, bool), still, still, np.zeros(nv, np.intp),
-            self.grid.step,
-        )  # fmt: skip
+        log, known = np.repeat(self.grid.log, self.grid.time.shape[1]), np.ones(len(qpos), bool)
+        return Motion(log, self.grid.time.ravel(), qpos, qvel, qacc, known, self.grid.step)
 
     def __call__(self, readings: Sequence[Reading]) -> Outcome:
         """Try a reading."""
@@ -218,10 +213,8 @@ def made_up_motion(model: mujoco.MjModel) -> Motion:
     places = np.tile(model.qpos0, (_PROBED, 1))
     for place, move in zip(places, moving[0], strict=True):
         mujoco.mj_integratePos(model, place, move, 1.0)
-    return Motion(
-        np.zeros(_PROBED, np.intp), np.arange(_PROBED, dtype=np.float64), places, moving[1],
-        moving[2], np.ones(_PROBED, bool), np.zeros(model.nv), np.zeros(model.nv), np.zeros(model.nv, np.intp), 0.1,
-    )  # fmt: skip
+    log, time, known = np.zeros(_PROBED, np.intp), np.arange(_PROBED, dtype=np.float64), np.ones(_PROBED, bool)
+    return Motion(log, time, places, moving[1], moving[2], known, 0.1)
 
 
 def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:

@@ -156,6 +156,9 @@ def _remaining(report: GapReport) -> str:
     if remaining.status == "at_floor":
         return "What remains is noise."
     told = f"What remains (χ² {number(remaining.chi2)}) is above the noise floor and not explained"
+    lost = steps(report)[-1].held_out.infeasible_windows
+    if lost:
+        told = f"The simulation diverges in {lost} of the windows that score. {told}"
     return f"{told} by anything in the catalogue: {times} the sensors' noise." if report.judged.ranking else f"{told}."
 
 

@@ -17,7 +17,6 @@ from dr_lab.diagnosis.search.candidate_fits import CandidateFits
 from dr_lab.diagnosis.search.ladder import Ladder, Rung
 from dr_lab.diagnosis.search.rank import rank
 from dr_lab.diagnosis.search.step import AddedEffect
-from dr_lab.diagnosis.search.verdict import decide
 from dr_lab.effects.effect import Effect, PlacedEffect, place
 from dr_lab.effects.residual_force import ResidualForce
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
@@ -70,11 +69,7 @@ def _extend(study: Study, ladder: Ladder, effect: PlacedEffect, done: Callable[[
     base = ladder.models[-1]
     ranking = rank(study.bench, base, [effect], done)
     ladder = ladder.topped(ranking.base)
-    rung = Rung(
-        ranking.base,
-        ranking.candidates,
-        decide(ranking.base, ranking.candidates, study.bench.evidence, study.bench.scored),
-    )
+    rung = Rung.judged(study.bench, ranking.base, ranking.candidates)
     step = AddedEffect(_on_all(study, ranking.base, ranking.candidates[0]), (), proven=bool(rung.verdict.effects))
     return replace(ladder, rungs=(*ladder.rungs, rung), steps=(*ladder.steps, step))
 
@@ -98,8 +93,7 @@ def _on_all(study: Study, base: FittedModel, candidate: Candidate) -> FittedMode
 
 def _judged_as_it_is(study: Study, ladder: Ladder) -> Ladder:
     """The ladder with one rung, on which no effect of the catalogue was asked for."""
-    base, bench = ladder.base, study.bench
-    return replace(ladder, rungs=(Rung(base, (), decide(base, (), bench.evidence, bench.scored)),))
+    return replace(ladder, rungs=(Rung.judged(study.bench, ladder.base, ()),))
 
 
 def _lesson(study: Study, ladder: Ladder, effect: ResidualForce, joint: str, told: Screen) -> Lesson:

@@ -4,7 +4,17 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 import pytest
-from diagnosis_machines import NOISE, STEP, clock, log_of, pendulum, solver_settings, steps_command, windows_of
+from diagnosis_machines import (
+    NOISE,
+    STEP,
+    clock,
+    formal_std,
+    log_of,
+    pendulum,
+    solver_settings,
+    steps_command,
+    windows_of,
+)
 from effect_machines import placed
 from scipy.integrate import solve_ivp
 
@@ -65,7 +75,7 @@ def test_the_hidden_force_is_found(name: str, force: Force, truth: Mapping[str, 
     fitter = Fitter(Replay(model, windows_of(plain, logs), 1), solver_settings())
     fit = fitter.run(model.space.vector(one.starts[0] if one.starts else {}))
     assert fit.cost / fitter.replay.fitted.sum() == pytest.approx(1.0, abs=0.1)
-    std = np.sqrt(np.diag(np.linalg.inv(fit.equations.information()))) * model.space.span
+    std = formal_std(model, fit)
     expected = {**TRUTH, **{f"{one.label}.{key}": value for key, value in truth.items()}}
     for (key, value), error in zip(model.space.mapping(fit.z).items(), std, strict=True):
         assert value == pytest.approx(expected[key], rel=0.05)

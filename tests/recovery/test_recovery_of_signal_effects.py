@@ -9,6 +9,7 @@ from diagnosis_machines import (
     NOISE,
     STEP,
     clock,
+    formal_std,
     log_of,
     pendulum,
     simulated,
@@ -79,7 +80,7 @@ def test_the_hidden_time_constant_is_found(
     fitter = Fitter(Replay(model, windows_of(plain, logs), 1), solver_settings())
     fit = fitter.run(model.space.nominal)
     assert fit.cost / fitter.replay.fitted.sum() == pytest.approx(1.0, abs=0.1)
-    std = np.sqrt(np.diag(np.linalg.inv(fit.equations.information()))) * model.space.span
+    std = formal_std(model, fit)
     found = model.space.mapping(fit.z)
     assert found[f"{name}@{site}.tau"] == pytest.approx(truth, rel=0.03)
     for value, error, true in zip(found.values(), std, (*TRUTH.values(), truth), strict=True):

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from scipy.stats import chi2
-
 from dr_lab.bounds import Confidence, Count, Natural, NotNegative, Positive, Share, at_least, require_bounds
+from dr_lab.diagnosis.fit.right_model import most_chi2
 
 
 @dataclass(frozen=True)
@@ -13,7 +12,8 @@ class ModelCheckSettings:
     """How a model is tried on logs that it made itself, and how fine its time step must be.
 
     Attributes:
-        windows: windows in which it is tried, spread over the logs; 0 leaves the trial out.
+        windows: windows in which it is tried, spread over the logs; 0 leaves the trial out. Finer steps are tried in as
+            many, at least in one.
         lead: s that it is simulated before each of them, so that its hidden states are its own.
         largest_chi2: of a channel in its own logs, where samples are many.
         confidence: that a right model is not refused for the scatter of few samples.
@@ -48,5 +48,5 @@ class ModelCheckSettings:
         require_bounds(self, "model_check")
 
     def most_chi2(self, freedom: float) -> float:
-        """Largest χ² per degree of freedom that a right model leaves: few samples scatter."""
-        return max(self.largest_chi2, float(chi2.ppf(self.confidence, freedom)) / freedom if freedom > 0 else 0.0)
+        """Largest χ² per degree of freedom that a right model leaves."""
+        return most_chi2(freedom, self.largest_chi2, self.confidence)

@@ -69,7 +69,7 @@ def refine(
     share = floor.largest
     if share <= check.least_share:
         return _as_given(model, floor, "")
-    few = replace(settings, seconds=check.windows * settings.length)
+    few = replace(settings, seconds=max(check.windows, 1) * settings.length)
     tried = []
     for finer, cost in _finer(model, check.finest):
         found = _Tried(finer, cost, _share(finer, logs, measured, few, threads))

@@ -13,6 +13,7 @@ from dr_lab.diagnosis.fit.slopes import differences
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.settings import SolverSettings, WindowSettings
 from dr_lab.diagnosis.windows.activations import run_in_of
+from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.diagnosis.windows.windows import Windows, window_begins, windows_at
 from dr_lab.errors import ModelError
 from dr_lab.physics.activations import holders
@@ -107,7 +108,7 @@ def _stretches(
         long = windows.of_length(windows.length + steps * step)
         found = [(log, begin) for log in measured.fit for begin in window_begins(log, measured.gaps, long)]
         if found:
-            chosen = np.unique(np.linspace(0, len(found) - 1, min(len(found), check.windows)).round().astype(int))
+            chosen = spread(len(found), check.windows)
             return [found[k][0] for k in chosen], [np.array([found[k][1]]) for k in chosen], steps
     return [], [], 0
 

@@ -15,6 +15,7 @@ from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
 from dr_lab.diagnosis.settings import EvidenceSettings, SolverSettings
+from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
@@ -116,7 +117,7 @@ class Bench:
         most = min(count, max(asked, self.evidence.screen_windows))
         left = np.zeros(count) if base is None else _left(base)
         every = np.lexsort((left, self.fit.loaded))
-        return np.unique(every[np.linspace(0, count - 1, most).round().astype(np.intp)])
+        return np.sort(every[spread(count, most)])
 
     def promise(self, gain: float, base: Fit, extra: int = 0) -> float:
         """Evidence on all fit windows that a lower cost foretells, −n ln(1 − share), less the penalty of chance.

@@ -38,9 +38,7 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
         The fit's context, with residuals, shape (w, m), states and windows that diverge as foretold.
     """
     log = replay.windows.log
-    parts = logs(log)
-    if len(parts) < settings.least_trusted:
-        parts = blocks(log, settings.block, settings.least_blocks)
+    parts = parts_of(log, settings)
     delta, residuals = _linear(replay, fit, parts)
     found = Point(fit.z, delta, residuals, np.inf, fit.infeasible.copy())
     for rows in parts:
@@ -52,6 +50,17 @@ def left_out(replay: Replay, fit: Fit, solver: SolverSettings, settings: Evidenc
     return found
 
 
+def parts_of(log: Indices, settings: EvidenceSettings) -> list[Indices]:
+    """Parts of windows that are left out together: logs, or where they are few blocks of windows.
+
+    Args:
+        log: index of each window's log, shape (w,).
+        settings: number of logs that are few, and size of the blocks.
+    """
+    found = logs(log)
+    return found if len(found) >= settings.least_trusted else blocks(log, settings.block, settings.least_blocks)
+
+
 def _linear(replay: Replay, fit: Fit, parts: list[Indices]) -> tuple[Array, Array]:
     """States (w, s) and residuals (w, m) that follow where each window is left out with its part.
 
@@ -61,8 +70,7 @@ def _linear(replay: Replay, fit: Fit, parts: list[Indices]) -> tuple[Array, Arra
     moved = np.zeros((len(fit.delta), len(unit)))
     for move, rows in zip(_moves(unit, fit, parts), parts, strict=True):
         moved[rows] = move
-    gain = np.linalg.solve(fit.equations.state, fit.equations.mixed)
-    follow = -(gain @ moved[..., None])[..., 0]
+    follow = -(fit.equations.reduced.gain @ moved[..., None])[..., 0]
     away = fit.slopes.parameter @ moved[..., None] + fit.slopes.state @ follow[..., None]
     return fit.delta + follow, fit.residuals + away[..., 0]
 

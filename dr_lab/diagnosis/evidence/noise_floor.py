@@ -1,28 +1,22 @@
 """Does what a model leaves pass for noise?"""
 
-from scipy.stats import chi2
-
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
+from dr_lab.diagnosis.fit.right_model import most_chi2
 from dr_lab.diagnosis.settings import EvidenceSettings
 
 
 def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
-    """Largest χ² per degree of freedom at which a model counts as right.
-
-    The noise is known to `settings.floor`; on few samples, moreover, the χ² of a right model scatters, and exceeds this
-    quantile of its distribution only with probability 1 − confidence.
-
-    Args:
-        freedom: degrees of freedom of the χ².
-        settings: floor and confidence.
-    """
-    if freedom <= 0:
-        return settings.floor
-    return max(settings.floor, float(chi2.ppf(settings.confidence, freedom)) / freedom)
+    """Largest χ² per degree of freedom that is evidence of nothing; see `most_chi2`."""
+    return most_chi2(freedom, settings.floor, settings.confidence)
 
 
 def at_floor(score: Score, settings: EvidenceSettings) -> bool:
-    """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make."""
+    """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make.
+
+    It does not where half of the windows diverge or more: what the others leave says nothing of most of the motion.
+    """
+    if score.freedom <= 0 or 2 * score.infeasible >= len(score.window_count):
+        return False
     if score.chi2 <= noise_floor(score.freedom, settings):
         return True
     return bool(score.channels) and all(channel_at_floor(channel, settings) for channel in score.channels.values())

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from dr_lab.diagnosis.evidence.intervals import interval, least_between_logs, resampled
-from dr_lab.diagnosis.evidence.noise_floor import at_floor, channel_at_floor
+from dr_lab.diagnosis.evidence.noise_floor import alone_at_floor, channel_at_floor
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.diagnosis.windows.blocks import Indices, blocks
@@ -38,7 +38,7 @@ class Gain:
             number of independent ones among them. It is Δχ² near the noise floor, no single wild window decides far
             above it, and there it does not depend on how large the noise is.
         total_low: what it exceeds at the confidence asked for; −∞ where the better model diverges in a window that the
-            worse simulates, NaN where there are too few blocks of data to know.
+            worse simulates, NaN where there are too few blocks of data to know, or none that both simulate.
         trial_low: what it exceeds at the confidence of a trial; −∞ and NaN as above.
         blocks_low: as `total_low`, by the scatter between blocks alone, whatever that between logs is.
         wins: share of the windows that score in which the χ² is lower.
@@ -60,7 +60,9 @@ class Gain:
     clear: bool
 
 
-_NOTHING = Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, -np.inf, -np.inf, -np.inf, 0.0, clear=False)
+def _nothing(bound: float) -> Gain:
+    """The gain where both models simulate no window, with a lower bound of its evidence."""
+    return Gain(0.0, -np.inf, 0.0, 0.0, 0.0, {}, "", 0.0, bound, bound, bound, 0.0, clear=False)
 
 
 def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain:
@@ -79,7 +81,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
     """
     both = (worse.window_count > 0) & (better.window_count > 0)
     if not both.any():
-        return _NOTHING
+        return _nothing(-np.inf if _diverges(worse, better) else np.nan)
     ours, theirs, count = better.window_sum[both], worse.window_sum[both], worse.window_count[both]
     each = {name: _one_channel(*pair, both) for name, pair in _paired(worse, better).items()}
     place = max(each, key=lambda name: float(each[name][0].sum()))
@@ -102,9 +104,7 @@ def paired_gain(worse: Score, better: Score, settings: EvidenceSettings) -> Gain
         trial_low=bounds.trial,
         blocks_low=bounds.blocks,
         wins=float((theirs > ours).mean()),
-        clear=bool((theirs > ours).all() and not _diverges(worse, better))
-        and at_floor(better, settings)
-        and not at_floor(worse, settings),
+        clear=bool((theirs > ours).all() and not _diverges(worse, better)) and alone_at_floor(better, worse, settings),
     )
 
 
@@ -266,10 +266,10 @@ def cleared(worse: Score, better: Score, gain: Gain, settings: EvidenceSettings)
 def supported(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
     """Whether a gain is beyond its interval, threshold and penalty, and no trifle.
 
-    A typical window gains, too, where its interval is known. With few blocks the evidence may have no bound above 0. None
-    is asked of a model at the noise floor, where it is a likelihood ratio, and that gains in every window that scores.
+    A typical window gains, too, where that is known. With few blocks the evidence may have no bound above 0. None is
+    asked of a model at the noise floor, where it is a likelihood ratio, that gains in every window that scores.
     """
-    return certain(gain, settings) and sizeable(gain, extra_parameters, settings)
+    return not gain.low <= 0 and certain(gain, settings) and sizeable(gain, extra_parameters, settings)
 
 
 def supported_within_logs(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:
@@ -283,7 +283,7 @@ def certain(gain: Gain, settings: EvidenceSettings) -> bool:
 
 
 def _beyond(gain: Gain, low: float, settings: EvidenceSettings) -> bool:
-    return not gain.low <= 0 and bool(low > 0 or (gain.clear and gain.gap >= settings.least_named))
+    return low > 0 or bool(gain.clear and gain.gap >= settings.least_named and not gain.low <= 0)
 
 
 def worth_a_trial(gain: Gain, extra_parameters: int, settings: EvidenceSettings) -> bool:

@@ -98,7 +98,7 @@ def _sign(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fa
 def _unit(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:
     bounds = ((1 / settings.gain, np.inf), (0.0, settings.gain), (-np.inf, -1 / settings.gain), (-settings.gain, 0.0))
     other = min((fit.gain(low, high) for low, high in bounds), key=lambda gain: gain.left)
-    if not _better(fit, other, given, settings) or other.left > settings.contrast * idle.left:
+    if not _better(fit, other, given, settings) or other.left >= settings.contrast * idle.left:
         return None
     message = (
         f"{fit.actuator}: the motion of {fit.joint} asks for {other.gain:.3g} times the commands' force"

@@ -184,7 +184,8 @@ class Forces:
         rows, grid, log = self._rows(k), self.motion.log == k, self.logs[k]
         force = np.zeros(int(grid.sum())) if i is None else self.given.driven[grid, i, dof]
         need = self._mean(self.needed.force[:, dof] - self.given.idle[:, dof], rows)
-        others, low, high = self._others(rows, grid, i, dof, float(np.sqrt((need**2).mean())))
+        size = float(np.sqrt((need**2).mean())) or 1.0  # bounds of no width cannot be kept to
+        others, low, high = self._others(rows, grid, i, dof, size)
         index = self.weak.index[rows] - int(np.argmax(grid))
         name = "" if i is None else self.model.actuator(i).name
         straight = None

@@ -19,10 +19,6 @@ import numpy as np
 from dr_lab.diagnosis.faults.smoothed_motion import EquationErrorSettings, Index, Mask, Motion
 from dr_lab.trajectory import Array
 
-# ∫ of the squared first and second derivatives of (1 − x²)³ over −1 … 1.
-_BUMP = np.polynomial.Polynomial([1, 0, -1]) ** 3
-_SLOPE, _BEND = (2 * float((_BUMP.deriv(k) ** 2).integ()(1.0)) for k in (1, 2))
-
 
 @dataclass(frozen=True)
 class Demand:
@@ -68,16 +64,12 @@ class Weak:
         time: its middle on the log's clock in s, shape (w,).
         index: the grid's times on which it lives, shape (w, m).
         weight: its value times the grid's step, shape (m,).
-        bend: ∫ φ''² dt in 1/s⁵, which white noise of positions passes through.
-        slope: ∫ φ'² dt in 1/s³, which white noise of velocities passes through.
     """
 
     log: Index
     time: Array
     index: Index
     weight: Array
-    bend: float
-    slope: float
 
     def __len__(self) -> int:
         """Number of test functions."""
@@ -86,11 +78,6 @@ class Weak:
     def project(self, values: Array) -> Array:
         """∫ φ f dt of values over the grid, shape (n, …) → (w, …)."""
         return np.tensordot(values[self.index], self.weight, axes=(1, 0))
-
-    @property
-    def middle(self) -> Index:
-        """The grid's time in the middle of each test function, shape (w,)."""
-        return self.index[:, self.index.shape[1] // 2]
 
 
 def demand(model: mujoco.MjModel, motion: Motion) -> Demand:
@@ -142,33 +129,8 @@ def weak_form(motion: Motion, settings: EquationErrorSettings, blocked: Mask | N
     index = np.concatenate(starts)[:, None] + np.arange(2 * half + 1) if starts else np.zeros((0, 2 * half + 1), int)
     free = motion.known if blocked is None else motion.known & ~blocked
     index = index[free[index].all(1)]
-    # φ = (35/32)(1 − x²)³ / r with x = t / r.
-    reach, scale = (half + 1) * motion.step, (35 / 32) ** 2
-    return Weak(
-        log=motion.log[index[:, half]],
-        time=motion.time[index[:, half]],
-        index=index,
-        weight=shape / shape.sum(),
-        bend=scale * _BEND / reach**5,
-        slope=scale * _SLOPE / reach**3,
-    )
-
-
-def noise_of(model: mujoco.MjModel, motion: Motion, weak: Weak) -> Array:
-    """Standard deviation of projected demands by the samples' white noise, through inertia alone, shape (w, nv).
-
-    ∫ φ M q'' dt = M ∫ φ'' q dt, whose variance is M² σ² Δ ∫ φ''² dt for samples every Δ s.
-    """
-    per_dof = motion.std**2 * motion.period * np.where(motion.order == 0, weak.bend, weak.slope)
-    data, variance = mujoco.MjData(model), np.zeros((len(weak), model.nv))
-    unit, column = np.eye(model.nv), np.zeros(model.nv)
-    for w, k in enumerate(weak.middle):
-        data.qpos[:] = motion.qpos[k]
-        mujoco.mj_fwdPosition(model, data)
-        for dof in range(model.nv):
-            mujoco.mj_mulM(model, data, column, unit[dof])
-            variance[w] += column**2 * per_dof[dof]
-    return np.sqrt(variance)
+    middle = index[:, half]
+    return Weak(motion.log[middle], motion.time[middle], index, shape / shape.sum())
 
 
 def parameter_columns(

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_smoothing_spline
 
 from dr_lab.bounds import Positive, require_bounds
-from dr_lab.diagnosis.windows.channels import available
 from dr_lab.diagnosis.windows.commands import actuator_columns, averages
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
@@ -58,9 +57,6 @@ class Motion:
         qvel: shape (n, nv).
         qacc: shape (n, nv).
         known: times at which every joint is measured: in no gap and not at a log's ends, shape (n,).
-        period: mean time between two samples of each degree of freedom, s, shape (nv,).
-        std: noise of each degree of freedom's samples, rad or m (rad/s or m/s of a measured velocity), shape (nv,).
-        order: 0 where a degree of freedom's position is measured, 1 where its velocity is, shape (nv,).
         step: s, between two times of a log.
     """
 
@@ -70,9 +66,6 @@ class Motion:
     qvel: Array
     qacc: Array
     known: Mask
-    period: Array
-    std: Array
-    order: Index
     step: float
 
     def __len__(self) -> int:
@@ -107,7 +100,7 @@ def smoothed_motion(
 
     Args:
         model: compiled model; see `untestable`.
-        measured: gives noise and the longest waits that are no gaps.
+        measured: gives the longest waits that are no gaps.
         logs: the logs, a part of `measured`.
         settings: grid and cutoff.
 
@@ -119,27 +112,22 @@ def smoothed_motion(
     index, time = _even_times(logs, settings)
     qpos, (qvel, qacc) = np.tile(model.qpos0, (len(time), 1)), np.zeros((2, len(time), model.nv))
     known = np.ones(len(time), bool)
-    period, std, order = np.zeros(model.nv), np.zeros(model.nv), np.zeros(model.nv, np.intp)
     for i in range(model.njnt):
         joint, adr, dof = model.joint(i).name, int(model.jnt_qposadr[i]), int(model.jnt_dofadr[i])
-        name = f"{joint}.position" if f"{joint}.position" in logs[0].outputs else f"{joint}.velocity"
-        channel, signals = available(model)[name], [log.outputs[name] for log in logs]
-        order[dof], std[dof] = int(channel.kind == "velocity"), measured.noise[name].std
-        period[dof] = np.mean([np.ptp(signal.time) / (len(signal) - 1) for signal in signals])
-        for k, signal in enumerate(signals):
+        integrated = f"{joint}.position" not in logs[0].outputs
+        name = f"{joint}.{'velocity' if integrated else 'position'}"
+        for k, signal in enumerate(log.outputs[name] for log in logs):
             rows = index == k
             if rows.any():
                 path = smooth(signal, settings.cutoff)
-                path = path.antiderivative() if order[dof] else path
-                qpos[rows, adr] = path(time[rows]) + (model.qpos0[adr] if order[dof] else 0.0)
+                path = path.antiderivative() if integrated else path
+                qpos[rows, adr] = path(time[rows]) + (model.qpos0[adr] if integrated else 0.0)
                 qvel[rows, dof], qacc[rows, dof] = path(time[rows], 1), path(time[rows], 2)
                 known[rows] &= _sampled(signal.time, time[rows], measured.gaps[name])
-    return Motion(index, time, qpos, qvel, qacc, known, period, std, order, settings.step)
+    return Motion(index, time, qpos, qvel, qacc, known, settings.step)
 
 
-def controls_at(
-    model: mujoco.MjModel, logs: Sequence[Log], motion: Motion, lag: float = 0.0, *, straight: bool = False
-) -> Array:
+def controls_at(model: mujoco.MjModel, logs: Sequence[Log], motion: Motion, *, straight: bool = False) -> Array:
     """Controls of the grid's times, each the mean over one step around it, shape (n, nu).
 
     Delays that the model has compiled in are part of them.
@@ -148,7 +136,6 @@ def controls_at(
         model: compiled model.
         logs: the logs of the motion.
         motion: gives the times.
-        lag: s by which commands act later than logged.
         straight: whether commands go straight from sample to sample instead of holding.
     """
     columns, controls = actuator_columns(model, logs), np.zeros((len(motion), model.nu))
@@ -156,7 +143,7 @@ def controls_at(
     for k, log in enumerate(logs):
         rows = motion.log == k
         for name, signal in log.commands.items() if rows.any() else ():
-            time = motion.time[rows] - lag - delays[name]
+            time = motion.time[rows] - delays[name]
             if straight:
                 controls[rows, columns[name]] = np.interp(time, signal.time, signal.value)
                 continue

@@ -11,7 +11,7 @@ from scipy.linalg import qr
 from dr_lab.diagnosis.fit.normal_equations import NormalEquations, inverse_root
 from dr_lab.trajectory import Array
 
-_HALF = 0.5  # of the prior's standard deviation, below which logs and not the prior tell a combination
+HALF = 0.5  # of the prior's standard deviation, below which logs and not the prior tell a combination
 _ROUNDING = 1e-9  # share of the strongest combination's information below which finite differences show nothing
 _SHOWN = 0.3  # entries of a combination, whose length is 1, that are told
 _TOLD = 3  # combinations
@@ -67,7 +67,7 @@ def base_parameters(equations: NormalEquations, names: Sequence[str], rows: NDAr
     values, vectors = np.linalg.eigh(beside)
     values, vectors = np.maximum(values[::-1], 0.0), vectors[:, ::-1]
     rank = int((values > _ROUNDING * values[0]).sum())
-    known = min(int((values >= _HALF**-2 - 1).sum()), rank)
+    known = min(int((values >= HALF**-2 - 1).sum()), rank)
     told = [str(names[row]) for row in rows.tolist()]
     square = np.sqrt(values[:known, None]) * vectors[:, :known].T
     order = _pivots(square) if known else []
@@ -78,9 +78,9 @@ def base_parameters(equations: NormalEquations, names: Sequence[str], rows: NDAr
         known=known,
         condition=float(np.sqrt(values[0] / values[known - 1])) if known else 1.0,
         chosen=tuple(told[k] for k in sorted(order[:known])),
-        held=tuple(name for name, variance in zip(told, share, strict=True) if variance > _HALF**2),
-        best=tuple(_combination(vectors[:, k], told) for k in range(min(_TOLD, known))),
-        worst=tuple(_combination(vectors[:, k], told) for k in range(rank - 1, max(known, rank - _TOLD) - 1, -1)),
+        held=tuple(name for name, variance in zip(told, share, strict=True) if variance > HALF**2),
+        best=tuple(combination(vectors[:, k], told, 1) for k in range(min(_TOLD, known))),
+        worst=tuple(combination(vectors[:, k], told, 1) for k in range(rank - 1, max(known, rank - _TOLD) - 1, -1)),
     )
 
 
@@ -90,8 +90,15 @@ def _pivots(columns: Array) -> list[int]:
     return [int(place) for place in found[-1]]
 
 
-def _combination(vector: Array, names: list[str]) -> dict[str, float]:
+def combination(vector: Array, names: Sequence[str], least: int = 0) -> dict[str, float]:
+    """A combination of parameters whose length is 1, by name, the largest first and positive, without small entries.
+
+    Args:
+        vector: its entries, shape (n,).
+        names: of the parameters.
+        least: entries that are told however small they are.
+    """
     order = np.argsort(-np.abs(vector))
     sign = np.sign(vector[order[0]])
-    shown = [k for k in order if abs(vector[k]) >= _SHOWN] or [order[0]]
-    return {names[k]: float(sign * vector[k]) for k in shown}
+    shown = (k for place, k in enumerate(order) if place < least or abs(vector[k]) >= _SHOWN)
+    return {names[int(k)]: float(sign * vector[k]) for k in shown}

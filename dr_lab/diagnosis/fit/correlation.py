@@ -18,6 +18,8 @@ def autocorrelation(residual: Array, used: Mask) -> Array:
         residual: residuals of w windows, shape (w, m).
         used: which of them exist, shape (w, m).
     """
+    if not residual.size:
+        return np.eye(1, residual.shape[1])[0]
     values, count = np.where(used, residual, 0.0), used.astype(np.float64)
     products, pairs = (_lagged(rows) for rows in (values, count))
     mean = np.divide(products, pairs, out=np.zeros_like(products), where=pairs > 0.5)
@@ -53,7 +55,7 @@ def colour(parts: Iterable[tuple[Array, Mask]]) -> float:
 
 def by_component(part: NDArray[Any]) -> NDArray[Any]:
     """Components of a vector as windows of their own, (w, m, size) → (w · size, m)."""
-    return part.transpose(0, 2, 1).reshape(-1, part.shape[1])
+    return part.transpose(0, 2, 1).reshape(part.shape[0] * part.shape[2], part.shape[1])
 
 
 def _lagged(rows: Array) -> Array:

@@ -182,32 +182,31 @@ class NormalEquations:
     @cached_property
     def reduced(self) -> Reduced:
         """The equations of the parameters alone, without their prior."""
-        gain = np.asarray(np.linalg.solve(self.state, self.mixed), np.float64)
-        states = np.asarray(np.linalg.solve(self.state, self.state_gradient[..., None])[..., 0], np.float64)
+        gain, states, gradient = self._eliminated(self.state)
         through = np.tensordot(self.mixed, gain, axes=((0, 1), (0, 1)))
-        gradient = self.parameter_gradient - (self.mixed.transpose(0, 2, 1) @ states[..., None])[..., 0]
         return Reduced(self.parameter.sum(0) - through, gradient, gain, states)
 
-    def information(self) -> Array:
-        """Information about the parameters once the states are eliminated, prior included, shape (p, p)."""
-        return self._reduce(0.0)[0]
-
     def window_information(self) -> tuple[Array, Array]:
-        """Each window's share of `information` and of its gradient, without the prior, shapes (w, p, p), (w, p)."""
-        gain = np.linalg.solve(self.state, self.mixed)
-        transposed = self.mixed.transpose(0, 2, 1)
-        offset = np.linalg.solve(self.state, self.state_gradient[..., None])
-        return self.parameter - transposed @ gain, self.parameter_gradient - (transposed @ offset)[..., 0]
+        """Each window's share of the information and of its gradient, without the prior, shapes (w, p, p), (w, p)."""
+        return self._left(self.reduced.gain), self.reduced.gradient
 
     def _reduce(self, damping: float) -> tuple[Array, Array, Array, Array]:
+        """Information and gradient, prior included, gain and states, where the states are damped."""
         diagonal = np.einsum("wii->wi", self.state)
         damped = self.state + damping * diagonal[:, :, None] * np.eye(self.state.shape[1])
-        gain = np.linalg.solve(damped, self.mixed)
-        offset = np.linalg.solve(damped, self.state_gradient[..., None])
-        transposed = self.mixed.transpose(0, 2, 1)
-        information = (self.parameter - transposed @ gain).sum(0) + np.diag(self.prior)
-        gradient = (self.parameter_gradient - (transposed @ offset)[..., 0]).sum(0) + self.prior_gradient
-        return information, gradient, gain, offset[..., 0]
+        gain, states, gradient = self._eliminated(damped)
+        information = self._left(gain).sum(0) + np.diag(self.prior)
+        return information, gradient.sum(0) + self.prior_gradient, gain, states
+
+    def _eliminated(self, state: Array) -> tuple[Array, Array, Array]:
+        """Gain, states and gradient as of `Reduced`, with other equations of the states, shape (w, s, s)."""
+        gain = np.asarray(np.linalg.solve(state, self.mixed), np.float64)
+        states = np.asarray(np.linalg.solve(state, self.state_gradient[..., None])[..., 0], np.float64)
+        return gain, states, self.parameter_gradient - (self.mixed.transpose(0, 2, 1) @ states[..., None])[..., 0]
+
+    def _left(self, gain: Array) -> Array:
+        """What each window says of the parameters once its states follow by a gain, shape (w, p, p)."""
+        return self.parameter - self.mixed.transpose(0, 2, 1) @ gain
 
 
 def inverse_root(information: Array, prior: Array) -> Array:

@@ -59,6 +59,8 @@ def huber_weights(residuals: Array, fitted: Mask, infeasible: Mask, limit: float
 
 def _quantile(size: Array, used: Mask) -> Array:
     """The size that a usual share of the used samples keeps to, shape (w,); 0 where none is used."""
+    if not size.shape[1]:
+        return np.zeros(len(size))
     count = used.sum(1)
     place = np.maximum(np.ceil(_USUAL * count).astype(np.intp) - 1, 0)
     ordered = np.sort(np.where(used, size, np.inf), axis=1)

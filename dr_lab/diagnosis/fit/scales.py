@@ -8,6 +8,7 @@ import numpy as np
 
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit
+from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.diagnosis.windows.channels import Channel, available
 from dr_lab.effects.effect import Scales
 from dr_lab.measurements.smoothing import local_polynomial
@@ -94,7 +95,7 @@ def _replayed(replay: Replay, fit: StateFit) -> tuple[tuple[Array, Array, Array]
     count = qacc.shape[0] * qacc.shape[1]
     rows = [rows.reshape(count, rows.shape[2]) for rows in (qpos[:, :-1], qvel[:, :-1], qacc, controls)]
     most = _SAMPLES_PER_LOG * len(replay.windows.logs)
-    pick = np.unique(np.linspace(0, count - 1, most).round().astype(int))
+    pick = spread(count, most)
     qpos, qvel, qacc, controls = (each[pick] for each in rows)
     return (qpos, qvel, qacc), controls
 

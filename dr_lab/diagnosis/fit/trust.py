@@ -2,14 +2,12 @@
 
 import numpy as np
 
+from dr_lab.diagnosis.fit.base_parameters import HALF, combination
+from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.fit.fit import Fit
 from dr_lab.diagnosis.settings import EvidenceSettings
-from dr_lab.diagnosis.windows.blocks import blocks, logs
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.physics.context import ContextEstimate, ContextSpace
-from dr_lab.trajectory import Array
-
-_SHOWN = 0.3  # entries of the worst direction, whose length is 1, that are told
 
 
 def doubts(found: ContextEstimate, fit: Fit, windows: Windows, settings: EvidenceSettings) -> dict[str, list[str]]:
@@ -19,15 +17,14 @@ def doubts(found: ContextEstimate, fit: Fit, windows: Windows, settings: Evidenc
     not to be trusted where there are too few blocks to resample, where the value lies at its bound, and where its
     standard deviation is so large that the prior decides.
     """
-    groups = logs(windows.log)
-    groups = groups if len(groups) > 1 else blocks(windows.log, settings.block, settings.least_blocks)
+    groups = clusters(windows, settings)
     few = [f"{len(groups)} blocks of data to resample"] if len(groups) < settings.least_trusted else []
     edge, width = at_bounds(found), found.std / found.space.span
     prior = fit.equations.prior**-0.5
     reasons: dict[str, list[str]] = {}
     for k, name in enumerate(found.space.names):
         bound = ["at its bound"] if edge[name] else []
-        prior_alone = ["the data hardly move it"] if width[k] > prior[k] / 2 else []
+        prior_alone = ["the data hardly move it"] if width[k] > HALF * prior[k] else []
         reasons[name] = [*few, *bound, *prior_alone]
     return reasons
 
@@ -44,14 +41,4 @@ def worst_direction(space: ContextSpace, fit: Fit) -> dict[str, float]:
     The eigenvector of the information, the starts being eliminated, with the smallest eigenvalue: parameters of this
     combination trade against each other. Entries that are small are left out.
     """
-    return _told(_eigenvector(fit.equations.reduced.information), space.names)
-
-
-def _eigenvector(information: Array) -> Array:
-    vector = np.linalg.eigh(information)[1][:, 0]
-    return vector * np.sign(vector[np.abs(vector).argmax()])
-
-
-def _told(vector: Array, names: tuple[str, ...]) -> dict[str, float]:
-    order = np.argsort(-np.abs(vector))
-    return {names[k]: float(vector[k]) for k in order if abs(vector[k]) >= _SHOWN}
+    return combination(np.linalg.eigh(fit.equations.reduced.information)[1][:, 0], space.names)

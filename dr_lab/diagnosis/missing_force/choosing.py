@@ -5,9 +5,10 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from dr_lab.diagnosis.evidence.left_out import parts_of
 from dr_lab.diagnosis.missing_force.force_step import Choice, Course, Linear, Machine
 from dr_lab.diagnosis.missing_force.learning_settings import LearningSettings
-from dr_lab.diagnosis.windows.blocks import Indices, blocks, logs
+from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.physics.radial_basis import Input, RadialBasis, Seen, around, features
 from dr_lab.trajectory import Array
 
@@ -35,7 +36,7 @@ class _Search:
 
     def __init__(self, machine: Machine, course: Course, cost: float, settings: LearningSettings) -> None:
         self.machine, self.course, self.cost, self.settings = machine, course, cost, settings
-        self.parts = _parts(machine)
+        self.parts = parts_of(machine.bench.fit.log, machine.bench.evidence)
         self.seen = _some(course.seen, settings.states)
         self.inputs = _inputs(machine, self.seen)
 
@@ -77,17 +78,10 @@ class _Search:
         return (linear.removed(size, self.parts) - linear.removed(None, self.parts)) / self.cost
 
 
-def _parts(machine: Machine) -> list[Indices]:
-    """Parts of the fitted windows that are left out together: logs, or where they are few blocks of windows."""
-    log, evidence = machine.bench.fit.log, machine.bench.evidence
-    found = logs(log)
-    return found if len(found) >= evidence.least_trusted else blocks(log, evidence.block, evidence.least_blocks)
-
-
 def _some(seen: Seen, most: int) -> Seen:
     """At most so many of the states, evenly spread; none of windows that diverge."""
     finite = np.flatnonzero(np.isfinite(seen.qpos).all(1) & np.isfinite(seen.qvel).all(1))
-    every = finite[np.unique(np.linspace(0, len(finite) - 1, min(most, len(finite))).round().astype(np.intp))]
+    every = finite[spread(len(finite), most)]
     return Seen(*(part[every] for part in seen))
 
 

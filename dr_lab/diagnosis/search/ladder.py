@@ -9,6 +9,7 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fitted_for_compa
 from dr_lab.diagnosis.evidence.confirmation import Confirmation
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, cleared, paired_gain
+from dr_lab.diagnosis.search.as_special_case import holds
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
 from dr_lab.diagnosis.search.deletions import Deletions
@@ -38,6 +39,11 @@ class Rung:
     base: FittedModel
     ranking: tuple[Candidate, ...]
     verdict: Verdict
+
+    @classmethod
+    def judged(cls, bench: Bench, base: FittedModel, ranking: tuple[Candidate, ...]) -> "Rung":
+        """The rung of a ranking beside a model, by the rules of a bench."""
+        return cls(base, ranking, decide(base, ranking, bench.evidence, bench.scored))
 
 
 @dataclass(frozen=True)
@@ -231,8 +237,7 @@ def _to_try(ladder: Ladder, placed: Sequence[PlacedEffect], settings: EvidenceSe
 
 def _richer(effect: PlacedEffect, model: Model) -> bool:
     """Whether a model has a special case of the effect, which was weighed against it when it was added."""
-    added = (each for each in model.effects if isinstance(each, PlacedEffect) and each.site == effect.site)
-    return any(each.effect.name in effect.effect.holds for each in added)
+    return any(isinstance(each, PlacedEffect) and holds(effect, each) for each in model.effects)
 
 
 def _with_rung(
@@ -242,9 +247,7 @@ def _with_rung(
     bench = deletions.bench
     if ranking.back_from is not None:
         deletions.tried(ranking.back_from)
-    rung = Rung(
-        ranking.base, ranking.candidates, decide(ranking.base, ranking.candidates, bench.evidence, bench.scored)
-    )
+    rung = Rung.judged(bench, ranking.base, ranking.candidates)
     over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
     steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, _ended(bench, step_from(rung))))
     if over:

@@ -40,13 +40,19 @@ def one_behind_another(
     """The same for places, some of which wait for what the work gives for an earlier one, which their work is given.
 
     Args:
-        places: those that others wait for come before these.
+        places: those that others wait for begin before these, the others in this order.
         before: which place one waits for; one that is not among the places has nothing to give.
         work: looks at `stop` now and then.
         threads: as for `side_by_side`.
         stop: as there.
     """
     made = {place: Future[_Out]() for place in places}
+    row = dict[int, None]()
+
+    def line_up(place: int) -> None:
+        if before.get(place, -1) in made:
+            line_up(before[place])
+        row[place] = None
 
     def run(place: int) -> _Out:
         try:
@@ -57,4 +63,7 @@ def one_behind_another(
             raise
         return made[place].result()
 
-    return side_by_side(places, run, threads, stop)
+    for place in places:
+        line_up(place)
+    side_by_side(list(row), run, threads, stop)
+    return [made[place].result() for place in places]

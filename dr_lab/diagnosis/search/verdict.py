@@ -124,7 +124,8 @@ def _reason(
         return f"The {scored} cannot separate {left}: what one explains better than another is not beyond doubt."
     floor = noise_floor(base.held_out.freedom, settings)
     place = f"above the noise floor of {floor:.3g}" if kind == "unexplained" else "at the noise floor"
-    mean = f"mean χ² {base.held_out.chi2:.3f} on the {scored}"
+    lost, every = base.held_out.infeasible, len(base.held_out.window_count)
+    mean = f"mean χ² {base.held_out.chi2:.3f} on the {scored}{f', {lost} of {every} windows diverge' if lost else ''}"
     told = f"The model is {place} ({mean}). No effect of the catalogue lowers that beyond doubt."
     silent = ", ".join(label for label, each in status.items() if each == "not_excited")
     return f"{told} Even at their bounds these effects would not show in the logs: {silent}." if silent else told

@@ -1,4 +1,4 @@
-"""Blocks of neighbouring windows, which a bootstrap resamples together."""
+"""Which windows are taken together: logs, blocks of neighbours, which a bootstrap resamples, and some of many."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,3 +22,8 @@ def blocks(log: Indices, size: int, least: int) -> list[Indices]:
     groups = logs(log)
     size = max(1, min(size, len(log) // least))
     return [part for group in groups for part in np.array_split(group, max(1, round(len(group) / size)))]
+
+
+def spread(count: int, most: int) -> Indices:
+    """At most so many of a count of places, evenly spaced, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.intp))

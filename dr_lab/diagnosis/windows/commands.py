@@ -4,9 +4,23 @@ from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.errors import UnknownNameError
 from dr_lab.trajectory import Array, Log, Signal
+
+_ROUNDING = 1e-6  # steps; a sample on the edge of a step belongs to the step that begins there
+
+
+def steps_at(time: Array, step: float, count: int) -> NDArray[np.intp]:
+    """Which of a simulation's steps each time since its start falls into; the first or last one beyond the ends.
+
+    Args:
+        time: s, of any shape.
+        step: s, time step.
+        count: number of steps.
+    """
+    return np.clip((time / step + _ROUNDING).astype(int), 0, count - 1)
 
 
 def actuator_columns(model: mujoco.MjModel, logs: Sequence[Log]) -> dict[str, int]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.activations import Activations, activations, run_in_of
+from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.diagnosis.windows.channels import Channel, require_numbers, resolve
 from dr_lab.diagnosis.windows.commands import actuator_columns, averages
 from dr_lab.diagnosis.windows.local_fits import starts_known
@@ -203,7 +204,8 @@ def _windowed(
             f"No log holds one gapless window of {need:.3g} s behind {settings.past:g} s of commands (logs: {listed})."
             f"{''.join(broken[:1])} Shorten windows.length or give longer logs{' or some without gaps' * bool(broken)}."
         )
-    return [logs[k] for k in kept], [_spread(begins[k], count) for k, count in zip(kept, counts, strict=True)]
+    chosen = [begins[k][spread(len(begins[k]), count)] for k, count in zip(kept, counts, strict=True)]
+    return [logs[k] for k in kept], chosen
 
 
 def _shares(counts: Sequence[int], most: int) -> list[int]:
@@ -213,11 +215,6 @@ def _shares(counts: Sequence[int], most: int) -> list[int]:
         given[k] = min(counts[k], max(1, round(left / (len(counts) - done))))
         left -= given[k]
     return given
-
-
-def _spread(begins: Array, count: int) -> Array:
-    """So many of the starts, evenly spread."""
-    return begins[np.unique(np.linspace(0, len(begins) - 1, count).round().astype(int))]
 
 
 def _span(log: Log, past: float) -> tuple[float, float]:

@@ -3,7 +3,7 @@ import pytest
 from scipy.signal import butter, lfilter, sosfilt
 
 from dr_lab.diagnosis.evidence.colour import instrumental
-from dr_lab.diagnosis.fit.correlation import autocorrelation, correlation_time, variance_time
+from dr_lab.diagnosis.fit.correlation import autocorrelation, by_component, correlation_time, variance_time
 from dr_lab.trajectory import Array
 
 WINDOWS, SAMPLES, STEP = 24, 150, 0.002  # 0.3 s each
@@ -64,6 +64,12 @@ def test_samples_that_do_not_exist_have_no_say() -> None:
     rows, used = random(0).standard_normal((WINDOWS, SAMPLES)), random(1).uniform(size=(WINDOWS, SAMPLES)) < 0.7
     spoilt = np.where(used, rows, 1e6)
     assert autocorrelation(spoilt, used)[1] == pytest.approx(0.0, abs=0.05)
+
+
+def test_residuals_that_no_window_has_have_no_correlation() -> None:
+    none = by_component(np.empty((WINDOWS, 0, 2)))
+    assert none.shape == (2 * WINDOWS, 0)
+    assert correlation_time(autocorrelation(none, every(none))) == 1.0
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -49,6 +49,17 @@ def test_status(apart: Comparison | None, worse: bool, status: str) -> None:
     assert Confirmation(apart, comparison(1.0, 0.0), worse).status == status
 
 
+def lost() -> Score:
+    """Of five windows that all diverge."""
+    return replace(chi2(1.0), chi2=np.inf, window_sum=np.zeros(5), window_count=np.zeros(5), infeasible=5)
+
+
+def test_what_simulates_where_the_calibrated_model_diverges_is_not_contradicted() -> None:
+    for before, after, status in ((lost(), chi2(1.0), "undecided"), (chi2(1.0), lost(), "contradicted")):
+        apart = Comparison(5, before, after, paired_gain(before, after, evidence_settings()))
+        assert Confirmation(apart, comparison(1.0, 0.0), predicted_worse=False).status == status
+
+
 def chi2(level: float) -> Score:
     """Of five windows with sixty residuals each."""
     sums, count = np.full(5, 60 * level), np.full(5, 60.0)

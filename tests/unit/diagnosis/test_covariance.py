@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from diagnosis_machines import evidence_settings, pendulum, solver_settings, swinging, windows_of
+from diagnosis_machines import evidence_settings, formal_std, pendulum, solver_settings, swinging, windows_of
 
 from dr_lab.diagnosis.fit.covariance import estimate, per_log
 from dr_lab.diagnosis.fit.fit import Fit
@@ -20,16 +20,12 @@ def fitted(model: Model, masses: list[float], seconds: float = 2.0) -> tuple[Win
     return windows, Fitter(Replay(model, windows, 1), solver_settings()).run(model.space.nominal)
 
 
-def formal(model: Model, fit: Fit) -> np.ndarray:
-    return np.sqrt(np.diag(np.linalg.inv(fit.equations.information()))) * model.space.span
-
-
 def test_logs_that_agree_keep_the_formal_uncertainty() -> None:
     model = pendulum()
     windows, fit = fitted(model, [0.6] * 5)
     found = estimate(model.space, fit, windows, evidence_settings())
-    assert (found.std >= 0.999 * formal(model, fit)).all()
-    assert (found.std < 2.5 * formal(model, fit)).all()
+    assert (found.std >= 0.999 * formal_std(model, fit)).all()
+    assert (found.std < 2.5 * formal_std(model, fit)).all()
 
 
 def test_logs_that_disagree_widen_it_to_their_scatter() -> None:
@@ -38,7 +34,7 @@ def test_logs_that_disagree_widen_it_to_their_scatter() -> None:
     windows, fit = fitted(model, masses)
     found = estimate(model.space, fit, windows, evidence_settings())
     standard_error = np.std(masses, ddof=1) / np.sqrt(len(masses))
-    assert found.std[0] > 10 * formal(model, fit)[0]
+    assert found.std[0] > 10 * formal_std(model, fit)[0]
     assert found.std[0] == pytest.approx(standard_error, rel=0.35)
     assert abs(found.mean[0] - np.mean(masses)) < 2 * found.std[0]
 
@@ -57,7 +53,7 @@ def test_the_parts_of_a_single_log_are_resampled() -> None:
     fit = Fitter(Replay(model, windows, 1), solver_settings()).run(model.space.nominal)
     single = Windows(**{**vars(windows), "log": np.zeros_like(windows.log), "logs": ("a",)})
     found = estimate(model.space, fit, single, evidence_settings())
-    assert found.std[0] > 10 * formal(model, fit)[0]
+    assert found.std[0] > 10 * formal_std(model, fit)[0]
 
 
 def test_one_window_has_no_scatter_but_an_uncertainty() -> None:
@@ -65,4 +61,4 @@ def test_one_window_has_no_scatter_but_an_uncertainty() -> None:
     windows, fit = fitted(model, [0.6], seconds=0.6)
     assert len(windows) == 1
     found = estimate(model.space, fit, windows, evidence_settings())
-    np.testing.assert_allclose(found.std, formal(model, fit))
+    np.testing.assert_allclose(found.std, formal_std(model, fit))

@@ -193,6 +193,15 @@ def test_commands_without_any_effect_are_told() -> None:
     assert {f.kind for f in suspect_faults(nominal(), measured, settings())} <= {"off", "shift"}
 
 
+def test_a_log_of_zeros_is_one_of_a_machine_that_is_off(sound: MeasurementSet) -> None:
+    """The pendulum hangs down, where it needs no torque at all, whatever its commands say."""
+    outputs = {name: replace(signal, value=0 * signal.value) for name, signal in sound.fit[0].outputs.items()}
+    still = replace(sound.fit[0], outputs=outputs)
+    (fault,) = suspect_faults(nominal(), replace(sound, fit=(still, sound.fit[1])), settings())
+    assert (fault.kind, fault.log) == ("off", "log_1")
+    assert "in the whole log" in fault.message
+
+
 def test_machines_that_cannot_be_tested_are_left_in_peace(sound: MeasurementSet) -> None:
     unmeasured = {"shoulder.position"}
     fit = tuple(

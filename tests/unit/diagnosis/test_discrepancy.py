@@ -67,6 +67,15 @@ def test_the_first_horizon_is_one_step_and_the_last_the_whole_window() -> None:
     assert found.rmse["hinge.position"][0] == pytest.approx(NOISE, rel=0.5)
 
 
+def test_a_single_horizon_is_the_whole_window() -> None:
+    settings = predicted_settings()
+    replay, fit = fitted(pendulum(), [swinging("a", pendulum().nominal(), 0)], settings)
+    one, some = (horizon_error(replay, fit, settings.run_in, settings.margin, bins) for bins in (1, 6))
+    np.testing.assert_array_equal(one.horizon, some.horizon[-1:])
+    error = NOISE * np.sqrt(np.square(fit.residuals[replay.scored]).mean())
+    assert one.rmse["hinge.position"] == pytest.approx(error, rel=0.01)
+
+
 def correlation(late: int, seed: int = 0) -> InputCorrelation:
     """Correlation of a force reading that also shows the command of `late` samples earlier."""
     model, command = model_of(BLOCK), steps_command("drive", 1.0, 3.0, seed, period=0.002)

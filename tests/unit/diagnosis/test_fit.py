@@ -8,6 +8,7 @@ from diagnosis_machines import (
     PENDULUM_PARAMETERS,
     dragged,
     evidence_settings,
+    formal_std,
     log_of,
     model_of,
     pendulum,
@@ -42,15 +43,11 @@ def logs_of(model: Model, truth: Array, count: int, first: int = 0, seconds: flo
     return [swinging(f"log_{k}", compiled, first + k, seconds=seconds) for k in range(count)]
 
 
-def std_of(model: Model, fit: Fit) -> Array:
-    return np.sqrt(np.diag(np.linalg.inv(fit.equations.information()))) * model.space.span
-
-
 def test_hidden_values_are_recovered_within_their_uncertainty() -> None:
     model = pendulum()
     fit = fitted(model, logs_of(model, TRUTH, 3))
     np.testing.assert_allclose(fit.z, TRUTH, rtol=3e-3)
-    std = std_of(model, fit)
+    std = formal_std(model, fit)
     assert (std / TRUTH < 2e-3).all()
     assert (np.abs(fit.z - TRUTH) < 4 * std).all()
     count = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 3)), 1), solver_settings()).replay.fitted.sum()
@@ -63,7 +60,7 @@ def test_uncertainties_are_those_of_repeated_experiments() -> None:
     errors = []
     for seed in range(20):
         fit = fitted(model, logs_of(model, TRUTH, 2, first=10 * seed, seconds=1.5))
-        errors.append((fit.z - TRUTH) / std_of(model, fit))
+        errors.append((fit.z - TRUTH) / formal_std(model, fit))
     assert np.abs(np.mean(errors, axis=0)).max() < 0.75  # 3.4 standard errors
     assert 0.75 < np.std(errors) < 1.3  # 40 figures: ±11 % at one standard deviation
 
@@ -79,7 +76,7 @@ def test_glitches_do_not_move_the_estimate() -> None:
         spoilt.append(log_of(log.name, {"hinge.position": (signal.time, value)}, log.commands["drive"]))
     one, other = fitted(model, clean), fitted(model, spoilt)
     # A hundredth of the samples pulls with five standard deviations each: √(0.01 · 5²) = 0.5 of the estimate's own.
-    assert (np.abs(one.z - other.z) < 3 * 0.5 * std_of(model, one)).all()
+    assert (np.abs(one.z - other.z) < 3 * 0.5 * formal_std(model, one)).all()
 
 
 def test_values_stay_within_their_bounds() -> None:
@@ -93,7 +90,7 @@ def test_values_stay_within_their_bounds() -> None:
 def test_a_value_at_its_bound_is_found_there() -> None:
     model = pendulum()
     fit = fitted(model, logs_of(model, np.array([0.6, 0.0]), 2))
-    assert 0.0 <= fit.z[1] < 4 * std_of(model, fit)[1]
+    assert 0.0 <= fit.z[1] < 4 * formal_std(model, fit)[1]
     assert fit.z[0] == pytest.approx(0.6, rel=3e-3)
 
 
@@ -148,7 +145,7 @@ def test_the_equations_are_those_at_the_solution() -> None:
     fitter = Fitter(Replay(model, windows_of(model, logs_of(model, TRUTH, 2)), 1), solver_settings())
     fit = fitter.run(model.space.nominal)
     step, _ = fit.equations.step(0.0, np.ones(2, bool))
-    assert (np.abs(step) * model.space.span < 0.05 * std_of(model, fit)).all()
+    assert (np.abs(step) * model.space.span < 0.05 * formal_std(model, fit)).all()
 
 
 def test_the_formal_covariance_is_part_of_the_estimate() -> None:
@@ -156,8 +153,8 @@ def test_the_formal_covariance_is_part_of_the_estimate() -> None:
     windows = windows_of(model, logs_of(model, TRUTH, 4))
     fit = Fitter(Replay(model, windows, 1), solver_settings()).run(model.space.nominal)
     found = estimate(model.space, fit, windows, evidence_settings())
-    assert (found.std >= 0.999 * std_of(model, fit)).all()
-    assert (found.std < 3 * std_of(model, fit)).all()
+    assert (found.std >= 0.999 * formal_std(model, fit)).all()
+    assert (found.std < 3 * formal_std(model, fit)).all()
     assert windows.samples[0].std == NOISE
 
 

@@ -3,7 +3,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from diagnosis_machines import NOISE, experiment_settings, solver_settings, windows_settings
+from diagnosis_machines import NOISE, experiment_settings, formal_std, solver_settings, windows_settings
 from effect_machines import block, placed
 
 from dr_lab.diagnosis.experiment import play, readings
@@ -184,7 +184,7 @@ def test_an_experiment_sharpens_what_is_poorly_known() -> None:
     measured = MeasurementSet("played", (log,), (), machine(unsure).noise, {"rail.position": 0.1})
     windows = cut([log], measured, unsure.model.nominal(), windows_settings())
     fit = Fitter(Replay(unsure.model, windows, 1), solver_settings()).run(unsure.z)
-    std = fit.equations.information()[0, 0] ** -0.5 * unsure.model.space.span[0]
+    (std,) = formal_std(unsure.model, fit)
     assert row.after == pytest.approx(std, rel=0.3)
     assert row.after < 0.05
 

@@ -35,6 +35,12 @@ def test_what_strays_in_one_channel_does_not_hide_a_glitch_in_another() -> None:
     assert weights(residuals)[0, 220] == pytest.approx(0.1)
 
 
+def test_a_channel_without_a_sample_in_any_window_changes_no_weight() -> None:
+    used = np.ones((2, 3), bool)
+    found = huber_weights(np.array([[0.5, 1.0, 10.0]] * 2), used, np.zeros(2, bool), LIMIT, (slice(0, 3), slice(3, 3)))
+    np.testing.assert_allclose(found, [[1.0, 1.0, 1.0]] * 2)
+
+
 def test_unused_samples_and_windows_that_diverge_weigh_nothing() -> None:
     used = np.ones((2, 250), bool)
     used[0, 10:20] = False

@@ -35,6 +35,11 @@ def test_a_coarse_step_gives_way_to_the_cheapest_that_does_not_show() -> None:
     assert 'integrator "RK4"' in found.message
 
 
+def test_a_finer_step_is_tried_where_the_self_test_is_left_out() -> None:
+    option = refined(swing("Euler", 0.01), LOGS, windows=0).model.spec.option
+    assert (option.integrator, option.timestep) == (RK4, 0.01)
+
+
 def test_a_half_step_is_cheaper_where_it_is_enough() -> None:
     """Euler's error is first order: a share of 0.3 halves to 0.15."""
     model, logs = swing("Euler", 0.002), [swinging("a", pendulum().nominal(), 0)]

@@ -4,7 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_machines import NOISE, STEP, log_of, model_of, simulated, solver_settings, true_starts, windows_of
+from diagnosis_machines import (
+    NOISE,
+    STEP,
+    formal_std,
+    log_of,
+    model_of,
+    simulated,
+    solver_settings,
+    true_starts,
+    windows_of,
+)
 from effect_machines import catalogue_effect, placed
 
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
@@ -99,7 +109,7 @@ def test_starts_and_a_damping_are_found_from_an_imu_under_position_targets() -> 
     _, states = fit_states(model, np.array([0.08]), windows, solver_settings(), 1)
     assert states.cost / sum(s.scored.sum() * s.channel.size for s in windows.samples) == pytest.approx(1.0, abs=0.05)
     fit = Fitter(Replay(model, windows, 1), solver_settings()).run(model.space.nominal)
-    std = 0.5 / np.sqrt(fit.equations.information()[0, 0])
+    (std,) = formal_std(model, fit)
     assert std < 2e-4
     assert abs(fit.z[0] - 0.08) < 4 * std
 

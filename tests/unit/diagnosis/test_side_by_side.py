@@ -25,6 +25,19 @@ def test_what_waits_is_given_what_it_waited_for(threads: int) -> None:
     assert found == [1, 11, 22, 32, 41]
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_waits_begins_after_what_it_waits_for_in_whichever_order_they_are_given(threads: int) -> None:
+    """Place 2 waits for 1, which waits for 0: one thread would wait for ever."""
+    begun = list[int]()
+
+    def work(place: int, waited: int | None) -> int:
+        begun.append(place)
+        return (waited or 0) + 10**place
+
+    assert one_behind_another([2, 1, 0], {2: 1, 1: 0}, work, threads, threading.Event()) == [111, 11, 1]
+    assert begun == [0, 1, 2]
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_a_failure_ends_what_waits_for_it(threads: int) -> None:
     stop = threading.Event()

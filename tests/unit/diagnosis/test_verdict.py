@@ -213,6 +213,13 @@ def test_a_model_that_diverges_everywhere_is_not_at_the_noise_floor() -> None:
     assert judged(diverging(1.0, WINDOWS), ("coulomb_friction", 1.0)).kind == "unexplained"
 
 
+@pytest.mark.parametrize(("lost", "kind"), [(14, "none"), (15, "unexplained"), (WINDOWS, "unexplained")])
+def test_half_of_the_windows_must_be_simulated_at_the_noise_floor(lost: int, kind: str) -> None:
+    verdict = judged(with_channel(diverging(1.0, lost), noise=False))
+    assert verdict.kind == kind
+    assert f"{lost} of 30 windows diverge" in verdict.reason
+
+
 def test_windows_that_only_the_base_loses_count_for_neither() -> None:
     verdict = judged(diverging(20.0, 5), ("coulomb_friction", 1.0))
     assert verdict.effects == ("coulomb_friction@rail",)

@@ -229,6 +229,13 @@ def test_a_calibration_that_predicts_worse_says_so_first(close_report: dict[str,
     assert "worse than the model as given: χ² 355 → –." in calibrated_to(close_report, None)
 
 
+def test_windows_that_diverge_are_told_with_what_remains(close_report: dict[str, Any]) -> None:
+    close_report["ladder"][-1]["held_out"]["infeasible_windows"] = 7
+    close_report |= {"verdict": "unexplained", "remaining": {"status": "unexplained", "chi2": 1.0}}
+    line = page(close_report).splitlines()[2]
+    assert "The simulation diverges in 7 of the windows that score. What remains (χ² 1) is above the noise" in line
+
+
 @pytest.mark.parametrize(
     ("chi2", "status", "more"),
     [
