@@ -27,6 +27,7 @@ UNITS: dict[str, dict[str, float]] = {
 }
 BY_NAME = "sign and unit are by its name alone."  # what is unsure of a command that the motion hardly shows
 _POSITIONS = {*UNITS["rad"], *UNITS["m"]}
+_VELOCITIES = ("rad/s", "m/s")  # units of controls that ask for a velocity
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,11 @@ class Drive:
     servo: bool
     added: bool
     slides: bool
+
+    @property
+    def rate(self) -> bool:
+        """Whether its control is a velocity."""
+        return self.unit in _VELOCITIES
 
     @property
     def told(self) -> str:
@@ -138,11 +144,11 @@ def choose_commands(
             equal = explains(given, drive, outcome, settings) and given.left <= settings.near * least + settings.close
             rank = (series[given.series].words.asked, given.stiffness > 0) if equal else (True, True)
             offers.append((not equal, *rank, given.left, k, given))
-    commanding = {k for k in usable if series[k].words.kind in ("drive", "reference")}
+    commanding = {k for k in usable if series[k].words.kind in ("drive", "reference", "asked velocity")}
     chosen: dict[int, Given] = {}
     for *_, k, given in sorted(offers, key=lambda offer: offer[:4]):
         explained = explains(given, drives[k], outcome, settings)
-        alone = len({*named[k]} & commanding) == 1
+        alone = len([place for place in {*named[k]} & commanding if _takes(drives[k], series[place])]) == 1
         if k not in chosen and (explained or alone) and given.series not in {g.series for g in chosen.values()}:
             chosen[k] = given
     return tuple(_command(drives[k], series, chosen[k], outcome, settings) for k in sorted(chosen))
@@ -153,7 +159,8 @@ def commands_by_name(drives: Sequence[Drive], series: Sequence[Series]) -> tuple
     found = []
     named = matches([drive.name if not drive.added else drive.joint for drive in drives], series)
     for drive, places in zip(drives, named, strict=True):
-        fitting = [series[k] for k in places if not (drive.added and series[k].words.kind != "drive")]
+        mine = [series[k] for k in places]
+        fitting = [each for each in mine if (each.words.kind == "drive" if drive.added else _takes(drive, each))]
         measured = [each for each in fitting if not each.words.asked] or fitting
         if len(measured) == 1:
             unit, why = measured[0].words.unit or drive.unit, f"by its name{drive.told}"
@@ -169,9 +176,16 @@ def explains(given: Given, drive: Drive, outcome: Outcome, settings: ProposalSet
 def _fits(drive: Drive, given: Given, series: Sequence[Series]) -> bool:
     """A servo takes positions, a motor forces; a name that says nothing may be either."""
     words = series[given.series].words
+    if not _takes(drive, series[given.series]):
+        return False
     if drive.added:
         return words.kind != "drive" if given.stiffness > 0 else words.unit not in _POSITIONS
     return given.stiffness == 0 and not (drive.servo and words.kind == "drive")
+
+
+def _takes(drive: Drive, series: Series) -> bool:
+    """Whether a series may command an actuator: a velocity that is asked for moves velocity servos alone."""
+    return drive.rate or series.words.kind != "asked velocity"
 
 
 def _command(

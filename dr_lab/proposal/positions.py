@@ -50,7 +50,7 @@ def find_positions(
     scalar = bool((model.jnt_type == _HINGE).all() or model.nv == model.njnt == model.nq)
     allowed, by_words = joints_may_be(model, joints, candidates), say_same(joints, candidates)
     assignable = len({k for each in allowed for k in each}) >= len(joints) and all(allowed)
-    asked = [s for s in (*logs.named("drive"), *logs.named("reference"), *unnamed) if s.moves]
+    asked = [*_commanding(model, logs), *unnamed]
     if scalar and not assignable:
         found = _by_velocities(model, logs, asked, settings)
         if found is not None:
@@ -73,6 +73,13 @@ def find_positions(
     if not (by_words or len(joints) == len(candidates) == 1):
         require_fit(joints, searched, candidates, logs, settings)
     return _positions(model, searched, candidates, settings, by_words=by_words, counted=counted)
+
+
+def _commanding(model: mujoco.MjModel, logs: Survey) -> list[Series]:
+    """The series that move and are commands by their names; velocities where an actuator's control is one."""
+    rate = any(drive.rate for drive in drives_of(model, per_control(model)[0]))
+    named = (*logs.named("drive"), *logs.named("reference"), *(logs.named("asked velocity") if rate else ()))
+    return [each for each in named if each.moves]
 
 
 def _positions(
@@ -126,7 +133,7 @@ def _with_velocities(
     readings, outcome = searched.found.readings, searched.found.outcome
     bad = [j for j, reading in enumerate(readings) if outcome.left[j] > settings.nothing]
     rates = [k for j in bad if may_be_rate(candidates[k := readings[j].series])]
-    asked = [each for each in searched.asked if each.words.kind != "drive"]
+    asked = [each for each in searched.asked if each.words.kind not in ("drive", "asked velocity")]
     rests = all_rests([candidates[k] for k in rates], asked, settings).values()
     if not rates or len(rates) < len(bad) or any(rest.passes_for(1.0, settings) for rest in rests):
         return searched
@@ -238,7 +245,8 @@ def _trial(
     biased: bool,
     rates: Collection[int],
 ) -> Trial:
-    moved = {drive.dof for drive in drives}
+    moved, rated = {drive.dof for drive in drives}, {drive.dof for drive in drives if drive.rate}
+    velocities = [k for k, each in enumerate(asked) if each.words.kind == "asked velocity"]
     return Trial(
         model=model,
         grid=grid,
@@ -249,6 +257,7 @@ def _trial(
         driven=tuple(dof in moved for dof in range(model.nv)),
         biased=biased,
         rates=frozenset(rates),
+        barred=frozenset((k, dof) for k in velocities for dof in range(model.nv) if dof not in rated),
     )
 
 

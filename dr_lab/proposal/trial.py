@@ -109,6 +109,7 @@ class Trial:
         driven: degrees of freedom that may be driven.
         biased: whether actuators give force at control 0.
         rates: places of candidates that are velocities, integrated.
+        barred: which drives command no force at which degree of freedom, as their names say: (drive, dof).
     """
 
     model: mujoco.MjModel
@@ -120,6 +121,7 @@ class Trial:
     driven: tuple[bool, ...]
     biased: bool
     rates: frozenset[int] = frozenset()
+    barred: frozenset[tuple[int, int]] = frozenset()
 
     def motion(self, readings: Sequence[Reading]) -> Motion:
         """The motion that a reading makes of the candidates, joints in the model's order."""
@@ -146,7 +148,7 @@ class Trial:
         constant = np.ones((len(weak), 1))
         idle = np.array([_fit(need[:, j], constant, b)[2] for j, b in enumerate(brakes)]) / size
         given = tuple(
-            self._given(_Joint(need[:, j], brakes[j], weak.project(motion.qpos[:, [j]])[:, 0], float(size[j])))
+            self._given(_Joint(j, need[:, j], brakes[j], weak.project(motion.qpos[:, [j]])[:, 0], float(size[j])))
             if driven
             else ()
             for j, driven in enumerate(self.driven)
@@ -163,6 +165,8 @@ class Trial:
         """What each series gives, at the lag at which it leaves least."""
         found = []
         for k, late in enumerate(self.drives):
+            if (k, joint.dof) in self.barred:
+                continue
             columns = [self.grid.weak.project(values[:, None])[:, 0] for values in late]
             forces = [_as_force(k, self.lags[lag], column, joint) for lag, column in enumerate(columns)]
             found.append(min(forces, key=lambda each: each.left))
@@ -175,6 +179,7 @@ class Trial:
 class _Joint(NamedTuple):
     """A joint under a reading: what it needed, what may brake it and where it was, by test function; squares to 1."""
 
+    dof: int
     need: Array
     brakes: Array
     place: Array

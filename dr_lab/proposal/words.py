@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["position", "velocity", "drive", "reference", "other", ""]
+Kind = Literal["position", "velocity", "drive", "reference", "asked velocity", "other", ""]
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|°")
 # Units as the last words of a name, the longest first, with the quantity that they say.
@@ -18,6 +18,10 @@ _UNITS: tuple[tuple[tuple[str, ...], str, Kind], ...] = (
     (("deg", "s"), "deg/s", "velocity"),
     (("mm", "s"), "mm/s", "velocity"),
     (("m", "s"), "m/s", "velocity"),
+    (("radps",), "rad/s", "velocity"),
+    (("dps",), "deg/s", "velocity"),
+    (("mmps",), "mm/s", "velocity"),
+    (("mps",), "m/s", "velocity"),
     (("rpm",), "rpm", "velocity"),
     (("m", "nm"), "mN·m", "drive"),
     (("mnm",), "mN·m", "drive"),
@@ -98,7 +102,7 @@ class Words:
 
     Attributes:
         kind: the quantity; ``drive`` is a force, torque, voltage or current, ``reference`` what is asked for, whatever
-            its quantity; empty where the name does not say.
+            its quantity, unless that is a velocity (``asked velocity``); empty where the name does not say.
         unit: empty where the name does not say.
         asked: whether it is said to be asked for rather than measured.
         identity: words that may be those of a joint or actuator.
@@ -147,7 +151,7 @@ def _kind(rest: list[str], above: set[str], by_unit: Kind, asked: bool) -> Kind:
     if own & _OTHER or by_unit == "other":
         return "other"
     if by_unit == "velocity" or own & _VELOCITY or any(word.startswith("d") and word[1:] in _POSITION for word in own):
-        return "other" if asked else "velocity"
+        return "asked velocity" if asked else "velocity"
     if by_unit == "drive" or own & (_DRIVE - {"u", "motor"}):
         return "drive"
     if asked:
