@@ -233,7 +233,7 @@ def _unit(gain: float, base: str, said: str, settings: ProposalSettings) -> tupl
     if said in known:
         left = size / known[said]
         if settings.gain < left < 1 / settings.gain:
-            return said, 1.0, []
+            return said, 1.0, _beside_name(size, known[said], said, settings) if base == "1" else []
     name, factor = min(known.items(), key=lambda entry: abs(math.log(size / entry[1])))
     if abs(math.log(size / factor)) < math.log(settings.near_unit):
         contradicts = [f"named {said}, but it moves the joint as {_plain(name)} do."] if said and said != name else []
@@ -242,6 +242,13 @@ def _unit(gain: float, base: str, said: str, settings: ProposalSettings) -> tupl
         return base, 1.0, [f"acts {size:.2g} times as strongly as {_plain(base)} would; read as {_plain(base)}."]
     scale = f"{size:.3g}" if base == "1" else f"{size:.3g} {base}"
     return base, float(f"{size:.3g}"), [f"its scale of {scale} is judged from the motion alone; check it."]
+
+
+def _beside_name(size: float, named: float, said: str, settings: ProposalSettings) -> list[str]:
+    """What is unsure of a control without a unit whose column's unit has another size than 1."""
+    if named == 1.0 or abs(size / named - 1) < settings.gain_off:
+        return []
+    return [f"its scale of {named:.3g} is that of {said}, as its name says; the motion alone says {size:.3g}."]
 
 
 def _plain(name: str) -> str:

@@ -43,7 +43,8 @@ class ProposalSettings:
         spread: bounds of a mass are the documented one over and times this.
         distinct: share of what a mass does that no other parameter does.
         felt: share of the forces that a mass must move.
-        gain_off: share by which a command's gain must differ from 1 for an inertia to be free in place of a mass …
+        gain_off: share by which a command's gain must differ from 1 for that to be told, and for an inertia to be free
+            in place of a mass …
         certain: … and standard deviations of it.
         turns: correlation above which an angular rate is that of an orientation.
         derived: the same from sample to sample, above which it may be computed from it.

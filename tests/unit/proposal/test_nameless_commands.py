@@ -61,6 +61,16 @@ def test_a_refusal_says_what_was_tried_and_how_to_name_a_command(capsys: pytest.
     assert "commands after the actuators (motor_command)" in told
 
 
+def test_a_prefix_of_a_unit_is_believed_where_friction_bends_the_gain() -> None:
+    """2.5 N/A, of which the robot's owner documents 4: the motion alone says 0.6 mA."""
+    mjcf = CART.replace('gear="1"', 'gear="2.5"')
+    Path("it.xml").write_text(CART.replace('gear="1"', 'gear="4"'))
+    found = proposed(logs("t,x,theta,i_cmd_mA", mjcf=mjcf, sign=1e3))
+    assert found["commands"] == {"motor": {"column": "i_cmd_mA", "unit": "mA"}}
+    told = Path("mine/measurements/it.yaml").read_text(encoding="utf-8")
+    assert "its scale of 0.001 is that of mA, as its name says; the motion alone says 0.00062" in told
+
+
 @pytest.mark.parametrize(("name", "unit"), [("current_A", "A"), ("current", "1")])
 def test_a_current_of_a_geared_motor_is_no_force(name: str, unit: str) -> None:
     """2.5 N/A."""

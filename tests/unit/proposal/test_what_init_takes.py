@@ -211,6 +211,8 @@ def test_a_table_without_a_header(here: Path) -> None:
         ("", "elbowTorque_mNm", "", "drive", "mN·m"),
         ("", "q_ref_m", "", "reference", "m"),
         ("", "u_cmd_V", "", "drive", "V"),
+        ("", "u_mV", "", "drive", "mV"),
+        ("", "i_cmd_mA", "", "drive", "mA"),
         ("", "joint_3_deg", "", "position", "deg"),
         ("", "c3", "", "", ""),
         ("", "frame_index", "", "other", ""),
