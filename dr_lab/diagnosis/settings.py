@@ -213,7 +213,8 @@ class EvidenceSettings:
             where nothing is supported at `confidence`.
         block: consecutive windows of a log that are resampled together.
         least_blocks: number of blocks for which fewer windows are resampled together.
-        least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted.
+        least_trusted: number of blocks, or of logs, below which intervals are said not to be trusted, and of logs below
+            which blocks are left out in place of logs where a fit to the others foretells them.
         astray: times the squares that a fit leaves of a log, beyond which a linear step without that log is not
             believed.
         least_clusters: number of logs, fitted ones among them, from which on the scatter between them bounds evidence.
@@ -235,6 +236,7 @@ class EvidenceSettings:
             of the largest move, in widths of their bounds, or more.
         widenings: times that a bound which the fit of an effect to few windows ran into is doubled, at most; the best
             effect's bounds as often again where it is fitted to all of them.
+        rerankings: most times that all candidates are ranked anew, beside a base that became better beyond doubt.
         peaks: where the search for periods lets fits begin.
         law: how the law of a named effect is checked.
 
@@ -269,6 +271,7 @@ class EvidenceSettings:
     absorbed: NotNegative
     replacement_share: NotNegative
     widenings: Natural
+    rerankings: Natural
     peaks: PeakSettings
     law: LawSettings
 

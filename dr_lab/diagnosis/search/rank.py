@@ -63,7 +63,7 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
     the threads, so that no core is asked for twice. A failure or Ctrl-C ends all of them at their next simulation.
     """
     ranking = _Contest(bench, base, placed, done).ranking()
-    for _ in range(bench.solver.restarts):
+    for _ in range(bench.evidence.rerankings):
         gained = paired_gain(base.held_out, ranking.base.held_out, bench.evidence)
         if not supported(gained, 0, bench.evidence):
             break

@@ -46,6 +46,7 @@ SETTINGS = EvidenceSettings(
     absorbed=1e-3,
     replacement_share=0.2,
     widenings=3,
+    rerankings=3,
     peaks=PeakSettings(most=2, near=0.8),
     law=LawSettings(knots=4, factor=2.0, least_closed=0.7),
 )
