@@ -25,7 +25,7 @@ FILE = "next_experiment.csv"
 def deciding_experiment(
     study: Study, ladder: Ladder, settings: ExperimentSettings, run_dir: Path
 ) -> ExperimentEntry | None:
-    """Look for the experiment that separates the first added effect with rivals from the best of them.
+    """Look for the experiment that separates the first added effect with rivals from the first of them.
 
     Where there are no rivals it is the one that tells most about the last model's poorly known parameters. Writes
     ``next_experiment.csv``: column ``time_s`` and one column of held commands for each actuator.

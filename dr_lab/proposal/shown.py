@@ -8,10 +8,9 @@ import numpy as np
 from dr_lab.physics.model import Model
 from dr_lab.proposal.output import Positions
 from dr_lab.proposal.settings import ProposalSettings
+from dr_lab.proposal.trial import SLOW
 from dr_lab.proposal.unscaled import Unscaled, influence
 from dr_lab.trajectory import Array
-
-_SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
 
 
 class Shown(NamedTuple):
@@ -102,5 +101,5 @@ def _brakes(speed: Array, direction: Array) -> Array:
 
 
 def _slow(speed: Array) -> Array:
-    usual = _SLOW * np.sqrt((speed**2).mean(0))
+    usual = SLOW * np.sqrt((speed**2).mean(0))
     return np.where(usual > 0, usual, 1.0)

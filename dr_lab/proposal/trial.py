@@ -17,7 +17,7 @@ from dr_lab.diagnosis.faults.smoothed_motion import Motion
 from dr_lab.proposal.grid import Grid, Path
 from dr_lab.trajectory import Array
 
-_SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
+SLOW = 0.05  # of the root mean square speed: below it, friction's direction is undecided
 _APART = 1e-9  # share of a column that the free ones do not hold, for it to count
 _PROBED = 50  # times at which an actuator's force per control is looked at
 
@@ -241,7 +241,7 @@ def per_control(model: mujoco.MjModel) -> tuple[Array, bool]:
 def _brakes(project: object, motion: Motion, dof: int) -> Array:
     """What may brake a joint: viscous and dry friction, and a rotor."""
     speed, bend = motion.qvel[:, dof], motion.qacc[:, dof]
-    slow = _SLOW * float(np.sqrt((speed**2).mean())) or 1.0
+    slow = SLOW * float(np.sqrt((speed**2).mean())) or 1.0
     columns = np.stack([-speed, -np.tanh(speed / slow), -bend], axis=1)
     return project(columns)  # pyright: ignore[reportCallIssue]
 

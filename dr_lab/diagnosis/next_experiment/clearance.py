@@ -26,7 +26,7 @@ class Clearance:
         model: the model with its effects.
         z: its context, shape (n,).
         reach: m, beyond which a distance is only known to be larger.
-        threads: C threads; None takes every core.
+        threads: C threads; None is one.
 
     Attributes:
         pairs: names of the two geoms of each distance.

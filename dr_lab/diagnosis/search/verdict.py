@@ -23,10 +23,10 @@ class Verdict:
             separate), ``not_excited`` (the model is at the noise floor, and of no effect would the data show anything),
             ``none`` (nothing supported, the model is at the noise floor) or ``unexplained`` (nothing supported
             although a gap remains).
-        effects: labels of the named or equivalent effects, best first.
+        effects: labels of the named or equivalent effects, the one nearest to a joint first.
         status: label → ``named``, ``equivalent``, ``not_excited`` or ``rejected``.
-        trial: labels of the effects that pass at the lower confidence of a trial, best first; only where none is named
-            although a gap remains. Later effects may put the first of them beyond doubt.
+        trial: labels of the effects that pass at the lower confidence of a trial, in the same order; only where none is
+            named although a gap remains. Later effects may put the first of them beyond doubt.
         absorbed: labels of effects whose place the model's own free parameters can take on these data.
         reason: one sentence.
     """
