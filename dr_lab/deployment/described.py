@@ -13,6 +13,7 @@ from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.joint_labels import actuators, columns
 from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.reports.policy import SCHEMA, InputEntry, OutputEntry, PolicyReport
+from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array
 
 Bounds = tuple[Array, Array]
@@ -49,7 +50,7 @@ def described(subject: Subject, trained: Path, bounds: Bounds, episodes: Sequenc
 
 def course_csv(episode: Episode) -> str:
     """An episode, a row a control step: time, state and observation before it, and the action in it."""
-    positions, velocities = ([f"{name} [{unit}]" for name, unit in each] for each in columns(episode.geometry))
+    positions, velocities = ([titled(*column) for column in each] for each in columns(episode.geometry))
     parts = {
         "time [s]": episode.time[:, None],
         **dict(zip(positions, episode.qpos.T[..., None], strict=True)),

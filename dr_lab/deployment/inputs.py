@@ -8,6 +8,7 @@ import numpy as np
 from dr_lab.physics.parameter import Parameter
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.joint_labels import columns
+from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array
 
 _ROUNDING = 1e-5  # of float32, beside the value
@@ -44,8 +45,8 @@ def _known(episodes: Sequence[Episode]) -> Iterator[tuple[str, Array]]:
     model = episodes[0].geometry
     positions, velocities = columns(model)
     qpos, qvel = (np.concatenate([getattr(episode, key) for episode in episodes]) for key in ("qpos", "qvel"))
-    yield from ((f"{name} [{unit}]", qpos[:, i]) for i, (name, unit) in enumerate(positions))
-    yield from ((f"{name} [{unit}]", qvel[:, i]) for i, (name, unit) in enumerate(velocities))
+    yield from ((titled(*column), qpos[:, i]) for i, column in enumerate(positions))
+    yield from ((titled(*column), qvel[:, i]) for i, column in enumerate(velocities))
     for row in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE):
         name, angle = positions[model.jnt_qposadr[row]][0], qpos[:, model.jnt_qposadr[row]]
         yield f"sin({name})", np.sin(angle)
