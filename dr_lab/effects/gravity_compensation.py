@@ -27,9 +27,10 @@ class GravityCompensation(Effect, SpecEdit, SpecPreparation):
 
     Parameters (nominal = absent): share s of the weight, 0 = absent, 1 = all of it.
     Limits: robots that stand on the ground, of two joints or more, each with an actuator: of a pole that swings freely
-    no controller can carry the weight, and of a single joint more inertia is the same where the mass is free. Where
-    masses are free, s is a share of their weight, not of what the controller takes them for. What the file compensates
-    already stays, s being added to it.
+    no controller can carry the weight, and of a single joint more inertia is the same where the mass is free. A weight
+    that is the same in every pose, as of a vertical slide, is a `constant_offset`. Where masses are free, s is a share
+    of their weight, not of what the controller takes them for. What the file compensates already stays, s being added
+    to it.
     Source: MuJoCo 4.0, XML reference, body/gravcomp.
 
     Attributes:
@@ -45,7 +46,7 @@ class GravityCompensation(Effect, SpecEdit, SpecPreparation):
     confused_with: ClassVar[tuple[str, ...]] = ("payload", "spring", "base_tilt", "torque_scale")
 
     def sites(self, model: mujoco.MjModel) -> tuple[str, ...]:
-        """``world``, where gravity acts on several joints that are all driven."""
+        """``world``, where joints that are all driven carry a weight that depends on the pose."""
         scalar = np.isin(model.jnt_type, (_HINGE, _SLIDE))
         at_joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
         driven = np.isin(np.arange(model.njnt), model.actuator_trnid[at_joint, 0])
@@ -75,11 +76,12 @@ def _links(spec: mujoco.MjSpec) -> list[Any]:
 
 
 def _weighs(model: mujoco.MjModel) -> bool:
-    """Whether gravity moves a joint at the model's pose, or at one beside it."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = model.qpos0 + np.sin(np.arange(1, model.nq + 1))  # no symmetry of the pose hides a force
-    mujoco.mj_fwdPosition(model, data)
-    forces = np.zeros(model.nv)
-    mujoco.mj_rne(model, data, 0, forces)
+    """Whether the weight that a joint carries depends on the pose."""
+    data, poses = mujoco.MjData(model), np.sin(np.outer((1.0, 2.0), np.arange(1, model.nq + 1)))  # of no symmetry
+    forces = np.zeros((len(poses), model.nv))
+    for pose, force in zip(poses, forces, strict=True):
+        data.qpos[:] = model.qpos0 + pose
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_rne(model, data, 0, force)
     whole = float(model.body_mass.sum() * np.linalg.norm(model.opt.gravity) * model.stat.extent)
-    return bool(np.abs(forces).max(initial=0.0) > _ROUNDING * whole)
+    return bool(np.ptp(forces, axis=0).max(initial=0.0) > _ROUNDING * whole)

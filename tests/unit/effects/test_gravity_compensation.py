@@ -19,6 +19,9 @@ BOTH = ARM.format(elbow='<motor name="two" joint="elbow"/>')
 FLYING = BOTH.replace("<worldbody>", '<worldbody><body><freejoint/><geom size="0.1" contype="0"/>').replace(
     "</worldbody>", "</body></worldbody>"
 )
+GANTRY = BOTH.replace('<joint name="shoulder"', '<joint name="shoulder" type="slide"').replace(
+    '<joint name="elbow" axis="0 1 0"', '<joint name="elbow" type="slide" axis="0 0 1"'
+)
 
 
 def arm(text: str = BOTH, gravity: float = -9.81) -> Model:
@@ -79,6 +82,7 @@ def test_what_the_file_carries_stays() -> None:
         pytest.param(arm(BOTH.replace('axis="0 1 0"', 'axis="0 0 1"')), (), id="joints that turn about the vertical"),
         pytest.param(arm(BOTH.replace('pos="0 0 1"', 'pos="0 0 1" euler="90 0 0"')), (), id="a base that is turned"),
         pytest.param(arm(FLYING), (), id="a free base"),
+        pytest.param(arm(GANTRY), (), id="a weight that is the same in every pose"),
     ],
 )
 def test_it_sits_where_a_controller_can_carry_all(model: Model, sites: tuple[str, ...]) -> None:
