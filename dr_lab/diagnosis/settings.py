@@ -136,8 +136,9 @@ class SolverSettings:
         damping_max: give up when λ exceeds it.
         parameter_step: finite-difference step of a parameter, in widths of its bounds.
         state_step: finite-difference step of an initial state, in prior standard deviations.
-        touching: factor on both where shapes touch one another.
-        rolling: the same where bodies stay on the ground.
+        touching: factor on a parameter's where shapes touch one another.
+        touching_states: factor on a state's there.
+        rolling: factor on both where bodies stay on the ground.
         rolling_patience: factor on `start_iterations` there, since contacts let no long step through.
         huber: residuals beyond this many robust standard deviations count linearly.
         prior_spans: standard deviation of the weak prior around a parameter's nominal value, in widths of its bounds.
@@ -174,6 +175,7 @@ class SolverSettings:
     parameter_step: Positive
     state_step: Positive
     touching: Annotated[float, at_least(1.0)]
+    touching_states: Annotated[float, at_least(1.0)]
     rolling: Annotated[float, at_least(1.0)]
     rolling_patience: Count
     huber: Positive

@@ -1,6 +1,7 @@
 """Finite differences of residuals: columns of the Jacobian, simulated as one batch."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,7 +127,7 @@ def around(
     """
     space, count = replay.model.space, len(columns)
     unit = space.to_unit(z)
-    steps = np.where(unit[:, columns] > 0.5, -1.0, 1.0) * settings.parameter_step * _widened(replay, settings)
+    steps = np.where(unit[:, columns] > 0.5, -1.0, 1.0) * _steps(replay, settings).parameter
     units = np.repeat(unit[:, None], 1 + count, axis=1)
     units[:, 1 + np.arange(count), columns] += steps
     contexts = space.from_unit(units)
@@ -171,11 +172,11 @@ def _moved(replay: Replay, settings: SolverSettings, point: Point, states: bool,
     """Contexts and states, each moved by one step from a point."""
     space = replay.model.space
     unit = space.to_unit(point.z)
-    wider = _widened(replay, settings)
-    state_steps = settings.state_step * wider * replay.windows.prior.std if states else np.zeros(0)
+    sizes = _steps(replay, settings)
+    state_steps = sizes.state * replay.windows.prior.std if states else np.zeros(0)
     ways = _ways(replay, point, columns)
     moves = np.eye(len(columns)) if ways is None else ways
-    unit_steps = np.where(moves @ unit[columns] > 0.5 * moves.sum(1), -1.0, 1.0) * settings.parameter_step * wider
+    unit_steps = np.where(moves @ unit[columns] > 0.5 * moves.sum(1), -1.0, 1.0) * sizes.parameter
     steps, first = np.concatenate([state_steps, unit_steps]), len(state_steps)
     units, deltas = np.tile(unit, (len(steps), 1)), np.tile(point.delta, (len(steps), 1, 1))
     for i, step in enumerate(state_steps):
@@ -206,11 +207,21 @@ def _ways(replay: Replay, point: Point, columns: NDArray[np.intp]) -> Array | No
     return ways
 
 
-def _widened(replay: Replay, settings: SolverSettings) -> float:
-    """How many times wider steps are: where shapes touch, narrow ones show the jags that contacts make in the cost."""
+class _Steps(NamedTuple):
+    """Sizes of the steps: of a state in prior standard deviations, of a parameter in widths of its bounds."""
+
+    state: float
+    parameter: float
+
+
+def _steps(replay: Replay, settings: SolverSettings) -> _Steps:
+    """How wide steps are; wider where shapes touch: narrow ones show the jags that contacts make in the cost."""
+    states, parameters = 1.0, 1.0
     if replay.windows.prior.grounded:
-        return settings.rolling
-    return settings.touching if replay.touching else 1.0
+        states = parameters = settings.rolling
+    elif replay.touching:
+        states, parameters = settings.touching_states, settings.touching
+    return _Steps(settings.state_step * states, settings.parameter_step * parameters)
 
 
 def _in_parts(replay: Replay, settings: SolverSettings, z: Array, delta: Array) -> tuple[Array, Mask]:
