@@ -21,6 +21,7 @@ from dr_lab.diagnosis.search.law_check import LawCheck
 from dr_lab.diagnosis.search.verdict import Verdict
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.physics.context import ContextEstimate
+from dr_lab.physics.parameter import Parameter
 from dr_lab.reports.gap import SCHEMA, GapReport
 from dr_lab.reports.gap_entries import (
     CandidateEntry,
@@ -108,7 +109,7 @@ def parameters(study: Study, fitted_model: FittedModel) -> tuple[ContextEstimate
     doubted = trust.doubts(found, fitted_model.fit, bench.fit, bench.evidence)
     scatters = [
         LogScatterEntry(
-            cv_percent=_cv_percent(logs[:, column], float(found.mean[column])),
+            cv_percent=_cv_percent(space.parameters[column], logs[:, column], float(found.mean[column])),
             per_log=dict(zip(bench.fit.logs, logs[:, column].tolist(), strict=True)),
             doubts=tuple(doubted[name]),
             bounds=(float(space.low[column]), float(space.high[column])),
@@ -235,5 +236,7 @@ def _marked(found: ContextEstimate) -> dict[str, ParameterEntry]:
     }
 
 
-def _cv_percent(values: Array, mean: float) -> float:
-    return float(100 * np.std(values, ddof=1) / abs(mean)) if len(values) > 1 and mean else float("nan")
+def _cv_percent(parameter: Parameter, values: Array, mean: float) -> float:
+    """Scatter of the logs' values; unknown where one of them ends at a bound, which hides how far it would go."""
+    known = len(values) > 1 and mean and not any(any(parameter.ends(value)) for value in values.tolist())
+    return float(100 * np.std(values, ddof=1) / abs(mean)) if known else float("nan")

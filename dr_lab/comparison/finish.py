@@ -20,12 +20,13 @@ from dr_lab.physics.model import Model
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.recorders.review import write_review
+from dr_lab.reports.calibration import given_values
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.ladder import failing
 from dr_lab.reports.markdown import notes_list, report_markdown
 from dr_lab.reports.plain import finite
-from dr_lab.reports.quantity import percent
+from dr_lab.reports.quantity import counted, percent
 from dr_lab.reports.report import write_report
 from dr_lab.reports.tables import ladder_table, parameter_table, ranking_summary
 from dr_lab.reports.verdict import verdict_markdown
@@ -59,11 +60,8 @@ def answer(report: GapReport, run: Run) -> None:
         run: where it is printed.
     """
     known = finite(report)
-    ranking = known.judged.ranking
-    others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
     faults = faults_markdown(known.notes)
-    parts = [faults, verdict_markdown(known), ladder_table(known), _parameters(known)]
-    parts.append(ranking_summary(ranking[:_SHOWN], known.verdict) + others)
+    parts = [faults, verdict_markdown(known), ladder_table(known), _parameters(known), _candidates(known)]
     run.screen.show(_paragraphs(parts))
 
 
@@ -173,6 +171,17 @@ def _paragraphs(parts: Sequence[str]) -> str:
     return "\n\n".join(part for part in parts if part.strip())
 
 
+def _candidates(report: GapReport) -> str:
+    """The first candidates of the ranking; one line where none was worth a fit."""
+    ranking = report.judged.ranking
+    if ranking and not any(row.fitted for row in ranking):
+        most = max(row.predicted_gain or 0.0 for row in ranking)
+        effects = counted(len(ranking), "effect")
+        return f"No candidate was worth a fit: of {effects} none promised more than {percent(max(most, 0.0))}."
+    others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
+    return ranking_summary(ranking[:_SHOWN], report.verdict) + others
+
+
 def _parameters(report: GapReport) -> str:
     """The last model's parameters, those of effects first; none where nothing was fitted."""
     last = report.ladder[-1]
@@ -180,7 +189,7 @@ def _parameters(report: GapReport) -> str:
         return ""
     found = sorted(last.parameters.items(), key=lambda item: "@" not in item[0])
     left = f"\n\n… and {len(found) - _LISTED} more in report.md." if len(found) > _LISTED else ""
-    return parameter_table(dict(found[:_LISTED])) + left
+    return parameter_table(dict(found[:_LISTED]), given_values(report)) + left
 
 
 def _export(

@@ -43,8 +43,8 @@ def study_notes(study: Study) -> list[NoteEntry]:
 
 
 def fit_notes(models: Sequence[FittedModel]) -> list[NoteEntry]:
-    """Notes on fits of a ladder's models that lack windows or did not converge."""
-    notes = []
+    """Notes on fits of a ladder's models that lack windows or did not converge, and on declared bounds that bind."""
+    notes = _declared_ends(models[-1])
     for model in models:
         effects, fit = model.model.effects, model.fit
         lost = int(fit.infeasible.sum())
@@ -59,6 +59,24 @@ def fit_notes(models: Sequence[FittedModel]) -> list[NoteEntry]:
             if not fit.over:
                 rest = "Raise solver.iterations, or begin nearer."
             notes.append(NoteEntry(f"{told} {rest}", "not_converged"))
+    return notes
+
+
+def _declared_ends(last: FittedModel) -> list[NoteEntry]:
+    """Notes on parameters that end at a bound that was declared; a bound at 0 is physics, and no bound of a guess."""
+    free = {p.name for body in last.model.inertials for p in body.parameters}
+    values, notes = last.values(), []
+    for parameter in last.model.declared:
+        low, high = parameter.ends(values[parameter.name])
+        bound = parameter.low if low else parameter.high
+        if parameter.name in free or not (low or high) or bound == 0:
+            continue
+        message = (
+            f"{parameter.name} ends at its {'lower' if low else 'upper'} bound, {bound:.4g} {parameter.unit}, as the "
+            f"model's configuration has it: the logs ask for {'less' if low else 'more'}. Widen the bound if that is "
+            "possible; else something that the model lacks acts like it."
+        )
+        notes.append(NoteEntry(message, "declared_bound"))
     return notes
 
 

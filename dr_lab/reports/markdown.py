@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from dr_lab.reports.calibration import given_values
 from dr_lab.reports.force_entries import MissingForceEntry, TermEntry
 from dr_lab.reports.gap import Failure, GapReport
 from dr_lab.reports.gap_entries import NoteEntry, Parameters, RegionEntry
@@ -40,7 +41,8 @@ def gap_page(report: GapReport) -> Page:
     """
     title = " · ".join(dict.fromkeys(name for name in (report.model, report.measurements, report.verb) if name))
     parameters, judgement, failure = report.ladder[-1].parameters, report.judged, report.failing
-    fitted = "\n\n".join(part for part in (parameter_table(parameters), _trades(report, parameters)) if part)
+    values = parameter_table(parameters, given_values(report))
+    fitted = "\n\n".join(part for part in (values, _trades(report, parameters)) if part)
     sections = [
         Section("ladder", "Ladder of models", ladder_table(report)),
         Section("reasons", "Reasons", _reasons(report)),

@@ -117,14 +117,17 @@ def _promised(row: CandidateEntry) -> str:
     return f"≈ {percent(None if row.predicted_gain is None else max(row.predicted_gain, 0.0))}"
 
 
-def parameter_table(parameters: Parameters) -> str:
-    """Parameters ± std (of one at its bound, that it is), and their scatter between logs where it is known."""
+def parameter_table(parameters: Parameters, given: Mapping[str, float]) -> str:
+    """Parameters ± std (of one at its bound, that it is), the values given, and their scatter between logs."""
     scatter = any(_cv_percent(row) is not None for row in parameters.values())
+    before = any(name in given for name in parameters)
     rows = []
     for name, row in parameters.items():
+        first = [number(given.get(name))] if before else []
         spread = [percent(_share(_cv_percent(row)))] if scatter else []
-        rows.append([f"`{name}`", _fitted(row), *spread])
-    return table(["parameter", "value ± std", *(["CV between logs"] if scatter else [])], rows)
+        rows.append([f"`{name}`", *first, _fitted(row), *spread])
+    header = ["parameter", *(["as given"] if before else []), "value ± std"]
+    return table([*header, *(["CV between logs"] if scatter else [])], rows)
 
 
 def per_log_table(parameters: Parameters) -> str:

@@ -3,10 +3,12 @@
 import math
 from collections.abc import Sequence
 
+from dr_lab.reports.calibration import calibration_told
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.ladder import scored, status, steps
 from dr_lab.reports.quantity import number, percent
 
+_NONE = "**No missing effect:** the logs support no effect beyond the plain model."
 _SHORT = 4  # models that a sentence lists: as given, calibrated, and with two effects
 _TENFOLD = 9.0  # times itself that an error grows by when it grows tenfold
 
@@ -71,7 +73,7 @@ def _found(report: GapReport) -> str:
         "equivalent": _equivalent(report),
         "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
         "unexplained": _unexplained(report),
-        "none": "**No missing effect:** the logs support no effect beyond the plain model.",
+        "none": " ".join(part for part in (_NONE, calibration_told(report)) if part),
     }
     added = report.catalogued[-1].effects
     done = "**Calibrated on the logs.**" if len(steps(report)) > 1 else "**Measured against the model.**"

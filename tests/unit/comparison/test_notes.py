@@ -69,6 +69,21 @@ def test_a_fit_without_its_certificate_is_told_with_what_helps(remedy: str, *, o
     assert remedy in note.message
 
 
+@pytest.mark.parametrize(("high", "told"), [(0.04, 1), (1.0, 0)])
+def test_a_declared_bound_that_binds_is_told(high: float, told: int) -> None:
+    """The machine's damping is 0.05 N·m·s/rad."""
+    damping = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": high}}
+    model = model_of(PENDULUM.replace('damping="0.05"', 'damping="0.02"'), damping)
+    logs = [swinging(f"log_{k}", model_of(PENDULUM, {}).nominal(), k) for k in range(2)]
+    windows = windows_of(model, logs)
+    bench = Bench(windows, windows, solver_settings(), evidence_settings(), 1)
+    notes = fit_notes([fit_and_score(bench, model, model.space.nominal)])
+    assert len(notes) == told
+    for note in notes:
+        assert "hinge.damping ends at its upper bound, 0.04 N·m·s/rad" in note.message
+        assert "the logs ask for more" in note.message
+
+
 @pytest.mark.parametrize(("worn", "count"), [(0.25, 1), (0.07, 0), (0.05, 0)])
 def test_logs_that_do_not_agree_on_a_parameter_are_told(worn: float, count: int) -> None:
     damping = {"hinge.damping": {"target": "joint.hinge.damping", "unit": "N·m·s/rad", "low": 0.0, "high": 1.0}}

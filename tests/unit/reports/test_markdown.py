@@ -39,7 +39,7 @@ def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None
     assert _cells(text, "swing_05")[1:] == ["`motor`", "log", "0.0123 s", "21 ppm", "0.4 ms"]
     assert _cells(text, "+ coulomb_friction@arm")[1:] == ["1.003", "0.00158", "0.00152"]
     assert _cells(text, "1")[1:5] == ["`coulomb_friction@arm`", "named", "1.004", "95 % (93 % … 97 %)"]
-    assert _cells(text, "`coulomb_friction@arm.torque`")[1] == "0.002003 ± 0.000010 N·m"
+    assert _cells(text, "`coulomb_friction@arm.torque`")[2] == "0.002003 ± 0.000010 N·m"
     assert "- `arm.position`, |qvel| < 0.3 rad/s: 71 % of its squared error" in text
     assert "it separates `coulomb_friction@arm` from `stribeck_friction@arm` by 9.1 σ" in text
     assert "- `swing_05` `arm.position`: 12 samples missing." in text
@@ -315,7 +315,7 @@ def test_a_value_at_its_bound_has_no_interval(close_report: dict[str, Any]) -> N
     row["pole.mass"] |= {"value": 0.2, "at_bound": True}
     own["coulomb_friction@arm.torque"] |= {"value": 0.0, "at_bound": True}
     text = page(close_report)
-    assert _cells(text, "`pole.mass`")[1] == "0.2 kg, at its bound"
+    assert _cells(text, "`pole.mass`")[2] == "0.2 kg, at its bound"
     assert _cells(text, "1")[5] == "torque 0 N·m, at its bound"
 
 

@@ -64,3 +64,34 @@ def test_the_log_that_gains_least_is_one_of_several(
     row = {"joint": "arm", "effect": "residual_force@arm", "depends_on": ["angle of arm"], "accepted": True}
     close_report["learned"] = [row | {"removes": 0.6, "predicted": predicted}]
     assert words in verdict(close_report)
+
+
+def unneeded(report: dict[str, Any], site: str, taker: str) -> dict[str, Any]:
+    """A calibration that leaves noise alone; an effect that cannot be told from one of its parameters."""
+    rung = report["ladder"][0]
+    rung["parameters"] = {
+        "arm.mass": {"value": 0.12, "std": 0.001, "unit": "kg"},
+        "arm.damping": {"value": 0.0101, "std": 0.001, "unit": "N·m·s/rad"},
+    }
+    report["as_given"]["parameters"] = {
+        "arm.mass": {"value": 0.1, "std": None, "unit": "kg"},
+        "arm.damping": {"value": 0.01, "std": None, "unit": "N·m·s/rad"},
+    }
+    row = report["ranking"][0] | {"effect": "torque_scale", "site": site, "replaced_by": {taker: 1.2}}
+    return report | {"verdict": "none", "ladder": [rung], "ranking": [row]}
+
+
+def test_a_mass_that_took_over_what_a_motor_may_have_is_told(close_report: dict[str, Any]) -> None:
+    told = verdict(unneeded(close_report, "motor", "arm.mass"))
+    assert "Calibrating changed `arm.mass` 0.1 → 0.12 kg (+20 %). **`torque_scale@motor` would look the same" in told
+    assert "as the change of `arm.mass`:** measure what you can" in told
+    assert "arm.damping" not in told  # changed by a tenth of its standard deviation
+
+
+@pytest.mark.parametrize(("site", "taker"), [("motor", "arm.damping"), ("arm", "arm.mass")])
+def test_what_did_not_change_or_is_the_same_thing_stands_for_no_effect(
+    close_report: dict[str, Any], site: str, taker: str
+) -> None:
+    told = verdict(unneeded(close_report, site, taker))
+    assert "Calibrating changed `arm.mass`" in told
+    assert "would look the same" not in told
