@@ -2,9 +2,6 @@
 
 from collections.abc import Sequence
 
-from rich.console import Console
-from rich.markdown import Markdown
-
 from dr_lab.diagnosis.faults.data_faults import Fault
 from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.quantity import counted
@@ -79,12 +76,6 @@ def known_faults(faults: Sequence[Fault], measured: MeasurementSet) -> list[Note
         if note.kind in _MENDS
     ]
     return [*fault_notes(faults, measured), *mends]
-
-
-def say_faults(notes: Sequence[NoteEntry]) -> None:
-    """Print the faults among some notes."""
-    if told := faults_markdown(notes):
-        Console().print(Markdown(told))
 
 
 def _by_signal(notes: Sequence[NoteEntry]) -> list[list[NoteEntry]]:

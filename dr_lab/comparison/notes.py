@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from dr_lab.comparison.fault_notes import KIND, fault_notes
+from dr_lab.comparison.silent_notes import silent_notes
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.checks.open_chains import open_chain
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
@@ -18,8 +19,6 @@ from dr_lab.diagnosis.search.ladder import Ladder
 from dr_lab.diagnosis.search.periods import searched
 from dr_lab.diagnosis.search.put_back import PutBack
 from dr_lab.diagnosis.search.wider import ran_into
-from dr_lab.diagnosis.windows.commands import silent_actuators
-from dr_lab.diagnosis.windows.start import untold_joints
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.effects.periodic import PERIODS
 from dr_lab.reports.gap_entries import NoteEntry
@@ -36,7 +35,7 @@ def study_notes(study: Study) -> list[NoteEntry]:
         *_unit_note(study),
         *_step_note(study),
         *_chain_note(study),
-        *_silent_notes(study),
+        *silent_notes(study.compiled, study.measurements),
         *_split_note(study.measurements),
         *_data_notes(study.measurements),
     ]
@@ -244,26 +243,6 @@ def _chain_note(study: Study) -> list[NoteEntry]:
     measured, check = study.measurements, study.comparison.settings.model_check
     found = open_chain(study.compiled, (*measured.fit, *measured.held_out), measured.noise, check)
     return [] if found is None else [NoteEntry(found.message, "open_chain")]
-
-
-def _silent_notes(study: Study) -> list[NoteEntry]:
-    """What the model has and the measurements do not name."""
-    logs = (*study.measurements.fit, *study.measurements.held_out)
-    sent, shown = (", ".join(signals) or "none" for signals in (logs[0].commands, logs[0].outputs))
-    notes = []
-    if actuators := silent_actuators(study.compiled, logs):
-        message = (
-            f"No command is measured for {', '.join(actuators)}: simulated with the control 0. Measured commands: "
-            f"{sent}. If it was driven, name its channel in measurements.commands."
-        )
-        notes.append(NoteEntry(message, "no_command"))
-    if joints := untold_joints(study.compiled, tuple(logs[0].outputs)):
-        message = (
-            f"No position or velocity is measured of joint {', '.join(joints)}: what it does is guessed from the other "
-            f"channels. Measured: {shown}. If a log holds it, name its channel in measurements.outputs."
-        )
-        notes.append(NoteEntry(message, "no_output"))
-    return notes
 
 
 def _split_note(measured: MeasurementSet) -> list[NoteEntry]:

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.comparison.comparison import Comparison, ComparisonSettings
-from dr_lab.comparison.fault_notes import known_faults, say_faults
+from dr_lab.comparison.fault_notes import known_faults
+from dr_lab.comparison.first_notes import say_first
+from dr_lab.comparison.silent_notes import silent_notes
 from dr_lab.comparison.state_fits import StateFits
 from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
 from dr_lab.diagnosis.checks.firm_loops import firm_loops
@@ -87,17 +89,17 @@ class Study:
         return _study(replace(self.comparison, settings=settings), self.faults)
 
 
-def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] = say_faults) -> Study:
+def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] = say_first) -> Study:
     """Cut the logs and measure scales and the numerical floor, and check the model.
 
     Where the model's step moves an output, what follows has a finer one, unless the calibrated model leaves no more
     than noise as it is: then the logs ask for no other physics, or were simulated with that very step. Faults of the
-    logs are told at once, as soon as is known which of them are allowed for. Without held-out logs the fit logs score
-    too, which the report says.
+    logs are told at once, as soon as is known which of them are allowed for, and what the model has and no log names.
+    Without held-out logs the fit logs score too, which the report says.
 
     Args:
         comparison: model, logs and settings.
-        tell: is called with the notes on faults.
+        tell: is called with these notes.
 
     Raises:
         ConfigError: no log is there to fit on.
@@ -110,7 +112,8 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
         )
     suspected = suspect_faults(comparison.model, measured, comparison.settings.faults)
     read = with_lines(comparison, suspected)
-    tell(known_faults(suspected, read.measurements))
+    silent = silent_notes(comparison.model.nominal(), measured)
+    tell([*known_faults(suspected, read.measurements), *silent])
     return _study(read, suspected)
 
 

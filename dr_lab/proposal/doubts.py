@@ -45,19 +45,20 @@ def require_fit(
     Raises:
         DataError: the motion is not that of the robot.
     """
-    left = float(searched.found.outcome.left.max())
-    if left <= settings.fits:
+    left = searched.found.outcome.left.tolist()
+    if max(left) <= settings.fits:
         return
+    moved = [f"{share:.0%} of {joint}'s" for joint, share in zip(joints, left, strict=True) if share > settings.fits]
     commands = [each for each in (*searched.asked, *searched.vain) if each not in candidates]
     tried = f" with {_listed(commands)} as command" if commands else " without a command"
     rest = [each for each in logs.series if each.moves and each not in (*candidates, *commands)]
     unread = (f" Not read: {_listed(rest)}." if rest else "") + "".join(f" {said}" for said in logs.spoilt)
     drive = next((drive.name for drive in searched.drives), joints[0])
     raise DataError(
-        f"No reading of {_listed(candidates)} moves as {', '.join(joints)} do{tried}: the best leaves {left:.0%} of a "
-        f"joint's forces unexplained.{unread} Are these logs of this robot? If so, name columns or topics after the "
-        f"joints ({joints[0]}_position) and commands after the actuators ({drive}_command), or write the measurements "
-        "by hand."
+        f"No reading of {_listed(candidates)} moves as {', '.join(joints)} do{tried}: the best leaves "
+        f"{' and '.join(moved)} forces unexplained.{unread} Are these logs of this robot? If so, name columns or "
+        f"topics after the joints ({joints[0]}_position) and commands after the actuators ({drive}_command), or write "
+        "the measurements by hand."
     )
 
 

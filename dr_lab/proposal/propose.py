@@ -61,7 +61,8 @@ class Proposal:
         """Series that change, but that neither an output nor a command reads."""
         read = {part.place for output in self.outputs for part in output.parts}
         read |= {command.series.place for command in self.commands}
-        return tuple(str(each.place) for each in self.logs.series if each.moves and each.place not in read)
+        left = [str(each.place) for each in self.logs.series if each.moves and each.place not in read]
+        return (*left, *(f"{each.place} (counts the rows)" for each in self.logs.counts))
 
 
 def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:

@@ -52,6 +52,7 @@ class Survey:
         series: every series of numbers that all logs hold which were looked at.
         clock: of tables; None of messages.
         spoilt: columns of tables that some text keeps from being read, a sentence each.
+        counts: series that count the rows or messages, which are no readings.
         short: logs that hold too few rows or messages to be used, each with what is said of it.
     """
 
@@ -60,6 +61,7 @@ class Survey:
     series: tuple[Series, ...]
     clock: Clock | None
     spoilt: tuple[str, ...] = ()
+    counts: tuple[Series, ...] = ()
     short: Mapping[str, str] = field(default_factory=dict)
 
     def named(self, kind: str) -> list[Series]:
@@ -96,9 +98,20 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     least = settings.contract.minimum_samples
     signals = [[None if s is None or len(s.time) < least else s for s in log] for log in read]
     usable = [k for k, _ in enumerate(places) if all(log[k] is not None for log in signals)]
-    series = tuple(_named(places[k], tuple(s for log in signals if (s := log[k]) is not None)) for k in usable)
+    every = [_named(places[k], tuple(s for log in signals if (s := log[k]) is not None)) for k in usable]
+    counts = tuple(each for each in every if _counts_rows(each))
+    series = tuple(each for each in every if not _counts_rows(each))
     spoilt = _spoilt([known[name] for name in chosen], settings) if clock else ()
-    return Survey(files, tuple(known), series, clock, spoilt, short)
+    return Survey(files, tuple(known), series, clock, spoilt, counts, short)
+
+
+def _counts_rows(series: Series) -> bool:
+    """Whether a series without a name that says a quantity rises by the same whole number from row to row, always."""
+    if series.words.kind:
+        return False
+    steps = np.concatenate([np.diff(signal.value) for signal in series.signals])
+    whole = all(bool((signal.value == np.round(signal.value)).all()) for signal in series.signals)
+    return whole and bool(steps[0] > 0) and bool((steps == steps[0]).all())
 
 
 def _spoilt(chosen: Sequence[Recording], settings: ProposalSettings) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from diagnosis_machines import (
 
 from dr_lab.comparison.calibrated import calibrated
 from dr_lab.comparison.notes import disagreeing_logs, fit_notes, study_notes
+from dr_lab.comparison.silent_notes import silent_markdown
 from dr_lab.comparison.study import Study, prepare
 from dr_lab.diagnosis.evidence.bench import Bench, fit_and_score
 from dr_lab.reports.gap_entries import NoteEntry
@@ -67,6 +68,16 @@ def test_a_fit_without_its_certificate_is_told_with_what_helps(remedy: str, *, o
     assert note.kind == "not_converged"
     assert "The calibration did not converge in 3 steps" in note.message
     assert remedy in note.message
+
+
+@pytest.mark.parametrize("commanded", [True, False])
+def test_an_actuator_without_a_command_is_told_before_anything_is_fitted(*, commanded: bool) -> None:
+    log = swinging("log_0", pendulum().nominal(), 0)
+    notes: list[NoteEntry] = []
+    prepare(short_comparison(pendulum(), measured([log if commanded else replace(log, commands={})], [])), notes.extend)
+    told = silent_markdown(notes)
+    assert told.startswith("- No command is measured for drive: simulated with the control 0.") != commanded
+    assert (told == "") == commanded
 
 
 @pytest.mark.parametrize(("high", "told"), [(0.04, 1), (1.0, 0)])

@@ -62,3 +62,17 @@ def test_text_of_other_kinds_is_none_of_numbers() -> None:
     pyarrow.parquet.write_table(table, "a.parquet")
     (found,) = text_columns(Path("a.parquet"), 0.5)
     assert (found.column, found.cells, found.rows, found.place, found.text) == ("x", 1, 4, "row 4", "oops")
+
+
+@pytest.mark.parametrize(("first", "step", "read"), [(0, 1, True), (1000, 10, True), (0.0, 0.5, False)])
+def test_a_count_of_the_rows_is_no_reading(
+    first: float, step: float, capsys: pytest.CaptureFixture[str], *, read: bool
+) -> None:
+    logs = plain_logs(Path("logs"))
+    for log in logs:
+        header, *rows = log.read_text().splitlines()
+        counted = [f"{first + step * k},{row}" for k, row in enumerate(rows)]
+        log.write_text("\n".join([f"sample,{header}", *counted]) + "\n")
+    assert main(["init", "two.xml", *map(str, logs)]) == 0
+    told = capsys.readouterr().out
+    assert ("sample (counts the rows)" in told) == read
