@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import yaml
 
+from dr_lab.comparison.plain_file import stand_ins
 from dr_lab.comparison.study import Study
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import StateFit, fit_states
@@ -16,6 +17,7 @@ from dr_lab.diagnosis.windows.channels import Tape
 from dr_lab.diagnosis.windows.windows import Windows
 from dr_lab.effects.effect import PlacedEffect
 from dr_lab.files import atomic, write_text
+from dr_lab.physics.compiling import written
 from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import Model
@@ -78,15 +80,21 @@ def inexpressible(model: Model, z: Array) -> list[str]:
 def write_model(path: Path, model: Model, z: Array) -> tuple[ExportedModel, list[str]]:
     """Write the model at context z as MJCF and read it back.
 
-    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back.
+    MJCF text keeps six digits; everything that is recorded afterwards is simulated from the model read back. Where the
+    file lacks an effect, dry friction stands in for it if that comes near; the model read back has the effect instead.
 
     Returns:
         The model read back, beside whose spec the effects act if the file lacks anything, and what the file lacks.
     """
-    missing = inexpressible(model, z)
+    exact, stand_in = mjcf(model, z), stand_ins(model, z)
+    missing = [*inexpressible(model, z), *(each.told for each in stand_in)]
+    read = mujoco.MjSpec.from_string(exact)
+    alone = read.copy()
+    for each in stand_in:
+        each.write(alone)
     comments = "".join(f"<!-- {sentence} -->\n" for sentence in missing)
-    write_text(path, comments + mjcf(model, z))
-    effects, read = model.effects if missing else (), mujoco.MjSpec.from_file(str(path))
+    write_text(path, comments + (written(alone) if stand_in else exact))
+    effects = model.effects if missing else ()
     return ExportedModel(model.name, read, (), {}, effects, fixed=model.space.mapping(z)), missing
 
 

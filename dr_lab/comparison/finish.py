@@ -8,6 +8,7 @@ from dr_lab.comparison.export import write_context, write_model, write_rollout
 from dr_lab.comparison.fault_notes import KIND, faults_markdown
 from dr_lab.comparison.notes import DISAGREEING
 from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
+from dr_lab.comparison.plain_file import file_note
 from dr_lab.comparison.progress import Screen
 from dr_lab.comparison.study import Study
 from dr_lab.comparison.write_simulated import write_simulated
@@ -95,7 +96,7 @@ def finish(
     """
     folder, longest = run.folder, run.look.longest
     run.screen.phase("Writing the report")
-    shown, notes = _export(models, folder)
+    shown, notes = _export(study, models, folder, report.ladder[-1].held_out.chi2)
     if estimate is not None:
         write_context(folder / "context.yaml", estimate)
     logs = shown_logs(study, longest)
@@ -127,9 +128,13 @@ def _record(
 
 
 def _completed(report: GapReport, notes: Sequence[NoteEntry], run_dir: Path) -> GapReport:
-    """The report as it is written: all notes, faults and logs that disagree first, and only finite numbers."""
-    every = sorted([*report.notes, *notes], key=lambda note: (note.kind != KIND, note.kind != DISAGREEING))
+    """The report as it is written: all notes, faults, logs that disagree and what holds of all logs first; finite."""
+    every = sorted([*report.notes, *notes], key=_importance)
     return finite(replace(report, notes=tuple(every), run=str(run_dir)))
+
+
+def _importance(note: NoteEntry) -> tuple[bool, bool, bool]:
+    return (note.kind != KIND, note.kind != DISAGREEING, note.log is not None)
 
 
 def _shortened(study: Study, shown: Sequence[Log], longest: float) -> list[NoteEntry]:
@@ -193,11 +198,11 @@ def _parameters(report: GapReport) -> str:
 
 
 def _export(
-    models: Mapping[str, tuple[Model, Array]], run_dir: Path
+    study: Study, models: Mapping[str, tuple[Model, Array]], run_dir: Path, chi2: float | None
 ) -> tuple[dict[str, tuple[Model, Array]], list[NoteEntry]]:
     """Write the improved model, where there is one, and let the file take its place; notes on what the file lacks.
 
-    Learned forces are written beside it.
+    Learned forces are written beside it. The model leaves `chi2`.
     """
     if AFTER not in models:
         return dict(models), []
@@ -205,6 +210,8 @@ def _export(
         write_learned_forces(run_dir, forces)
     exported, lacking = write_model(run_dir / "model.xml", *models[AFTER])
     notes = [NoteEntry(sentence, "export") for sentence in lacking]
+    if lacking:
+        notes.append(file_note(study, run_dir / "model.xml", exported, chi2))
     return {**models, AFTER: (exported, exported.space.nominal)}, notes
 
 

@@ -69,12 +69,14 @@ def _played(proposal: ExperimentEntry) -> str:
     return (
         f"{pose}, held by {_quantities(proposal.hold, proposal.units)}.{rests} "
         f"Send each row of the file at its `time_s`, {number(proposal.rate, 3)} a second for "
-        f"{number(proposal.duration, 3)} s, and hold it until the next; columns are named after the actuators, in the "
-        "units of the logs' commands. It begins softly and ends with the commands that it began with. Simulated on the "
+        f"{number(proposal.duration, 3)} s, and hold it until the next; columns are named after the actuators. "
+        "Their numbers are the model's controls: what `measurements.commands` makes of a log's numbers by its unit, "
+        "sign, scale and offset. It begins softly and ends with the commands that it began with. Simulated on the "
         f"fitted models, and on others within their uncertainty, it takes {percent(proposal.taken)} of what joint "
         "ranges, speeds, forces and the distances of parts allow, reserve apart. Watch it: simulation is no guard."
     )
 
 
 def _quantities(values: Mapping[str, float], units: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} {number(value, 3)} {units.get(name, '')}".rstrip() for name, value in values.items())
+    symbols = {name: "" if unit == "1" else unit for name, unit in units.items()}
+    return ", ".join(f"{name} {number(value, 3)} {symbols.get(name, '')}".rstrip() for name, value in values.items())

@@ -1,0 +1,82 @@
+"""What MuJoCo alone makes of an exported file: friction in place of what MJCF lacks, and how well it predicts."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import mujoco
+
+from dr_lab.comparison.study import Study
+from dr_lab.diagnosis.evidence.score import score_of
+from dr_lab.diagnosis.fit.states import fit_states
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.physics.model import Model
+from dr_lab.reports.gap_entries import NoteEntry
+from dr_lab.reports.quantity import number
+from dr_lab.trajectory import Array
+
+_COULOMB, _TORQUE = "coulomb_friction", "torque"
+
+
+@dataclass(frozen=True)
+class DryFrictionLoss:
+    """The dry friction that comes nearest to an effect that MJCF lacks.
+
+    Attributes:
+        effect: its label.
+        joint: name.
+        loss: what it adds to the joint's friction loss, N·m or N.
+    """
+
+    effect: str
+    joint: str
+    loss: float
+
+    @property
+    def told(self) -> str:
+        """A sentence for the file and the report."""
+        return (
+            f"in place of {self.effect} model.xml has {self.loss:.4g} of the frictionloss of {self.joint}, the nearest."
+        )
+
+    def write(self, spec: mujoco.MjSpec) -> None:
+        """Add it to the joint."""
+        joint = spec.joint(self.joint)
+        joint.frictionloss = joint.frictionloss + self.loss
+
+
+def stand_ins(model: Model, z: Array) -> list[DryFrictionLoss]:
+    """Dry friction for every effect that holds it as a special case and that MJCF lacks, at context z."""
+    return list(_stand_ins(model, z))
+
+
+def _stand_ins(model: Model, z: Array) -> Iterator[DryFrictionLoss]:
+    values = model.space.mapping(z)
+    for placed in model.effects:
+        if not (isinstance(placed, PlacedEffect) and placed.effect.lacks and _COULOMB in placed.effect.holds):
+            continue
+        same = placed.effect.holds[_COULOMB].same
+        own = placed.local(values)
+        for name, poorer in same.items():
+            if poorer == _TORQUE and own[name] > 0:
+                yield from (DryFrictionLoss(placed.label, joint, own[name]) for joint in placed.elements)
+
+
+def file_note(study: Study, path: Path, found: Model, chi2: float | None) -> NoteEntry:
+    """How well a file predicts that lacks something of a model, played by MuJoCo alone from fitted starts.
+
+    Args:
+        study: the logs.
+        path: the file.
+        found: the model; its effects on sensors, which no model file has, act beside the file.
+        chi2: what the model leaves.
+    """
+    sensing = tuple(e for e in found.effects if isinstance(e, PlacedEffect) and e.effect.family == "sensing")
+    alone = replace(found, spec=mujoco.MjSpec.from_file(str(path)), effects=sensing)
+    bench = study.bench
+    score = score_of(*fit_states(alone, alone.space.nominal, bench.held_out, bench.solver, bench.threads))
+    message = (
+        f"Played by MuJoCo alone, model.xml leaves χ² {number(score.chi2)}, the model found {number(chi2)}. "
+        "model=from_run model.run=RUN has all of it, in every verb of dr-lab."
+    )
+    return NoteEntry(message, "export")
