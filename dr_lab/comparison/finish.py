@@ -11,6 +11,7 @@ from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.comparison.plain_file import file_note
 from dr_lab.comparison.progress import Screen
 from dr_lab.comparison.study import Study
+from dr_lab.comparison.trading import TRADE
 from dr_lab.comparison.write_simulated import write_simulated
 from dr_lab.effects.learned_force import write_learned_forces
 from dr_lab.effects.residual_force import learned_forces
@@ -166,7 +167,7 @@ def _rest(report: GapReport) -> str:
     """Where the model fails, and notes."""
     where = [f"- {r.signal}, {r.region}: {percent(r.share or 0.0)} of its error" for r in report.failing.where]
     parts = [f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else ""]
-    notes = [note for note in report.notes if note.kind != KIND]
+    notes = [note for note in report.notes if note.kind not in (KIND, TRADE)]  # those were shown before
     left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
     parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")
     return _paragraphs(parts)
@@ -194,7 +195,8 @@ def _parameters(report: GapReport) -> str:
         return ""
     found = sorted(last.parameters.items(), key=lambda item: "@" not in item[0])
     left = f"\n\n… and {len(found) - _LISTED} more in report.md." if len(found) > _LISTED else ""
-    return parameter_table(dict(found[:_LISTED]), given_values(report)) + left
+    trades = "\n".join(f"- {note.message}" for note in report.notes if note.kind == TRADE)
+    return _paragraphs([parameter_table(dict(found[:_LISTED]), given_values(report)) + left, trades])
 
 
 def _export(

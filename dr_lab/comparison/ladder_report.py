@@ -13,6 +13,7 @@ from dr_lab.comparison.lesson import Lesson
 from dr_lab.comparison.localised import failure
 from dr_lab.comparison.missing_force import missing_forces
 from dr_lab.comparison.study import Study
+from dr_lab.comparison.trading import trading
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
@@ -89,7 +90,12 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
     report = entries.begun(verb, study, models, ladder.models[-1].held_out)
     return replace(
         report,
-        notes=(*notes.fit_notes(ladder.models), *report.notes, *_ladder_notes(study, ladder)),
+        notes=(
+            *trading(described[-1].estimate),
+            *notes.fit_notes(ladder.models),
+            *report.notes,
+            *_ladder_notes(study, ladder),
+        ),
         verdict=_verdict(ladder, study.bench.evidence),
         as_given=as_given(study)[1],
         judgement=judgement,

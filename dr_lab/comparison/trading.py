@@ -1,0 +1,43 @@
+"""Notes on values of which the logs know the sum or difference far better than either."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from dr_lab.physics.context import ContextEstimate
+from dr_lab.reports.gap_entries import NoteEntry
+from dr_lab.reports.quantity import uncertain
+
+TRADE = "trade"
+_FAR = 0.2  # standard deviation of the sum, in that of the better known of both
+_MOST = 3  # pairs that are told
+
+
+def trading(found: ContextEstimate) -> list[NoteEntry]:
+    """Notes on pairs of an effect's parameter and another one of the same unit that trade, most telling first.
+
+    Of x ± y the variance is σ_x² + σ_y² ± 2 cov(x, y).
+    """
+    pairs = sorted(_pairs(found))[:_MOST]
+    return [NoteEntry(message, TRADE) for _, message in pairs]
+
+
+def _pairs(found: ContextEstimate) -> Iterator[tuple[float, str]]:
+    """How well the sum or difference is known beside either value, and a sentence."""
+    std, rows = found.std, found.space.parameters
+    for a, first in enumerate(rows):
+        for b, second in enumerate(rows[:a]):
+            least = min(std[a], std[b])
+            if first.unit != second.unit or least <= 0 or "@" not in f"{first.name}{second.name}":
+                continue
+            sign = -np.sign(found.covariance[a, b]) or 1.0
+            known = np.sqrt(max(std[a] ** 2 + std[b] ** 2 + 2 * sign * found.covariance[a, b], 0.0))
+            if known >= _FAR * least:
+                continue
+            value = uncertain(float(found.mean[b] + sign * found.mean[a]), float(known), first.unit)
+            what = "sum" if sign > 0 else "difference"
+            message = (
+                f"{second.name} and {first.name} trade: the logs know their {what}, {value}, far better than either. "
+                "Use both or neither."
+            )
+            yield float(known / least), message
