@@ -14,6 +14,7 @@ from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.trajectory import Array, Note, Signal
 
 _DEGREES = 180.0 / np.pi
+_RPM = np.pi / 30.0  # rad/s
 # What a derivative is too large by where times in s are declared in these units; too small by in the other case.
 _TIMES = {"ms": 1e3, "µs": 1e6, "ns": 1e9}
 _SUSPICION = "the factor 57.3 = 180/π is suspected"
@@ -101,7 +102,11 @@ def _weaker(ratio: float, rate: str, place: str, contract: DataContract) -> list
         message = f"{rate} has the opposite sign of the derivative of {place} (ratio {ratio:.3g}); check sign."
         return [Note("sign", rate, message)]
     if abs(np.log(ratio)) > contract.velocity_ratio:
-        message = f"The derivative of {place} is {ratio:.3g} times {rate}; check unit, scale and gear ratio of both."
+        turns = abs(np.log(ratio / _RPM)) < contract.unit_ratio
+        hint = ", as if it were in turns a minute (unit: rpm)" if turns else ""
+        message = (
+            f"The derivative of {place} is {ratio:.3g} times {rate}{hint}; check unit, scale and gear ratio of both."
+        )
         return [Note("unit", rate, message)]
     return []
 
@@ -138,9 +143,10 @@ def _check_speed(signal: Signal, channel: ChannelMap, contract: DataContract) ->
     typical_peak = float(np.quantile(speed, 0.99))
     if typical_peak <= contract.speed_limit:
         return
+    turns = ", unit: rpm if they are turns a minute" if channel.unit.name == "rad/s" else ""
     raise DataError(
         f"{channel.name} (declared {channel.unit.given!r}) turns at {typical_peak:.4g} rad/s, faster than "
-        f"{contract.speed_limit:g} rad/s: {_SUSPICION}. Write {_degrees(channel)} if the numbers are degrees, "
+        f"{contract.speed_limit:g} rad/s: {_SUSPICION}. Write {_degrees(channel)} if the numbers are degrees{turns}, "
         "wrap: true if the angle jumps by full turns, or raise contract.speed_limit if the joint is that fast."
     )
 

@@ -88,6 +88,9 @@ def test_sign_and_scale_of_a_velocity_are_noted(contract: DataContract) -> None:
     (geared,) = check(contract, ANGLE, SPEED / 6)
     assert geared.kind == "unit"
     assert "6 times" in geared.message
+    assert "rpm" not in geared.message
+    (turns,) = check(contract, ANGLE, SPEED * 60 / (2 * np.pi))
+    assert "0.105 times arm.velocity, as if it were in turns a minute (unit: rpm)" in turns.message
 
 
 @pytest.mark.parametrize(("raw_turn", "declared", "remedy"), [(360.0, "rad", "deg"), (2 * np.pi, "deg", "rad")])
@@ -109,5 +112,5 @@ def test_steps_of_radians_raise_no_alarm(contract: DataContract, step: float) ->
 def test_a_joint_faster_than_any_is_suspected(contract: DataContract) -> None:
     with pytest.raises(DataError, match=r"turns at .* faster than 200 rad/s: the factor 57\.3.*unit: deg"):
         check(contract, ANGLE * DEGREES, None)
-    with pytest.raises(DataError, match=r"arm\.velocity .* unit: deg/s"):
+    with pytest.raises(DataError, match=r"arm\.velocity .* unit: deg/s if .*, unit: rpm if"):
         check(contract, None, SPEED * DEGREES)
