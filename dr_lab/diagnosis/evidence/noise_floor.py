@@ -1,5 +1,7 @@
 """Does what a model leaves pass for noise?"""
 
+from math import inf
+
 from dr_lab.diagnosis.evidence.score import ChannelScore, Score
 from dr_lab.diagnosis.fit.right_model import most_chi2
 from dr_lab.diagnosis.settings import EvidenceSettings
@@ -13,13 +15,23 @@ def noise_floor(freedom: float, settings: EvidenceSettings) -> float:
 def at_floor(score: Score, settings: EvidenceSettings) -> bool:
     """Whether what a model leaves passes for noise: as small as the noise of the logs, or such as instruments make.
 
-    It does not where half of the windows diverge or more: what the others leave says nothing of most of the motion.
+    It does not where half of the windows diverge or more: what the others leave says nothing of most of the motion. A
+    channel that leaves less than its noise makes up for no other: its noise is estimated too large.
     """
     if score.freedom <= 0 or 2 * score.infeasible >= len(score.window_count):
         return False
-    if score.chi2 <= noise_floor(score.freedom, settings):
+    if _chi2(score) <= noise_floor(score.freedom, settings):
         return True
     return bool(score.channels) and all(channel_at_floor(channel, settings) for channel in score.channels.values())
+
+
+def _chi2(score: Score) -> float:
+    """χ² per degree of freedom, where a channel counts as 1 at least: Σ_c n_c max(χ²_c, 1) / Σ_c n_c."""
+    counts = {name: float(channel.window_count.sum()) for name, channel in score.channels.items()}
+    total = sum(counts.values())
+    if total <= 0 or score.chi2 == inf:
+        return score.chi2
+    return sum(counts[name] * max(channel.chi2, 1.0) for name, channel in score.channels.items()) / total
 
 
 def alone_at_floor(model: Score, other: Score, settings: EvidenceSettings) -> bool:

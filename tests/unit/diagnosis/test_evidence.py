@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dr_lab.diagnosis.evidence.noise_floor import noise_floor
+from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
 from dr_lab.diagnosis.evidence.paired_gain import (
     block_count,
     paired_gain,
@@ -132,6 +132,21 @@ def test_a_constant_share_is_known_exactly() -> None:
 @pytest.mark.parametrize(("freedom", "floor"), [(1.0, 6.635), (30.0, 50.892 / 30), (1e6, SETTINGS.floor), (0.0, 1.1)])
 def test_few_samples_scatter_above_the_noise_floor(freedom: float, floor: float) -> None:
     assert noise_floor(freedom, SETTINGS) == pytest.approx(floor, abs=1e-3)  # upper 1 % points of χ², by table
+
+
+@pytest.mark.parametrize(
+    ("quiet", "loud", "expected"), [(0.6, 1.3, False), (1.0, 1.15, True), (0.6, 1.0, True), (0.6, 0.9, True)]
+)
+def test_a_channel_below_its_noise_makes_up_for_no_other(quiet: float, loud: float, *, expected: bool) -> None:
+    """Both have 2 400 residuals, of which the floor is 1.1: the mean of 1 and 1.3 is above it, of 0.6 and 1.3 below."""
+    count = np.full(240, 10.0)
+    channels = {
+        name: ChannelScore(chi2 * count, count, 1.0, instrumental=False) for name, chi2 in (("a", quiet), ("b", loud))
+    }
+    both = sum(channel.window_sum for channel in channels.values())
+    pooled = replace(score(np.asarray(both), 20.0), channels=channels)
+    assert pooled.chi2 < SETTINGS.floor
+    assert at_floor(pooled, SETTINGS) == expected
 
 
 def test_evidence_near_the_noise_floor_is_the_difference_of_chi2() -> None:
