@@ -138,6 +138,10 @@ class SolverSettings:
         state_step: finite-difference step of an initial state, in prior standard deviations.
         touching: factor on a parameter's where shapes touch one another.
         touching_states: factor on a state's there.
+        draws: from how many draws the start of a window is chosen that is stuck among contacts.
+        redrawn: how often, at most.
+        spread: standard deviation of these draws, in that of the start's prior.
+        stuck: times the median window's χ², above which a window is.
         rolling: factor on both where bodies stay on the ground.
         rolling_patience: factor on `start_iterations` there, since contacts let no long step through.
         huber: residuals beyond this many robust standard deviations count linearly.
@@ -176,6 +180,10 @@ class SolverSettings:
     state_step: Positive
     touching: Annotated[float, at_least(1.0)]
     touching_states: Annotated[float, at_least(1.0)]
+    draws: Count
+    redrawn: Natural
+    spread: Positive
+    stuck: Annotated[float, at_least(1.0)]
     rolling: Annotated[float, at_least(1.0)]
     rolling_patience: Count
     huber: Positive

@@ -1,5 +1,6 @@
 """Initial states of windows at a fixed context: one small Levenberg–Marquardt per window, all windows in one batch."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from threading import Event
 
@@ -123,10 +124,28 @@ class _Search:
         """The best states, from the prior's mean or from near; where near led to poor ones, from the mean as well."""
         mean = self.point(np.zeros((len(self.replay.windows), self.replay.nstate)))
         if near is None:
-            return self.descend(mean, None, ~mean.infeasible)
+            return self._drawn(self.descend(mean, None, ~mean.infeasible))
         first = better_start(mean, self.point(near.delta), self._weights(mean), self.precision)
         found = self.descend(first, near.slopes, ~first.infeasible)
-        return self.restarted(found, mean, self._poor(found))
+        return self._drawn(self.restarted(found, mean, self._poor(found)))
+
+    def _drawn(self, found: StateFit) -> StateFit:
+        """The states; among contacts, whose jags hold a search, sought from draws in windows that are stuck.
+
+        Of many draws each such window begins at the one that costs least.
+        """
+        settings, random = self.settings, np.random.default_rng(0)
+        for _ in range(settings.redrawn if self.replay.touching else 0):
+            stuck = self._left(found) > settings.stuck * self._usual(found)
+            if not stuck.any():
+                break
+            part = ActiveWindows(self.replay, np.arange(len(stuck)), settings).narrowed(stuck)
+            size = (settings.draws, *found.delta.shape)
+            drawn = settings.spread * self.replay.windows.prior.std * random.standard_normal(size)
+            tried = part.tried(found, np.where(stuck[:, None], drawn - found.delta, 0.0))
+            start, _, _ = self._lowest(tried, self._weights(found))
+            found = self.restarted(found, start, stuck)
+        return found
 
     def restarted(self, found: StateFit, start: Point, windows: NDArray[np.bool_]) -> StateFit:
         """The better of states and of those to which a search in some windows leads from another start."""
@@ -135,11 +154,17 @@ class _Search:
 
     def _poor(self, found: StateFit) -> NDArray[np.bool_]:
         """Windows whose χ² noise as large as in the median window, or as the sensors', would hardly leave."""
+        count = np.maximum((self.replay.fitted & ~found.infeasible[:, None]).sum(1), 1)
+        return self._left(found) > self._usual(found) * chi2.ppf(self.settings.plausible, count) / count
+
+    def _left(self, found: StateFit) -> Array:
+        """χ² of each window's fitted samples, (w,); 0 of one that diverges."""
         fitted = self.replay.fitted & ~found.infeasible[:, None]
-        count = np.maximum(fitted.sum(1), 1)
-        left = np.where(fitted, found.residuals**2, 0.0).sum(1) / count
-        usual = max(1.0, float(np.median(left[~found.infeasible]))) if not found.infeasible.all() else 1.0
-        return left > usual * chi2.ppf(self.settings.plausible, count) / count
+        return np.where(fitted, found.residuals**2, 0.0).sum(1) / np.maximum(fitted.sum(1), 1)
+
+    def _usual(self, found: StateFit) -> float:
+        """That of the median window that does not diverge; 1 at least."""
+        return max(1.0, float(np.median(self._left(found)[~found.infeasible]))) if not found.infeasible.all() else 1.0
 
     def _better(self, one: StateFit, other: StateFit) -> StateFit:
         """The better of two fits in each window."""
@@ -190,13 +215,16 @@ class _Search:
         """The best of the steps that are tried at once in each window, its cost there and its damping, (w,) each."""
         dampings = damping * self.settings.damping_up ** np.arange(part.at_once)[:, None]
         steps = [self._steps(point, slopes, weight, each, active) for each in dampings]
-        found = part.tried(point, np.stack(steps))
+        best, costs, first = self._lowest(part.tried(point, np.stack(steps)), weight)
+        return best, costs, dampings[first, np.arange(len(damping))]
+
+    def _lowest(self, found: Sequence[Point], weight: Array) -> tuple[Point, Array, NDArray[np.intp]]:
+        """In each window the point that costs least, its cost, infinite where all diverge, and its place, (w,) each."""
         costs = np.stack([np.where(each.infeasible, np.inf, self._costs(each, weight)) for each in found])
-        first, windows = costs.argmin(0), np.arange(len(damping))
+        first, windows = costs.argmin(0), np.arange(costs.shape[1])
         delta = np.stack([each.delta for each in found])[first, windows]
         residuals = np.stack([each.residuals for each in found])[first, windows]
-        best = Point(point.z, delta, residuals, np.inf, np.isinf(costs.min(0)))
-        return best, costs.min(0), dampings[first, windows]
+        return Point(self.z, delta, residuals, np.inf, np.isinf(costs.min(0))), costs.min(0), first
 
     def _weights(self, point: Point) -> Array:
         return self.replay.weights(point.residuals, point.infeasible, self.settings.huber)
