@@ -7,6 +7,7 @@ from diagnosis_machines import PENDULUM, PENDULUM_PARAMETERS, model_of, solver_s
 from dr_lab.diagnosis.fit.levenberg_marquardt import Fitter
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.slopes import differences
+from dr_lab.diagnosis.fit.states import StateFit, _Search, fit_states
 from dr_lab.physics.model import Model
 
 TRUTH = np.array([0.6, 0.08])
@@ -49,3 +50,20 @@ def test_a_mass_is_found_through_impacts() -> None:
     fit = Fitter(replay, solver_settings()).run(replay.model.space.nominal)
     assert fit.cost / replay.fitted.sum() < 1.5
     np.testing.assert_allclose(fit.z, TRUTH, rtol=0.03)
+
+
+@pytest.mark.parametrize(("away", "mended"), [(0.05, True), (0.5, False)])
+def test_a_start_that_is_stuck_among_contacts_is_drawn_anew(away: float, *, mended: bool) -> None:
+    """A window of which the search ended 3 standard deviations off; without contacts that is left as it is."""
+    model = walled(away)
+    replay, fit = fit_states(model, TRUTH, replayed(model).windows, solver_settings(), 1)
+    search = _Search(replay, solver_settings(), TRUTH)
+    off = fit.delta.copy()
+    off[0] += 3.0 * replay.windows.prior.std
+    stuck = search.point(off)
+    before = StateFit(stuck.z, stuck.delta, stuck.residuals, stuck.cost, stuck.infeasible, fit.slopes)
+    after = search._drawn(before)
+    left, expected = (search._left(each) for each in (after, fit))
+    assert search._left(before)[0] > 10.0 * expected[0]
+    assert (left[0] == pytest.approx(expected[0], rel=0.01)) == mended
+    np.testing.assert_array_equal(after.delta[1:], before.delta[1:])
