@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import mujoco
-import numpy as np
 from numpy.polynomial import Polynomial
 
 from dr_lab.effects.effect import Scales
-from dr_lab.effects.joint_effect import JointEffect, joint_of, slides
+from dr_lab.effects.joint_effect import JointEffect, slides
+from dr_lab.effects.joint_spring import add_spring
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
@@ -20,14 +20,13 @@ Start = Mapping[str, float]
 class Spring(JointEffect, SpecEdit):
     """A cable, hose or spring that pulls the joint to a rest position.
 
-    tau(q) = −k (q − q_r). Together with the joint's own spring f(x) = a x + b x² + c x³, x = q − q₀, this is again a
-    cubic, written about the q at which the sum vanishes, so nothing is approximated.
+    tau(q) = −k (q − q_r), beside the joint's own spring (`add_spring`).
 
     Parameters (nominal = absent): stiffness k ≥ 0 [N·m/rad, slide: N/m]; reference q_r [rad, slide: m], which acts
     only where k > 0 (fits start away from absent).
     Limits: hinge and slide joints without ``springdamper``; tendons whose rest length MuJoCo takes from the springs'
     references move with it.
-    Source: Hooke's law; MuJoCo joint/stiffness and joint/springref, computation chapter ("Polynomial forces").
+    Source: Hooke's law.
 
     Attributes:
         factor: largest k, in units of the joint's torque/range in the logs.
@@ -67,16 +66,8 @@ class Spring(JointEffect, SpecEdit):
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Combine the spring with the joint's own."""
-        joint, stiffness = joint_of(spec, site), values["stiffness"]
-        if stiffness == 0:
-            return
-        hinge = joint.type == mujoco.mjtJoint.mjJNT_HINGE
-        unit = np.pi / 180 if hinge and spec.compiler.degree else 1.0  # of springref in the spec, in rad or m
-        own = Polynomial([0.0, *joint.stiffness])(Polynomial([-joint.springref * unit, 1.0]))
-        total = own + Polynomial([-stiffness * values["reference"], stiffness])
-        rest = _root(total, near=values["reference"])
-        joint.stiffness = [total.deriv(order)(rest) / factorial for order, factorial in ((1, 1), (2, 2), (3, 6))]
-        joint.springref = rest / unit
+        stiffness, reference = values["stiffness"], values["reference"]
+        add_spring(spec, site, Polynomial([-stiffness * reference, stiffness]), reference)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Start, ...]:
         """A light spring whose rest position lies below or above the joint's zero."""
@@ -86,12 +77,3 @@ class Spring(JointEffect, SpecEdit):
             {"stiffness": self.start_stiffness * stiffness.high, "reference": reference.nominal + share * half}
             for share in self.start_references
         )
-
-
-def _root(polynomial: Polynomial, near: float) -> float:
-    """The real root nearest to `near` (a spring that always pulls back has exactly one)."""
-    if polynomial.trim().degree() == 1:
-        return float(-polynomial.coef[0] / polynomial.coef[1])
-    roots = polynomial.trim().roots()
-    real = roots[np.isreal(roots)].real
-    return float(real[np.argmin(np.abs(real - near))])

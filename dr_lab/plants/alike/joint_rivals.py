@@ -116,6 +116,7 @@ def _forces(course: Course, grids: Grids, row: int, joint: str) -> Iterator[Riva
     yield Rival(f"motor_side_elasticity@{joint}", 3)
     one = np.ones_like(q)
     yield Rival(f"spring@{joint}", 2, forced(-q, one))
+    yield Rival(f"hardening_spring@{joint}", 2, forced(-(q**3)))
     yield Rival(f"constant_offset@{joint}", 1, forced(one))
     turns = [n * q for n in (grids.pitches if _slides(course, joint) else grids.periods)]
     yield Rival(f"cogging@{joint}", 3, tuple(forced(np.sin(turn), np.cos(turn))[0] for turn in turns))
