@@ -57,7 +57,10 @@ class LeanCollector(Collector):
             self._step(t)
         shape = (self._episodes.nsim, self._steps)
         now, then = (
-            {key: torch.from_numpy(array).transpose(0, 1).contiguous() for key, array in arrays.items()}
+            {
+                key: torch.from_numpy(array).transpose(0, 1).clone(memory_format=torch.contiguous_format)
+                for key, array in arrays.items()
+            }
             for arrays in (self._now, self._next)
         )
         then["context"], then["proposal"] = now["context"], now["proposal"]  # an episode keeps its context

@@ -40,9 +40,9 @@ class Deterministic(nn.Module):
         return 0.1 * observation[:, :3]
 
 
-def collector(kind: Kind, policy: nn.Module | None = None) -> Collector:
-    env = setting("hopper", "env/context=hopper/friction", "env.task.time_limit=8").make(None, NENV, 0, threads=1)
-    return kind(env, policy or Gaussian(11, 3), STEPS)
+def collector(kind: Kind, policy: nn.Module | None = None, slots: int = NENV, steps: int = STEPS) -> Collector:
+    env = setting("hopper", "env/context=hopper/friction", "env.task.time_limit=8").make(None, slots, 0, threads=1)
+    return kind(env, policy or Gaussian(11, 3), steps)
 
 
 def test_lean_and_torchrl_gather_the_same() -> None:
@@ -69,6 +69,17 @@ def test_the_row_after_an_end_begins_anew_and_others_go_on(kind: Kind) -> None:
     assert batch["next", "truncated"].any()
     assert torch.equal(now[~done], then[~done])
     assert (now[done] != then[done]).any(-1).all()
+
+
+@pytest.mark.parametrize(("slots", "steps"), [(NENV, 1), (1, 5), (1, 1)])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_batch_stays_as_it_is_while_more_is_collected(kind: Kind, slots: int, steps: int) -> None:
+    with collector(kind, slots=slots, steps=steps) as one:
+        kept = next(one)
+        before = kept.clone()
+        next(one)
+    for key in LAYOUT:
+        assert torch.equal(kept[key], before[key]), key
 
 
 @pytest.mark.parametrize("kind", KINDS)
