@@ -17,13 +17,16 @@ from settings import composed, setting
 from test_collectors import LAYOUT, Deterministic, Gaussian
 from torch import nn
 
+from dr_lab.algorithms.ddpg.uniform_start import UniformStart
 from dr_lab.collectors.lean import LeanCollector
 from dr_lab.collectors.ray import RayCollector
 from dr_lab.collectors.shares import joined, shares
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.errors import ConfigError
 from dr_lab.extras import MissingLibraryError
+from dr_lab.networks.deterministic_actor import DeterministicActor
 from dr_lab.networks.gaussian_actor import GaussianActor
+from dr_lab.networks.normaliser import NoNormaliser
 from dr_lab.networks.policy_stack import GaussianPolicyStack
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.fixed import FixedRandomizer
@@ -170,6 +173,19 @@ def test_workers_follow_the_policy_and_the_distribution_and_draw_their_own_noise
     assert second["action"].mean() > 90.0
     assert set(first["context"].unique().tolist()) == {1.0}
     assert set(second["context"].unique().tolist()) == {1.0, 2.0}
+
+
+@pytest.mark.daemons
+@pytest.mark.usefixtures("runtime")
+@pytest.mark.parametrize("follows", [False, True])
+def test_an_off_policy_explorer_acts_otherwise_at_every_worker_and_in_every_batch(follows: bool) -> None:
+    actor = DeterministicActor(11, -np.ones(3), np.ones(3), 0, NoNormaliser, [4], "tanh", noise=0.1)
+    explorer = UniformStart(actor)
+    explorer.follows.fill_(follows)
+    with collector(explorer) as one:
+        first, second = next(one)["action"], next(one)["action"]
+    assert (first[:2] != first[2:]).all()
+    assert (first != second).all()
 
 
 @pytest.mark.daemons

@@ -30,6 +30,10 @@ class UniformStart(nn.Module):
         """The actor's random numbers, which these actions are drawn from too."""
         return self.actor.generator
 
+    def reseed(self, seed: int) -> None:
+        """Draw actions, uniform ones and the actor's, by the random numbers of this seed from here on."""
+        self.actor.reseed(seed)
+
     @torch.no_grad()
     def forward(self, observation: Tensor) -> Tensor:
         """An exploring action (n, nu) for observations (n, o), within the bounds."""
