@@ -113,6 +113,9 @@ class PPO(Algorithm):
     def samples(self, batch: TensorDict) -> PolicySamples:
         """Advantages and value targets of all steps of a batch [n, steps], which is also the shape of the fields.
 
+        The end of an episode in an infeasible context teaches its earlier steps nothing either: A = 0 there, so that
+        these bootstrap from its value, as before a time limit, and hear nothing of the reward that was declared.
+
         Args:
             batch: as a collector gives it.
         """
@@ -120,8 +123,8 @@ class PPO(Algorithm):
         value, next_value = self.critic(observation), self.critic(self.actor.normaliser(batch["next", "observation"]))
         done, terminated = batch["next", "done"].squeeze(-1), batch["next", "terminated"].squeeze(-1)
         earned, infeasible = batch["next", "reward"].squeeze(-1), batch["next", "infeasible"].squeeze(-1)
-        reward = self.reward_scale(earned, done, infeasible)
-        advantage = advantages(reward, value, next_value, terminated, done, self.gamma, self.lam)
+        reward = torch.where(infeasible, value, self.reward_scale(earned, done, infeasible))
+        advantage = advantages(reward, value, next_value, terminated | infeasible, done, self.gamma, self.lam)
         return PolicySamples(
             observation,
             self.actor.unit(batch["action"]),

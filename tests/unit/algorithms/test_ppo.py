@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 import torch
 from point_mass import ASKEW, PointCollector, best, mean_reward, ppo, ppo_arguments
+from torch import Tensor
 
 from dr_lab.algorithms.ppo.explicit_surrogate import ExplicitSurrogate
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.reward_scale import RawRewards, RunningRewardScale
 from dr_lab.algorithms.ppo.surrogate import PolicySamples
 from dr_lab.errors import ConfigError
+from dr_lab.networks.critic import Critic
 
 
 def test_reaches_the_optimum() -> None:
@@ -83,6 +85,31 @@ def test_nothing_is_learnt_at_the_end_in_an_infeasible_context() -> None:
     (kept,) = algorithm.fitted
     assert len(kept.target) == batch.numel() - infeasible.sum()
     assert torch.equal(kept.action[90 : 90 + rest.sum()], algorithm.actor.unit(batch["action"][3][rest]))
+
+
+def test_steps_before_an_infeasible_end_bootstrap_from_its_value_and_do_not_hear_of_its_reward() -> None:
+    algorithm = PPO(**ppo_arguments(gamma=0.9, lam=0.5, reward_scale=RawRewards))
+    algorithm.critic = Values(1, 0, [4], "tanh")
+    batch = next(PointCollector(algorithm.policies["policy"], n=1, steps=4))
+    batch["observation"], batch["next", "observation"] = column([5.0, 6.0, 7.0, 8.0]), column([6.0, 7.0, 0.0, 1.0])
+    batch["next", "reward"] = column([1.0, 2.0, -5000.0, 3.0])
+    end = column([0.0, 0.0, 1.0, 0.0]) > 0
+    for flag in ("infeasible", "terminated", "done"):
+        batch["next", flag] = end
+    samples = algorithm.samples(batch)
+    # δ = 1 + 0.9·6 − 5 = 1.4; 2 + 0.9·7 − 6 = 2.3; 0; and in the next episode 3 + 0.9·1 − 8 = −4.1. A = δ + 0.45·A'.
+    torch.testing.assert_close(samples.advantage, torch.tensor([[1.4 + 0.45 * 2.3, 2.3, 0.0, -4.1]]))
+
+
+class Values(Critic):
+    """V(o) = o."""
+
+    def forward(self, inputs: Tensor) -> Tensor:
+        return inputs[..., 0]
+
+
+def column(values: list[float]) -> Tensor:
+    return torch.tensor(values)[None, :, None]
 
 
 def test_rates_fall_in_a_line() -> None:
