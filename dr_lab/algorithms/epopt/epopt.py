@@ -24,8 +24,9 @@ class EPOpt(PPO):
 
     An iteration draws contexts from p(z) and plays each in some slots at once, one whole episode in each slot. Contexts
     are ranked by the mean undiscounted return of these. A slot whose episode ends early plays on in its context, which
-    is learnt from and not ranked: else short episodes would count more often. A context with an infeasible episode is
-    not ranked and not learnt from. For `warm_up` of the control steps ε is 1; learning rates fall only from there on.
+    is learnt from and not ranked: else short episodes would count more often. A context with an infeasible episode
+    among those ranked is not ranked and not learnt from; an infeasible end of a later one is left out alone. For
+    `warm_up` of the control steps ε is 1; learning rates fall only from there on.
 
     Source: Rajeswaran et al. 2017, algorithm 1, which ranks single episodes (`episodes_per_context` 1).
 
@@ -100,7 +101,7 @@ class EPOpt(PPO):
             every = samples.at(feasible)
             return {**self._fit(every, every), "epsilon": 1.0}
         worst = worst_contexts(batch, self.episodes_per_context, self.share)[:, None].expand_as(feasible)
-        return {**self._fit(samples.at(worst), samples.at(feasible)), "epsilon": self.share}
+        return {**self._fit(samples.at(worst & feasible), samples.at(feasible)), "epsilon": self.share}
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""

@@ -86,6 +86,15 @@ def test_the_policy_learns_from_the_worst_half_once_it_has_warmed_up_and_the_cri
     assert algorithm.sizes == (40, 80)
 
 
+def test_the_infeasible_end_of_a_later_episode_is_not_learnt_from() -> None:
+    algorithm, experience = made(warm_up=0.0)
+    played = experience.collect_whole(np.ones((8, 1)))
+    played["next", "done"][:, 4] = True  # ends the episodes that are ranked
+    played["next", "infeasible"][:, 9] = True
+    algorithm.update(played)
+    assert algorithm.sizes == (4 * 9, 8 * 9)
+
+
 def test_four_whole_episodes_are_played_in_each_context() -> None:
     algorithm, experience = made()
     heard = list[TensorDict]()
