@@ -74,7 +74,8 @@ class AdaptationEvaluator(Evaluator):
         """Adapt in every cell.
 
         Raises:
-            ConfigError: there are more than two parameters to vary, or none, or an update trains nothing.
+            ConfigError: there are more than two parameters to vary, or none, an update trains nothing, or the run would
+                be trained on in contexts of its own.
             UnknownNameError: an axis is no parameter of the model.
         """
         del folder

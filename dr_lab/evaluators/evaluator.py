@@ -13,7 +13,7 @@ from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.experience import Experience
 from dr_lab.envs.environment import Environment
 from dr_lab.envs.slots import EpisodeSlots
-from dr_lab.errors import DataError
+from dr_lab.errors import ConfigError, DataError
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.recorders.episode import Episode
@@ -85,7 +85,17 @@ class Subject:
 
         Returns:
             What is to be closed.
+
+        Raises:
+            ConfigError: it was trained on contexts that stay the same, and would go on in these.
         """
+        if self.domains is not None:
+            raise ConfigError(
+                f"Run {self.name} was trained on the same {len(self.domains)} contexts throughout, as DiDoR and "
+                "ensembles are, and would be trained on in these, not in the contexts of the evaluator. "
+                "evaluator=unseen_domains plays it in other contexts. To train on in each, give run=FOLDER of an "
+                "algorithm whose episodes draw their contexts, such as algorithm=ppo."
+            )
         if self.meta is not None:
             return OwnUpdates(*self.meta.again(seed), z)
         (values,) = z

@@ -56,7 +56,8 @@ class FineTuneEvaluator(Evaluator):
         """Train on in every context.
 
         Raises:
-            ConfigError: rounds are so short that one of them trains nothing, or nothing tells the contexts apart.
+            ConfigError: rounds are so short that one of them trains nothing, nothing tells the contexts apart, or the
+                run would be trained on in contexts of its own.
         """
         del folder
         space = subject.setting.space

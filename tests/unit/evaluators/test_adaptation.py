@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -21,6 +22,7 @@ from dr_lab.evaluators.evaluator import MetaLearner, Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
 from dr_lab.evaluators.statistics import t_intervals
 from dr_lab.randomizers.context_source import ContextSource, Proposals
+from dr_lab.randomizers.uniform import UniformRandomizer
 from dr_lab.recorders.training import ContextAxis
 from dr_lab.training.trainer import Trainer
 from dr_lab.trajectory import Array
@@ -201,3 +203,11 @@ def test_numbers_that_say_nothing_are_refused(subject: Subject, tmp_path: Path) 
         ConfigError, match=r"evaluator\.frames is 4, less than a batch of 10 .* update 2 trains nothing"
     ):
         evaluator(frames=4).evaluate(subject, tmp_path, print)
+
+
+def test_what_would_be_trained_on_in_contexts_of_its_own_is_refused(subject: Subject, tmp_path: Path) -> None:
+    taught = replace(subject, domains=np.array([[1.0], [2.0]]))
+    tuned = FineTuneEvaluator(partial(UniformRandomizer, ranges=None), 4, rounds=2, frames=20, episodes=2, seed=0)
+    for each in (evaluator(), tuned):
+        with pytest.raises(ConfigError, match=r"trained on the same 2 contexts throughout.*evaluator=unseen_domains"):
+            each.evaluate(taught, tmp_path, print)
