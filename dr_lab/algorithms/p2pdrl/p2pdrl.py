@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+import numpy as np
 from tensordict import TensorDict
 
 from dr_lab.algorithms.algorithm import Algorithm, Interface
@@ -13,7 +14,9 @@ from dr_lab.algorithms.ppo.ppo_stack import PPOStack
 from dr_lab.bounds import Count, require_bounds
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.experience import Experience
+from dr_lab.collectors.feasible_contexts import feasible_contexts
 from dr_lab.seeding import derived_seed, stream
+from dr_lab.trajectory import Array
 
 
 class P2PDRL(Algorithm):
@@ -21,6 +24,9 @@ class P2PDRL(Algorithm):
 
     A penalty keeps every worker near its peers. Every iteration collects a whole episode in each slot. The workers
     share a normaliser, so that one can be asked what it would do in the states of another.
+
+    A context of which the first control step shows that it is infeasible is drawn anew: as the workers learn from as
+    many control steps each, none would learn.
 
     Source: Zhao and Hospedales, Robust Domain Randomised Reinforcement Learning through Peer-to-Peer Distillation,
     2021.
@@ -74,7 +80,8 @@ class P2PDRL(Algorithm):
 
     def iterate(self, experience: Experience) -> Mapping[str, float]:
         """Play a whole episode in each slot, each worker in a new context, and learn from it."""
-        z = experience.contexts(self._rng, self.workers)
+        owners = [f"worker {k}" for k in range(self.workers)]
+        z = feasible_contexts(experience, self._rng, owners, partial(self._first_step, experience))
         return self.update(experience.collect_whole(z.repeat(self.slots // self.workers, axis=0)))
 
     def update(self, batch: TensorDict) -> Mapping[str, float]:
@@ -93,6 +100,10 @@ class P2PDRL(Algorithm):
         """As every worker does, in other contexts."""
         self.stack.explore_anew(seed)
         self._rng = stream(seed, "explore_anew", "p2pdrl")
+
+    def _first_step(self, experience: Experience, z: Array) -> TensorDict:
+        """One control step in each context, of the action in the middle of its bounds."""
+        return experience.play(np.tile(self.stack.members[0].actor.centre.cpu().numpy(), (len(z), 1, 1)), z)
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""

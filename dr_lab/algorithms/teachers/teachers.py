@@ -1,9 +1,9 @@
 """Policies that each master one domain."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, cast
 
-import numpy as np
 from tensordict import TensorDict
 from torch import Tensor
 
@@ -12,13 +12,10 @@ from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.ppo_stack import PPOStack
 from dr_lab.bounds import Count, require_bounds
 from dr_lab.collectors.experience import Experience
+from dr_lab.collectors.feasible_contexts import feasible_contexts
 from dr_lab.collectors.first_episodes import first_episodes
-from dr_lab.collectors.play import outcomes
-from dr_lab.errors import ConfigError
 from dr_lab.seeding import derived_seed, stream
 from dr_lab.trajectory import Array
-
-_DRAWS = 100  # of a domain, until one is feasible
 
 
 class Teachers(PPOStack):
@@ -73,13 +70,5 @@ class Teachers(PPOStack):
         self.domains, self._rng.bit_generator.state = state["domains"], state["rng"]
 
     def _draw(self, experience: Experience) -> Array:
-        domains, missing = experience.contexts(self._rng, self.count), np.arange(self.count)
-        for _ in range(_DRAWS):
-            missing = missing[outcomes(experience.play(self.members[0].actor, domains[missing]))[1]]
-            if not len(missing):
-                return domains
-            domains[missing] = experience.contexts(self._rng, len(missing))
-        raise ConfigError(
-            f"The randomizer drew {_DRAWS} contexts for teacher {missing[0]}, one after the other, and all are "
-            "infeasible; expected one in which an episode can be played. Narrow the randomizer's distribution."
-        )
+        owners = [f"teacher {k}" for k in range(self.count)]
+        return feasible_contexts(experience, self._rng, owners, partial(experience.play, self.members[0].actor))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -10,8 +10,11 @@ import torch
 from playing import Uniform
 from point_mass import INTERFACE, PointCollector, actor, best, mean_reward, ppo_arguments
 from pretended_experience import PretendedExperience
+from settings import setting
+from tensordict import TensorDict
+from torch import Tensor
 
-from dr_lab.algorithms.algorithm import Algorithm
+from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.didor.didor import DiDoR
 from dr_lab.algorithms.didor.distillation import Distillation
 from dr_lab.algorithms.ensemble.ensemble import Ensemble
@@ -20,6 +23,8 @@ from dr_lab.algorithms.p2pdrl.peer_surrogate import PeerSurrogate
 from dr_lab.algorithms.ppo.ppo import PPO
 from dr_lab.algorithms.ppo.ppo_stack import PPOStack
 from dr_lab.algorithms.teachers.teachers import Teachers
+from dr_lab.collectors.experience import Experience
+from dr_lab.collectors.lean import LeanCollector
 from dr_lab.errors import ConfigError
 from dr_lab.networks.gaussian import Gaussian, divergence
 from dr_lab.trajectory import Array
@@ -109,8 +114,35 @@ def test_an_infeasible_domain_is_drawn_anew() -> None:
     contexts = algorithm.teachers.slot_contexts(seen)
     assert contexts.shape == (SLOTS, 1)
     assert (contexts >= 1.2).all()
+    hopeless = experience(didor(), lambda z: np.full(len(z), np.nan))
     with pytest.raises(ConfigError, match="100 contexts for teacher 0"):
-        teachers()(INTERFACE, 0).slot_contexts(experience(didor(), lambda z: np.full(len(z), np.nan)))
+        teachers()(INTERFACE, 0).slot_contexts(hopeless)
+    with pytest.raises(ConfigError, match="100 contexts for worker 0"):
+        p2pdrl().iterate(hopeless)
+
+
+def test_peers_learn_on_where_a_context_does_not_compile() -> None:
+    of = setting("hopper", "env/context=hopper/torso_size", "env.task.time_limit=10")
+    source = Uniform(np.array([-0.05]), np.array([0.05]))  # half of which are no size at all
+    env, played = (of.make(None, count, 0, threads=1) for count in (4, 2))
+    interface = Interface(env.episodes.observation.shape[1], env.episodes.low, env.episodes.high)
+    algorithm = P2PDRL(interface, 0, partial(_on, interface), workers=2, alpha=0.05, slots=4, batch_frames=40)
+    collector = LeanCollector(env, algorithm.collecting, 10)
+    seen = Experience(collector, algorithm.policies["policy"], played.episodes, source)
+    batches = list[TensorDict]()
+    seen.listen(batches.append)
+    for _ in range(3):
+        before = [member.actor_adam.state_dict()["steps"] for member in algorithm.stack.members]
+        algorithm.iterate(seen)
+        after = [member.actor_adam.state_dict()["steps"] for member in algorithm.stack.members]
+        assert all(late > early for early, late in zip(before, after, strict=True))
+    contexts = torch.cat([cast(Tensor, batch["context"])[:, 0] for batch in batches])
+    assert (contexts > 0.0).all()
+    assert len(contexts.unique()) == 3 * 2
+
+
+def _on(interface: Interface, _: object, seed: int) -> PPO:
+    return PPO(**ppo_arguments(seed=seed, interface=interface))
 
 
 @pytest.mark.parametrize("made", [partial(didor, teacher_frames=2 * BATCH), ensemble, p2pdrl])
