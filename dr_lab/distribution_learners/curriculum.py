@@ -73,3 +73,8 @@ class Curriculum(DistributionLearner):
         """Continue from what `state_dict` gave."""
         super().load_state_dict(state)
         self.seen = state["seen"]
+
+    def inherit(self, state: Mapping[str, Any]) -> None:
+        """Begin with the stages as another run's `state_dict` holds them, in the first one of this run."""
+        super().inherit(state)
+        self.staged.enter(self.order[0])

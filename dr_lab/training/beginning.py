@@ -1,12 +1,15 @@
 """Training that begins with what an earlier run learnt."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from dr_lab.distribution_learners.distribution_learner import DistributionLearner
 from dr_lab.errors import DataError
 from dr_lab.run_command import command_of
 from dr_lab.training.finished_run import difference, require_run
-from dr_lab.training.plan import Training
+from dr_lab.training.plan import Plan, Training
 from dr_lab.training.run_state import RunState
 
 
@@ -28,26 +31,39 @@ class Beginning:
     distribution: bool
     policy: bool = True
 
-    def apply(self, training: Training, seed: int) -> None:
-        """Put a training that has not begun into the state that the finished run left.
+    def assemble(self, plan: Plan, checkpoint: Path | None) -> Training:
+        """Build a training in the state that the finished run left.
+
+        The distribution is taken over before the first episodes begin, so that these are of it, too.
 
         Args:
-            training: the new run.
-            seed: of its random numbers.
+            plan: the new run.
+            checkpoint: file that a later run continues from; None keeps none.
 
         Raises:
             DataError: there is no such run, or its networks or its distribution are others.
         """
         if self.run is None:
-            return
+            return plan.assemble(checkpoint)
         remedy = "Give init=FOLDER of a run of dr-lab train, or leave init out."
         folder = require_run(Path(self.run).expanduser(), f"init={self.run}", remedy)
         finished = RunState.load(folder)
-        try:
-            if self.policy:
-                finished.train_on(training.algorithm, seed)
+
+        def shape(learner: DistributionLearner) -> None:
             if self.distribution:
-                training.learner.inherit(finished.last["learner"])
+                with self._fitting(folder):
+                    learner.inherit(finished.last["learner"])
+
+        training = plan.assemble(checkpoint, shape)
+        if self.policy:
+            with self._fitting(folder):
+                finished.train_on(training.algorithm, plan.seed)
+        return training
+
+    @contextmanager
+    def _fitting(self, folder: Path) -> Iterator[None]:
+        try:
+            yield
         except (KeyError, RuntimeError, TypeError, ValueError) as error:
             made = command_of(folder)
             raise DataError(

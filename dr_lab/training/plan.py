@@ -64,17 +64,21 @@ class Plan:
         require_bounds(self, "")
         require_device(self.device)
 
-    def assemble(self, checkpoint: Path | None) -> "Training":
+    def assemble(
+        self, checkpoint: Path | None, shape: Callable[[DistributionLearner], None] = lambda _: None
+    ) -> "Training":
         """Build everything.
 
         Args:
             checkpoint: file that a later run continues from; None keeps none.
+            shape: gives the distribution the state from which the first episodes are drawn; it stays by default.
 
         Raises:
             ConfigError: a batch does not hold one control step of each slot.
         """
         randomizer = self.randomizer(self.env.space)
         learner = self.distribution_learner(randomizer, self.seed)
+        shape(learner)
         env = self.env.make(learner.source, self.episodes, self.seed, self.threads, staggered=True)
         slots = env.episodes
         device = require_device(self.device)

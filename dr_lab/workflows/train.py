@@ -64,11 +64,11 @@ def train(
         DataError: the run to be resumed, or begun from, has no readable checkpoint, or other settings.
     """
     torch.set_num_threads(1)  # small networks gain nothing from a second thread; the physics has its own
-    training = plan.assemble(run_dir / CHECKPOINT)
+    checkpoint = run_dir / CHECKPOINT
+    training = beginning.assemble(plan, checkpoint) if resume is None else plan.assemble(checkpoint)
     snapshots, policies, drawn = _noted(training, choice)
     if resume is None:
         _require_learnt(training.learner, plan.frames)
-        beginning.apply(training, plan.seed)
         snapshots.take(0)
     else:
         _go_on(training, plan, resume)

@@ -94,6 +94,15 @@ def test_continues_in_the_stage_it_was_in() -> None:
     assert [learn(each, 1) for each in (first, second)] == [1.0, 1.0]
 
 
+def test_a_run_that_inherits_begins_in_its_own_first_stage() -> None:
+    first, second = curriculum(), curriculum()
+    learn(first, 70)
+    assert drawn_from(first, HIGH)
+    second.inherit(first.state_dict())
+    assert drawn_from(second, LOW)
+    assert learn(second, 50) == 1.0
+
+
 def test_what_does_not_fit_is_told() -> None:
     with pytest.raises(UnknownNameError, match=r"no stage 'lwo' in randomizer\.stages\. Did you mean 'low'\?"):
         curriculum(("low", "lwo"))

@@ -13,7 +13,7 @@ from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.folders import shipped
 from dr_lab.errors import DataError
 from dr_lab.training.beginning import Beginning
-from dr_lab.training.checkpoint import save
+from dr_lab.training.checkpoint import load, save
 from dr_lab.training.plan import CHECKPOINT, POLICY, Plan, Training
 from dr_lab.training.policy_snapshots import PolicySnapshots
 
@@ -55,8 +55,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def begun(*more: str, algorithm: tuple[str, ...] = PPO) -> Training:
     planned, beginning = plan("seed=1", *more, algorithm=algorithm)
-    training = planned.assemble(None)
-    beginning.apply(training, planned.seed)
+    training = beginning.assemble(planned, None)
     training.trainer.close()
     return training
 
@@ -97,6 +96,16 @@ def test_the_chosen_policy_is_taken_over_and_the_last_value_network(
 def test_the_distribution_is_taken_over_where_asked_for(finished: Path) -> None:
     training = begun(f"init={finished}", "init_distribution=true")
     assert (training.randomizer.state_dict()["loc"] == 0.25).all()
+
+
+def test_the_first_episodes_are_drawn_from_the_distribution_that_is_taken_over(finished: Path, tmp_path: Path) -> None:
+    left = load(finished / CHECKPOINT)
+    left["learner"]["randomizer"]["loc"] += 20.0  # standard deviations of a uniform range
+    save(tmp_path / CHECKPOINT, left)
+    training = begun(f"init={tmp_path}", "init_policy=false", "init_distribution=true")
+    first = training.experience.collect()["context"][:, 0, 0].double()
+    low, high = (float(bound[0]) for bound in (training.randomizer.space.low, training.randomizer.space.high))
+    assert ((first - (low + high) / 2) / ((high - low) / 12**0.5)).numpy() == pytest.approx(20.25, abs=4.0)
 
 
 def test_the_distribution_is_taken_over_without_the_policy_where_asked_for(finished: Path) -> None:
