@@ -103,6 +103,11 @@ class EPOpt(PPO):
         worst = worst_contexts(batch, self.episodes_per_context, self.share)[:, None].expand_as(feasible)
         return {**self._fit(samples.at(worst & feasible), samples.at(feasible)), "epsilon": self.share}
 
+    def explore_anew(self, seed: int) -> None:
+        """As PPO does, in other contexts."""
+        super().explore_anew(seed)
+        self.rng = stream(seed, "explore_anew", "epopt")
+
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
         return super().state_dict() | {"rng": self.rng.bit_generator.state}

@@ -15,6 +15,7 @@ from dr_lab.bounds import Count, NotNegative, Positive, require_bounds
 from dr_lab.experts.expert import Demonstrations
 from dr_lab.networks.mlp import MLP
 from dr_lab.networks.normaliser import RunningNormaliser
+from dr_lab.seeding import derived_seed
 
 
 class Belief(nn.Module):
@@ -134,6 +135,10 @@ class ImitationDiscriminator:
     def _drawn(self, rows: int, count: int) -> Tensor:
         """So many of some rows, one as likely as another."""
         return torch.randint(rows, (count,), generator=self._generator).to(self._device)
+
+    def explore_anew(self, seed: int) -> None:
+        """Learn from other minibatches."""
+        self._generator.manual_seed(derived_seed(seed, "explore_anew", "discriminator"))
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""

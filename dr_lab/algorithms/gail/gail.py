@@ -92,8 +92,9 @@ class GAIL(Algorithm):
         self.learner.forget_episodes()
 
     def explore_anew(self, seed: int) -> None:
-        """As the learner does."""
+        """As the learner does; D learns by other random numbers, too."""
         self.learner.explore_anew(seed)
+        self.discriminator.explore_anew(seed)
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs, the trajectories apart, which are read again."""

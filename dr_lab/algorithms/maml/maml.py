@@ -173,8 +173,9 @@ class MAML(MetaAlgorithm):
         return values.unflatten(0, (self.tasks, -1))
 
     def explore_anew(self, seed: int) -> None:
-        """Draw actions and tasks by other random numbers."""
+        """Draw actions and tasks by other random numbers; the baseline learns by others."""
         super().explore_anew(seed)
+        self.baseline.explore_anew(seed)
         self.adapted_policies.reseed(derived_seed(seed, "explore_anew", "adapted"))
         self.rng = stream(seed, "explore_anew", "maml")
 

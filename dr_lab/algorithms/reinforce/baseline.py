@@ -42,6 +42,9 @@ class Baseline(ABC):
         del episodes, to_go
         return {}
 
+    def explore_anew(self, seed: int) -> None:  # noqa: B027 (most draw nothing)
+        """Learn by the random numbers of this seed from here on."""
+
     def state_dict(self) -> dict[str, Any]:
         """What was learnt."""
         return {}

@@ -13,6 +13,7 @@ from dr_lab.bounds import Count, NotNegative, Positive, require_bounds
 from dr_lab.networks.adam import Adam
 from dr_lab.networks.critic import Critic
 from dr_lab.networks.flat import FlatParameters
+from dr_lab.seeding import derived_seed
 
 
 class CriticBaseline(Baseline):
@@ -69,6 +70,10 @@ class CriticBaseline(Baseline):
             order = torch.randperm(len(wanted), generator=self._generator).to(self._device)
             losses += [self._step(learner, observation[rows], wanted[rows]) for rows in order.split(self.minibatch)]
         return {"critic_loss": float(torch.stack(losses).mean())} if losses else {}
+
+    def explore_anew(self, seed: int) -> None:
+        """Take the samples in another order."""
+        self._generator.manual_seed(derived_seed(seed, "explore_anew", "baseline"))
 
     def state_dict(self) -> dict[str, Any]:
         """Network, optimiser and random numbers."""

@@ -95,8 +95,9 @@ class EpisodicAlgorithm(Algorithm):
         """Move the policy along its advantages (k, t); gives figures to be recorded, by name."""
 
     def explore_anew(self, seed: int) -> None:
-        """Draw actions and contexts by other random numbers."""
+        """Draw actions and contexts by other random numbers; the baseline learns by others."""
         super().explore_anew(seed)
+        self.baseline.explore_anew(seed)
         self.rng = stream(seed, "explore_anew", type(self).__name__.lower())
 
     def state_dict(self) -> dict[str, Any]:

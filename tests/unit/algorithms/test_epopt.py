@@ -128,6 +128,16 @@ def test_training_on_selects_at_once() -> None:
     assert algorithm.iterate(experience)["epsilon"] == 0.5
 
 
+def test_training_on_draws_other_contexts() -> None:
+    seen = []
+    for seed in (0, 0, 1):
+        algorithm, experience = made()
+        algorithm.explore_anew(seed)
+        experience.listen(lambda batch: seen.append(cast(Tensor, batch["context"])[:, 0].tolist()))
+        algorithm.iterate(experience)
+    assert seen[0] == seen[1] != seen[2]
+
+
 def test_the_default_settings_select_within_a_run() -> None:
     for chosen in ("algorithm=epopt", "algorithm=epopt_paper"):
         plan: Plan = compose_arguments("train", [chosen, "frames=1000000"], (shipped(),))["plan"]

@@ -103,6 +103,17 @@ def test_a_batch_keeps_the_rewards_of_the_task() -> None:
     assert torch.equal(cast(Tensor, batch["next", "reward"]), before)
 
 
+def test_training_on_shows_the_discriminator_other_minibatches() -> None:
+    batch, learnt = next(PointCollector(gail().policies["policy"])), list[Tensor]()
+    for seed in (0, 0, 1):
+        algorithm = gail()
+        algorithm.explore_anew(seed)
+        algorithm.update(batch)
+        learnt.append(algorithm.discriminator.belief.body.weights[0].detach())
+    assert torch.equal(learnt[0], learnt[1])
+    assert not torch.equal(learnt[0], learnt[2])
+
+
 def test_continues_exactly_and_changes_no_random_numbers_of_torch() -> None:
     algorithm, other = gail(), gail(seed=7)
     collector = PointCollector(algorithm.policies["policy"])

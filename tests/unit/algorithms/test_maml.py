@@ -198,14 +198,16 @@ def test_gains_are_told_by_hand() -> None:
     }  # fmt: skip
 
 
-def test_training_on_draws_other_tasks_and_actions() -> None:
+def test_training_on_draws_other_tasks_actions_and_samples_of_the_critic() -> None:
     seen = []
     for seed in (0, 0, 1):
-        algorithm = maml()
+        algorithm = maml(baseline=critic())
         algorithm.explore_anew(seed)
         phase = algorithm.adapt(experience(algorithm), experience(algorithm).propose(algorithm.rng, TASKS))[0]
-        seen.append(cast(Tensor, phase.rows.action).flatten()[:5].tolist())
-    assert seen[0] == seen[1] != seen[2]
+        order = algorithm.baseline.state_dict()["generator"].tolist()
+        seen.append((cast(Tensor, phase.rows.action).flatten()[:5].tolist(), order))
+    assert seen[0] == seen[1]
+    assert all(one != other for one, other in zip(seen[0], seen[2], strict=True))
 
 
 def test_tasks_that_cannot_share_the_slots_are_refused() -> None:

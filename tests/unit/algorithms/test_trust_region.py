@@ -191,6 +191,19 @@ def test_a_critic_explains_returns_that_depend_on_what_is_observed() -> None:
     assert ((baseline(episodes, wanted) - wanted).var() / wanted.var()).item() < 0.02
 
 
+def test_training_on_takes_a_critic_s_samples_in_another_order() -> None:
+    observation = draw(40, 8, 1).float()
+    episodes = WholeEpisodes(observation, observation, observation[..., 0], torch.ones(40, 8))
+    learnt = list[Tensor]()
+    for seed in (0, 0, 1):
+        algorithm = trpo(baseline=critic(), step=clipped())
+        algorithm.explore_anew(seed)
+        algorithm.baseline.learn(episodes, episodes.reward)
+        learnt.append(algorithm.baseline.state_dict()["learner"]["vector"])
+    assert torch.equal(learnt[0], learnt[1])
+    assert not torch.equal(learnt[0], learnt[2])
+
+
 @pytest.mark.parametrize("make", [trpo, lambda seed=0: trpo(seed, baseline=critic(), step=clipped())])
 def test_continues_exactly(make: Any, tmp_path: Any) -> None:  # noqa: ANN401
     whole, first, second = make(), make(), make(seed=3)
