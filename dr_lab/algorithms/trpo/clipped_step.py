@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
+import torch
 from torch import Tensor
 
 from dr_lab.algorithms.ppo.clipped import clipped
@@ -53,12 +54,11 @@ class ClippedStep(PolicyStep):
         return -mean(clipped(ratio(policy, rows), rows.advantage, self.clip), rows)
 
     def __call__(self, policy_at: PolicyAt, rows: PolicyRows) -> Mapping[str, float]:
-        """All epochs."""
-        losses, norms, kl = list[float](), list[float](), 0.0
+        """All epochs; `kl` and `improvement` of −L are those of all steps that were taken, the last one included."""
+        losses, norms = list[float](), list[float]()
         for _ in range(self.epochs):
             near = policy_at.linearised(self.parameters.vector)
-            kl = mean_divergence(near.policy, rows).item()
-            if self.max_kl is not None and kl > self.max_kl:
+            if self.max_kl is not None and mean_divergence(near.policy, rows).item() > self.max_kl:
                 break
             loss, slope = self.differentiate(near, rows)
             losses.append(loss)
@@ -66,7 +66,10 @@ class ClippedStep(PolicyStep):
             self.parameters.gradient.copy_(slope)
             clip_norm([self.parameters.gradient], self.max_gradient)
             self.adam.step(self.rate)
-        return {"gradient": norms[0], "kl": kl, "improvement": losses[0] - losses[-1], "epochs": float(len(losses))}
+        with torch.no_grad():
+            policy = policy_at(self.parameters.vector)
+            kl, loss = mean_divergence(policy, rows).item(), self.loss(policy, rows).item()
+        return {"gradient": norms[0], "kl": kl, "improvement": losses[0] - loss, "epochs": float(len(losses))}
 
     def state_dict(self) -> dict[str, Any]:
         """The moments of Adam."""

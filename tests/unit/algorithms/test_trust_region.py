@@ -170,6 +170,20 @@ def test_nothing_moves_where_no_action_is_better_than_another() -> None:
     assert torch.equal(parameters.vector, vector)
 
 
+def test_the_figures_of_a_clipped_step_are_of_the_policy_that_it_leads_to() -> None:
+    policy = actor()
+    like, _, rows = rows_of(policy)
+    parameters, policy_at = FlatParameters(policy.parameters()), OwnPolicy(policy, like, rows.observation)
+    step = ClippedStep(parameters, clip=0.2, epochs=1, rate=0.01, max_gradient=0.5, max_kl=None, adam_epsilon=1e-8)
+    before = step.loss(policy_at(parameters.vector), rows)
+    figures = step(policy_at, rows)
+    after = policy_at(parameters.vector)
+    assert figures["kl"] == pytest.approx(mean_divergence(after, rows).item()) != 0.0
+    assert figures["improvement"] == pytest.approx((before - step.loss(after, rows)).item())
+    assert figures["improvement"] > 0.0
+    assert figures["epochs"] == 1.0
+
+
 @pytest.mark.parametrize("baseline", [LINEAR, pytest.param(critic(), marks=pytest.mark.slow)])
 def test_the_clipped_step_learns_too(baseline: Baseline) -> None:
     algorithm = trpo(baseline=baseline, step=clipped())
