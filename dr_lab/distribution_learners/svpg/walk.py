@@ -60,11 +60,11 @@ class Walk:
         before = self.position
         length = action.norm(dim=-1, keepdim=True).clamp(min=1.0)
         after = (before + self.max_step * action / length).clamp(0.0, 1.0)
-        self._age += 1
-        cut = (self._age >= self.horizon) | (after == before).all(-1)
+        age = self._age + 1  # what `state_dict` has given is not written to
+        cut = (age >= self.horizon) | (after == before).all(-1)
         anew = torch.rand(before.shape, generator=self._generator)
         self.position = torch.where(cut[:, None], anew, after)
-        self._age = torch.where(cut, 0, self._age)
+        self._age = torch.where(cut, 0, age)
         return WalkStep(before, action, after, cut)
 
     def state_dict(self) -> dict[str, Any]:

@@ -86,6 +86,14 @@ def test_returns_by_hand() -> None:
     assert discounted(rewards, after, cut, 0.5).tolist() == [[7.0, 12.0, 18.0]]
 
 
+def test_the_state_that_a_walk_has_given_stays_as_it_was() -> None:
+    walk = Walk(3, 2, torch.Generator().manual_seed(0), max_step=0.1, horizon=5)
+    given = walk.state_dict()
+    walk.step(torch.full((3, 2), 0.1))
+    assert given["age"].tolist() == [0, 0, 0]
+    assert walk.state_dict()["age"].tolist() == [1, 1, 1]
+
+
 def test_walks_stay_in_the_cube_keep_to_the_longest_step_and_begin_anew() -> None:
     walk = Walk(64, 2, torch.Generator().manual_seed(0), max_step=0.1, horizon=5)
     steps, positions = list[WalkStep](), list[Tensor]()
