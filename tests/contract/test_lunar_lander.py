@@ -241,6 +241,14 @@ def test_the_end_of_a_process_is_told() -> None:
         episodes.step(np.zeros((16, 2)))
 
 
+def test_after_an_error_no_answer_is_taken_for_that_of_a_later_call() -> None:
+    after, without = (landers(slots=24, threads=3) for _ in range(2))
+    for wrong in range(3):
+        with pytest.raises(TypeError, match="positional argument"):
+            after._ask("state", [("more",) if process == wrong else () for process in range(3)])
+    same(played(after, 5), played(without, 5))
+
+
 def test_an_error_in_a_process_is_raised_here() -> None:
     (worker,) = landers(slots=16, threads=2)._workers
     worker.ask("step", np.array([99]), np.zeros((1, 2)))

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -158,11 +159,23 @@ class LanderEpisodes(ContextSlots):
         return [(rows[part] - first, *(each[part] for each in values)) for part, first in owns]
 
     def _ask(self, method: str, parts: Sequence[tuple[Any, ...]]) -> list[Any]:
-        """What a method gives in each process for its own arguments; all work at the same time."""
+        """What a method gives in each process for its own arguments; all work at the same time.
+
+        Raises:
+            Exception: the first that a process raises, once all have answered: an answer that is left would be taken
+                for that to the next call.
+        """
         for worker, arguments in zip(self._workers, parts[1:], strict=True):
             worker.ask(method, *arguments)
-        here = getattr(self._here, method)(*parts[0])
-        return [here, *(worker.answer() for worker in self._workers)]
+        answers, errors = list[Any](), list[Exception]()
+        for call in (partial(getattr(self._here, method), *parts[0]), *(worker.answer for worker in self._workers)):
+            try:
+                answers.append(call())
+            except Exception as error:
+                errors.append(error)
+        if errors:
+            raise errors[0]
+        return answers
 
     def _see(self, rows: Rows, observation: Array) -> None:
         """Let the policy see this of these slots (k, 8); what was handed out stays."""
