@@ -8,7 +8,6 @@ from typing import Any, cast
 from dr_lab.algorithms.meta_algorithm import MetaAlgorithm
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.experience import Experience
-from dr_lab.distribution_learners.none import NoLearner
 from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import MetaLearner, Subject
 from dr_lab.randomizers.context_source import ContextSource
@@ -21,7 +20,11 @@ from dr_lab.training.trainer import Trainer
 Compose = Callable[..., Mapping[str, Any]]
 """Gives the arguments of a verb, built from its name, overrides and the folder that records them."""
 
-_ON_CPU = "++plan.device=cpu"  # whatever device the run learnt on, which this machine may lack
+_AS_IT_IS = [
+    "++plan.device=cpu",  # whatever device the run learnt on, which this machine may lack
+    # The distribution is not learnt any more: what it was compared with, such as logs, may be elsewhere by now.
+    "++plan.distribution_learner={_target_: dr_lab.distribution_learners.none.NoLearner, _partial_: true}",
+]
 
 
 @dataclass(frozen=True)
@@ -65,14 +68,14 @@ def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:
     Raises:
         DataError: the checkpoint cannot be read, or is not of what the configuration beside it describes.
     """
-    recorded: Plan = compose("train", [_ON_CPU], recorded=folder, only=["plan"])["plan"]
+    recorded: Plan = compose("train", _AS_IT_IS, recorded=folder, only=["plan"])["plan"]
     plan = replace(recorded, threads=threads)
     training = plan.assemble(None)
     left, snapshots = _restored(training, folder)
     training.trainer.close()
 
     def fresh(seed: int, further: Plan) -> Training:
-        found = replace(further, distribution_learner=NoLearner, seed=seed).assemble(None)
+        found = replace(further, seed=seed).assemble(None)
         left.train_on(found.algorithm, seed)
         return found
 

@@ -1,18 +1,27 @@
 """SimOpt from the command line, and what its run folder is good for."""
 
 import json
+from functools import partial
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
+import torch
 from hydra.utils import instantiate
+from omegaconf import OmegaConf
 from settings import setting
 from test_evaluate import job
 
+from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose
+from dr_lab.cli.folders import shipped
 from dr_lab.errors import ConfigError
+from dr_lab.evaluators.trained_run import subject_of
 from dr_lab.physics.context_file import read_context
 from dr_lab.randomizers.from_run import from_run
+from dr_lab.randomizers.gaussian import GaussianRandomizer
+from dr_lab.training.checkpoint import load
 
 SMALL = ["env=furuta_balance", "env.task.time_limit=30", "threads=1", "episodes=8", "rollout_episodes=8", "frames=1024"]
 LEARNT = ["randomizer=gaussian", "distribution_learner=simopt", "distribution_learner.samples=12"]
@@ -52,3 +61,18 @@ def test_a_run_that_ends_before_it_learns_is_refused(tmp_path: Path) -> None:
     late = ["distribution_learner.warm_up=3", "distribution_learner.every=512"]
     with pytest.raises(ConfigError, match="frames is 1024, but the distribution is learned from control step 2048 on"):
         job("train", tmp_path / "run", [*SMALL, *LEARNT, *SHORT, *TARGET, *late])
+
+
+def test_a_policy_is_played_where_the_logs_are_gone_that_its_distribution_was_learnt_from(tmp_path: Path) -> None:
+    few = ["env.task.time_limit=30", "threads=1", "episodes=8", "rollout_episodes=8", "frames=256"]
+    few += [f"distribution_learner.{each}" for each in ("rollouts=1", "samples=4", "updates=1", "every=256")]
+    job("train", tmp_path / "run", ["experiment=simopt_furuta_logs", *few, *SHORT])
+    path = tmp_path / "run" / "config.yaml"
+    config = OmegaConf.load(path)
+    config.distribution_learner.target.measurements.logs = [str(tmp_path / "nowhere" / "*.mcap")]
+    OmegaConf.save(config, path)
+    subject = subject_of(tmp_path / "run", partial(compose_arguments, folders=(shipped(),)), threads=1)
+    left = load(tmp_path / "run" / "checkpoint.pt")["learner"]["randomizer"]["loc"]
+    assert left.any()
+    assert subject.trained_on is not None
+    assert torch.equal(cast(GaussianRandomizer, subject.trained_on).loc, left)
