@@ -77,9 +77,9 @@ def states(algorithm: Algorithm) -> dict[str, Any]:
 
 
 def load_states(algorithm: Algorithm, found: Mapping[str, Any]) -> None:
-    """Put policies into the state that `states` gave."""
-    for name, policy in algorithm.policies.items():
-        _module(policy).load_state_dict(found[name])
+    """Put policies into the state that `states` gave; those that it lacks, being of an earlier version, stay."""
+    for name, state in found.items():
+        _module(algorithm.policies[name]).load_state_dict(state)
 
 
 def _module(policy: Policy) -> nn.Module:

@@ -65,8 +65,9 @@ class P2PDRL(Algorithm):
 
     @property
     def policies(self) -> Mapping[str, Policy]:
-        """The first worker, which explores."""
-        return {"policy": self.stack.members[0].actor}
+        """The first worker, which explores, and its peers, whose normaliser is the same."""
+        first, *peers = (member.actor for member in self.stack.members)
+        return {"policy": first, **{f"peer_{k}": peer for k, peer in enumerate(peers, 1)}}
 
     @property
     def collecting(self) -> Policy:

@@ -1,6 +1,7 @@
 """Snapshots act as the policies did, and the best of them is chosen."""
 
 import functools
+from pathlib import Path
 from typing import cast
 
 import mujoco
@@ -9,13 +10,20 @@ import pytest
 import torch
 from block_on_rail import constant
 from point_mass import PointCollector, ppo
+from small_runs import BATCH, plan
 from test_recorded import DT, LIMIT, PARAMETERS, XML, Push
+from torch import Tensor
 
+from dr_lab.algorithms.algorithm import Algorithm
+from dr_lab.algorithms.p2pdrl.p2pdrl import P2PDRL
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError
 from dr_lab.physics.model import from_spec
 from dr_lab.randomizers.fixed import FixedRandomizer
+from dr_lab.training.checkpoint import save
+from dr_lab.training.plan import CHECKPOINT, POLICY
 from dr_lab.training.policy_snapshots import Choice, PolicySnapshot, PolicySnapshots
+from dr_lab.training.run_state import RunState
 
 # Equal parameters may lie elsewhere in memory, which changes the last digit of a product.
 close = functools.partial(torch.allclose, rtol=1e-6, atol=1e-6)
@@ -37,6 +45,36 @@ def test_the_last_few_policies_are_kept_as_they_were() -> None:
             assert close(snapshot.deployed(observation), action)
     assert close(algorithm.deployed(observation), acted[-1])
     assert close(snapshots.restored()[0].exploring(observation), again.restored()[0].exploring(observation))
+
+
+def test_peers_that_share_a_normaliser_go_back_together(tmp_path: Path) -> None:
+    training = plan("p2pdrl", "cpu").assemble(tmp_path / CHECKPOINT)
+    snapshots, first = PolicySnapshots(training.algorithm, 9), dict[str, Tensor]()
+
+    def keep(*_: object) -> None:
+        snapshots.take(training.trainer.frames)
+        if not first:
+            first.update(actors(training.algorithm))
+
+    training.trainer.run(3 * BATCH, keep)
+    training.trainer.close()
+    save(tmp_path / POLICY, snapshots.taken[0])
+    again, last = plan("p2pdrl", "cpu", seed=1).assemble(None).algorithm, actors(training.algorithm)
+    RunState.load(tmp_path).restore(again)
+    for name, value in actors(again).items():
+        assert torch.equal(value, first[name])
+        assert not torch.equal(value, last[name])
+
+
+def actors(algorithm: Algorithm) -> dict[str, Tensor]:
+    """Copies of one layer and of the normaliser of each of P2PDRL's workers."""
+    assert isinstance(algorithm, P2PDRL)
+    found = enumerate(member.actor for member in algorithm.stack.members)
+    return {
+        f"{part} {k}": value.detach().clone()
+        for k, actor in found
+        for part, value in (("layer", actor.body.weights[0]), ("mean", actor.normaliser.state_dict()["mean"]))
+    }
 
 
 def test_the_newest_of_the_best_is_chosen_and_its_episodes_are_counted() -> None:
