@@ -11,7 +11,6 @@ from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.comparison.plain_file import file_note
 from dr_lab.comparison.progress import Screen
 from dr_lab.comparison.study import Study
-from dr_lab.comparison.trading import TRADE
 from dr_lab.comparison.write_simulated import write_simulated
 from dr_lab.effects.learned_force import write_learned_forces
 from dr_lab.effects.residual_force import learned_forces
@@ -24,7 +23,7 @@ from dr_lab.recorders.overlay import AFTER, BEFORE
 from dr_lab.recorders.review import write_review
 from dr_lab.reports.calibration import given_values
 from dr_lab.reports.gap import GapReport
-from dr_lab.reports.gap_entries import NoteEntry
+from dr_lab.reports.gap_entries import TRADE, NoteEntry
 from dr_lab.reports.ladder import failing
 from dr_lab.reports.markdown import notes_list, report_markdown
 from dr_lab.reports.plain import finite

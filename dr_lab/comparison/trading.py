@@ -5,10 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from dr_lab.physics.context import ContextEstimate
-from dr_lab.reports.gap_entries import NoteEntry
+from dr_lab.reports.gap_entries import TRADE, NoteEntry
 from dr_lab.reports.quantity import uncertain
 
-TRADE = "trade"
 _FAR = 0.2  # standard deviation of the sum, in that of the better known of both
 _MOST = 3  # pairs that are told
 

@@ -41,6 +41,9 @@ class WindowsEntry:
     confirm: int
 
 
+TRADE = "trade"  # kind of the notes that stand beside the parameters
+
+
 @dataclass(frozen=True)
 class NoteEntry:
     """One sentence that a reader must know."""

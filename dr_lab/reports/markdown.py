@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dr_lab.reports.calibration import given_values
 from dr_lab.reports.force_entries import MissingForceEntry, TermEntry
 from dr_lab.reports.gap import Failure, GapReport
-from dr_lab.reports.gap_entries import NoteEntry, Parameters, RegionEntry
+from dr_lab.reports.gap_entries import TRADE, NoteEntry, Parameters, RegionEntry
 from dr_lab.reports.inertia import inertia_told
 from dr_lab.reports.ladder import failing, scored
 from dr_lab.reports.next_experiment import next_experiment_text
@@ -57,7 +57,7 @@ def gap_page(report: GapReport) -> Page:
         Section("correlations", f"Residual of the {failing(report)} and command", _correlations(failure)),
         Section("next_experiment", "Next experiment", next_experiment_text(judgement.next_experiment)),
         Section("noise", "Noise floor", noise_table(report.noise)),
-        Section("notes", "Notes", notes_list(report.notes)),
+        Section("notes", "Notes", notes_list([note for note in report.notes if note.kind != TRADE])),
         Section("clocks", "Clocks", clock_table(report.clocks)),
         Section("recording", "How to look at it", _how_to_look(report)),
     ]
@@ -87,7 +87,7 @@ def _where(regions: Sequence[RegionEntry]) -> str:
 def _trades(report: GapReport, parameters: Parameters) -> str:
     """Which parameters trade against each other, which take an effect's place, and which intervals are doubtful."""
     worst = report.judged.worst_direction
-    lines = []
+    lines = [f"- {note.message}" for note in report.notes if note.kind == TRADE]
     if len(worst) > 1:
         told = " ".join(f"{'+' if value > 0 else '−'} {abs(value):.2f} `{name}`" for name, value in worst.items())
         lines.append(f"- The logs know least of {told.removeprefix('+ ')} (in widths of the bounds): these trade.")

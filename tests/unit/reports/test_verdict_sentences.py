@@ -95,3 +95,11 @@ def test_what_did_not_change_or_is_the_same_thing_stands_for_no_effect(
     told = verdict(unneeded(close_report, site, taker))
     assert "Calibrating changed `arm.mass`" in told
     assert "would look the same" not in told
+
+
+def test_what_trades_is_told_once_beside_the_parameters(close_report: dict[str, Any]) -> None:
+    told = "a@x.mean and b@x.torque trade: the logs know their sum."
+    close_report["notes"] = [*close_report["notes"], {"message": told, "kind": "trade"}]
+    text = report_markdown(from_plain(GapReport, close_report))
+    assert text.count(told) == 1
+    assert told in text.partition("## Parameters\n")[2].partition("\n## ")[0]
