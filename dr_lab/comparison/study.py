@@ -28,6 +28,7 @@ from dr_lab.diagnosis.fit.touching import may_touch
 from dr_lab.diagnosis.localise import LocaliseSettings
 from dr_lab.diagnosis.settings import WindowSettings
 from dr_lab.diagnosis.windows.blocks import spread
+from dr_lab.diagnosis.windows.channels import resolve
 from dr_lab.diagnosis.windows.folds import folds
 from dr_lab.diagnosis.windows.windows import Windows, cut
 from dr_lab.effects.effect import Scales
@@ -103,6 +104,7 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
 
     Raises:
         ConfigError: no log is there to fit on.
+        UnknownNameError: the model has no such channel.
         ModelError: the model diverges in every window, or does not explain logs that it made itself.
     """
     measured = comparison.measurements
@@ -112,8 +114,9 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
         )
     suspected = suspect_faults(comparison.model, measured, comparison.settings.faults)
     read = with_lines(comparison, suspected)
-    silent = silent_notes(comparison.model.nominal(), measured)
-    tell([*known_faults(suspected, read.measurements), *silent])
+    compiled = comparison.model.nominal()
+    resolve(compiled, tuple(measured.fit[0].outputs))  # a name that is wrong is no channel that is lacking
+    tell([*known_faults(suspected, read.measurements), *silent_notes(compiled, measured)])
     return _study(read, suspected)
 
 
