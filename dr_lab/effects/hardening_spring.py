@@ -65,6 +65,6 @@ class HardeningSpring(JointEffect, SpecEdit):
         add_spring(spec, site, cubic * Polynomial([-reference, 1.0]) ** 3, reference)
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
-        """A spring that hardens and one that softens, which rest where the model's own does."""
+        """A spring that hardens, and rests where the model's own does; one that softens is found from absent."""
         cubic, reference = parameters
-        return tuple({"cubic": sign * self.start * cubic.high, "reference": reference.nominal} for sign in (1.0, -1.0))
+        return ({"cubic": self.start * cubic.high, "reference": reference.nominal},)
