@@ -109,13 +109,13 @@ def parameters(study: Study, fitted_model: FittedModel) -> tuple[ContextEstimate
     doubted = trust.doubts(found, fitted_model.fit, bench.fit, bench.evidence)
     scatters = [
         LogScatterEntry(
-            cv_percent=_cv_percent(space.parameters[column], logs[:, column], float(found.mean[column])),
+            cv_percent=_cv_percent(space.parameters[column], logs[:, column], float(found.mean[column]), std),
             per_log=dict(zip(bench.fit.logs, logs[:, column].tolist(), strict=True)),
             doubts=tuple(doubted[name]),
             bounds=(float(space.low[column]), float(space.high[column])),
             std_by_step=float(by_step[column]),
         )
-        for column, name in enumerate(space.names)
+        for column, (name, std) in enumerate(zip(space.names, found.std.tolist(), strict=True))
     ]
     marked = _marked(found).items()
     return found, {name: replace(row, scatter=each) for (name, row), each in zip(marked, scatters, strict=True)}
@@ -236,7 +236,11 @@ def _marked(found: ContextEstimate) -> dict[str, ParameterEntry]:
     }
 
 
-def _cv_percent(parameter: Parameter, values: Array, mean: float) -> float:
-    """Scatter of the logs' values; unknown where one of them ends at a bound, which hides how far it would go."""
-    known = len(values) > 1 and mean and not any(any(parameter.ends(value)) for value in values.tolist())
+def _cv_percent(parameter: Parameter, values: Array, mean: float, std: float) -> float:
+    """Scatter of the logs' values beside the fitted one.
+
+    It is unknown where one of them ends at a bound, which hides how far it would go. It says nothing beside a value
+    that may be 0, such as an angle whose zero lies there.
+    """
+    known = len(values) > 1 and abs(mean) > std and not any(any(parameter.ends(value)) for value in values.tolist())
     return float(100 * np.std(values, ddof=1) / abs(mean)) if known else float("nan")

@@ -138,7 +138,7 @@ def _study(comparison: Comparison, faults: tuple[Fault, ...]) -> Study:
         bench=bench,
         predicted=cut(scored, measured, compiled, settings.predicted.of_machine(compiled.nv)),
         short=short,
-        few=spread(len(short), settings.localise.formula.windows),
+        few=spread(len(short), settings.localise.formula.windows_of(compiled.nv)),
         fits=StateFits(settings.solver, count),
         scales=_scales(refined.model, compiled, measured, windows.smoother, bench),
         floor=floor,

@@ -26,6 +26,7 @@ class FormulaSettings:
         worth: share of the force's mean square that a further term must explain of the parts left out.
         least: number of windows below which nothing is said.
         windows: number of windows that forces are looked for in at most.
+        pushes: most pushes of one degree of freedom in one of them; machines with many look at fewer windows.
         trees: of the forest that tells how much any function of the state could explain.
 
     Raises:
@@ -39,10 +40,15 @@ class FormulaSettings:
     worth: Positive
     least: Annotated[int, at_least(2)]
     windows: Count
+    pushes: Count
     trees: Count
 
     def __post_init__(self) -> None:
         require_bounds(self, "localise.formula")
+
+    def windows_of(self, dofs: int) -> int:
+        """In how many windows forces are looked for, of a machine with so many degrees of freedom; `least` at least."""
+        return min(self.windows, max(self.least, self.pushes // max(dofs, 1)))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,9 @@ import pytest
 
 from dr_lab.diagnosis.missing_force.force_formula import FormulaSettings, Variable, sparse_formula
 
-SETTINGS = FormulaSettings(terms=4, harmonics=3, folds=4, parts=8, worth=0.02, least=40, windows=400, trees=30)
+SETTINGS = FormulaSettings(
+    terms=4, harmonics=3, folds=4, parts=8, worth=0.02, least=40, windows=400, pushes=2800, trees=30
+)
 GENERATOR = np.random.default_rng(0)
 ANGLE, SPEED, COMMAND, NOISE = GENERATOR.normal(size=(4, 400)) * np.array([[1.5], [3.0], [2.0], [1.0]])
 LOGS = np.repeat(np.arange(4), 100)
@@ -61,3 +63,8 @@ def test_windows_that_diverged_are_left_out_and_few_say_nothing() -> None:
     assert found.coefficients == {"[motor command]": pytest.approx(0.3)}
     assert sparse_formula(np.where(np.arange(400) < 30, force, np.nan), "N", VARIABLES, LOGS, SETTINGS) is None
     assert sparse_formula(force, "N", VARIABLES, np.zeros(400, int), SETTINGS) is None
+
+
+@pytest.mark.parametrize(("dofs", "windows"), [(0, 400), (2, 400), (7, 400), (18, 155), (100, 40)])
+def test_machines_with_many_degrees_of_freedom_look_at_fewer_windows(dofs: int, windows: int) -> None:
+    assert SETTINGS.windows_of(dofs) == windows
