@@ -193,9 +193,13 @@ def _parameters(report: GapReport) -> str:
     if last.fit is None:
         return ""
     found = sorted(last.parameters.items(), key=lambda item: "@" not in item[0])
-    left = f"\n\n… and {len(found) - _LISTED} more in report.md." if len(found) > _LISTED else ""
+    told, given = dict(found[:_LISTED]), given_values(report)
+    of_effects = {name: row for name, row in told.items() if name not in given}
+    own = {name: row for name, row in told.items() if name in given}
+    tables = [parameter_table(rows, given) for rows in (of_effects, own) if rows]
+    left = f"… and {len(found) - _LISTED} more in report.md." if len(found) > _LISTED else ""
     trades = "\n".join(f"- {note.message}" for note in report.notes if note.kind == TRADE)
-    return _paragraphs([parameter_table(dict(found[:_LISTED]), given_values(report)) + left, trades])
+    return _paragraphs([*tables, left, trades])
 
 
 def _export(
