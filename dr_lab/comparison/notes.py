@@ -62,11 +62,11 @@ def fit_notes(models: Sequence[FittedModel]) -> list[NoteEntry]:
 
 
 def _declared_ends(last: FittedModel) -> list[NoteEntry]:
-    """Notes on parameters that end at a bound that was declared; a bound at 0 is physics, and no bound of a guess."""
+    """Notes on parameters that ran into a bound that was declared; a bound at 0 is physics and cannot be widened."""
     free = {p.name for body in last.model.inertials for p in body.parameters}
     values, notes = last.values(), []
     for parameter in last.model.declared:
-        low, high = parameter.ends(values[parameter.name])
+        low, high = ran_into(parameter, values[parameter.name])
         bound = parameter.low if low else parameter.high
         if parameter.name in free or not (low or high) or bound == 0:
             continue

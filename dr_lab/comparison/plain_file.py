@@ -1,6 +1,5 @@
 """What MuJoCo alone makes of an exported file: friction in place of what MJCF lacks, and how well it predicts."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -35,9 +34,7 @@ class DryFrictionLoss:
     @property
     def told(self) -> str:
         """A sentence for the file and the report."""
-        return (
-            f"in place of {self.effect} model.xml has {self.loss:.4g} of the frictionloss of {self.joint}, the nearest."
-        )
+        return f"In place of {self.effect} model.xml adds {self.loss:.4g} to the frictionloss of {self.joint}."
 
     def write(self, spec: mujoco.MjSpec) -> None:
         """Add it to the joint."""
@@ -47,19 +44,14 @@ class DryFrictionLoss:
 
 def stand_ins(model: Model, z: Array) -> list[DryFrictionLoss]:
     """Dry friction for every effect that holds it as a special case and that MJCF lacks, at context z."""
-    return list(_stand_ins(model, z))
-
-
-def _stand_ins(model: Model, z: Array) -> Iterator[DryFrictionLoss]:
-    values = model.space.mapping(z)
+    values, found = model.space.mapping(z), list[DryFrictionLoss]()
     for placed in model.effects:
         if not (isinstance(placed, PlacedEffect) and placed.effect.lacks and _COULOMB in placed.effect.holds):
             continue
-        same = placed.effect.holds[_COULOMB].same
-        own = placed.local(values)
-        for name, poorer in same.items():
-            if poorer == _TORQUE and own[name] > 0:
-                yield from (DryFrictionLoss(placed.label, joint, own[name]) for joint in placed.elements)
+        own, same = placed.local(values), placed.effect.holds[_COULOMB].same
+        torque = sum(own[name] for name, poorer in same.items() if poorer == _TORQUE)
+        found += [DryFrictionLoss(placed.label, joint, torque) for joint in placed.elements if torque > 0]
+    return found
 
 
 def file_note(study: Study, path: Path, found: Model, chi2: float | None) -> NoteEntry:

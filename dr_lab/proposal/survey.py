@@ -111,7 +111,7 @@ def _counts_rows(series: Series) -> bool:
         return False
     steps = np.concatenate([np.diff(signal.value) for signal in series.signals])
     whole = all(bool((signal.value == np.round(signal.value)).all()) for signal in series.signals)
-    return whole and bool(steps[0] > 0) and bool((steps == steps[0]).all())
+    return whole and len(steps) > 0 and bool(steps[0] > 0) and bool((steps == steps[0]).all())
 
 
 def _spoilt(chosen: Sequence[Recording], settings: ProposalSettings) -> tuple[str, ...]:
