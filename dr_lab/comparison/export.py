@@ -19,8 +19,10 @@ from dr_lab.effects.effect import PlacedEffect
 from dr_lab.files import atomic, write_text
 from dr_lab.physics.compiling import written
 from dr_lab.physics.context import ContextEstimate, ContextSpace
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import Model
+from dr_lab.physics.model_effect import ModelEffect
 from dr_lab.trajectory import Array
 
 
@@ -94,8 +96,15 @@ def write_model(path: Path, model: Model, z: Array) -> tuple[ExportedModel, list
         each.write(alone)
     comments = "".join(f"<!-- {sentence} -->\n" for sentence in missing)
     write_text(path, comments + (written(alone) if stand_in else exact))
-    effects = model.effects if missing else ()
+    effects = _beside(model, z) if missing else ()
     return ExportedModel(model.name, read, (), {}, effects, fixed=model.space.mapping(z)), missing
+
+
+def _beside(model: Model, z: Array) -> tuple[ModelEffect, ...]:
+    """The effects that act beside the file: all but those that a replay would take in place of what the file has."""
+    values, option = model.space.mapping(z), model.spec.option
+    live = {each.label for each, _, part in model.having(SpecEdit) if part.expressible(each.local(values), option)}
+    return tuple(each for each in model.effects if each.replayed() is each or each.label not in live)
 
 
 def play(study: Study, model: Model, z: Array, windows: Windows) -> Played:

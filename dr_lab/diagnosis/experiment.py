@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from dr_lab.diagnosis.windows.commands import averages
 from dr_lab.diagnosis.windows.invert_reading import reach
 from dr_lab.errors import ModelError
 from dr_lab.physics.activations import resting
+from dr_lab.physics.effect_parts import CommandFilter
 from dr_lab.physics.model import Model
 from dr_lab.physics.signal import Reading
 from dr_lab.physics.simulator import Simulator
@@ -80,8 +82,10 @@ def play(
     Raises:
         ModelError: the model does not compile at its nominal context.
     """
-    compiled = model.nominal()
-    step, npast = compiled.opt.timestep, max(1, int(compiled.actuator_history[:, 0].max(initial=0)))
+    known = model.replayed()
+    compiled = known.nominal()
+    step, history = compiled.opt.timestep, int(compiled.actuator_history[:, 0].max(initial=0))
+    npast = max([1, history, *(ceil(part.memory / step) for _, _, part in known.having(CommandFilter))])
     edges = step * np.arange(-npast, int(np.ceil(duration / step)) + 2)
     columns = {name: int(compiled.actuator_ctrladr[compiled.actuator(name).id]) for name in experiments[0]}
     controls = np.concatenate([averages(each, columns, compiled.nu, edges[None]) for each in experiments])
@@ -91,7 +95,7 @@ def play(
     if compiled.na:
         at_rest = resting(compiled, qpos[0], controls[:, 0])
         act = np.broadcast_to(at_rest, (*shape, compiled.na))
-    rollout = Simulator(model, len(z) * len(experiments), threads).replay(
+    rollout = Simulator(known, len(z) * len(experiments), threads).replay(
         z, qpos, rest, controls[:, npast:], controls[:, :npast], act=act
     )
     laid = (getattr(rollout, name) for name in ("qpos", "qvel", "sensordata", "start", "controls"))

@@ -6,30 +6,28 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import mujoco
-import numpy as np
 
 from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
-from dr_lab.effects.effect import Scales
-from dr_lab.errors import ModelError
-from dr_lab.physics.effect_parts import CommandFilter, SpecEdit
+from dr_lab.effects.effect import Effect, Scales
+from dr_lab.effects.recorded_delay import LINEAR, RecordedDelay, require_readable
+from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
-from dr_lab.trajectory import Array
-
-_LINEAR = 1  # MuJoCo's code of an interpolation between commands
 
 
 @dataclass(frozen=True)
-class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
+class ActuatorDelay(ActuatorEffect, SpecEdit):
     """Bus, driver and controller latency between a command's stamp and its force.
 
-    force(t) computed from u(t − delay). MuJoCo keeps the commands of the last steps and interpolates them linearly:
+    force(t) computed from u(t − delay).
+
+    Commands that are all known ahead are shifted by `RecordedDelay`. Where they come while the simulation runs, and in
+    exported files, MuJoCo keeps those of the last steps and interpolates them linearly:
 
     1. First-order integrators read at the start of a step. What they read is exactly the step's average of the late
        command.
     2. RK4 also reads in the middle and at the end, as if the step's command had been given at its start and not held
        through it. On average that is half a step early, for which the compiled delay makes up.
-    3. MuJoCo cannot read the command of the running step. A delay below one step (one and a half with RK4) is left to
-       `filtered`, which makes the response continuous down to absent.
+    3. MuJoCo cannot read the command of the running step. A delay below one step (one and a half with RK4) is none.
 
     A history of the same length is compiled in at every value.
 
@@ -71,35 +69,25 @@ class ActuatorDelay(ActuatorEffect, SpecEdit, CommandFilter):
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Compile the history in, and the delay where it is at least one step, beside one that is there."""
+        require_readable(spec, site)
         actuator = actuator_of(spec, site)
-        if actuator.nsample and actuator.interp != _LINEAR:
-            raise ModelError(
-                f"Actuator {site!r} already keeps {actuator.nsample} commands. Take its delay out of the MJCF, or let "
-                'it read between them (interp="linear"), or make no actuator_delay effect of it.'
-            )
         early = _read_early(spec.option)
         actuator.nsample += math.ceil((self.longest + early) / spec.option.timestep) + 1
-        actuator.interp = _LINEAR
+        actuator.interp = LINEAR
         if values["delay"] >= _shortest(spec.option):
             actuator.delay = (actuator.delay or early) + values["delay"]
 
-    def filtered(self, values: Mapping[str, Array], series: Array, option: mujoco.MjOption) -> Array:
-        """Commands late by a delay that is too short for MuJoCo; m + f steps late is (1 − f) u_{k−m} + f u_{k−m−1}."""
-        short = values["delay"] < _shortest(option)
-        if not short.any():
-            return series
-        whole, share = np.divmod(np.where(short, values["delay"], 0.0) / option.timestep, 1.0)
-        every = np.broadcast_to(series, np.broadcast_shapes(series.shape, whole.shape))
-        late, later = (
-            np.take_along_axis(every, np.maximum(np.arange(series.shape[2]) - whole.astype(int) - k, 0), axis=2)
-            for k in (0, 1)
-        )
-        return (1 - share) * late + share * later
+    def expressible(self, values: Mapping[str, float], option: mujoco.MjOption) -> bool:
+        """Whether there is no delay, or none that is too short for MuJoCo."""
+        return not 0 < values["delay"] < _shortest(option)
+
+    def replayed(self) -> Effect:
+        """The same of commands that are known ahead."""
+        return RecordedDelay(self.longest)
 
     def lacking(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """A delay that is too short for MuJoCo."""
-        delay = values["delay"]
-        return f"commands of {site} act {delay:.6g} s late" if 0 < delay < _shortest(option) else ""
+        return "" if self.expressible(values, option) else f"commands of {site} act {values['delay']:.6g} s late"
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Several delays: a long one has another best damping, hence local minima."""

@@ -146,6 +146,10 @@ class Effect(ABC):
         del parameters
         return self
 
+    def replayed(self) -> "Effect":
+        """The effect where all commands are known ahead; itself unless it is another one there."""
+        return self
+
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Values away from absent from which a fit also starts (where the slope at absent is zero or misleading)."""
         del parameters
@@ -201,6 +205,11 @@ class PlacedEffect:
             if after != before:
                 looked.setdefault(before.name, (before.name, before.low, before.high))
         return replace(self.bounded(parameters), looked=tuple(looked.values()))
+
+    def replayed(self) -> "PlacedEffect":
+        """The effect as it acts where all commands are known ahead."""
+        effect = self.effect.replayed()
+        return self if effect is self.effect else replace(self, effect=effect)
 
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """The effect's own values by short name, out of a context's by full name."""

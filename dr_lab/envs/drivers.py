@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
-import numpy as np
 
 from dr_lab.errors import ModelError
-from dr_lab.physics.effect_parts import CommandFilter, StepwiseFilter
+from dr_lab.physics.effect_parts import CommandFilter, SpecEdit, StepwiseFilter
 from dr_lab.physics.law import Law
 from dr_lab.physics.model import Model
 from dr_lab.trajectory import Array
@@ -41,11 +40,11 @@ def stepwise(model: Model) -> DrivenModel:
             actuator's delay acts as MuJoCo's own from one and a half physics steps on, and one that is drawn below that
             is none.
     """
-    values, series = model.values(model.space.nominal[None]), np.zeros((1, 1, 2))
-    for effect, element, part in model.having(CommandFilter):
-        local = {name: value[:, None, None] for name, value in effect.local(values).items()}
-        known = isinstance(part, StepwiseFilter)
-        if not known and part.filtered(local, series, model.spec.option) is not series:
+    nominal = model.space.mapping(model.space.nominal)
+    filters = ((*each, isinstance(each[2], StepwiseFilter)) for each in model.having(CommandFilter))
+    edits = ((*e, e[2].expressible(e[0].local(nominal), model.spec.option)) for e in model.having(SpecEdit))
+    for effect, element, _, driven in (*filters, *edits):
+        if not driven:
             raise ModelError(
                 f"Effect {effect.label!r} of model {model.name!r} transforms the commands of "
                 f"{element} and has no driver that does so step by step. Fit the model without it, "

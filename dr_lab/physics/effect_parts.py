@@ -39,6 +39,11 @@ class SpecEdit(ABC):
             ModelError: the effect cannot act at this site of this model, at no value, absent included.
         """
 
+    def expressible(self, values: Mapping[str, float], option: mujoco.MjOption) -> bool:
+        """Whether MJCF can express the effect at these values, by short parameter name; otherwise it has none there."""
+        del values, option
+        return True
+
 
 class AddedBody(ABC):
     """A body that a `SpecEdit` adds under the effect's label, whose mass, centre and inertia are its parameters."""
@@ -74,6 +79,11 @@ class SensorTransform(ABC):
 
 class CommandFilter(ABC):
     """What becomes of commands before they reach the actuator at the effect's site."""
+
+    @property
+    def memory(self) -> float:
+        """Time in s before a start of which the commands must be known."""
+        return 0.0
 
     @abstractmethod
     def filtered(self, values: Mapping[str, Array], series: Array, option: mujoco.MjOption) -> Array:

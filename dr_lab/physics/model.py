@@ -89,6 +89,11 @@ class Model:
             raise ModelError(f"Effect {effect.label!r} is already part of model {self.name!r}.")
         return replace(self, effects=(*self.effects, effect))
 
+    def replayed(self) -> "Model":
+        """This model as recorded commands are replayed by it; itself where its effects act as they do on others."""
+        effects = tuple(effect.replayed() for effect in self.effects)
+        return self if effects == self.effects else replace(self, effects=effects)
+
     def having(self, part: type[_Part]) -> Iterator[tuple[ModelEffect, str, _Part]]:
         """The effects that have a part, in order, each with every element that it acts at and with the part."""
         for effect in self.effects:
@@ -271,17 +276,15 @@ def require_live(model: Model, parameter: str) -> None:
     Raises:
         ModelError: it changes nothing.
     """
-    space = model.space
-    index = space.index(parameter)
-    ends = []
+    space, index, ends = model.space, model.space.index(parameter), []
     for bound in (space.low[index], space.high[index]):
         z = space.nominal
         z[index] = bound
         ends.append(_fingerprint(model, z))
     if ends[0] == ends[1]:
-        low, high = space.low[index], space.high[index]
         raise ModelError(
-            f"Parameter {parameter!r} of model {model.name!r} changes nothing between {low:g} and {high:g}. "
+            f"Parameter {parameter!r} of model {model.name!r} changes nothing between {space.low[index]:g} and "
+            f"{space.high[index]:g}. "
             "Point its target at something the physics uses, or delete it."
         )
 

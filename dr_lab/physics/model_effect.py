@@ -42,6 +42,10 @@ class ModelEffect(Protocol):
         """Whether it is absent from logs that were recorded without a load."""
         ...
 
+    def replayed(self) -> "ModelEffect":
+        """The effect as it acts where all commands are known ahead; itself where that makes no difference."""
+        ...
+
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """The effect's own values out of a whole context's, by the names that its parts know them by."""
         ...

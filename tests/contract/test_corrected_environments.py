@@ -67,9 +67,17 @@ def test_drivers_and_forces_act_as_in_a_replay_of_the_same_commands(effect: str)
     assert not np.allclose(moved[-1], without.qpos[0, -1], rtol=1e-3)
 
 
-def test_a_filter_that_needs_the_whole_series_is_refused() -> None:
+def with_delay(delay: float) -> Setting:
+    plain = setting("furuta")
+    late = placed(plain.model, "actuator_delay", "motor")
+    late = replace(late, parameters=(replace(late.parameters[0], nominal=delay),))
+    return replace(plain, model=plain.model.with_effect(late))
+
+
+def test_a_delay_that_needs_the_whole_series_is_refused() -> None:
     with pytest.raises(ModelError, match=r"actuator_delay@motor.* commands of motor"):
-        begun(corrected("actuator_delay", "motor"))
+        begun(with_delay(0.001))
+    begun(with_delay(0.0))
 
 
 def test_effects_at_sensors_have_no_part() -> None:
@@ -80,11 +88,8 @@ def test_effects_at_sensors_have_no_part() -> None:
 
 def test_an_actuators_delay_acts() -> None:
     """A driver that is 30 ms late answers three control steps later, but for an edge within a physics step."""
-    late = placed(setting("furuta").model, "actuator_delay", "motor")
-    late = replace(late, parameters=(replace(late.parameters[0], nominal=0.03),))
-    model = setting("furuta").model.with_effect(late)
     speeds = []
-    for of in (setting("furuta"), replace(setting("furuta"), model=model)):
+    for of in (setting("furuta"), with_delay(0.03)):
         episodes = begun(of)
         for name in ("qpos", "qvel"):
             episodes.simulator.batch.bind(name)[:] = 0.0

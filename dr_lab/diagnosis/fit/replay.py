@@ -20,6 +20,7 @@ from dr_lab.diagnosis.windows.run_in import RunIn
 from dr_lab.diagnosis.windows.until_known import until_known
 from dr_lab.diagnosis.windows.windows import Windows, WindowSamples
 from dr_lab.errors import DataError
+from dr_lab.physics.effect_parts import CommandFilter
 from dr_lab.physics.law import History
 from dr_lab.physics.model import Model
 from dr_lab.physics.signal import Reading
@@ -53,21 +54,20 @@ class Replay:
     def __init__(self, model: Model, windows: Windows, threads: int | None = None, stop: Event | None = None) -> None:
         self.model = model
         self.windows = windows
+        self._played = model.replayed()
         self._threads = threads
         self._stop = stop
         self._simulators: dict[int, Simulator] = {}
         self._absent = _absent(model, windows)
-        self._compiled = compiled = model.nominal()
-        self._controls = _widen(windows.controls, compiled.nu)
-        self._past = _widen(windows.past, compiled.nu)
+        self._compiled = compiled = self._played.nominal()
+        self._controls, self._past = (_widen(each, compiled.nu) for each in (windows.controls, windows.past))
         past, held = windows.before, _widen(windows.before.controls, compiled.nu)
         self._history = History(windows.begin, past.qpos, past.qvel, held, past.far, past.interval)
         known = windows.activations
-        self._run_in = None if known is None else RunIn(model, self._history, known.begin, threads)
+        self._run_in = None if known is None else RunIn(self._played, self._history, known.begin, threads)
         self._steps = self._read_steps(self._reaches())
         self._require_past()
-        self.fitted = self._mask("fitted")
-        self.scored = self._mask("scored")
+        self.fitted, self.scored = self._mask("fitted"), self._mask("scored")
         ends = np.cumsum([0, *(s.time.shape[1] * s.channel.size for s in windows.samples)])
         self.channels = [slice(int(first), int(last)) for first, last in pairwise(ends)]
 
@@ -268,18 +268,18 @@ class Replay:
 
     def _require_past(self) -> None:
         """A delayed actuator must find the commands of before the start."""
-        compiled = self._compiled
-        need = int(compiled.actuator_history[:, 0].max(initial=0)) - 1
-        if self._past.shape[1] < need:
-            seconds = need * compiled.opt.timestep
+        history = self.windows.step * (int(self._compiled.actuator_history[:, 0].max(initial=0)) - 1)
+        need = max([history, *(part.memory for _, _, part in self._played.having(CommandFilter))])
+        kept = self.windows.step * self._past.shape[1]
+        if kept < need * (1 - _ROUNDING):
             raise DataError(
-                f"Model {self.model.name!r} delays commands by up to {seconds:g} s, but windows.kept keeps "
-                f"{self._past.shape[1] * self.windows.step:g} s. Set windows.kept to at least {seconds:g}."
+                f"Model {self.model.name!r} delays commands by up to {need:g} s, but windows.kept keeps {kept:g} s. "
+                f"Set windows.kept to at least {need:g}."
             )
 
     def _simulator(self, nsim: int) -> Simulator:
         if nsim not in self._simulators:
-            self._simulators[nsim] = Simulator(self.model, nsim, self._threads, nominal=copy.copy(self._compiled))
+            self._simulators[nsim] = Simulator(self._played, nsim, self._threads, nominal=copy.copy(self._compiled))
         return self._simulators[nsim]
 
     def _mask(self, which: str) -> Mask:

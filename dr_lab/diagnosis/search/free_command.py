@@ -1,7 +1,7 @@
 """What an actuator makes of its command, as a free curve."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -38,6 +38,11 @@ class FreeCommand(FreeLaw, SpecEdit, CommandFilter):
     def elements(self) -> tuple[str, ...]:
         """Those of the effect."""
         return self.checked.elements
+
+    def replayed(self) -> "FreeCommand":
+        """With the effect as it acts there."""
+        checked = self.checked.replayed()
+        return self if checked is self.checked else replace(self, checked=checked)
 
     def beside(self, effect: ModelEffect) -> tuple[ModelEffect, ...]:
         """Itself, for it holds the effect."""

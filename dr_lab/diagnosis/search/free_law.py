@@ -43,6 +43,10 @@ class FreeLaw:
         """It acts in all logs."""
         return False
 
+    def replayed(self) -> "FreeLaw":
+        """Itself."""
+        return self
+
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:
         """Its own values out of a context's, by full name."""
         return {p.name: values[p.name] for p in self.parameters}

@@ -4,20 +4,25 @@ import pytest
 from effect_machines import block, placed, with_effect
 
 from dr_lab.errors import ModelError
+from dr_lab.physics.model import Model
 from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
 
-STEP, STEPS, FORCE = 0.002, 50, 4.0
+STEP, STEPS, EDGE, FORCE = 0.002, 60, 10, 4.0
 
 
 INTEGRATORS = pytest.mark.parametrize("integrator", ["RK4", "EULER", "IMPLICITFAST"])
+
+
+def late(machine: Model) -> Model:
+    return machine.with_effect(placed(machine, "actuator_delay", "drive")).replayed()
 
 
 def motions(integrator: str, delays: list[float], commands: Array) -> Array:
     """Speed of the block after each step under several delays, shape (delays, steps); the command was 0 before."""
     machine = block()
     machine.spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator}")
-    model = machine.with_effect(placed(machine, "actuator_delay", "drive"))
+    model = late(machine)
     z, count = np.array(delays)[:, None], len(delays)
     rollout = Simulator(model, count, threads=1).replay(
         z, np.zeros((count, 1, 1)), np.zeros((count, 1, 1)), commands[None, :, None], np.zeros((1, 30, 1))
@@ -28,8 +33,18 @@ def motions(integrator: str, delays: list[float], commands: Array) -> Array:
 @INTEGRATORS
 def test_impulse_is_lost_in_proportion_to_the_delay_from_zero_on(integrator: str) -> None:
     delays = [0.0, 1e-6, 0.0005, 0.0019, 0.002, 0.0021, 0.0029, 0.003, 0.0031, 0.0071, 0.0333, 0.05]
-    speed = motions(integrator, delays, np.full(STEPS, FORCE))[:, -1]
-    np.testing.assert_allclose(speed, FORCE / 2.0 * (STEPS * STEP - np.array(delays)), rtol=1e-9)
+    speed = motions(integrator, delays, np.where(np.arange(STEPS) < EDGE, 0.0, FORCE))[:, -1]
+    np.testing.assert_allclose(speed, FORCE / 2.0 * ((STEPS - EDGE) * STEP - np.array(delays)), rtol=1e-9)
+
+
+def test_an_edge_that_is_late_leaves_the_block_where_it_belongs() -> None:
+    """½ F/m (t − delay)², whatever part of a step the delay is; straight lines would be up to 1 µm off."""
+    delays = np.array([0.0, 0.0004, 0.001, 0.0113, 0.0118])
+    model, still = late(block()), np.zeros((len(delays), 1, 1))
+    edge = np.where(np.arange(STEPS) < EDGE, 0.0, FORCE)[None, :, None]
+    rollout = Simulator(model, len(delays), threads=1).replay(delays[:, None], still, still, edge, np.zeros((1, 30, 1)))
+    since = (STEPS - EDGE) * STEP - delays
+    np.testing.assert_allclose(rollout.qpos[:, -1, 0], 0.5 * FORCE / 2.0 * since**2, atol=2e-9)
 
 
 @INTEGRATORS
@@ -51,18 +66,26 @@ def test_history_has_one_length_and_reaches_the_longest_delay() -> None:
     assert longest.actuator_history[0, 0] * STEP >= longest.actuator_delay[0]
 
 
-def test_delays_too_short_for_mujoco_are_left_to_the_commands() -> None:
-    one = placed(block(), "actuator_delay", "drive")
-    model, series = block().with_effect(one), np.arange(10.0)[None, None]
-    short, long = (np.array([[delay]]) for delay in (0.0025, 0.0031))
-    np.testing.assert_allclose(model.command(short, "drive", series)[0, 0, 2:], np.arange(2.0, 10.0) - 1.25)
-    assert model.command(long, "drive", series) is series
-    assert model.command(short, "another", series) is series
-    assert "0.0025 s late" in one.effect.lacking("drive", {"delay": 0.0025}, model.spec.option)
-    assert not one.effect.lacking("drive", {"delay": 0.0031}, model.spec.option)
+def test_delays_too_short_for_mujoco_are_left_out_of_files() -> None:
+    one, option = placed(block(), "actuator_delay", "drive"), block().spec.option
+    assert "0.0025 s late" in one.effect.lacking("drive", {"delay": 0.0025}, option)
+    assert not one.effect.lacking("drive", {"delay": 0.0031}, option)
+    assert not one.effect.lacking("drive", {"delay": 0.0}, option)
+
+
+def test_commands_are_shifted_along_a_smooth_curve() -> None:
+    """A spline gives a parabola back, so a late parabola is the same one, later."""
+    model, series = late(block()), (np.arange(40.0) ** 2)[None, None]
+    delays = np.array([0.0, 0.0007, 0.0025, 0.0131])
+    expected = (np.arange(40.0) - delays[:, None] / STEP) ** 2
+    np.testing.assert_allclose(model.command(delays[:, None], "drive", series)[:, 0, 10:-1], expected[:, 10:-1])
+    assert model.command(np.zeros((1, 1)), "drive", series) is series
+    assert model.command(delays[:, None], "another", series) is series
 
 
 def test_an_actuator_with_a_delay_of_its_own_is_refused() -> None:
     machine = block(actuator='<motor name="drive" joint="rail" delay="0.01" nsample="5"/>')
     with pytest.raises(ModelError, match="already keeps 5 commands"):
         with_effect(machine, "actuator_delay", "drive", delay=0.02)
+    with pytest.raises(ModelError, match="already keeps 5 commands"):
+        late(machine).nominal()
