@@ -6,7 +6,7 @@ Their messages are those of an MCAP file; they are written into one, and read as
 import shutil
 import tempfile
 import weakref
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from mcap.writer import CompressionType, Writer
@@ -16,10 +16,11 @@ from rosbags.typesys import Stores, get_typestore
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.field_list import BULKY
-from dr_lab.measurements.mcap import McapSource
+from dr_lab.measurements.mcap import McapSource, Topic
 from dr_lab.trajectory import Note
 
 _FILE = "messages.mcap"
+_REMEDY = "Record with ROS 2 Jazzy or later, which stores definitions, or run ros2 bag convert where the type is known."
 
 
 class BagSource(McapSource):
@@ -44,11 +45,23 @@ class BagSource(McapSource):
     @property
     def notes(self) -> tuple[Note, ...]:
         """Those of the messages, and the topics whose type nothing describes."""
-        left_out = [f"{topic} ({kind})" for topic, kind in self._unknown.items()]
-        if not left_out:
+        if not self._unknown:
             return super().notes
-        message = f"{self.name}: no definition of {', '.join(left_out)}; left out."
-        return (*super().notes, Note("undefined", "", message, len(left_out)))
+        message = f"{self.name}: {self._undefined(self._unknown)}; left out."
+        return (*super().notes, Note("undefined", "", message, len(self._unknown)))
+
+    def _undefined(self, topics: Iterable[str]) -> str:
+        return f"no definition of {', '.join(f'{topic} ({self._unknown[topic]})' for topic in topics)}"
+
+    def _without_messages(self) -> str:
+        if not self._unknown:
+            return super()._without_messages()
+        return f"{self._origin}: {self._undefined(self._unknown)}, and nothing else is in it. {_REMEDY}"
+
+    def _topic(self, name: str) -> Topic:
+        if name in self._unknown:
+            raise DataError(f"Topic {name!r} of {self.name} cannot be read: {self._undefined([name])}. {_REMEDY}")
+        return super()._topic(name)
 
 
 def _convert(path: Path, target: Path) -> dict[str, str]:

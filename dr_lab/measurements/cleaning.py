@@ -9,6 +9,8 @@ from dr_lab.measurements.contract import DataContract
 from dr_lab.trajectory import Array, Note
 
 _TURN = 2 * np.pi
+# A jump is so many times as large as all but a tenth of the steps between samples.
+_APART, _USUAL = 10.0, 0.9
 # The usual period is measured over this many samples, so that bursts of a slow network do not shorten it.
 _BLOCK = 16
 # Places by which a network reorders messages; a clock that is set back moves more.
@@ -129,12 +131,24 @@ def longest_wait(times: list[Array], contract: DataContract, *, on_change: bool)
     return limit
 
 
-def unwrap(name: str, value: Array) -> Cleaned:
-    """Undo an angle's jumps by full turns; `value` in rad, shape (n,) or (n, k)."""
-    smooth = np.unwrap(value, axis=0)
-    count = int((np.abs(np.diff(smooth - value, axis=0)) > np.pi).sum())
-    note = Note("wrapped", name, f"{name}: {count} jumps by a full turn were undone.", count)
-    return Cleaned(np.empty(0), smooth, (note,) if count else ())
+def unwrap(name: str, value: Array, turn: float) -> Cleaned:
+    """Undo jumps of values of shape (n,) or (n, k) by so much, in their unit; say so if they jump otherwise."""
+    smooth = np.unwrap(value, period=turn, axis=0)
+    count = int((np.abs(np.diff(smooth - value, axis=0)) > turn / 2).sum())
+    jump = "a full turn" if turn == _TURN else f"{turn:.6g}"
+    if count:
+        return Cleaned(
+            np.empty(0), smooth, (Note("wrapped", name, f"{name}: {count} jumps by {jump} were undone.", count),)
+        )
+    steps = np.abs(np.diff(value, axis=0))
+    largest = float(steps.max(initial=0.0))
+    if not largest > _APART * np.quantile(steps, _USUAL):
+        return Cleaned(np.empty(0), smooth, ())
+    message = (
+        f"{name}: wrap is set, but nothing jumps by {jump}; the largest step between two samples is {largest:.4g}. "
+        "Behind a gear ratio in scale an angle jumps by a full turn times that: give the jump as a number, wrap: JUMP."
+    )
+    return Cleaned(np.empty(0), smooth, (Note("wrap", name, message),))
 
 
 def find_wraps(name: str, value: Array, contract: DataContract) -> tuple[Note, ...]:

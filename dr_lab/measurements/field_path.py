@@ -32,8 +32,9 @@ def extract(messages: pa.StructArray, path: str, where: str) -> Found:
     """Read one field of every message.
 
     ``a.b`` descends into a message, ``a[2]`` takes an entry of a list, ``position[arm]`` the entry whose name is
-    ``arm``: names come from a list of strings beside the list (JointState's ``name``), or from the label of the only
-    dimension of a Float64MultiArray. Messages that do not hold the entry are left out.
+    ``arm``, and ``position[2]`` that whose name is ``2`` if there is one. Names come from a list of strings beside the
+    list (JointState's ``name``), or from the label of the only dimension of a Float64MultiArray. Messages that do not
+    hold the entry are left out.
 
     Args:
         messages: one struct per message.
@@ -83,7 +84,7 @@ def _entry(array: pa.Array, rows: Rows, key: str, parent: pa.Array, where: str) 
         raise DataError(f"{where}: {array.type} is not a list; [{key}] needs one.")
     offsets = array.offsets.to_numpy()
     counts = np.diff(offsets)
-    if key.isdecimal():
+    if key.isdecimal() and key not in _names(parent):
         position, held = np.full(len(array), int(key)), np.arange(len(array))
     else:
         position, held = _positions(parent, key, where)
@@ -98,7 +99,7 @@ def _entry(array: pa.Array, rows: Rows, key: str, parent: pa.Array, where: str) 
 
 def _positions(parent: pa.StructArray, key: str, where: str) -> tuple[Rows, Rows]:
     """Place of the entry named `key` in each message's list, and the messages that have one."""
-    names = next((f.name for f in parent.type if f.type.equals(pa.list_(pa.string())) or _is_strings(f.type)), None)
+    names = _strings_of(parent)
     if names is None:
         labels = labels_of(parent)
         if key not in labels:
@@ -115,6 +116,17 @@ def _positions(parent: pa.StructArray, key: str, where: str) -> tuple[Rows, Rows
     message = np.searchsorted(offsets, flat, side="right") - 1
     message, first = np.unique(message, return_index=True)
     return flat[first] - offsets[message], message
+
+
+def _names(parent: pa.StructArray) -> list[str]:
+    """What entries of lists beside them are called; joints may be called by digits."""
+    names = _strings_of(parent)
+    return labels_of(parent) if names is None else parent.field(names).flatten().unique().to_pylist()
+
+
+def _strings_of(parent: pa.StructArray) -> str | None:
+    """The list of strings in a message; None if it has none."""
+    return next((f.name for f in parent.type if f.type.equals(pa.list_(pa.string())) or _is_strings(f.type)), None)
 
 
 def _is_strings(kind: pa.DataType) -> bool:
@@ -142,4 +154,4 @@ def _numbers(array: pa.Array, where: str) -> Array:
         return _numbers(array.flatten(), where).reshape(len(array), counts[0])
     if not (pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_boolean(kind)):
         raise DataError(f"{where} holds {kind}, not numbers.")
-    return array.cast(pa.float64()).to_numpy(zero_copy_only=False)
+    return array.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False)  # stamps have more digits than a float64

@@ -1,6 +1,7 @@
 """One file, or a stretch of it, to one `Log`: read, put on one clock, convert, clean."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.glitches import drop_glitches
 from dr_lab.measurements.log_file import stem
 from dr_lab.measurements.noise import estimate_noise
-from dr_lab.measurements.raw_log import RawChannel, RawLog, TimeAxis, read_raw
+from dr_lab.measurements.raw_log import RawChannel, RawLog, TimeAxis, held_since, read_raw
 from dr_lab.measurements.recordings import Recording
 from dr_lab.measurements.sampling import CLOCKS, check_sampling
 from dr_lab.measurements.signal_map import channel_maps
@@ -22,6 +23,7 @@ from dr_lab.measurements.unit_check import check_units
 from dr_lab.trajectory import Array, ClockFit, Log, Note, Signal
 
 Mask = NDArray[np.bool_]
+_QUATERNION = 4  # numbers
 
 
 def read_log(
@@ -78,8 +80,7 @@ def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContr
         clock = raw.clocks[part.channel.name].clock
         outputs[part.channel.name] = _output(part, keep, name, clock, notes, contract)
     for part in raw.commands:
-        held = part.time[part.time <= start].max(initial=-np.inf)
-        keep = ~((part.time < held) | (part.time > stop))
+        keep = ~((part.time < held_since(part.time, part.value, start)) | (part.time > stop))
         commands[part.channel.name] = _command(part, keep, name, notes, contract)
     _check_overlap(name, outputs, commands, raw.clocks)
     notes += check_units(outputs, [part.channel for part in raw.outputs], contract)
@@ -89,9 +90,9 @@ def clean(raw: RawLog, name: str, start: float, stop: float, contract: DataContr
 
 def _output(part: RawChannel, keep: Mask, log: str, clock: str, notes: list[Note], contract: DataContract) -> Signal:
     channel = part.channel
-    time, value = _sound(part, keep, log, notes, held=False)
+    time, value = _sound(_without_zeros(part, notes), keep, log, notes, held=False)
     if channel.wrap:
-        _, value, found = unwrap(channel.name, value)
+        _, value, found = unwrap(channel.name, value, channel.wrap)
         notes += found
     elif channel.unit.name == "rad":
         notes += find_wraps(channel.name, value, contract)
@@ -120,6 +121,18 @@ def _command(part: RawChannel, keep: Mask, log: str, notes: list[Note], contract
     if np.isfinite(longest_wait([time], contract, on_change=True)):
         notes += find_gaps(part.channel.name, time, contract)
     return Signal(part.channel.name, part.channel.unit.name, time, value, part.channel.between)
+
+
+def _without_zeros(part: RawChannel, notes: list[Note]) -> RawChannel:
+    """The channel, whose quaternions of zeros, of a tracker that lost its body, are not a number."""
+    if part.value.ndim != 2 or part.value.shape[1] != _QUATERNION or part.channel.unit.name != "1":
+        return part
+    lost = np.all(part.value == 0.0, axis=1)
+    if not lost.any() or lost.all():
+        return part
+    name, count = part.channel.name, int(lost.sum())
+    notes.append(Note("no_orientation", name, f"{name}: {count} samples are all zeros, no orientation.", count))
+    return replace(part, value=np.where(lost[:, None], np.nan, part.value))
 
 
 def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note], *, held: bool) -> tuple[Array, Array]:

@@ -29,7 +29,9 @@ _NANO = 1e-9
 _STARTS = 1_000_000_000
 
 
-class _Topic(NamedTuple):
+class Topic(NamedTuple):
+    """The messages of a topic, the times of each clock in ns, and their type."""
+
     messages: pa.StructArray
     stamps: dict[str, NDArray[np.int64]]
     kind: str
@@ -56,12 +58,15 @@ class McapSource:
         self._origin = origin or path
         self._recover = False
         self._header_zero: int | None = None
-        self._topics: dict[str, _Topic] = {}
+        self._topics: dict[str, Topic] = {}
         self._info = self._inspect()
         if self._info.message_count == 0 and self._recover:
             raise DataError(f"{self._origin} is cut before its first message was complete. Leave it out of logs.")
         if self._info.message_count == 0:
-            raise DataError(f"{self._origin} holds no messages. Record it again, or leave it out of logs.")
+            raise DataError(self._without_messages())
+
+    def _without_messages(self) -> str:
+        return f"{self._origin} holds no messages. Record it again, or leave it out of logs."
 
     @property
     def name(self) -> str:
@@ -195,17 +200,19 @@ class McapSource:
             found.setdefault(channel.topic, []).append(channel)
         return found
 
-    def _topic(self, name: str) -> _Topic:
+    def _topic(self, name: str) -> Topic:
         if name not in self._topics:
             if name not in self._channels:
                 raise UnknownNameError("topic", name, self._channels, self.name)
             self._topics[name] = self._read(name)
         return self._topics[name]
 
-    def _read(self, name: str) -> _Topic:
+    def _read(self, name: str) -> Topic:
         channels, suffix = self._channels[name], ":message"
         kinds = sorted({channel.schema.name if channel.schema else "no schema" for channel in channels})
         batches = [b for b in self._batches(name) if any(column.endswith(suffix) for column in b.schema.names)]
+        if not any(channel.message_count for channel in channels):
+            raise DataError(f"Topic {name!r} of {self.name} has no message. Record it, or leave its channels out.")
         if not batches:
             encoding, schema = channels[0].message_encoding, channels[0].schema
             raise DataError(
@@ -246,13 +253,13 @@ def _is_set(stamped: NDArray[np.int64], log: NDArray[np.int64]) -> NDArray[np.bo
     return known | (np.abs(delay - usual) < _STARTS)
 
 
-def _in_log_order(messages: pa.StructArray, stamps: dict[str, NDArray[np.int64]], kind: str) -> _Topic:
+def _in_log_order(messages: pa.StructArray, stamps: dict[str, NDArray[np.int64]], kind: str) -> Topic:
     """Recorders write what arrives when; chunks may overlap in time."""
     log = stamps["log"]
     if (np.diff(log) >= 0).all():
-        return _Topic(messages, stamps, kind)
+        return Topic(messages, stamps, kind)
     order = np.argsort(log, kind="stable")
-    return _Topic(messages.take(pa.array(order)), {clock: ns[order] for clock, ns in stamps.items()}, kind)
+    return Topic(messages.take(pa.array(order)), {clock: ns[order] for clock, ns in stamps.items()}, kind)
 
 
 def _seconds(nanoseconds: NDArray[np.int64], zero: int) -> Array:

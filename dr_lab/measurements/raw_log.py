@@ -104,15 +104,23 @@ def read_raw(
     start = -np.inf if time.start is None else time.start
     stop = np.inf if time.stop is None else time.stop
 
-    def raw(channel: ChannelMap) -> RawChannel:
-        at = aligned.times[channel.name]
-        keep = ~((at < start) | (at > stop))
-        value = channel.to_si(samples[channel.name].value)
+    def raw(channel: ChannelMap, *, held: bool) -> RawChannel:
+        at, value = aligned.times[channel.name], channel.to_si(samples[channel.name].value)
+        keep = ~((at < (held_since(at, value, start) if held else start)) | (at > stop))
         return RawChannel(channel, at[keep], value[keep], samples[channel.name].missing)
 
     return RawLog(
-        path, tuple(map(raw, outputs)), tuple(map(raw, commands)), aligned.clocks, (*source.notes, *aligned.notes)
+        path,
+        tuple(raw(channel, held=False) for channel in outputs),
+        tuple(raw(channel, held=True) for channel in commands),
+        aligned.clocks,
+        (*source.notes, *aligned.notes),
     )
+
+
+def held_since(time: Array, value: Array, start: float) -> float:
+    """When the sample came whose value holds at a start, s; −∞ if there is none. What is not finite holds nothing."""
+    return float(time[(time <= start) & np.isfinite(value)].max(initial=-np.inf))
 
 
 def _check_single(channel: ChannelMap, samples: Samples, file: str) -> None:

@@ -13,10 +13,7 @@ from dr_lab.trajectory import Array
 # One reading is a weighted sum of a file's fields or columns.
 Reading = Mapping[str, float]
 
-_DIMENSIONS = {
-    POSITION: ("dimensionless", "[length]"),
-    VELOCITY: ("1 / [time]", "[length] / [time]"),
-}
+_UNITS = {POSITION: ("rad", "m"), VELOCITY: ("rad/s", "m/s")}
 _EXAMPLES = {POSITION: "rad, deg, m or mm", VELOCITY: "rad/s, deg/s or m/s"}
 BETWEEN = ("hold", "line", "unknown")  # what a command does from one sample to the next
 _CLOCKS = ("header", "publish", "log", "column")
@@ -41,7 +38,7 @@ class ChannelMap:
         scale: factor into `unit`.
         offset: in `unit`.
         noise_std: known standard deviation of the noise in `unit`, or None to estimate it.
-        wrap: whether the numbers are an angle that jumps by a full turn.
+        wrap: rad or m by which the numbers jump where they wrap; 0 if they do not.
         clock: whose stamps to use, ``header``, ``publish``, ``log`` or ``column``; ``""`` takes that of the file.
         latency: known time in s by which the stamps lie after the true times; it is subtracted.
         between: of commands, ``hold``, ``line`` or ``unknown``, see `Signal.between`; ``""`` leaves it to the motion.
@@ -56,7 +53,7 @@ class ChannelMap:
     scale: float = 1.0
     offset: float = 0.0
     noise_std: float | None = None
-    wrap: bool = False
+    wrap: float = 0.0
     clock: str = ""
     latency: float = 0.0
     between: str = ""
@@ -101,15 +98,16 @@ def channel_map(name: str, settings: Mapping[str, Any], clock: str) -> ChannelMa
     chosen = str(settings.get("clock") or clock or "")
     if chosen and chosen not in _CLOCKS:
         raise UnknownNameError("clock", chosen, _CLOCKS, f"the entry of channel {name!r}")
+    measured = _unit(name, str(settings["unit"]))
     numbers = {key: _number(name, key, settings[key]) for key in _NUMBERS if settings.get(key) is not None}
     return ChannelMap(
         name=name,
-        unit=_unit(name, str(settings["unit"])),
+        unit=measured,
         topic=str(settings.get("topic", "")),
         readings=readings,
         vector=vector,
         sign=_sign(name, settings.get("sign", 1)),
-        wrap=bool(settings.get("wrap", False)),
+        wrap=_wrap(name, settings.get("wrap", False), measured.factor),
         clock=chosen,
         between=_between(name, settings.get("between")),
         **numbers,
@@ -149,12 +147,29 @@ def _reading(name: str, part: object) -> Reading:
 
 def _unit(name: str, text: str) -> Unit:
     found, measured = unit(text), quantity(name)
-    if measured and found.dimension not in _DIMENSIONS[measured]:
+    if measured and found.name not in _UNITS[measured]:
         raise DataError(
             f"Channel {name!r}: unit {text!r} has dimension {found.dimension}; a joint's {measured} is measured in "
-            f"{_EXAMPLES[measured]}. Correct unit or the channel's name."
+            f"{_EXAMPLES[measured]}. Correct unit or the channel's name. Of counts give the angle or way of one in "
+            "scale, and its unit."
+        )
+    if text == "g":
+        raise DataError(
+            f"Channel {name!r}: unit 'g' is the gram. Write g_0 for an acceleration in standard gravities, or gram."
         )
     return found
+
+
+def _wrap(name: str, value: object, factor: float) -> float:
+    """The jump of a channel that wraps, in SI: a full turn, or so much in the channel's unit."""
+    if isinstance(value, bool):
+        return 2 * math.pi * value
+    if not isinstance(value, int | float) or not 0 < value < math.inf:
+        raise ConfigError(
+            f"Channel {name!r}: wrap is {value!r}; expected true for an angle that jumps by a full turn, or the jump "
+            "as a number above 0 in the channel's unit, after its scale."
+        )
+    return float(value) * factor
 
 
 def _sign(name: str, value: object) -> float:

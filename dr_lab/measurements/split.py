@@ -5,6 +5,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from glob import glob
+from os.path import expandvars
 from pathlib import Path
 
 from dr_lab.errors import ConfigError, DataError, UnknownNameError
@@ -29,6 +30,12 @@ class Part:
     log: str
     start: float = -float("inf")
     stop: float = float("inf")
+
+
+def until(name: str, stop: float) -> str:
+    """Name of a log, or of a stretch of one, up to so many seconds."""
+    part = _SEGMENT.fullmatch(name)
+    return f"{part['log']}[{part['start']}:{stop:.1f}]" if part else f"{name}[:{stop:.1f}]"
 
 
 def find_files(patterns: Sequence[str]) -> dict[str, Path]:
@@ -95,6 +102,7 @@ def named(names: Sequence[str], logs: Collection[str]) -> frozenset[str]:
 
 
 def _expand(pattern: str) -> list[Path]:
+    pattern = expandvars(pattern)
     unset = _VARIABLE.search(pattern)
     if unset:
         name = unset["name"]

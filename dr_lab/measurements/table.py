@@ -74,7 +74,8 @@ class TableSource:
         if pa.types.is_integer(column.type) and column.null_count < len(column):
             # Subtract first, in integers: nanoseconds since 1970 have more digits than a float64.
             first = column.drop_null()[0]
-            elapsed = (column.fill_null(first).to_numpy() - first.as_py()).astype(np.float64)
+            whole = column.fill_null(first).cast(pa.int64(), safe=False).to_numpy()  # unsigned ones would wrap around
+            elapsed = (whole - whole[column.is_valid().to_numpy().argmax()]).astype(np.float64)
             elapsed[column.is_null().to_numpy()] = np.nan
         else:
             time = _numbers(column, name, self._path)
@@ -114,7 +115,8 @@ def grouped(path: Path, column: str) -> dict[str, Rows]:
     }
 
 
-def _time_unit(text: str) -> Unit:
+def _time_unit(given: object) -> Unit:
+    text = str(given)
     found = unit(text)
     if found.dimension != "[time]" and (found.dimension, found.factor) != ("dimensionless", 1.0):
         raise DataError(

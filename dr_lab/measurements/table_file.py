@@ -18,6 +18,7 @@ _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # A number that may have a decimal comma, and one whose commas may be thousands separators instead.
 _COMMA, _THOUSANDS = r"^\s*[-+]?(\d+|\d*,\d+|\d+,)([eE][-+]?\d+)?\s*$", r"^\s*[-+]?([1-9]\d{0,2}(,\d{3})+|\d+)\s*$"
 _NUMBER = re.compile(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?")
+_LINES = re.compile("\r\n|\r|\n")  # in Latin-1 other bytes seem to end a line, which are letters of other alphabets
 _LOOK = 65536  # bytes from either end of a file that are looked at before it is read
 
 
@@ -73,7 +74,7 @@ def missing_header(names: Sequence[str]) -> str:
 
 def _csv(path: Path) -> Rows:
     content = pa.input_stream(path, compression="detect").read_buffer()
-    header, first, *_ = [*bytes(content[:_LOOK]).decode("latin-1").splitlines(), "", ""]
+    header, first, *_ = [*_LINES.split(bytes(content[:_LOOK]).decode("latin-1")), "", ""]
     last = bytes(content[max(0, len(content) - _LOOK) :])
     unfinished = last.decode("utf-8", "replace").rpartition("\n")[2].strip()
     separator, decimal = _separator(header, first), "."

@@ -67,6 +67,8 @@ def _compare(
 ) -> list[Note]:
     """Ratio of d(position)/dt to velocity by least squares."""
     inside = np.flatnonzero((velocity.time >= position.time[0]) & (velocity.time <= position.time[-1]))
+    if len(inside) < 2:
+        return []
     inside = inside[:: len(inside) // _MOST + 1]
     measured = velocity.value[inside]
     slope = _slope(position, velocity.time[inside])

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from dr_lab.channel_names import POSITION, quantity
 from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.split import until
 from dr_lab.trajectory import Array, Log, Note
 
 _BINS = 0.05  # s, stretches that are judged as at rest or moving
@@ -38,7 +39,7 @@ def find_resting(log: Log, contract: DataContract) -> list[Note]:
     message = (
         f"Off: from {begin:.2f} to {end:.2f} s nothing moves, though {', '.join(log.commands)} "
         f"{'go' if len(log.commands) > 1 else 'goes'} on as before. The machine seems switched off or stuck; take the "
-        f"parts of the log without it, {log.name}[:{begin:.1f}], or leave it out."
+        f"parts of the log without it, {until(log.name, begin)}, or leave it out."
     )
     return [Note("fault", "", message)]
 

@@ -109,11 +109,22 @@ def test_commands_sent_on_change_have_no_gaps(contract: DataContract) -> None:
 def test_wraps_are_undone_where_asked_and_reported_elsewhere(contract: DataContract) -> None:
     angle = np.linspace(0.0, 20.0, 500)
     wrapped = np.mod(angle + np.pi, 2 * np.pi) - np.pi
-    cleaned = unwrap("pole.position", wrapped)
+    cleaned = unwrap("pole.position", wrapped, 2 * np.pi)
     np.testing.assert_allclose(cleaned.value, angle, atol=1e-12)
     assert [(note.kind, note.count) for note in cleaned.notes] == [("wrapped", 3)]
     (note,) = find_wraps("pole.position", wrapped, contract)
     assert (note.kind, note.count) == ("wrap", 3)
     assert "set wrap: true" in note.message
     assert find_wraps("pole.position", angle, contract) == ()
-    assert unwrap("pole.position", angle).notes == ()
+    assert unwrap("pole.position", angle, 2 * np.pi).notes == ()
+
+
+def test_an_angle_behind_a_gear_jumps_by_less_than_a_turn() -> None:
+    angle = np.linspace(0.0, 2.0, 500)
+    wrapped = np.mod(angle, 0.2 * np.pi)
+    cleaned = unwrap("arm.position", wrapped, 0.2 * np.pi)
+    np.testing.assert_allclose(cleaned.value, angle, atol=1e-12)
+    assert [note.kind for note in cleaned.notes] == ["wrapped"]
+    (note,) = unwrap("arm.position", wrapped, 2 * np.pi).notes
+    assert "nothing jumps by a full turn" in note.message
+    assert "wrap: JUMP" in note.message
