@@ -26,7 +26,7 @@ CHANNEL_KEYS = """\
 #   sign: -1          turns the direction
 #   scale: 0.01       factor into the unit: a gear ratio, an amplifier's gain
 #   offset: -1.57     in the unit: where the zero of the log differs from the model's
-#   wrap: true        an angle that jumps by full turns; behind a gear give the jump as a number in the unit, wrap: 0.628
+#   wrap: true        an angle that jumps by full turns; behind a gear in scale give the jump in the unit: wrap: 0.628
 #   latency: 0.002    s by which the stamps lie after the true times
 #   clock: header     whose stamps: header, publish or log of a message, column of a table
 #   noise_std: 0.001  of the numbers, in the unit; estimated where it is left out
