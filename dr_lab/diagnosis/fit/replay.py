@@ -204,10 +204,9 @@ class Replay:
         """Initial states: those whose reading is the prior's mean, plus the corrections."""
         nv, prior, begin = self._compiled.nv, self.windows.prior, self.windows.begin[:, None]
         moved = np.zeros((*delta.shape[:2], 2 * nv))
-        for channel in (s.channel for s in self.windows.samples if s.channel.kind == "position"):
-            read = np.stack([prior.qpos[:, channel.address], prior.qvel[:, channel.dof], prior.qacc[:, channel.dof]])
-            position, velocity = unread(read, partial(self.model.reading, z, channel.name, begin=begin))
-            moved[..., channel.dof], moved[..., nv + channel.dof] = position, velocity
+        for channel, place, reported in prior.reported([samples.channel for samples in self.windows.samples]):
+            found = unread(reported, partial(self.model.reading, z, channel.name, begin=begin))
+            moved[..., place] = np.stack(np.broadcast_arrays(*found[: len(place)]), axis=-1)
         change = prior.change(delta, moved)
         qpos = np.broadcast_to(prior.qpos, (*delta.shape[:2], self._compiled.nq)).copy()
         if self._compiled.nq == nv:

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 
 from dr_lab.diagnosis.settings import WindowSettings
-from dr_lab.diagnosis.windows.channels import available, unmeasured_joints
+from dr_lab.diagnosis.windows.channels import Channel, available, unmeasured_joints
 from dr_lab.diagnosis.windows.closed_loops import ClosedLoops
 from dr_lab.diagnosis.windows.free_start import free_bodies, place_by_sensors
 from dr_lab.diagnosis.windows.grounded import grounded
@@ -51,7 +52,8 @@ def motion_before(
 ) -> Before:
     """Local polynomials through the measured positions before every start; before a log its first sample holds.
 
-    Mean velocities are differences of interpolated positions: what swings takes the mean of their noise by itself.
+    A joint whose velocity alone is measured comes to the model's pose by the integral of that. Mean velocities are
+    differences of interpolated positions: what swings takes the mean of their noise by itself.
 
     Args:
         logs: the logs.
@@ -67,14 +69,29 @@ def motion_before(
     ago = (np.arange(-steps, 0) + 0.5) * model.opt.timestep
     for name in logs[0].outputs:
         channel = available(model)[name]
-        if channel.kind == "position" and steps:
-            pairs = [(log.outputs[name], begin[:, None]) for log, begin in zip(logs, begins, strict=True)]
+        alone = _is_alone(channel, logs[0].outputs)
+        if (channel.kind == "position" or alone) and steps:
+            signals = [_travelled(log.outputs[name]) if alone else log.outputs[name] for log in logs]
+            pairs = [(signal, begin[:, None]) for signal, begin in zip(signals, begins, strict=True)]
             fits = [_path(signal, begin + ago, settings.smoother) for signal, begin in pairs]
             qpos[..., channel.address] = np.concatenate([value for value, _ in fits])
             qvel[..., channel.dof] = np.concatenate([slope for _, slope in fits])
+            if alone:
+                ends = np.concatenate([np.interp(begin, signal.time, signal.value) for signal, begin in pairs])
+                qpos[..., channel.address] += model.qpos0[channel.address] - ends
             places = [np.interp(begin + edges, signal.time, signal.value) for signal, begin in pairs]
             far[..., channel.dof] = np.diff(np.concatenate(places), axis=1) / settings.interval
     return Before(qpos, qvel, controls, far, settings.interval)
+
+
+def _is_alone(channel: Channel, measured: Collection[str]) -> bool:
+    """Whether a channel is a joint's velocity, and its position is not measured."""
+    return channel.kind == "velocity" and channel.name.removesuffix("velocity") + "position" not in measured
+
+
+def _travelled(velocity: Signal) -> Signal:
+    """The integral of a velocity from its first sample on."""
+    return replace(velocity, value=cumulative_trapezoid(velocity.value, velocity.time, initial=0.0))
 
 
 def _far_edges(memory: float, settings: WindowSettings) -> Array:
@@ -120,7 +137,7 @@ def estimate_starts(
             means, wrong = fits(logs, name, begins, settings)
             qpos[:, channel.address], qvel[:, channel.dof], qacc[:, channel.dof] = means
             std[[channel.dof, nv + channel.dof]] = settings.prior_scale * np.maximum(floor, wrong[:2])
-        elif channel.kind == "velocity" and name.removesuffix("velocity") + "position" not in logs[0].outputs:
+        elif _is_alone(channel, logs[0].outputs):
             means, wrong = fits(logs, name, begins, settings)
             qvel[:, channel.dof], qacc[:, channel.dof] = means[:2]
             std[nv + channel.dof] = settings.prior_scale * max(floor[0], wrong[0])

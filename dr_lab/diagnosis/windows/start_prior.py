@@ -1,11 +1,12 @@
 """What is thought of the windows' initial states before they are fitted."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.diagnosis.windows.channels import Channel
 from dr_lab.diagnosis.windows.tangent import Tangent, following
 from dr_lab.trajectory import Array
 
@@ -58,6 +59,22 @@ class StartPrior:
     def unknowns(self, change: Array) -> Array:
         """The unknowns that changes of positions and velocities (…, w, 2 nv) are, as far as they keep to it."""
         return change if self.tangent is None else np.einsum("wks,...ws->...wk", self.tangent.inverse, change)
+
+    def reported(self, channels: Sequence[Channel]) -> Iterator[tuple[Channel, list[int], Array]]:
+        """What channels report of the starts of their joints: those of positions, or of velocities where these lack.
+
+        Yields:
+            The channel, the changes of positions and velocities that it tells, and its value, slope and curvature,
+            shape (3, w).
+        """
+        nv, placed = self.qvel.shape[1], {channel.dof for channel in channels if channel.kind == "position"}
+        for channel in channels:
+            dof = channel.dof
+            if channel.kind == "position":
+                found = self.qpos[:, channel.address], self.qvel[:, dof], self.qacc[:, dof]
+                yield channel, [dof, nv + dof], np.stack(found)
+            elif channel.kind == "velocity" and dof not in placed:
+                yield channel, [nv + dof], np.stack([self.qvel[:, dof], self.qacc[:, dof], np.zeros(len(self.qvel))])
 
     def independent(self, dofs: Sequence[int]) -> list[int]:
         """Those of some degrees of freedom that can move while the ones before them rest, in half of the windows."""
