@@ -104,7 +104,7 @@ def _beside(model: Model, z: Array) -> tuple[ModelEffect, ...]:
     """The effects that act beside the file: all but those that a replay would take in place of what the file has."""
     values, option = model.space.mapping(z), model.spec.option
     live = {each.label for each, _, part in model.having(SpecEdit) if part.expressible(each.local(values), option)}
-    return tuple(each for each in model.effects if each.replayed() is each or each.label not in live)
+    return tuple(each for each in model.effects if each.replayed(model.spec) is each or each.label not in live)
 
 
 def play(study: Study, model: Model, z: Array, windows: Windows) -> Played:

@@ -1,7 +1,7 @@
 """Commands that act late."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -81,9 +81,11 @@ class ActuatorDelay(ActuatorEffect, SpecEdit):
         """Whether there is no delay, or none that is too short for MuJoCo."""
         return not 0 < values["delay"] < _shortest(option)
 
-    def replayed(self) -> Effect:
+    def replayed(self, spec: mujoco.MjSpec, elements: Sequence[str]) -> Effect:
         """The same of commands that are known ahead."""
-        return RecordedDelay(self.longest)
+        ranges = [each.ctrlrange for each in map(spec.actuator, elements) if each.ctrllimited and each.ctrlrange.any()]
+        low, high = (max((r[0] for r in ranges), default=-math.inf), min((r[1] for r in ranges), default=math.inf))
+        return RecordedDelay(self.longest, float(low), float(high))
 
     def lacking(self, site: str, values: Mapping[str, float], option: mujoco.MjOption) -> str:
         """A delay that is too short for MuJoCo."""

@@ -146,8 +146,9 @@ class Effect(ABC):
         del parameters
         return self
 
-    def replayed(self) -> "Effect":
-        """The effect where all commands are known ahead; itself unless it is another one there."""
+    def replayed(self, spec: mujoco.MjSpec, elements: Sequence[str]) -> "Effect":
+        """The effect at these elements where all commands are known ahead; itself unless it is another one there."""
+        del spec, elements
         return self
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
@@ -206,9 +207,9 @@ class PlacedEffect:
                 looked.setdefault(before.name, (before.name, before.low, before.high))
         return replace(self.bounded(parameters), looked=tuple(looked.values()))
 
-    def replayed(self) -> "PlacedEffect":
+    def replayed(self, spec: mujoco.MjSpec) -> "PlacedEffect":
         """The effect as it acts where all commands are known ahead."""
-        effect = self.effect.replayed()
+        effect = self.effect.replayed(spec, self.elements)
         return self if effect is self.effect else replace(self, effect=effect)
 
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:

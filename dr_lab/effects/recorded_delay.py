@@ -25,13 +25,20 @@ class RecordedDelay(ActuatorEffect, SpecPreparation, CommandFilter):
     sharp it is, so that positions err by the third power of the step. Straight lines, as MuJoCo has them, blur it by up
     to half a step either way. Every delay from 0 on acts, and is held through each step, also with RK4.
 
+    Splines go up to 7 % beyond an edge. Where a command goes up to the end of its range, which would cut that off,
+    straight lines keep the impulse.
+
     Source: Catmull and Rom, A class of local interpolating splines, Computer Aided Geometric Design (1974).
 
     Attributes:
         longest: upper bound of the delay [s].
+        low: where the narrowest control range of its actuators cuts commands off.
+        high: likewise.
     """
 
     longest: float
+    low: float = -np.inf
+    high: float = np.inf
 
     name: ClassVar[str] = "actuator_delay"
     family: ClassVar[str] = "actuator"
@@ -60,9 +67,13 @@ class RecordedDelay(ActuatorEffect, SpecPreparation, CommandFilter):
         newest = np.arange(series.shape[2]) - whole.astype(int) + 1
         late = (
             weight * np.take_along_axis(every, np.clip(newest - k, 0, series.shape[2] - 1), axis=2)
-            for k, weight in enumerate(_spline(share))
+            for k, weight in enumerate((_line if self._is_cut_off(series) else _spline)(share))
         )
         return sum(late, np.zeros(1))
+
+    def _is_cut_off(self, series: Array) -> bool:
+        """Whether commands go up to the end of a range."""
+        return bool(series.min() <= self.low or series.max() >= self.high)
 
 
 def require_readable(spec: mujoco.MjSpec, site: str) -> None:
@@ -79,7 +90,12 @@ def require_readable(spec: mujoco.MjSpec, site: str) -> None:
         )
 
 
-def _spline(share: Array) -> tuple[Array, Array, Array, Array]:
+def _line(share: Array) -> tuple[Array, ...]:
+    """The weights of a straight line, as of `_spline`."""
+    return 0.0 * share, 1.0 - share, share, 0.0 * share
+
+
+def _spline(share: Array) -> tuple[Array, ...]:
     """Catmull-Rom weights, latest first, of the four commands about a place that a share of a step is behind one."""
     rest = 1.0 - share
     return (

@@ -78,7 +78,11 @@ class SensorTransform(ABC):
 
 
 class CommandFilter(ABC):
-    """What becomes of commands before they reach the actuator at the effect's site."""
+    """What becomes of commands before they reach the actuator at the effect's site.
+
+    Those that need commands of before a start, as they shift them, come last: what a filter does at one time it also
+    does later, and commands between steps are clearer than what clipping makes of them.
+    """
 
     @property
     def memory(self) -> float:

@@ -91,7 +91,7 @@ class Model:
 
     def replayed(self) -> "Model":
         """This model as recorded commands are replayed by it; itself where its effects act as they do on others."""
-        effects = tuple(effect.replayed() for effect in self.effects)
+        effects = tuple(effect.replayed(self.spec) for effect in self.effects)
         return self if effects == self.effects else replace(self, effects=effects)
 
     def having(self, part: type[_Part]) -> Iterator[tuple[ModelEffect, str, _Part]]:
@@ -153,7 +153,7 @@ class Model:
         return read
 
     def command(self, z: Array, actuator: str, series: Array) -> Array:
-        """What becomes of an actuator's commands under contexts z (c, n), by the effects in order.
+        """What becomes of an actuator's commands under contexts z (c, n), by the effects in order, shifts last.
 
         Args:
             z: contexts.
@@ -164,7 +164,7 @@ class Model:
             Step averages behind the filters; `series` itself where there is none that changes it.
         """
         values = self._columns(z)
-        for effect, element, part in self.having(CommandFilter):
+        for effect, element, part in sorted(self.having(CommandFilter), key=lambda each: each[2].memory > 0):
             if element == actuator:
                 series = part.filtered(effect.local(values), series, self.spec.option)
         return series

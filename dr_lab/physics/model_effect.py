@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Protocol, TypeVar
 
+import mujoco
+
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -42,8 +44,8 @@ class ModelEffect(Protocol):
         """Whether it is absent from logs that were recorded without a load."""
         ...
 
-    def replayed(self) -> "ModelEffect":
-        """The effect as it acts where all commands are known ahead; itself where that makes no difference."""
+    def replayed(self, spec: mujoco.MjSpec) -> "ModelEffect":
+        """The effect as it acts on a machine where all commands are known ahead; itself if that is no difference."""
         ...
 
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:

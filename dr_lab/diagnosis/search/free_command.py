@@ -39,9 +39,9 @@ class FreeCommand(FreeLaw, SpecEdit, CommandFilter):
         """Those of the effect."""
         return self.checked.elements
 
-    def replayed(self) -> "FreeCommand":
+    def replayed(self, spec: mujoco.MjSpec) -> "FreeCommand":
         """With the effect as it acts there."""
-        checked = self.checked.replayed()
+        checked = self.checked.replayed(spec)
         return self if checked is self.checked else replace(self, checked=checked)
 
     def beside(self, effect: ModelEffect) -> tuple[ModelEffect, ...]:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from dr_lab.physics.model_effect import ModelEffect, Value
@@ -43,8 +44,9 @@ class FreeLaw:
         """It acts in all logs."""
         return False
 
-    def replayed(self) -> "FreeLaw":
+    def replayed(self, spec: mujoco.MjSpec) -> "FreeLaw":
         """Itself."""
+        del spec
         return self
 
     def local(self, values: Mapping[str, Value]) -> dict[str, Value]:

@@ -83,6 +83,29 @@ def test_commands_are_shifted_along_a_smooth_curve() -> None:
     assert model.command(delays[:, None], "another", series) is series
 
 
+@pytest.mark.parametrize("span", ["", 'ctrlrange="0 4"', 'ctrlrange="-4 4"'])
+def test_pulses_up_to_the_end_of_the_range_keep_their_impulse(span: str) -> None:
+    machine = block(actuator=f'<motor name="drive" joint="rail" {span}/>')
+    pulses = np.where((np.arange(STEPS) // 5) % 2 == 1, FORCE, 0.0) * (np.arange(STEPS) < STEPS - 20)
+    delays = STEP * (5 + np.array([0.0, 1 / 3, 0.5, 2 / 3]))
+    still = np.zeros((4, 1, 1))
+    rollout = Simulator(late(machine), 4, threads=1).replay(
+        delays[:, None], still, still, pulses[None, :, None], np.zeros((1, 30, 1))
+    )
+    np.testing.assert_allclose(rollout.qvel[:, -1, 0], pulses.sum() * STEP / 2.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("first", ["actuator_delay", "dead_zone"])
+def test_a_dead_zone_takes_its_share_before_the_delay_acts(first: str) -> None:
+    model = block()
+    for name in (first, "dead_zone" if first == "actuator_delay" else "actuator_delay"):
+        model = model.with_effect(placed(block(), name, "drive"))
+    z = model.space.vector({"actuator_delay@drive.delay": 5.5 * STEP, "dead_zone@drive.width": 1.0})
+    pulses = np.where((np.arange(STEPS) // 5) % 2 == 1, FORCE, 0.0) * (np.arange(STEPS) < STEPS - 20)
+    found = model.replayed().command(z[None], "drive", pulses[None, None])
+    assert found.sum() == pytest.approx(0.75 * pulses.sum())
+
+
 def test_an_actuator_with_a_delay_of_its_own_is_refused() -> None:
     machine = block(actuator='<motor name="drive" joint="rail" delay="0.01" nsample="5"/>')
     with pytest.raises(ModelError, match="already keeps 5 commands"):
