@@ -1,7 +1,7 @@
 """What a policy's commands go through before they reach the physics."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import mujoco
 
@@ -50,7 +50,7 @@ def stepwise(model: Model) -> DrivenModel:
                 f"{element} and has no driver that does so step by step. Fit the model without it, "
                 "so that other effects take its place: dr-lab close effect=[…]."
             )
-    return DrivenModel(model.name, model.spec, model.declared, model.targets, model.effects, model.derived)
+    return DrivenModel(**{field.name: getattr(model, field.name) for field in fields(Model)})
 
 
 def _column(compiled: mujoco.MjModel, actuator: str) -> int:
