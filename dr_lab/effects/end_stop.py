@@ -37,6 +37,7 @@ class EndStop(JointEffect, SpecEdit):
             of the travel; None leaves that stop at nominal.
         time_constants: nominal and largest τ, s; a joint without a limit has none of its own.
         liveliest: smallest ζ; nominal is 1.
+        assumed: travel about 0 of a joint of which nothing is known [rad or m]; the stops of a run replace it.
     """
 
     beyond: float
@@ -44,6 +45,7 @@ class EndStop(JointEffect, SpecEdit):
     start: tuple[tuple[float | None, float | None], ...]
     time_constants: tuple[float, float]
     liveliest: float
+    assumed: float
 
     name: ClassVar[str] = "end_stop"
     family: ClassVar[str] = "transmission"
@@ -58,11 +60,13 @@ class EndStop(JointEffect, SpecEdit):
 
     def parameters(self, model: mujoco.MjModel, site: str, scales: Scales) -> tuple[Parameter, ...]:
         """The places of the stops, and how soft and lively they are."""
-        travel = scales.position.get(site, 0.0)
+        half = self.assumed / 2
+        lowest, highest = scales.lowest.get(site, -half), scales.highest.get(site, half)
+        travel = highest - lowest
         if travel <= 0 or site in scales.unmeasured:
             raise ModelError("An end stop shows only at a joint that is measured and moves in the logs.")
         unit = "m" if slides(model, site) else "rad"
-        top, bottom = scales.highest[site] + self.beyond * travel, scales.lowest[site] - self.beyond * travel
+        top, bottom = highest + self.beyond * travel, lowest - self.beyond * travel
         deep, (constant, softest) = (self.beyond + self.deepest) * travel, self.time_constants
         hardest = min(2 * float(model.opt.timestep), constant)
         return (

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from effect_machines import block, motion, placed, scales_of, with_effect
+from effect_machines import block, catalogue_effect, motion, placed, scales_of, with_effect
 
-from dr_lab.effects.effect import Scales
+from dr_lab.effects.named import with_named_effects
 from dr_lab.errors import ModelError
 
 
@@ -46,8 +46,16 @@ def test_stops_begin_outside_the_travel_and_start_inside() -> None:
     assert all(start["end_stop@rail.lower"] > -1.0 or start["end_stop@rail.upper"] < 1.0 for start in effect.starts)
 
 
+def test_stops_of_a_machine_of_which_nothing_is_known_are_absent_until_they_are_named() -> None:
+    found = with_named_effects(block(), {"end_stop": catalogue_effect("end_stop")}, ["end_stop@rail.upper"])
+    free = motion(found.nominal(), 0.5, qvel=1.0)
+    np.testing.assert_allclose(free[:, 1], free[:, 0], atol=1e-12)
+    stopped = motion(found.compile(found.space.vector({"end_stop@rail.upper": 0.1})), 0.5, qvel=1.0)
+    assert stopped[:, 1].max() == pytest.approx(0.1, abs=0.01)
+
+
 def test_a_joint_that_rests_shows_no_stop() -> None:
     with pytest.raises(ModelError, match="measured and moves"):
-        placed(block(), "end_stop", "rail", Scales({}, {}, {}, {}, {}))
+        placed(block(), "end_stop", "rail", scales_of(block(), position=0.0))
     with pytest.raises(ModelError, match="measured and moves"):
         placed(block(), "end_stop", "rail", replace(scales_of(block()), unmeasured=frozenset({"rail"})))

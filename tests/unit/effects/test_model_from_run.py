@@ -12,7 +12,7 @@ from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.context import ContextEstimate
 from dr_lab.physics.model import Model, from_spec
 
-EFFECTS = {name: catalogue_effect(name) for name in ("viscous_friction", "spring")}
+EFFECTS = {name: catalogue_effect(name) for name in ("viscous_friction", "spring", "end_stop")}
 
 
 def left_by_a_run(folder: Path, model: Model, values: dict[str, float]) -> None:
@@ -27,6 +27,15 @@ def test_its_nominal_is_what_was_fitted_and_its_bounds_are_the_runs(tmp_path: Pa
     assert found.nominal().dof_damping[0] == 0.7
     assert found.space.names == truth.space.names
     np.testing.assert_array_equal(found.space.high, truth.space.high)
+
+
+def test_an_end_stop_that_a_run_found_is_read_back(tmp_path: Path) -> None:
+    truth = block().with_effect(placed(block(), "end_stop", "rail"))
+    left_by_a_run(tmp_path, truth, {"end_stop@rail.upper": 0.1})
+    found = from_run(str(tmp_path), block(), EFFECTS)
+    assert found.nominal().jnt_range[0, 1] == 0.1
+    for ends in ("low", "high"):
+        np.testing.assert_array_equal(getattr(found.space, ends), getattr(truth.space, ends))
 
 
 def test_a_calibrated_model_moves_as_calibrated(tmp_path: Path) -> None:
