@@ -69,10 +69,10 @@ class CoastingBridge(ActuatorEffect, ForceLaw):
         unique, which = distinct(models)
         row = unique[0].actuator(site).id
         dof = int(unique[0].jnt_dofadr[unique[0].actuator_trnid[row, 0]])
-        limited = bool(unique[0].actuator_ctrllimited[row])
-        low, high = unique[0].actuator_ctrlrange[row] if limited else (-np.inf, np.inf)
+        column = int(unique[0].actuator_ctrladr[row])
+        low, high = np.array([_range(model, column) for model in unique])[which].T
         force = np.abs([model.actuator_gainprm[row, 0] * model.actuator_gear[row, 0] for model in unique])[which]
-        return _Braked(int(unique[0].actuator_ctrladr[row]), dof, low, high, force * values["inverse_speed"])
+        return _Braked(column, dof, low, high, force * values["inverse_speed"])
 
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Friction hides the no-load speed at first, and moves away from it where the damping is fitted."""
@@ -81,14 +81,20 @@ class CoastingBridge(ActuatorEffect, ForceLaw):
 
 @dataclass(frozen=True)
 class _Braked(Law):
-    """Damping by one command within its range [low, high]; `unit` is that of a unit of it, shape (n,)."""
+    """Damping by one command within its range [low, high]; `unit` is that of a unit of it; each of shape (n,)."""
 
     column: int
     dof: int
-    low: float
-    high: float
+    low: Array
+    high: Array
     unit: Array
 
     def act(self, moment: Moment, influence: Influence) -> None:
         size = np.abs(np.clip(influence.control[:, self.column], self.low, self.high))
         influence.force[:, self.dof] -= self.unit * size * moment.qvel[:, self.dof]
+
+
+def _range(model: mujoco.MjModel, column: int) -> tuple[float, float]:
+    """Ends of what a command may be, by its column; infinite where it has none."""
+    low, high = model.actuator_ctrlrange[column] if model.actuator_ctrllimited[column] else (-np.inf, np.inf)
+    return float(low), float(high)

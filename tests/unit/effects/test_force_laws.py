@@ -118,6 +118,26 @@ def test_the_range_of_a_command_bounds_what_drives_and_not_what_brakes(command: 
     np.testing.assert_allclose(rollout.qvel[0, :, 0], 2.0 * sent * (1 - fades) + begun * fades, atol=1e-4)
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_range_that_bounds_a_coasting_motor_is_that_of_its_own_context(order: int) -> None:
+    model = block().with_effect(placed(block(), "saturation", "drive"))
+    model = model.with_effect(placed(model, "coasting_bridge", "drive"))
+    labels = ("saturation@drive.inverse_limit", "coasting_bridge@drive.inverse_speed")
+    z = np.array([model.space.vector(dict(zip(labels, (inverse, 0.5), strict=True))) for inverse in (1.0, 0.0)])
+    rest, controls = np.zeros((2, 1, 1)), np.full((1, 250, 1), 5.0)
+    rollout = Simulator(model, 2, threads=1).replay(z[::order], rest, rest, controls, controls[:, :1])
+    time = np.arange(251) * 0.002
+    for speed, command in zip(rollout.qvel[::order, :, 0], (1.0, 5.0), strict=True):
+        np.testing.assert_allclose(speed, 2.0 * (1 - np.exp(-0.5 * command * time / MASS)), atol=1e-4)
+
+
+def test_a_coasting_motor_behind_an_actuator_without_a_command_has_its_own_range() -> None:
+    without = '<dcmotor name="brake" joint="rail" input="none" motorconst="1e-6" resistance="1"/>'
+    model = block(without + '<motor name="drive" joint="rail" ctrllimited="true" ctrlrange="-1 1"/>')
+    time, rollout = played(model, placed(model, "coasting_bridge", "drive"), {"inverse_speed": 0.5}, 0.5, command=5.0)
+    np.testing.assert_allclose(rollout.qvel[0, :, 0], 2.0 * (1 - np.exp(-0.5 * time / MASS)), atol=1e-4)
+
+
 def test_yielding_spring_swings_then_slips() -> None:
     """Below the yield a spring of tau_y/x_y; beyond it a constant force."""
     model = block()
