@@ -10,7 +10,8 @@ import numpy as np
 
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import fluid_forces
-from dr_lab.physics.effect_parts import SpecEdit
+from dr_lab.effects.own_option import note_own, noted_own
+from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -19,13 +20,14 @@ _LEVEL = _AXES[:2]
 
 
 @dataclass(frozen=True)
-class Wind(Effect, SpecEdit):
+class Wind(Effect, SpecPreparation, SpecEdit):
     """A steady, level wind: every link moves through the medium with its velocity less the wind's.
 
     v → v − (x, y, 0) in MuJoCo's fluid forces, in the axes of the world.
 
-    Parameters (nominal = absent): x, y [m/s], absent = the model's own wind; each only where it changes a generalised
-    force of the model to first order.
+    Parameters (nominal = absent): x, y [m/s], absent = the model's own wind in the file; each only where it changes a
+    generalised force of the model to first order. Where the model declares its wind, x and y less the file's values are
+    added to it.
     Limits: models whose medium has a density or a viscosity; without either there is nothing that blows.
     Source: MuJoCo 4.0, option/wind and computation chapter ("Fluid forces").
 
@@ -61,10 +63,14 @@ class Wind(Effect, SpecEdit):
             if axis in felt
         )
 
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
+        """Note the file's own wind."""
+        note_own(spec, f"{self.name}@{site}", list(spec.option.wind))
+
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
-        """Set the wind."""
-        del site
-        spec.option.wind = [values.get(axis, own) for axis, own in zip(_AXES, spec.option.wind, strict=True)]
+        """Change the wind by what lies beyond the file's own."""
+        own = dict(zip(_AXES, noted_own(spec, f"{self.name}@{site}"), strict=True))
+        spec.option.wind += np.array([values.get(axis, speed) - speed for axis, speed in own.items()])
 
     def _felt(self, model: mujoco.MjModel) -> tuple[str, ...]:
         """Level axes along which a wind changes a generalised force in some state."""

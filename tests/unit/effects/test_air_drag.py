@@ -33,6 +33,18 @@ def test_absent_is_the_models_own_medium() -> None:
     assert with_effect(water, "air_drag", "world", density=1000.0).opt.density == 1000.0
 
 
+def test_absent_leaves_the_density_that_the_model_declares() -> None:
+    declared = {"rho": {"target": "option.density", "unit": "kg/m3", "low": 0.5, "high": 4.0}}
+    machine = from_spec("falling", falling('density="1.25"').spec, declared)
+    dragged = machine.with_effect(placed(machine, "air_drag", "world"))
+
+    def density(rho: float, drag: float = 1.25) -> float:
+        return dragged.compile(dragged.space.vector({"rho": rho, "air_drag@world.density": drag})).opt.density
+
+    assert [density(3.0), density(3.0, 1.5), density(0.5, 0.0)] == [3.0, 3.25, 0.0]
+    assert dragged.nominal().nnumeric == 0
+
+
 def test_machines_that_the_medium_cannot_hold_are_left_out() -> None:
     effect = catalogue_effect("air_drag")
     assert effect.sites(falling().nominal()) == ("world",)

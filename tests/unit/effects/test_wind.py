@@ -32,6 +32,17 @@ def test_wind_adds_to_the_models_own() -> None:
     np.testing.assert_array_equal(with_effect(machine, "wind", "world", x=-1.0).opt.wind, [-1.0, 1.0, 2.0])
 
 
+def test_absent_leaves_the_wind_that_the_model_declares() -> None:
+    declared = {"blowing": {"target": "option.wind[0]", "unit": "m/s", "low": -1.0, "high": 4.0}}
+    machine = from_spec("sled", sled(f'density="{DENSITY}" wind="1 0 2"').spec, declared)
+    windy = machine.with_effect(placed(machine, "wind", "world"))
+    absent = windy.compile(windy.space.vector({"blowing": 3.0}))
+    np.testing.assert_array_equal(absent.opt.wind, [3.0, 0.0, 2.0])
+    stronger = windy.compile(windy.space.vector({"blowing": 3.0, "wind@world.x": 1.5}))
+    np.testing.assert_array_equal(stronger.opt.wind, [3.5, 0.0, 2.0])
+    assert absent.nnumeric == 0
+
+
 def test_only_level_directions_that_are_felt_are_offered() -> None:
     def offered(model: Model) -> list[str]:
         return [p.name.rpartition(".")[2] for p in placed(model, "wind", "world").parameters]
