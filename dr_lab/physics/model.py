@@ -281,7 +281,7 @@ def require_live(model: Model, parameter: str) -> None:
         z = space.nominal
         z[index] = bound
         ends.append(_fingerprint(model, z))
-    if ends[0] == ends[1]:
+    if ends[0] and ends[0] == ends[1]:
         raise ModelError(
             f"Parameter {parameter!r} of model {model.name!r} changes nothing between {space.low[index]:g} and "
             f"{space.high[index]:g}. "

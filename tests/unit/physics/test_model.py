@@ -52,6 +52,14 @@ def test_a_parameter_that_changes_nothing_is_an_error() -> None:
         )
 
 
+def test_a_parameter_neither_of_whose_bounds_compiles_changes_something() -> None:
+    inertia = {"target": "body.arm.inertia[0]", "unit": "kg·m²", "low": 0.1, "high": 10.0}  # beside 2 and 1 kg·m²
+    free = from_spec("toy", mujoco.MjSpec.from_string(XML), {"arm.inertia": inertia})
+    for bound in (free.space.low, free.space.high):
+        with pytest.raises(ModelError, match="does not compile"):
+            free.compile(bound)
+
+
 def test_mujocos_message_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "bad.xml"
     path.write_text(XML.replace('mass="2"', 'mass="-2"'))
