@@ -10,11 +10,12 @@ from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.next_experiment.clearance import Clearance
 from dr_lab.diagnosis.next_experiment.family import Bounds
+from dr_lab.diagnosis.next_experiment.held_commands import held_standing
 from dr_lab.diagnosis.next_experiment.limits import Limits, Shown, close_pairs
 from dr_lab.diagnosis.next_experiment.machine import ExperimentMachine
 from dr_lab.diagnosis.next_experiment.ranges import command_ranges, slews
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
-from dr_lab.diagnosis.next_experiment.standing import Standing, first_pose, standing
+from dr_lab.diagnosis.next_experiment.standing import Standing, first_pose
 from dr_lab.diagnosis.next_experiment.trial import forces, watched
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array, Log, Signal
@@ -36,7 +37,7 @@ def experiment_machine(
     ranges = command_ranges(compiled, limits, sent, safety)
     if not ranges:
         return None
-    at_rest = standing(model.compile(z), first_pose(compiled, logs), ranges, settings.stillness)
+    at_rest = held_standing(model, z, first_pose(compiled, logs), ranges, settings.stillness)
     low, high = np.array(list(ranges.values())).T
     kept = limits.within(safety, at_rest.qpos, shown)
     machine = ExperimentMachine(

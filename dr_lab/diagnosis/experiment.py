@@ -91,13 +91,11 @@ def play(
     controls = np.concatenate([averages(each, columns, compiled.nu, edges[None]) for each in experiments])
     shape = (len(z), len(experiments))
     qpos, rest = np.broadcast_to(start, (*shape, compiled.nq)), np.zeros((*shape, compiled.nv))
-    act = None
+    simulator, act = Simulator(known, len(z) * len(experiments), threads), None
     if compiled.na:
-        at_rest = resting(compiled, qpos[0], controls[:, 0])
+        at_rest = [resting(compiled, qpos[0], each[:, 0]) for each in simulator.commanded(z, controls[:, :1])]
         act = np.broadcast_to(at_rest, (*shape, compiled.na))
-    rollout = Simulator(known, len(z) * len(experiments), threads).replay(
-        z, qpos, rest, controls[:, npast:], controls[:, :npast], act=act
-    )
+    rollout = simulator.replay(z, qpos, rest, controls[:, npast:], controls[:, :npast], act=act)
     laid = (getattr(rollout, name) for name in ("qpos", "qvel", "sensordata", "start", "controls"))
     tape = Tape(*(rows.reshape(*shape, *rows.shape[1:]) for rows in laid), step=step)
     return Played(model, z, tape, rollout.infeasible.reshape(shape))

@@ -193,7 +193,7 @@ class Simulator:
         z = z if z.ndim == 2 else z[:, 0]  # nobody attaches a command filter
         before, (nstep, ncontrol) = past.shape[1], controls.shape[-2:]
         earlier = np.broadcast_to(past, (*controls.shape[:-3], *past.shape))
-        known = self._commanded(z, np.concatenate([earlier, controls], axis=-2))
+        known = self.commanded(z, np.concatenate([earlier, controls], axis=-2))
         every = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, before + nstep, ncontrol)
         applied = np.ascontiguousarray(every[:, before:])
         self._remember(known[:, :, :before], contexts)
@@ -243,7 +243,7 @@ class Simulator:
         (windows, steps), contexts = history.qpos.shape[:2], len(z)
         self.set_contexts(np.repeat(z, windows, axis=0))
         self.reset()
-        known, step = self._commanded(z, history.controls), self.compiled.opt.timestep
+        known, step = self.commanded(z, history.controls), self.compiled.opt.timestep
         controls = np.tile(known, (contexts // len(known), 1, 1, 1)).reshape(self.nsim, steps, -1)
         self.batch.bind("time")[:] = -steps * step
         if self.compiled.nhistory:
@@ -251,14 +251,16 @@ class Simulator:
         found = follow(self.batch, history.qpos, history.qvel, controls, act)
         return found.reshape(steps, contexts, windows, -1)
 
-    def _compile(self, z: Array) -> mujoco.MjModel | None:
-        try:
-            return _lean(self._source.compile(z))
-        except ModelError:
-            return None
+    def commanded(self, z: Array, controls: Array) -> Array:
+        """Controls as the effects' command filters leave them.
 
-    def _commanded(self, z: Array, controls: Array) -> Array:
-        """Controls as the effects' command transforms leave them, (w, s, nu) or (c, w, s, nu) → (c or 1, w, s, nu)."""
+        Args:
+            z: contexts, shape (c, n).
+            controls: control of each step, shape (w, s, nu), or (c, w, s, nu).
+
+        Returns:
+            Shape (c, w, s, nu), or (1, w, s, nu) where no context changes them.
+        """
         every = controls if controls.ndim == 4 else controls[None]
         for actuator in range(self.compiled.nactuator if self.model.effects else 0):
             if self.compiled.actuator_ctrlnum[actuator] == 1:
@@ -269,6 +271,12 @@ class Simulator:
                     every = np.repeat(every, len(changed) // len(every), axis=0)
                     every[..., column] = changed
         return every
+
+    def _compile(self, z: Array) -> mujoco.MjModel | None:
+        try:
+            return _lean(self._source.compile(z))
+        except ModelError:
+            return None
 
     def _histories(self, past: Array, now: float = 0.0) -> Array:
         """History rows of delayed actuators for each window at a time in s, shape (w, nhistory)."""

@@ -38,7 +38,7 @@ class Standing:
 
     Attributes:
         qpos: its pose, shape (nq,).
-        hold: commands that keep it there, by actuator.
+        hold: commands that keep it there, by actuator; controls where a model's filters are not considered.
         rests: whether it does stand; else it starts to move by itself.
     """
 

@@ -1,12 +1,15 @@
 import mujoco
 import numpy as np
 import pytest
+from effect_machines import placed
 
+from dr_lab.diagnosis.experiment import play
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.fit.states import fit_states
 from dr_lab.diagnosis.missing_force.residual_force import residual_forces
 from dr_lab.diagnosis.windows.windows import cut
 from dr_lab.physics.activations import holders, resting, time_constants
+from dr_lab.trajectory import Signal
 from tests.diagnosis_machines import NOISE as LARGE
 from tests.diagnosis_machines import measured, solver_settings, windows_of, windows_settings
 from tests.element_machines import NOISE, machine, own_log
@@ -44,6 +47,17 @@ def test_a_servo_that_integrates_rests_where_it_pushes_with_no_force() -> None:
 def test_a_filter_rests_at_its_limited_command() -> None:
     act = resting(machine("muscle").nominal(), np.zeros((2, 1)), np.array([[0.3], [4.0]]))
     np.testing.assert_allclose(act, [[0.3], [1.0]])
+
+
+def test_an_experiment_begins_where_its_filtered_first_command_has_settled() -> None:
+    """A dead zone of 0.3 makes 1.3 the command that 1.0 is without one, and other contexts begin elsewhere."""
+    plain = machine("filter")
+    zoned = plain.with_effect(placed(plain, "dead_zone", "drive"))
+    z = np.array([zoned.space.vector({"dead_zone@drive.width": width}) for width in (0.3, 0.0)])
+    sent = [{"drive": Signal("drive", "", np.array([0.0]), np.array([value]))} for value in (1.0, 1.3)]
+    own, other = (play(model, at, np.zeros(1), sent, 0.1).tape.qpos for model, at in ((plain, z[:1, :0]), (zoned, z)))
+    np.testing.assert_array_equal(other[0, 1], own[0, 0])
+    np.testing.assert_array_equal(other[1], own[0])
 
 
 def test_filters_start_where_the_commands_before_leave_them() -> None:

@@ -1,15 +1,18 @@
 """Where experiments start and what they keep: families of commands, limits, distances, poses."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 from diagnosis_machines import experiment_settings
-from effect_machines import block, hanging
+from effect_machines import block, hanging, placed
 
+from dr_lab.diagnosis.experiment import play
 from dr_lab.diagnosis.next_experiment.clearance import Clearance
 from dr_lab.diagnosis.next_experiment.family import Bounds
+from dr_lab.diagnosis.next_experiment.held_commands import held_standing
 from dr_lab.diagnosis.next_experiment.limits import Limits, Shown
 from dr_lab.diagnosis.next_experiment.ranges import command_ranges, controlled, slews
 from dr_lab.diagnosis.next_experiment.standing import first_pose, standing
@@ -168,6 +171,42 @@ def test_a_position_controller_is_sent_as_far_as_gravity_pulls_it_back() -> None
     drive.gainprm[0], drive.biastype, drive.biasprm[1] = 50.0, mujoco.mjtBias.mjBIAS_AFFINE, -50.0
     found = standing(spec.compile(), np.array([0.7]), {"drive": (-2.0, 2.0)}, SETTINGS.stillness)
     assert abs(found.hold["drive"] - 0.7) == pytest.approx(WEIGHT * np.sin(0.7) / 50, rel=1e-6)
+
+
+FILTERED = [
+    ("dead_zone", {"width": 0.3}, lambda control: control + 0.3),
+    ("voltage_sag", {"slope": 0.09}, lambda control: (1 - np.sqrt(1 - 4 * 0.09 * control)) / (2 * 0.09)),
+    ("command_power", {"exponent": 2.0, "full": 5.0}, lambda control: np.sqrt(5.0 * control)),
+    ("torque_scale", {"factor": 0.7}, lambda control: control / 0.7),  # no filter
+]
+
+
+@pytest.mark.parametrize(("name", "values", "command"), FILTERED)
+def test_what_holds_a_machine_is_sent_through_the_filters_of_its_model(
+    name: str, values: dict[str, float], command: Callable[[float], float]
+) -> None:
+    model = hanging().with_effect(placed(hanging(), name, "drive"))
+    z = model.space.vector({f"{name}@drive.{key}": value for key, value in values.items()})
+    found = held_standing(model, z, np.array([0.7]), {"drive": (-5.0, 5.0)}, SETTINGS.stillness)
+    assert abs(found.hold["drive"]) == pytest.approx(command(WEIGHT * np.sin(0.7)), rel=1e-6)
+    assert found.rests
+    hold = Signal("drive", "", np.array([0.0, 1.0]), np.full(2, found.hold["drive"]))
+    assert np.ptp(play(model, z[None], found.qpos, [{"drive": hold}], 1.0).tape.qpos) < 1e-4
+
+
+def test_a_machine_that_needs_nothing_is_sent_nothing_through_a_dead_zone() -> None:
+    model = hanging().with_effect(placed(hanging(), "dead_zone", "drive"))
+    z = model.space.vector({"dead_zone@drive.width": 0.3})
+    assert held_standing(model, z, np.zeros(1), {"drive": (-5.0, 5.0)}, SETTINGS.stillness).hold["drive"] == 0.0
+
+
+def test_a_weight_that_the_filtered_command_cannot_hold_is_not_held() -> None:
+    model = hanging().with_effect(placed(hanging(), "dead_zone", "drive"))
+    z = model.space.vector({"dead_zone@drive.width": 0.3})
+    limit = WEIGHT * np.sin(0.7) + 0.1  # enough without the dead zone
+    found = held_standing(model, z, np.array([0.7]), {"drive": (-limit, limit)}, SETTINGS.stillness)
+    assert abs(found.hold["drive"]) == pytest.approx(limit)
+    assert found.qpos[0] < 0.6
 
 
 def test_what_no_actuator_holds_comes_to_rest_below() -> None:
