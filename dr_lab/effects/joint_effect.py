@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.effects.effect import Effect
+from dr_lab.effects.force_range import AT_A_JOINT, leave_force_range_to_drive
 from dr_lab.errors import ModelError, UnknownNameError
 from dr_lab.physics.naming import joints
 
 SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
-_AT_A_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
 
 
 class JointEffect(Effect):
@@ -34,7 +34,7 @@ def driven(model: mujoco.MjModel, joint: str) -> bool:
 
 def drives(model: mujoco.MjModel, joint: str) -> NDArray[np.bool_]:
     """Which actuators act on the joint itself, shape (nu,)."""
-    at_joints = np.isin(model.actuator_trntype, _AT_A_JOINT)
+    at_joints = np.isin(model.actuator_trntype, AT_A_JOINT)
     return at_joints & (model.actuator_trnid[:, 0] == model.joint(joint).id)
 
 
@@ -61,8 +61,13 @@ def add_passive_force(spec: mujoco.MjSpec, joint: str, name: str) -> Any:  # noq
 
     MuJoCo knows command-free actuators as a gain type of ``dcmotor`` (``input="none"``); with an affine bias nothing
     of a motor is left, and neither ``ctrl`` nor ``act`` grows. The model's default class for actuators does not apply
-    to it. Source: MuJoCo 4.0, XML reference, actuator/general/biastype and actuator/dcmotor/input.
+    to it. A range of the joint's actuator forces becomes that of its drive (`leave_force_range_to_drive`).
+    Source: MuJoCo 4.0, XML reference, actuator/general/biastype, actuator/dcmotor/input and joint/actuatorfrcrange.
+
+    Raises:
+        ModelError: several forces share the range of the joint's actuator forces.
     """
+    leave_force_range_to_drive(spec, joint)
     actuator = spec.add_actuator()
     actuator.name = name
     actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import mujoco
 
 from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
 from dr_lab.effects.effect import Scales
+from dr_lab.effects.force_range import acts
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
 
@@ -53,7 +54,7 @@ class Saturation(ActuatorEffect, SpecEdit):
         if values["inverse_limit"] == 0:
             return
         limit = 1.0 / values["inverse_limit"]
-        low, high = actuator.ctrlrange if _limited(spec, actuator) else (-limit, limit)
+        low, high = actuator.ctrlrange if acts(spec, actuator.ctrllimited, actuator.ctrlrange) else (-limit, limit)
         actuator.ctrlrange = [max(low, -limit), min(high, limit)]
         actuator.ctrllimited = mujoco.mjtLimited.mjLIMITED_TRUE
 
@@ -61,10 +62,3 @@ class Saturation(ActuatorEffect, SpecEdit):
         """Limits within the commands of the logs."""
         (inverse,) = parameters
         return tuple({"inverse_limit": inverse.high * self.deepest / share} for share in self.start_limits)
-
-
-def _limited(spec: mujoco.MjSpec, actuator: Any) -> bool:  # noqa: ANN401 (MjsActuator)
-    """Whether the actuator has a control range of its own."""
-    choice, (low, high) = actuator.ctrllimited, actuator.ctrlrange
-    automatic = choice == mujoco.mjtLimited.mjLIMITED_AUTO and spec.compiler.autolimits and (low, high) != (0.0, 0.0)
-    return choice == mujoco.mjtLimited.mjLIMITED_TRUE or bool(automatic)
