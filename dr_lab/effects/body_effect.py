@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.errors import ModelError, UnknownNameError
+from dr_lab.physics.inertias import require_apart
 
 
 def moving_bodies(model: mujoco.MjModel) -> tuple[str, ...]:
@@ -34,13 +35,14 @@ def with_inertial(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsBo
 
     Raises:
         UnknownNameError: there is no such body.
-        ModelError: the compiler would overwrite them.
+        ModelError: the compiler would overwrite them, or change other bodies with them.
     """
     if spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
         raise ModelError(
             f'Body {name!r} needs <inertial>, which inertiafromgeom="true" ignores. Set the compiler\'s '
             'inertiafromgeom to "auto".'
         )
+    require_apart(spec, name)
     body = body_of(spec, name)
     if not body.explicitinertial:
         compiled = spec.copy().compile().body(name)

@@ -7,6 +7,7 @@ import numpy as np
 
 from dr_lab.effects.body_effect import body_of
 from dr_lab.errors import ModelError
+from dr_lab.physics.inertias import require_apart
 from dr_lab.physics.pseudo_inertia import Rooted, principal
 from dr_lab.trajectory import Array
 
@@ -16,13 +17,14 @@ def loaded(spec: mujoco.MjSpec, name: str) -> Any:  # noqa: ANN401 (MjsBody)
 
     Raises:
         UnknownNameError: there is no such body.
-        ModelError: the compiler would overwrite the load's inertia.
+        ModelError: the compiler would overwrite the load's inertia, or change other bodies with it.
     """
     if spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
         raise ModelError(
             'A payload needs <inertial>, which inertiafromgeom="true" ignores. Set the compiler\'s inertiafromgeom to '
             '"auto".'
         )
+    require_apart(spec, name)
     return body_of(spec, name)
 
 
