@@ -9,6 +9,7 @@ import mujoco
 
 from dr_lab.effects.actuator_effect import ActuatorEffect, actuator_of
 from dr_lab.effects.effect import Effect, Scales
+from dr_lab.effects.force_range import acts
 from dr_lab.effects.recorded_delay import LINEAR, RecordedDelay, require_readable
 from dr_lab.physics.effect_parts import SpecEdit
 from dr_lab.physics.parameter import Parameter
@@ -83,7 +84,8 @@ class ActuatorDelay(ActuatorEffect, SpecEdit):
 
     def replayed(self, spec: mujoco.MjSpec, elements: Sequence[str]) -> Effect:
         """The same of commands that are known ahead."""
-        ranges = [each.ctrlrange for each in map(spec.actuator, elements) if each.ctrllimited and each.ctrlrange.any()]
+        own = [spec.actuator(name) for name in elements]
+        ranges = [each.ctrlrange for each in own if acts(spec, each.ctrllimited, each.ctrlrange)]
         low, high = (max((r[0] for r in ranges), default=-math.inf), min((r[1] for r in ranges), default=math.inf))
         return RecordedDelay(self.longest, float(low), float(high))
 
