@@ -203,7 +203,7 @@ def overlay(furuta: mujoco.MjModel) -> Overlay:
         },
         commands={"motor": Signal("motor", "V", time[::2], command[::2])},
         noise=dict.fromkeys(names, _NOISE),
-        residual_name="position residual [rad]",
+        residual_names=dict.fromkeys(("arm", "pole"), "position residual [rad]"),
     )
 
 

@@ -91,7 +91,7 @@ def rung(labels: Sequence[str], refitted: Score, predicted: Score, parameters: P
         fit_percent=refitted.fit_percent,
         chi2_predicted=predicted.chi2,
         rmse_predicted=predicted.rmse,
-        infeasible_windows=refitted.infeasible,
+        infeasible_windows=max(refitted.infeasible, predicted.infeasible),
     )
     return RungEntry(tuple(labels), errors, parameters)
 

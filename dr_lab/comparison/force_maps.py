@@ -24,8 +24,12 @@ def force_maps(
     Args:
         model: whose states they are.
         forces: learned, by joint, and the factor on each.
-        seen: the states, k ≥ 1.
+        seen: the states; those that are not finite are left out, and nothing is drawn where none is left.
     """
+    finite = np.isfinite(seen.qpos).all(1) & np.isfinite(seen.qvel).all(1)
+    if not finite.any():
+        return {}
+    seen = Seen(*(values[finite] for values in seen))
     return {joint: _force_map(model, joint, *each, seen) for joint, each in forces.items()}
 
 

@@ -62,8 +62,6 @@ def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces
     time, poses = _poses(study, log, played, look)
     of_log = study.short.log[study.few] == study.short.logs.index(log.name)
     joints = next(iter(forces.values())).keys() if forces else ()
-    slides = {int(mujoco.mjtJoint.mjJNT_SLIDE)}
-    unit = "N" if {int(study.compiled.joint(j).type[0]) for j in joints} == slides else "N·m"
     seen, learned = _seen(study, forces, of_log), _learned(played, forces)
     return Overlay(
         log=log.name,
@@ -73,18 +71,18 @@ def overlay(study: Study, log: Log, played: Mapping[str, Played], forces: Forces
         simulated={role: at_samples(log, p) for role, p in played.items()},
         residual_velocity={
             joint: (
-                next(iter(forces.values()))[joint].velocity[of_log],
+                _shown(forces, joint, next(iter(forces.values()))[joint].velocity)[of_log],
                 {role: f[joint].force[of_log] for role, f in forces.items()},
             )
             for joint in joints
         },
-        arguments={joint: _arguments(study, log, joint, next(iter(forces.values()))[joint]) for joint in joints},
+        arguments={joint: _arguments(study, log, joint, forces) for joint in joints},
         commands=log.commands,
         noise={name: study.measurements.noise[name].std for name in log.outputs},
         gaps=study.measurements.gaps,
         learned={joint: factor * force.of(study.compiled, seen) for joint, (force, factor) in learned.items()},
-        force_maps=force_maps(study.compiled, learned, seen) if of_log.any() else {},
-        residual_name=f"missing force [{unit}]",
+        force_maps=force_maps(study.compiled, learned, seen),
+        residual_names={j: f"missing force [{'N' if slides(study.compiled, j) else 'N·m'}]" for j in joints},
         starts=_starts(study, played),
     )
 
@@ -109,21 +107,32 @@ def _seen(study: Study, forces: Forces, of_log: NDArray[np.bool_]) -> Seen:
 
 
 def seen_in_the_middle(model: mujoco.MjModel, forces: Mapping[str, ResidualForce], controls: Array) -> Seen:
-    """States in the middle of windows with such controls (w, nu); joints without a force rest at the model's pose."""
+    """States in the middle of windows with such controls (w, nu); joints without a force rest at the model's pose.
+
+    They are NaN where the force is, in windows that diverge.
+    """
     seen = Seen(np.tile(model.qpos0, (len(controls), 1)), np.zeros((len(controls), model.nv)), controls)
     for joint, force in forces.items():
-        seen.qpos[:, model.joint(joint).qposadr[0]] = force.position
-        seen.qvel[:, model.joint(joint).dofadr[0]] = force.velocity
+        known = np.isfinite(force.force)
+        seen.qpos[:, model.joint(joint).qposadr[0]] = np.where(known, force.position, np.nan)
+        seen.qvel[:, model.joint(joint).dofadr[0]] = np.where(known, force.velocity, np.nan)
     return seen
 
 
-def _arguments(study: Study, log: Log, joint: str, force: ResidualForce) -> dict[str, Array]:
+def _shown(forces: Forces, joint: str, values: Array) -> Array:
+    """Values (w,) of windows that some model simulates; NaN of the others, in which motion is that of a divergence."""
+    known = np.any([np.isfinite(of_role[joint].force) for of_role in forces.values()], axis=0)
+    return np.where(known, values, np.nan)
+
+
+def _arguments(study: Study, log: Log, joint: str, forces: Forces) -> dict[str, Array]:
     """What a missing force may be a function of in the short windows of a log.
 
     Velocity, position, and the commands of the joint's own actuators, or all where it has none.
     """
     of_log = study.short.log[study.few] == study.short.logs.index(log.name)
     unit, windows = "m" if slides(study.compiled, joint) else "rad", study.short.pick(study.few)
+    force = next(iter(forces.values()))[joint]
     moved = {f"velocity of {joint} [{unit}/s]": force.velocity, f"position of {joint} [{unit}]": force.position}
     columns = {name: windows.commands[name] for name in log.commands}
     own = drives(study.compiled, joint)
@@ -132,7 +141,7 @@ def _arguments(study: Study, log: Log, joint: str, force: ResidualForce) -> dict
         for name, column in columns.items()
         if own[column] or not own[[*columns.values()]].any()
     }
-    return {title: value[of_log] for title, value in (moved | asked).items()}
+    return {title: _shown(forces, joint, value)[of_log] for title, value in (moved | asked).items()}
 
 
 def at_samples(log: Log, played: Played) -> dict[str, Array]:
@@ -204,7 +213,9 @@ def _poses(
     for role, part in played.items():
         steps = np.rint((lead + offsets) / part.replay.windows.step).astype(int)
         qpos = part.tape.qpos[0][:, steps].reshape(len(time), -1)
-        poses[role] = _kinematics(part.replay.model.compile(part.fit.z), model, qpos)
+        place, turn = _kinematics(part.replay.model.compile(part.fit.z), model, qpos)
+        place[np.repeat(part.fit.infeasible, count)] = np.nan  # MuJoCo begins anew where a window diverges
+        poses[role] = place, turn
     return time, poses
 
 

@@ -10,7 +10,7 @@ from dr_lab.diagnosis.fit.correlation import autocorrelation
 from dr_lab.html.figure import INK, NOISE, ROLES, Plot, band, chart, line, numbers, series
 from dr_lab.html.thinning import thinned
 from dr_lab.recorders.overlay import AFTER, MEASURED, SIMULATED, Overlay, components
-from dr_lab.recorders.signals import residual
+from dr_lab.recorders.signals import held_until, residual
 from dr_lab.reports.gap_entries import ByChannel
 from dr_lab.reports.quantity import number, percent
 from dr_lab.trajectory import Array, Signal
@@ -126,7 +126,7 @@ def _commands(overlay: Overlay, points: int) -> list[Plot]:
         return []
     figure = chart()
     for index, (name, signal) in enumerate(overlay.commands.items()):
-        x, y = thinned(signal.time, signal.value, points)
+        x, y = thinned(*held_until(signal, overlay.span()[1]), points)
         figure.add_trace(
             go.Scatter(x=x, y=numbers(y), name=name, showlegend=True, **line(series(index + 3), shape="hv"))
         )

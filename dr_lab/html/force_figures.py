@@ -39,7 +39,7 @@ def _joint(overlay: Overlay, joint: str, look: Look) -> Plot:
         figure.update_xaxes(title=title, row=row, col=col)
     reach = _reach(np.concatenate([*residuals.values()]))
     figure.update_yaxes(range=[-reach, reach], zeroline=True)
-    figure.update_yaxes(title=f"{joint}: {overlay.residual_name}", col=1)
+    figure.update_yaxes(title=f"{joint}: {overlay.residual_name(joint)}", col=1)
     return Plot(figure, 110 + 230 * lines)
 
 

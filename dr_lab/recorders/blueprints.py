@@ -122,7 +122,7 @@ def _moving(overlay: Overlay, geometry: mujoco.MjModel, look: Look) -> Array:
 
 def _scatters(overlay: Overlay) -> rrb.Container:
     views = [
-        CANVAS.view([overlay.log, "scatter", joint], f"{joint}: {overlay.residual_name} against velocity")
+        CANVAS.view([overlay.log, "scatter", joint], f"{joint}: {overlay.residual_name(joint)} against velocity")
         for joint in overlay.joints()
     ]
     views += [

@@ -34,7 +34,7 @@ class Overlay:
         gaps: channel to the longest time in s between two samples that is not a gap; one that is left out has none.
         learned: by joint, what a learned force of the model with the effects is where the residual is told, shape (m,).
         force_maps: by joint, that learned force over position and velocity.
-        residual_name: what `residual_velocity` holds, with its unit, as the axis says it.
+        residual_names: by joint, what `residual_velocity` holds, with its unit, as the axis says it.
         starts: times in s from which on the simulated values begin anew from the measured state, shape (k,).
 
     Raises:
@@ -53,7 +53,7 @@ class Overlay:
     arguments: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     learned: Mapping[str, Array] = field(default_factory=dict)
     force_maps: Mapping[str, ForceMap] = field(default_factory=dict)
-    residual_name: str = "residual"
+    residual_names: Mapping[str, str] = field(default_factory=dict)
     starts: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
@@ -78,6 +78,10 @@ class Overlay:
     def label(self, role: str) -> str:
         """What a role is called on the screen: a model that is shown alone is neither before nor after anything."""
         return "simulated" if role != MEASURED and len(self.simulated) == 1 else role
+
+    def residual_name(self, joint: str) -> str:
+        """What `residual_velocity` holds of a joint."""
+        return self.residual_names.get(joint, "residual")
 
     def joints(self) -> list[str]:
         """Joints that have a residual to draw against the velocity."""

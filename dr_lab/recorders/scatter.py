@@ -28,7 +28,7 @@ def log_scatter(root: Branch, overlay: Overlay, joint: str, unit: str, look: Loo
     reach = _range(np.concatenate([residual for _, residual in shown]))
     speed = _range(velocity)
     x = linear_axis(f"velocity of {joint} [{unit}]", -speed, speed, count=8)
-    chart = Chart(root, CANVAS, x, linear_axis(overlay.residual_name, -reach, reach))
+    chart = Chart(root, CANVAS, x, linear_axis(overlay.residual_name(joint), -reach, reach))
     chart.frame(look.colour("axis"), look.colour("text"))
     chart.line("zero", [-speed, speed], [0.0, 0.0], look.colour("axis"), 0.5)
     chart.line("still", [0.0, 0.0], [-reach, reach], look.colour("axis"), 0.5)

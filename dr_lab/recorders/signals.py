@@ -47,7 +47,7 @@ def log_commands(root: Branch, overlay: Overlay, look: Look) -> None:
             interpolation_mode="StepAfter",
         )
         place.static(style)
-        _send(place, *_held_until(signal, end))
+        _send(place, *held_until(signal, end))
 
 
 def residual(measured: Array, simulated: Array) -> Array:
@@ -95,7 +95,7 @@ def _send(place: Branch, time: Array, value: Array) -> None:
         place.over_time(time, columns)
 
 
-def _held_until(signal: Signal, end: float) -> tuple[Array, Array]:
+def held_until(signal: Signal, end: float) -> tuple[Array, Array]:
     """The command with its last value repeated at `end`, if that is later."""
     if not len(signal) or end <= signal.time[-1]:
         return signal.time, signal.value

@@ -146,10 +146,10 @@ def _channel_errors(
     for samples, part in replay.by_channel(squared):
         scored = samples.scored & feasible[:, None]
         total = float(part.sum()) * samples.std**2
-        count = max(int(scored.sum()) * samples.channel.size, 1)
+        count = int(scored.sum()) * samples.channel.size
         variance = _spread(samples, scored)
         name = samples.channel.name
-        rmse[name] = float(np.sqrt(total / count))
+        rmse[name] = float(np.sqrt(total / count)) if count else float("nan")
         ratio = float(np.sqrt(total / variance)) if variance > 0 else float("nan")
         nrmse[name], percent[name] = ratio, 100 * (1 - ratio)
     return rmse, nrmse, percent

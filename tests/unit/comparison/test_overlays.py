@@ -22,3 +22,13 @@ def test_joints_that_no_log_shows_rest_where_the_model_has_them() -> None:
     np.testing.assert_array_equal(seen.qvel[:, model.joint("arm").dofadr[0]], velocity)
     np.testing.assert_array_equal(seen.qpos[:, model.joint("wrist").qposadr[0]], 0.4)
     np.testing.assert_array_equal(seen.qpos[:, :7], np.tile([0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0], (2, 1)))
+
+
+def test_states_of_windows_that_diverge_are_none() -> None:
+    model = mujoco.MjModel.from_xml_string(XML)
+    position, velocity, noise = np.array([0.1, 3e6]), np.array([1.0, 1e7]), np.zeros(2)
+    forces = {"arm": ResidualForce(position, velocity, np.array([0.5, np.nan]), noise)}
+    seen = seen_in_the_middle(model, forces, np.zeros((2, 0)))
+    arm = model.joint("arm")
+    np.testing.assert_array_equal(seen.qpos[:, arm.qposadr[0]], [0.1, np.nan])
+    np.testing.assert_array_equal(seen.qvel[:, arm.dofadr[0]], [1.0, np.nan])

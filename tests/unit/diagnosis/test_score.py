@@ -68,7 +68,9 @@ def test_windows_that_diverge_count_for_nothing() -> None:
 def test_nothing_that_simulates_is_not_the_noise_floor() -> None:
     replay = pendulum_replay()
     every = np.ones(len(replay.windows), bool)
-    assert score_of(replay, point(replay, np.zeros(replay.scored.shape), every)).chi2 == np.inf
+    score = score_of(replay, point(replay, np.zeros(replay.scored.shape), every))
+    assert score.chi2 == np.inf
+    assert np.isnan(score.rmse["hinge.position"])  # 0 would be the best of all
 
 
 def sparse(seed: int) -> Log:

@@ -154,6 +154,31 @@ def test_one_model_alone_is_simulated_and_has_no_ladder(
     np.testing.assert_allclose(values(horizons["data"][1]["y"]), [4e-5, 6e-3, 0.1])
 
 
+def test_a_command_holds_to_the_end_of_the_log(
+    tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, look: Look
+) -> None:
+    once = Signal("motor", "V", np.array([0.5]), np.array([3.0]))
+    sent = dataclasses.replace(overlay, commands={"motor": once})
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [sent], look)
+    (trace,) = traces((tmp_path / "report.html").read_text("utf-8"), "motor")
+    np.testing.assert_allclose(values(trace["x"]), [0.5, overlay.span()[1]])
+    np.testing.assert_allclose(values(trace["y"]), [3.0, 3.0])
+
+
+def test_each_joints_force_has_its_own_unit(
+    tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, look: Look
+) -> None:
+    velocity = {joint: {"velocity": overlay.residual_velocity[joint][0]} for joint in ("arm", "pole")}
+    names = {"arm": "missing force [N]", "pole": "missing force [N·m]"}
+    shown = dataclasses.replace(overlay, arguments=velocity, residual_names=names)
+    write_gap_page(tmp_path / "report.html", from_plain(GapReport, close_report), [shown], look)
+    titles = [
+        str(each["layout"]["yaxis"].get("title")) for each in figures((tmp_path / "report.html").read_text("utf-8"))
+    ]
+    assert any("arm: missing force [N]" in title for title in titles)
+    assert any("pole: missing force [N·m]" in title for title in titles)
+
+
 @pytest.mark.slow
 def test_many_long_logs_stay_small(tmp_path: Path, close_report: dict[str, Any], look: Look) -> None:
     time, rng = np.linspace(0.0, 60.0, 12_000), np.random.default_rng(0)
