@@ -62,6 +62,13 @@ _POSITION = {
     *("pos", "position", "positions", "q", "qpos", "angle", "angles", "theta", "phi", "psi", "alpha", "beta", "state"),
     *("x", "y", "z", "enc", "encoder", "encoders", "joints"),
 }
+# Single letters that are units, with the words of quantities that are measured in them.
+_LETTERS: dict[str, set[str]] = {
+    "a": {"current", "i", "u"},
+    "v": {"voltage", "pwm", "u"},
+    "n": {"force", "forces", "effort", "efforts", "u"},
+    "m": _POSITION - {"angle", "angles", "theta", "phi", "psi", "alpha", "beta"},
+}
 
 _GENERIC = {
     *(
@@ -173,9 +180,23 @@ def _unit(words: list[str]) -> tuple[str, Kind, list[str]]:
     while rest and rest[-1].isdigit() and len(rest) > 1 and not _ends(rest):
         rest = rest[:-1]
     for ending, unit, kind in _UNITS:
-        if len(rest) > len(ending) and tuple(rest[-len(ending) :]) == ending:
-            return unit, kind, rest[: -len(ending)] + words[len(rest) :]
+        before = rest[: -len(ending)]
+        if before and tuple(rest[-len(ending) :]) == ending and _may_be(ending, kind, before):
+            return unit, kind, before + words[len(rest) :]
     return "", "", words
+
+
+def _may_be(ending: tuple[str, ...], kind: Kind, before: list[str]) -> bool:
+    """Whether an ending may be a unit: a single letter behind words of another quantity tells one joint from others.
+
+    Axes are called as positions are, so that a force along x may be in N.
+    """
+    measured = _LETTERS.get("".join(ending))
+    if measured is None:
+        return True
+    words = {*before} - {"motor"}
+    said = _kind([*words], set(), "", asked=False)
+    return said in ("", "other") or (said in ("position", kind) and bool(words & measured))
 
 
 def _ends(words: list[str]) -> bool:
