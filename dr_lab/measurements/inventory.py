@@ -1,6 +1,7 @@
 """What a log holds: every series of numbers, with what its file calls it."""
 
 import json
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -62,13 +63,33 @@ def messages_of(path: Path) -> tuple[Place, ...]:
 
 
 def columns_of(path: Path) -> tuple[Place, ...]:
-    """The numeric columns of a table, entries of lists one by one.
+    """The numeric columns of a table that have a name of their own, entries of lists one by one.
 
     Raises:
         DataError: the file cannot be read.
     """
-    table = load(path).table
-    return tuple(place for name in table.column_names for place in _column(table, name, path))
+    return tuple(place for name, column in by_name(load(path).table).items() for place in _column(column, name, path))
+
+
+def by_name(table: pa.Table) -> dict[str, pa.ChunkedArray]:
+    """The columns of a table by their names, without those that share a name or have none."""
+    count = Counter(table.column_names)
+    named = zip(table.column_names, table.columns, strict=True)
+    return {name: column for name, column in named if name and count[name] == 1}
+
+
+def shared_names(path: Path) -> tuple[str, ...]:
+    """What is said of the names that several columns of a table share, a sentence each.
+
+    Raises:
+        DataError: the file cannot be read.
+    """
+    counts = Counter(load(path).table.column_names)
+    return tuple(
+        f"{path.name}: {count} columns are called {name}, so that none of them is read. Give each a name of its own."
+        for name, count in counts.items()
+        if name and count > 1
+    )
 
 
 def require_one_kind(paths: list[Path]) -> bool:
@@ -88,8 +109,7 @@ def require_one_kind(paths: list[Path]) -> bool:
     return all(tables)
 
 
-def _column(table: pa.Table, name: str, path: Path) -> Iterator[Place]:
-    column = table.column(name)
+def _column(column: pa.ChunkedArray, name: str, path: Path) -> Iterator[Place]:
     if is_list(column.type):
         if not _is_number(column.type.value_type):
             return

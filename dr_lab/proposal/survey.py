@@ -9,7 +9,7 @@ import numpy as np
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.cleaning import drop_not_finite, drop_unordered
-from dr_lab.measurements.inventory import Place, columns_of, messages_of, require_one_kind
+from dr_lab.measurements.inventory import Place, columns_of, messages_of, require_one_kind, shared_names
 from dr_lab.measurements.raw_log import RawChannel, TimeAxis, read_raw
 from dr_lab.measurements.recordings import Recording, recordings
 from dr_lab.measurements.signal_map import ChannelMap, channel_map
@@ -51,7 +51,7 @@ class Survey:
         logs: names of all logs.
         series: every series of numbers that all logs hold which were looked at.
         clock: of tables; None of messages.
-        spoilt: columns of tables that some text keeps from being read, a sentence each.
+        spoilt: columns of tables that some text, or a name that several share, keeps from being read, a sentence each.
         counts: series that count the rows or messages, which are no readings.
         short: logs that hold too few rows or messages to be used, each with what is said of it.
     """
@@ -115,9 +115,10 @@ def _counts_rows(series: Series) -> bool:
 
 
 def _spoilt(chosen: Sequence[Recording], settings: ProposalSettings) -> tuple[str, ...]:
-    """What is said of columns that some text keeps from being read."""
+    """What is said of columns that some text, or a name that several share, keeps from being read."""
     paths = dict.fromkeys(recording.path for recording in chosen)
-    return tuple(str(column) for path in paths for column in text_columns(path, settings.text))
+    texts = (str(column) for path in paths for column in text_columns(path, settings.text))
+    return (*texts, *(said for path in paths for said in shared_names(path)))
 
 
 def _clock(tables: Sequence[Path], settings: ProposalSettings) -> Clock:

@@ -7,6 +7,7 @@ import numpy as np
 import pyarrow as pa
 
 from dr_lab.errors import DataError
+from dr_lab.measurements.inventory import by_name
 from dr_lab.measurements.raw_log import TimeAxis
 from dr_lab.measurements.table_file import load, missing_header
 from dr_lab.proposal.words import tokens
@@ -44,8 +45,8 @@ def find_clock(path: Path) -> Clock:
         DataError: no column is a clock, or none has a name; the message says what to add.
     """
     table = load(path).table
-    columns = zip(table.column_names, table.columns, strict=True)
-    rising = {name: values for name, column in columns if (values := _rising(column)) is not None}
+    columns = by_name(table)
+    rising = {name: values for name, column in columns.items() if (values := _rising(column)) is not None}
     named = [name for name in rising if set(tokens(name)) & {*_CLOCK_WORDS, *_SAID}]
     if bare := missing_header(table.column_names):
         raise DataError(f"{path.name}: {bare}. The line is {', '.join(table.column_names)}.")
@@ -56,7 +57,7 @@ def find_clock(path: Path) -> Clock:
             f"Add a column time in s, or rename the one that is it. Columns: {', '.join(table.column_names)}."
         )
     name = min(named, key=lambda each: (_rank(each), table.column_names.index(each)))
-    unit, doubt = _unit(name, table.column(name).type, rising[name])
+    unit, doubt = _unit(name, columns[name].type, rising[name])
     return Clock(TimeAxis(column=name, unit=unit), _group(table, rising[name]), doubt)
 
 
@@ -108,8 +109,7 @@ def _group(table: pa.Table, clock: np.ndarray) -> str | None:
     if len(clock) != table.num_rows:
         return None
     back = np.flatnonzero(np.diff(clock) <= 0)
-    for name in table.column_names if len(back) else ():
-        column = table.column(name)
+    for name, column in by_name(table).items() if len(back) else ():
         if pa.types.is_integer(column.type) or pa.types.is_string(column.type):
             codes = column.combine_chunks().dictionary_encode().indices.to_numpy(zero_copy_only=False)
             if np.array_equal(np.flatnonzero(np.diff(codes) != 0), back) and len(set(codes)) == len(back) + 1:
