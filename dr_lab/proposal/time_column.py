@@ -10,6 +10,7 @@ from dr_lab.errors import DataError
 from dr_lab.measurements.inventory import by_name
 from dr_lab.measurements.raw_log import TimeAxis
 from dr_lab.measurements.table_file import load, missing_header
+from dr_lab.proposal.split_clock import split_clocks
 from dr_lab.proposal.words import tokens
 
 _CLOCK_WORDS = ("t", "time", "timestamp", "stamp", "clock", "sec", "seconds", "secs", "ts", "elapsed")
@@ -42,14 +43,18 @@ def find_clock(path: Path) -> Clock:
         path: a table.
 
     Raises:
-        DataError: no column is a clock, or none has a name; the message says what to add.
+        DataError: no column alone is a clock, or none has a name; the message says what to add.
     """
     table = load(path).table
     columns = by_name(table)
     rising = {name: values for name, column in columns.items() if (values := _rising(column)) is not None}
-    named = [name for name in rising if set(tokens(name)) & {*_CLOCK_WORDS, *_SAID}]
+    split = [*split_clocks(columns)]
+    rests = {each.rest for each in split}
+    named = [name for name in rising if {*tokens(name)} & {*_CLOCK_WORDS, *_SAID} and name not in rests]
     if bare := missing_header(table.column_names):
         raise DataError(f"{path.name}: {bare}. The line is {', '.join(table.column_names)}.")
+    if split and not named:
+        raise DataError(f"{path.name} has no clock: {split[0]}")
     if not named:
         other = f" Columns that rise, but are not called time: {', '.join(rising)}." if rising else ""
         raise DataError(
