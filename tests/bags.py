@@ -21,6 +21,7 @@ def write_bag(
     position: Array,
     *,
     command: Array | None = None,
+    stamped: Array | None = None,
     storage: StoragePlugin = StoragePlugin.SQLITE3,
     compressed: bool = False,
 ) -> Path:
@@ -32,11 +33,13 @@ def write_bag(
         time: s, shape (n,).
         position: rad, shape (n, k).
         command: shape (n, m).
+        stamped: s, of the joint states' headers, shape (n,); as they were logged where it is None.
         storage: of the messages.
         compressed: message by message with zstd.
     """
     stamps = START + np.rint(1e9 * time).astype(np.int64)
-    topics = [("/joint_states", JOINT_STATE, encode_joint_states(stamps, joints, position))]
+    headers = stamps if stamped is None else START + np.rint(1e9 * stamped).astype(np.int64)
+    topics = [("/joint_states", JOINT_STATE, encode_joint_states(headers, joints, position))]
     if command is not None:
         rows = encode_float_arrays([""] * command.shape[1], command)
         topics.append(("/effort_controller/commands", FLOAT64_MULTI_ARRAY, rows))

@@ -96,8 +96,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
         parameters=free.parameters,
         notes=(*robot.notes, *sensed.notes, *added, *apart, *free.notes),
         doubts=(
-            *_of_clock(logs),
-            *logs.spoilt,
+            *_of_logs(logs),
             *sensed.doubts,
             *found.doubts,
             *doubts_of_counts(found.outputs),
@@ -109,10 +108,11 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     )
 
 
-def _of_clock(logs: Survey) -> tuple[str, ...]:
-    if logs.clock is None or not logs.clock.doubt:
-        return ()
-    return (f"The unit of the clock {logs.clock.axis.column}: {logs.clock.doubt}.",)
+def _of_logs(logs: Survey) -> tuple[str, ...]:
+    """What is unsure about the logs alone."""
+    unit = logs.clock.doubt if logs.clock else ""
+    clock = [f"The unit of the clock {logs.clock.axis.column}: {unit}."] if logs.clock and unit else []
+    return (*clock, *logs.spoilt, *logs.doubts)
 
 
 def _without(logs: Survey, outputs: Sequence[Output]) -> Survey:

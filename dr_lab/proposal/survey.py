@@ -8,14 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from dr_lab.errors import DataError
-from dr_lab.measurements.cleaning import drop_not_finite, drop_unordered
 from dr_lab.measurements.inventory import Place, columns_of, messages_of, require_one_kind, shared_names
-from dr_lab.measurements.raw_log import RawChannel, TimeAxis, read_raw
 from dr_lab.measurements.recordings import Recording, recordings
-from dr_lab.measurements.signal_map import ChannelMap, channel_map
 from dr_lab.measurements.split import find_files
 from dr_lab.measurements.table_file import load
 from dr_lab.measurements.text_columns import text_columns
+from dr_lab.proposal.log_series import read_series
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.time_column import Clock, find_clock
 from dr_lab.proposal.words import Words, read_name
@@ -54,6 +52,7 @@ class Survey:
         spoilt: columns of tables that some text, or a name that several share, keeps from being read, a sentence each.
         counts: series that count the rows or messages, which are no readings.
         short: logs that hold too few rows or messages to be used, each with what is said of it.
+        doubts: what is unsure of the numbers as they were read, a sentence each.
     """
 
     files: dict[str, Path]
@@ -63,6 +62,7 @@ class Survey:
     spoilt: tuple[str, ...] = ()
     counts: tuple[Series, ...] = ()
     short: Mapping[str, str] = field(default_factory=dict)
+    doubts: tuple[str, ...] = ()
 
     def named(self, kind: str) -> list[Series]:
         """The series whose names say a quantity."""
@@ -89,20 +89,21 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
         long = [name for name in known if name not in short]
         chosen = [long[k] for k in _spread(len(long), settings.logs)]
         places = _places([known[name] for name in chosen], clock, settings)
-        read = [_series(known[name], places, clock, settings) for name in chosen]
-        few = {name: said for name, log in zip(chosen, read, strict=True) if (said := _too_few(log, settings))}
+        read = [read_series(name, known[name], places, clock.axis if clock else None, settings) for name in chosen]
+        few = {name: said for name, log in zip(chosen, read, strict=True) if (said := _too_few(log.signals, settings))}
         if not few:
             break
         short |= few
         _require_long(short, len(known))
     least = settings.contract.minimum_samples
-    signals = [[None if s is None or len(s.time) < least else s for s in log] for log in read]
+    signals = [[None if s is None or len(s.time) < least else s for s in log.signals] for log in read]
     usable = [k for k, _ in enumerate(places) if all(log[k] is not None for log in signals)]
     every = [_named(places[k], tuple(s for log in signals if (s := log[k]) is not None)) for k in usable]
     counts = tuple(each for each in every if _counts_rows(each))
     series = tuple(each for each in every if not _counts_rows(each))
     spoilt = _spoilt([known[name] for name in chosen], settings) if clock else ()
-    return Survey(files, tuple(known), series, clock, spoilt, counts, short)
+    doubts = tuple(said for log in read for said in log.doubts)
+    return Survey(files, tuple(known), series, clock, spoilt, counts, short, doubts)
 
 
 def _counts_rows(series: Series) -> bool:
@@ -170,25 +171,3 @@ def _common(found: Sequence[Sequence[Place]]) -> list[Place]:
     """The places that all logs have, in the order of the first."""
     held = Counter(str(place) for places in found for place in {*places})
     return [place for place in found[0] if held[str(place)] == len(found)]
-
-
-def _series(
-    recording: Recording, places: Sequence[Place], clock: Clock | None, settings: ProposalSettings
-) -> list[Signal | None]:
-    """Numbers of every place in one log, however few; None where there are none."""
-    channels = [_channel(k, place) for k, place in enumerate(places)]
-    raw = read_raw(recording, channels, (), clock.axis if clock else TimeAxis(), settings.contract)
-    return [_sound(channel) for channel in raw.outputs]
-
-
-def _channel(k: int, place: Place) -> ChannelMap:
-    return channel_map(f"sensor.{k}", {**place.entry, "unit": "1"}, place.clock)
-
-
-def _sound(channel: RawChannel) -> Signal | None:
-    name = channel.channel.name
-    if channel.value.ndim > 1 or not np.isfinite(channel.value).any():
-        return None
-    finite = drop_not_finite(name, channel.time, channel.value)
-    ordered = drop_unordered(name, finite.time, finite.value)
-    return Signal(name, "1", ordered.time, ordered.value)
