@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from dr_lab.errors import DataError
+from dr_lab.errors import DataError, UnknownNameError
 from dr_lab.measurements.inventory import Place, columns_of, messages_of, require_one_kind, shared_names
 from dr_lab.measurements.recordings import Recording, recordings
 from dr_lab.measurements.split import find_files
 from dr_lab.measurements.table_file import load
 from dr_lab.measurements.text_columns import text_columns
-from dr_lab.proposal.log_series import read_series
+from dr_lab.proposal.log_series import LogSeries, read_series
+from dr_lab.proposal.readable import readable
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.time_column import Clock, find_clock
 from dr_lab.proposal.words import Words, read_name
@@ -88,8 +89,7 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     while True:
         long = [name for name in known if name not in short]
         chosen = [long[k] for k in _spread(len(long), settings.logs)]
-        places = _places([known[name] for name in chosen], clock, settings)
-        read = [read_series(name, known[name], places, clock.axis if clock else None, settings) for name in chosen]
+        places, read, doubts = _read({name: known[name] for name in chosen}, clock, settings)
         few = {name: said for name, log in zip(chosen, read, strict=True) if (said := _too_few(log.signals, settings))}
         if not few:
             break
@@ -102,7 +102,7 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     counts = tuple(each for each in every if _counts_rows(each))
     series = tuple(each for each in every if not _counts_rows(each))
     spoilt = _spoilt([known[name] for name in chosen], settings) if clock else ()
-    doubts = tuple(said for log in read for said in log.doubts)
+    doubts = (*doubts, *(said for log in read for said in log.doubts))
     return Survey(files, tuple(known), series, clock, spoilt, counts, short, doubts)
 
 
@@ -130,6 +130,24 @@ def _clock(tables: Sequence[Path], settings: ProposalSettings) -> Clock:
         return find_clock(path)
     except DataError as error:
         raise DataError(" ".join([str(error), *_spoilt([Recording(path)], settings)])) from error
+
+
+def _read(
+    chosen: Mapping[str, Recording], clock: Clock | None, settings: ProposalSettings
+) -> tuple[Sequence[Place], list[LogSeries], tuple[str, ...]]:
+    """The places that some logs share, their numbers in each, and what is said of messages that cannot be read."""
+    places, axis = _places([*chosen.values()], clock, settings), clock.axis if clock else None
+
+    def numbers(of: Sequence[Place]) -> list[LogSeries]:
+        return [read_series(name, recording, of, axis, settings) for name, recording in chosen.items()]
+
+    try:
+        return places, numbers(places), ()
+    except (DataError, UnknownNameError):
+        if clock:
+            raise
+    found = readable([*chosen.values()], places, settings.contract)
+    return found.places, numbers(found.places), found.doubts
 
 
 def _places(chosen: Sequence[Recording], clock: Clock | None, settings: ProposalSettings) -> list[Place]:
