@@ -22,6 +22,7 @@ Entry = dict[str, str | float] | list[str]  # of a parameter; or the bodies whos
 
 _WIDER = 4.0  # times the documented damping, at least
 _QUICK = 10.0  # 1/s; a damping that stops a joint in a tenth of a second, where no motion tells more
+_COORDINATE = 9  # digits of a bound that counts from a frame's origin, which may lie far from the hinge
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
@@ -119,9 +120,9 @@ def _centres(model: mujoco.MjModel, bodies: Sequence[str], settings: ProposalSet
         if offset[axis] == 0.0:
             continue
         start = float(model.body(body).ipos[axis] - offset[axis])
-        low, high = sorted(start + float(offset[axis]) * factor for factor in (1 / settings.spread, settings.spread))
-        target = f"body.{body}.ipos[{axis}]"
-        found[f"{body}.com"] = {"target": target, "unit": "m", "low": _rounded(low), "high": _rounded(high)}
+        ends = (_rounded(float(offset[axis]) * factor) for factor in (1 / settings.spread, settings.spread))
+        low, high = sorted(float(f"{start + end:.{_COORDINATE}g}") for end in ends)
+        found[f"{body}.com"] = {"target": f"body.{body}.ipos[{axis}]", "unit": "m", "low": low, "high": high}
     return found
 
 

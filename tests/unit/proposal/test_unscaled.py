@@ -66,6 +66,14 @@ def test_a_pendulum_that_swings_freely_has_its_centre_of_mass_free_and_not_its_m
     assert "Free in its place is what sets the period: a.com." in page
 
 
+def test_bounds_of_a_centre_of_mass_count_from_a_hinge_far_from_the_bodys_frame() -> None:
+    """As exports of drawings have it: every frame at the origin of the world."""
+    arm = """<body name="a"><inertial pos="0 0 1.2137" mass="0.2" diaginertia="2e-5 2e-5 2e-5"/>
+      <joint name="q1" pos="0 0 1.2437" axis="0 1 0" damping="1e-4"/></body>"""
+    free = proposed(machine(arm), never)
+    assert free["a.com"] == {"target": "body.a.ipos[2]", "unit": "m", "low": 1.1837, "high": 1.2287}
+
+
 @pytest.mark.parametrize(
     ("mjcf", "driven"),
     [
