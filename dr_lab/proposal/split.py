@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from glob import escape
 from pathlib import Path
 
 from dr_lab.measurements.log_file import kind
@@ -115,7 +116,7 @@ def _files(paths: Sequence[Path]) -> tuple[str, ...]:
     whole = [path.absolute() for path in paths]
     folders, suffixes = {path.parent for path in whole}, {path.suffix for path in whole}
     if len(folders) == len(suffixes) == 1 and len(whole) > 1 and kind(whole[0]) != "bag":
-        glob = folders.pop() / f"*{suffixes.pop()}"
-        if sorted(glob.parent.glob(glob.name)) == sorted(whole):
-            return (str(glob),)
+        folder, pattern = folders.pop(), f"*{suffixes.pop()}"
+        if sorted(folder.glob(pattern)) == sorted(whole):
+            return (str(Path(escape(str(folder))) / pattern),)
     return tuple(map(str, whole))
