@@ -1,5 +1,6 @@
 """Which logs are fitted and which are held out; and those that cannot be used."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from glob import escape
@@ -10,9 +11,10 @@ from dr_lab.proposal.coverage import reach_of, within
 from dr_lab.proposal.propose import Proposal
 from dr_lab.proposal.rooms import Rooms
 from dr_lab.proposal.settings import ProposalSettings
-from dr_lab.trajectory import Log
+from dr_lab.trajectory import Array, Log
 
 _FEWEST = 3  # logs of which one may be chosen
+_SHOWN = 12  # digits of a time in s
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Split:
             parts.append(f"{len(self.held_out)} held out{self.said_of_reach}")
         else:
             which = "of the other the" if self.left_out else "its"
-            parts.append(f"{which} first {self.cut:g} s fitted and the rest held out")
+            parts.append(f"{which} first {self.cut:.{_SHOWN}g} s fitted and the rest held out")
         return ", ".join(parts)
 
     @property
@@ -102,13 +104,20 @@ def split_logs(proposal: Proposal, left_out: Mapping[str, str], share: float) ->
     files = _files([path for name, path in proposal.logs.files.items() if name not in left_out])
     named = tuple(logs) if left_out else None
     if len(logs) == 1:
-        time = proposal.outputs[0].parts[0].signals[0].time
-        cut = f"{time[0] + (1 - share) * (time[-1] - time[0]):.3g}"
-        return Split(files, (f"{logs[0]}[:{cut}]",), (f"{logs[0]}[{cut}:]",), left_out, float(cut))
+        cut = _cut(proposal.outputs[0].parts[0].signals[0].time, 1 - share)
+        at = f"{cut:.{_SHOWN}g}"
+        return Split(files, (f"{logs[0]}[:{at}]",), (f"{logs[0]}[{at}:]",), left_out, cut)
     every = max(round(1 / share), 2)
     held = tuple(logs[every - 1 :: every]) or (logs[-1],)
     fit = tuple(name for name in named if name not in held) if named else None
     return Split(files, fit, held, left_out)
+
+
+def _cut(time: Array, share: float) -> float:
+    """When a share of the times has passed, in s, to three digits of how long that takes."""
+    lasts = share * float(time[-1] - time[0])
+    places = 2 - math.floor(math.log10(lasts))
+    return round(float(time[0]) + lasts, places)
 
 
 def _files(paths: Sequence[Path]) -> tuple[str, ...]:
