@@ -1,5 +1,6 @@
 """What the actuators of one joint give it."""
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -7,10 +8,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.physics.activations import settle_filters
 from dr_lab.physics.compiled_contexts import distinct
 from dr_lab.trajectory import Array
 
 _STEP = 1e-4  # of controls, rad, m, rad/s and m/s; actuators are affine but for their limits
+_LIMITS = ("actuator_ctrl", "actuator_force", "actuator_act", "jnt_actfrc", "tendon_actfrc")
 
 
 @dataclass(frozen=True)
@@ -19,8 +22,8 @@ class JointDrive:
 
     Three things are left out:
 
-    1. limits of controls and voltages, and those of forces where actuators act through more than joints;
-    2. delays and activations: a late command counts from the moment it is given;
+    1. limits of voltages and activations, and those of forces where actuators act through more than joints;
+    2. delays and activations: a late or filtered command counts from the moment it is given;
     3. forces without a command that are bounded or cog, which follow no such line.
 
     Attributes:
@@ -32,6 +35,8 @@ class JointDrive:
         by_velocity: N·m·s/rad or N·s/m, shape (n,).
         low: least force, −∞ where there is no limit, N·m or N, shape (n,).
         high: largest force, shape (n,).
+        least: of each control, −∞ where there is no limit, shape (n, nu).
+        largest: of each control, shape (n, nu).
     """
 
     address: int
@@ -42,6 +47,8 @@ class JointDrive:
     by_velocity: Array
     low: Array
     high: Array
+    least: Array
+    largest: Array
 
     @classmethod
     def of(cls, models: Sequence[mujoco.MjModel], joint: str) -> "JointDrive":
@@ -51,19 +58,21 @@ class JointDrive:
         lines = np.array([_line(model, data, row) for model in unique])[which]
         address, dof = int(unique[0].jnt_qposadr[row]), int(unique[0].jnt_dofadr[row])
         low, high = np.array([_limits(model, row) for model in unique])[which].T
-        return cls(address, dof, lines[:, 0], lines[:, 3:], lines[:, 1], lines[:, 2], low, high)
+        least, largest = np.array([_command_limits(model) for model in unique])[which].swapaxes(0, 1)
+        return cls(address, dof, lines[:, 0], lines[:, 3:], lines[:, 1], lines[:, 2], low, high, least, largest)
 
     def force(self, qpos: Array, qvel: Array, control: Array) -> Array:
         """Generalised force in N·m or N of n simulations, shape (n,); arguments of shape (n, nq), (n, nv), (n, nu)."""
         moving = self.by_position * qpos[:, self.address] + self.by_velocity * qvel[:, self.dof]
-        asked = self.constant + np.einsum("nu,nu->n", control, self.by_control) + moving
+        taken = np.clip(control, self.least, self.largest)
+        asked = self.constant + np.einsum("nu,nu->n", taken, self.by_control) + moving
         return np.clip(asked, self.low, self.high)
 
 
 def _line(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> list[float]:
     """Constant and slopes by position, velocity and each control; `data` of a model of this layout is overwritten."""
     address, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-    bent = _bent(model, joint)
+    bent, model = _bent(model, joint), _unlimited(model)
     outputs, gears = model.actuator_outadr[bent], model.actuator_gear[bent, 0]
 
     def force(**changed: int) -> float:
@@ -80,14 +89,28 @@ def _line(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> list[float]
     return [still - slopes[0] * float(model.qpos0[address]), *slopes, *by_control]
 
 
+def _unlimited(model: mujoco.MjModel) -> mujoco.MjModel:
+    """The model whose actuators give what they are asked for, so that their line is seen where limits cut it off."""
+    found = copy.copy(model)
+    for name in _LIMITS:
+        getattr(found, f"{name}limited")[:] = False
+    return found
+
+
+def _command_limits(model: mujoco.MjModel) -> Array:
+    """Least and largest of each control, shape (2, nu)."""
+    return np.where(model.actuator_ctrllimited, model.actuator_ctrlrange.T, [[-np.inf], [np.inf]])
+
+
 def _limits(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
-    """Least and largest force that the actuators give the joint together, without limit where one of them has none."""
+    """Least and largest force that the actuators give the joint together: of each of them, and of the joint."""
+    least, largest = model.jnt_actfrcrange[joint] if model.jnt_actfrclimited[joint] else (-np.inf, np.inf)
     if (model.actuator_trntype != int(mujoco.mjtTrn.mjTRN_JOINT)).any():
-        return -np.inf, np.inf
+        return float(least), float(largest)
     straight = np.setdiff1d(np.flatnonzero(_at(model, joint)), _bent(model, joint))
     ends = np.sort(model.actuator_forcerange[straight] * model.actuator_gear[straight, :1], axis=1)
     ends = np.where(model.actuator_forcelimited[straight, None].astype(bool), ends, [-np.inf, np.inf])
-    low, high = ends.sum(axis=0)
+    low, high = np.clip(ends.sum(axis=0), least, largest)
     return float(low), float(high)
 
 
@@ -109,3 +132,4 @@ def _hold_commands(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         times = np.arange(-samples, 0) * model.opt.timestep
         values = np.full(samples, data.ctrl[model.actuator_ctrladr[actuator]])
         mujoco.mj_initCtrlHistory(model, data, int(actuator), times, values)
+    settle_filters(model, data)

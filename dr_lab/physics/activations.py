@@ -37,6 +37,12 @@ def time_constants(model: mujoco.MjModel) -> Array:
     return found
 
 
+def settle_filters(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Let filters have had the present controls all along."""
+    filters = np.flatnonzero(np.isin(model.actuator_dyntype, _FILTERS))
+    data.act[model.actuator_actadr[filters]] = data.ctrl[model.actuator_ctrladr[filters]]
+
+
 def holders(model: mujoco.MjModel) -> tuple[str, ...]:
     """The name of the actuator that each activation belongs to, shape (na,)."""
     names = [""] * model.na

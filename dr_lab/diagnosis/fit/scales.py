@@ -12,12 +12,12 @@ from dr_lab.diagnosis.windows.blocks import spread
 from dr_lab.diagnosis.windows.channels import Channel, available
 from dr_lab.effects.effect import Scales
 from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.physics.activations import settle_filters
 from dr_lab.trajectory import Array, Log
 
 _SAMPLES_PER_LOG = 200
 _FAST = 95.0  # percentile that stands for a joint's speed
 _RESTING = 1e-9  # rad/s or m/s; rounding
-_FILTERS = [int(kind) for kind in (mujoco.mjtDyn.mjDYN_FILTER, mujoco.mjtDyn.mjDYN_FILTEREXACT)]
 
 
 def machine_scales(model: mujoco.MjModel, logs: Sequence[Log], smoother: float) -> Scales:
@@ -132,10 +132,9 @@ def _forces(model: mujoco.MjModel, qpos: Array, qvel: Array, qacc: Array) -> Arr
 def _driven(model: mujoco.MjModel, qpos: Array, qvel: Array, controls: Array) -> Array:
     """Root mean square of the actuators' forces by degree of freedom, shape (nv,); filters have settled."""
     data, total = mujoco.MjData(model), np.zeros(model.nv)
-    filters = np.flatnonzero(np.isin(model.actuator_dyntype, _FILTERS))
     for q, v, u in zip(qpos, qvel, controls, strict=True):
         data.qpos[:], data.qvel[:], data.ctrl[:] = q, v, u
-        data.act[model.actuator_actadr[filters]] = u[model.actuator_ctrladr[filters]]
+        settle_filters(model, data)
         mujoco.mj_forward(model, data)
         total += data.qfrc_actuator**2
     return np.sqrt(total / max(len(qpos), 1))

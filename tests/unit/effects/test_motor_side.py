@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+import mujoco
 import numpy as np
 import pytest
 from effect_machines import block, placed, scales_of
@@ -117,8 +118,8 @@ def test_teeth_in_contact_are_rigid() -> None:
     np.testing.assert_allclose(place, 0.5 * FORCE / MASS * time**2, rtol=0, atol=1e-12)
 
 
-def drive(actuator: str) -> tuple[Model, JointDrive]:
-    model = block(actuator)
+def drive(actuator: str, joint: str = "") -> tuple[Model, JointDrive]:
+    model = block(actuator, joint)
     return model, JointDrive.of([model.nominal()], "rail")
 
 
@@ -141,9 +142,67 @@ def test_a_drive_ends_at_its_actuators_force_limits() -> None:
     assert (one.low[0], one.high[0]) == (-np.inf, np.inf)
 
 
-def test_a_clipped_command_is_made_up_for() -> None:
-    """The drive asks for twice of what arrives; the centre of mass moves under what does."""
-    model = block('<motor name="drive" joint="rail" ctrlrange="-2 2" ctrllimited="true"/>')
+@pytest.mark.parametrize(
+    ("actuator", "joint"),
+    [
+        ('<position name="drive" joint="rail" kp="100" kv="10" ctrlrange="-3 -0.5"/>', ""),
+        ('<position name="drive" joint="rail" kp="100" kv="10" ctrlrange="-3 -0.5" forcerange="-20 20"/>', ""),
+        ('<motor name="drive" joint="rail" gear="5" ctrlrange="0.2 1"/>', ""),
+        ('<motor name="drive" joint="rail" gear="5"/>', 'actuatorfrcrange="-3 4"'),
+        ('<general name="drive" joint="rail" gainprm="5" dyntype="filterexact" dynprm="0.02"/>', ""),
+        ('<position name="drive" joint="rail" kp="30" kv="4" timeconst="0.05" ctrlrange="-1 -0.2"/>', ""),
+    ],
+)
+def test_a_drive_follows_its_line_up_to_limits(actuator: str, joint: str) -> None:
+    """Wherever they are; and filters have had their command for long."""
+    model, motor = drive(actuator, joint)
+    compiled = model.nominal()
+    data = mujoco.MjData(compiled)
+    for q, v, u in np.random.default_rng(0).uniform(-2.0, 2.0, (30, 3)):
+        data.qpos[:], data.qvel[:], data.ctrl[:] = q, v, u
+        if compiled.na:
+            data.act[:] = np.clip(u, *compiled.actuator_ctrlrange[0]) if compiled.actuator_ctrllimited[0] else u
+        mujoco.mj_forward(compiled, data)
+        found = motor.force(np.array([[q]]), np.array([[v]]), np.array([[u]]))
+        np.testing.assert_allclose(found, data.qfrc_actuator, rtol=1e-6)
+
+
+def test_a_servos_rotor_stops_within_a_step_whatever_its_ranges() -> None:
+    """The smallest one follows from its gains, also where the force is clipped at the origin."""
+    ranges = 'ctrlrange="-3 -0.5" forcerange="-20 20"'
+    lows = []
+    for limits in ("", ranges):
+        model = block(f'<position name="drive" joint="rail" kp="100" kv="100" {limits}/>')
+        rotor = placed(model, "motor_side_elasticity", "rail").parameters[1]
+        lows.append(rotor.low)
+    np.testing.assert_allclose(lows, STEP * 100 + STEP**2 * 100, rtol=1e-6)
+
+
+def test_a_command_beyond_its_range_has_wound_the_spring_no_further() -> None:
+    """Where force and acceleration were steady nothing swings."""
+    model = block('<motor name="drive" joint="rail" ctrlrange="-2 2"/>')
+    extended = model.with_effect(placed(model, "joint_elasticity", "rail", scales_of(model)))
+    values = {f"joint_elasticity@rail.{key}": value for key, value in spring(40.0, retardation=0.02).items()}
+    speed = (2.0 / MASS * STEP * (np.arange(-AMID, 0.0) + 0.5))[None, :, None]
+    history = History(np.zeros(1), np.zeros((1, AMID, 1)), speed, np.full((1, AMID, 1), FORCE))
+    controls, rest = np.full((1, 300, 1), FORCE), np.zeros((1, 1, 1))
+    rollout = Simulator(extended, 1, threads=1).replay(
+        extended.space.vector(values)[None], rest, rest, controls, controls[:, :1], history
+    )
+    expected = 0.5 * 2.0 / MASS * (np.arange(301) * STEP) ** 2
+    np.testing.assert_allclose(rollout.qpos[0, :, 0], expected, rtol=0, atol=5e-5)
+
+
+@pytest.mark.parametrize(
+    ("actuator", "arriving"),
+    [
+        ('<motor name="drive" joint="rail" ctrlrange="-2 2" ctrllimited="true"/>', 2.0),
+        ('<general name="drive" joint="rail" dyntype="filterexact" dynprm="0.02"/>', FORCE),
+    ],
+)
+def test_a_clipped_or_late_command_is_made_up_for(actuator: str, arriving: float) -> None:
+    """The drive is asked for more than arrives; the centre of mass moves under what does."""
+    model = block(actuator)
     extended = model.with_effect(placed(model, "joint_elasticity", "rail", scales_of(model)))
     values = {f"joint_elasticity@rail.{key}": value for key, value in spring(40.0, retardation=0.02).items()}
     controls, rest = np.full((1, 300, 1), FORCE), np.zeros((1, 1, 1))
@@ -153,7 +212,7 @@ def test_a_clipped_command_is_made_up_for() -> None:
         extended.space.vector(values)[None], rest, rest, controls, controls[:, :1], history
     )
     gained = np.diff(rollout.qvel[0, 240:, 0]) / STEP
-    np.testing.assert_allclose(gained, 2.0 / MASS, rtol=1e-3)
+    np.testing.assert_allclose(gained, arriving / MASS, rtol=1e-3)
 
 
 def test_a_drive_is_that_of_each_simulation() -> None:
