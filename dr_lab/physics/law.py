@@ -41,7 +41,7 @@ class History:
         begin: s on the log's clock at which the windows start, shape (w,).
         qpos: positions in the middle of the steps, shape (w, p, nq).
         qvel: velocities there, shape (w, p, nv).
-        controls: controls of the steps, shape (w, p, nu).
+        controls: controls of the steps as they were recorded, before any command filter, shape (w, p, nu).
         far: mean velocities in f intervals before these steps, for laws that look far, shape (w, f, nv).
         interval: s, length of each of these.
     """

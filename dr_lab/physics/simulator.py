@@ -185,12 +185,13 @@ class Simulator:
             qpos: start positions, shape (c, w, nq), with c · w = nsim.
             qvel: start velocities, shape (c, w, nv).
             controls: control of each step, shape (w, s, nu), or (c, w, s, nu).
-            past: controls of the steps before the start, oldest first, for delayed actuators, shape (w, p, nu).
+            past: controls of the steps before the start, oldest first, shape (w, p, nu); those of a longer history.
             history: what was measured before the start, for laws that remember; None for nothing at time 0.
             act: activations at the start, shape (c, w, na); None for those of the model's initial state.
         """
         contexts = self._begin(z, qpos, qvel, act)
         z = z if z.ndim == 2 else z[:, 0]  # nobody attaches a command filter
+        past = past if history is None else max(past, history.controls, key=lambda known: known.shape[1])
         before, (nstep, ncontrol) = past.shape[1], controls.shape[-2:]
         earlier = np.broadcast_to(past, (*controls.shape[:-3], *past.shape))
         known = self.commanded(z, np.concatenate([earlier, controls], axis=-2))
@@ -202,7 +203,7 @@ class Simulator:
         if self._stepper is None:
             out = self.batch.rollout(nstep, applied if ncontrol else None, record=record)
         else:
-            out = self._stepper.rollout(applied, record, history)
+            out = self._stepper.rollout(applied, record, history, known[:, :, :before])
         first = lambda start, rest: np.concatenate([start.reshape(self.nsim, 1, -1), rest], axis=1)  # noqa: E731
         sensors = out.get("sensordata", np.empty((self.nsim, nstep, 0)))
         return Rollout(first(qpos, out["qpos"]), first(qvel, out["qvel"]), sensors, start, applied, self.infeasible)

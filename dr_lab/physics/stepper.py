@@ -107,13 +107,15 @@ class Stepper:
         self._new[:] = False
 
     @np.errstate(over="ignore", invalid="ignore")
-    def rollout(self, controls: Array, record: Sequence[str], history: History | None) -> dict[str, Array]:
+    def rollout(self, controls: Array, record: Sequence[str], history: History | None, past: Array) -> dict[str, Array]:
         """Steps from the state that the simulations are in, under a series of controls.
 
         Args:
             controls: controls asked for, shape (nsim, s, nu); those that MuJoCo got take their place.
             record: names of the `MjData` fields to keep.
             history: what came before, of w windows; simulation i is that of window i mod w. None for nothing.
+            past: controls before, as command filters leave them, shape (c or 1, w, p, nu); they reach back as far as
+                the history, and laws see them in place of its own.
 
         Returns:
             The fields after every step, as `Batch.rollout` gives them, shape (nsim, s, …).
@@ -123,7 +125,7 @@ class Stepper:
         begin: Array | float = 0.0
         if history is not None:
             begin = self._each(history.begin)
-            self._remember(history, begin)
+            self._remember(history, past, begin)
             for law in self._with_encoders:
                 law.place_joints(self._qpos, self._qvel)
         fields = {name: self._batch.bind(name) for name in record}
@@ -144,17 +146,17 @@ class Stepper:
         for law in self._with_encoders:
             law.read_encoders(kept["qpos"][:, k], kept["qvel"][:, k])
 
-    def _remember(self, history: History, begin: Array) -> None:
+    def _remember(self, history: History, past: Array, begin: Array) -> None:
         """Let laws remember what was measured before: it is recalled once, however many states begin there."""
         if not any(law.remembers for law in self._laws):
             return
         if self._recalled is None or self._recalled[0] is not history:
-            self._recall(history, begin)
+            self._recall(history, past, begin)
             self._recalled = (history, [law.memory.copy() for law in self._laws])
         for law, memory in zip(self._laws, self._recalled[1], strict=True):
             law.remember(memory.copy())
 
-    def _recall(self, history: History, begin: Array) -> None:
+    def _recall(self, history: History, past: Array, begin: Array) -> None:
         """Let laws that remember see what was measured before, behind the others; what they do has no effect then."""
         stepwise = list[Law]()
         for law in self._laws:
@@ -165,16 +167,16 @@ class Stepper:
             else:
                 stepwise.append(law)
         if any(law.remembers for law in stepwise):
-            self._recall_stepwise(stepwise, history, begin)
+            self._recall_stepwise(stepwise, history, past, begin)
 
-    def _recall_stepwise(self, laws: Sequence[Law], history: History, begin: Array) -> None:
+    def _recall_stepwise(self, laws: Sequence[Law], history: History, past: Array, begin: Array) -> None:
         count, (friction, armature, _) = history.qpos.shape[1], self._own
         still = np.zeros_like(friction)
         for k in range(count):
             time = begin + (k - count + 0.5) * self._step
             qpos, qvel = self._each(history.qpos[:, k]), self._each(history.qvel[:, k])
             gained = qvel - self._each(history.qvel[:, max(k - 1, 0)])
-            control = self._each(history.controls[:, k])
+            control = self._each(np.concatenate(past[:, :, past.shape[2] - count + k]))
             influence = Influence(control, np.zeros_like(friction), friction.copy(), armature.copy())
             moment = Moment(self._step, time, qpos, qvel, gained, still, still)
             for law in laws:

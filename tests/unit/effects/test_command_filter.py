@@ -5,12 +5,15 @@ import pytest
 from effect_machines import block, catalogue_effect, placed
 
 from dr_lab.physics.effect_parts import StepwiseFilter
-from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.law import History, Influence, Law, Moment
+from dr_lab.physics.model import Model
+from dr_lab.physics.simulator import Simulator
 from dr_lab.trajectory import Array
 
 COMMANDS = np.array([1.0, 3.0, 3.0, -2.0, 0.5, 0.5])
 STEP = 0.002
 TAU = np.array([0.003, 0.02])  # s, one for each simulation
+BEFORE, AFTER = 90, 40  # steps that were measured, and that are simulated
 
 
 def driver(name: str, **values: Array) -> Law:
@@ -70,3 +73,34 @@ def test_a_recalled_filter_goes_on() -> None:
     played(filter_, COMMANDS[:3])
     other.remember(filter_.memory)
     np.testing.assert_array_equal(played(other, COMMANDS[3:]), played(filter_, COMMANDS[3:]))
+
+
+@pytest.mark.parametrize("known", [20, BEFORE, BEFORE + 60])
+@pytest.mark.parametrize("name", ["actuator_lag", "rate_limit", "dead_zone"])
+def test_laws_have_seen_commands_behind_the_filter(name: str, known: int) -> None:
+    """In each context and window their own, from the first one that is known on."""
+    bare = block().with_effect(placed(block(), "joint_elasticity", "rail"))
+    model = bare.with_effect(placed(block(), name, "drive"))
+    behind = np.tile(bare.space.low + 0.4 * (bare.space.high - bare.space.low), (2, 1))
+    (filtering,) = model.effects[1].parameters
+    z = np.column_stack([behind, np.array([0.2, 0.7]) * filtering.high])
+    moments = np.arange(-max(known, BEFORE), AFTER)
+    commands = np.stack([np.sign(np.sin(0.05 * moments + shift)) for shift in (0.3, 1.5)])[..., None]
+    found = seen(model, z, commands, known)
+    arrived = model.command(z, "drive", commands[None, ..., 0])[..., None]
+    for k in range(2):
+        expected = seen(bare, behind[:1], arrived[k], known)[0]
+        np.testing.assert_allclose(found[k], expected, rtol=0, atol=1e-12)
+    assert np.abs(found[0] - found[1]).max() > 1e-6
+
+
+def seen(model: Model, z: Array, commands: Array, known: int) -> Array:
+    """Positions in windows whose commands and motion before were seen, shape (c, w, s + 1)."""
+    windows, start = len(commands), commands.shape[1] - AFTER
+    shape = len(z), windows, 1
+    before, moved = commands[:, start - BEFORE : start], 0.1 * np.ones((windows, BEFORE, 1))
+    history = History(np.zeros(windows), moved, np.cos(moved * np.arange(BEFORE)[:, None]), before)
+    past, coming = commands[:, start - known : start], commands[:, start:]
+    simulator = Simulator(model, len(z) * windows, threads=1)
+    rollout = simulator.replay(z, np.zeros(shape), np.zeros(shape), coming, past, history)
+    return rollout.qpos.reshape(*shape[:2], -1)
