@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dr_lab.physics.effect_parts import StepwiseFilter
-from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.law import CommandLaw, Influence, Law, Moment
 from dr_lab.trajectory import Array
 
 Advance = Callable[[Array, Array], tuple[Array, Array]]
@@ -57,7 +57,7 @@ class DynamicFilter(StepwiseFilter):
 
 
 @dataclass(frozen=True)
-class StaticDriver(Law):
+class StaticDriver(CommandLaw):
     """A filter without memory in n simulations.
 
     Attributes:
@@ -75,7 +75,7 @@ class StaticDriver(Law):
 
 
 @dataclass
-class DynamicDriver(Law):
+class DynamicDriver(CommandLaw):
     """A filter that keeps one number, in n simulations.
 
     Attributes:

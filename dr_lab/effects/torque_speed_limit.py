@@ -13,7 +13,7 @@ from dr_lab.effects.joint_force import acts_on, drives_joint
 from dr_lab.effects.special_case import SpecialCase
 from dr_lab.physics.compiled_contexts import distinct
 from dr_lab.physics.effect_parts import ForceLaw
-from dr_lab.physics.law import Influence, Law, Moment
+from dr_lab.physics.law import CommandLaw, Influence, Law, Moment
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -86,7 +86,7 @@ class TorqueSpeedLimit(ActuatorEffect, ForceLaw):
 
 
 @dataclass(frozen=True)
-class _Bounded(Law):
+class _Bounded(CommandLaw):
     """Bound of one command; gain, gear, inverse stall torque and speed of shape (n,)."""
 
     column: int

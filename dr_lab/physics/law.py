@@ -120,6 +120,10 @@ class Law(ABC):
         del memory
 
 
+class CommandLaw(Law):
+    """A law that changes commands, and so acts before the laws that go by them."""
+
+
 class MotionLaw(Law):
     """A law whose memory depends on how the joints move alone, so that it can follow a measured motion at once.
 

@@ -7,7 +7,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from dr_lab.physics.law import History, Influence, Law, Moment, MotionLaw
+from dr_lab.physics.law import CommandLaw, History, Influence, Law, Moment, MotionLaw
 from dr_lab.trajectory import Array
 
 # Fields of the model that laws change from step to step. MuJoCo takes the mass matrix of simple joints from dof_M0.
@@ -24,13 +24,13 @@ class Stepper:
     Args:
         batch: the simulations.
         compiled: their model.
-        laws: the laws, in the order in which they act.
+        laws: the laws; those that change commands act first, and else all act in this order.
     """
 
     def __init__(self, batch: Batch, compiled: mujoco.MjModel, laws: Sequence[Law]) -> None:
         self._batch = batch
-        self._laws = laws
-        self._with_encoders = [law for law in laws if law.reads_elsewhere]
+        self._laws = sorted(laws, key=lambda law: not isinstance(law, CommandLaw))
+        self._with_encoders = [law for law in self._laws if law.reads_elsewhere]
         friction, armature, self._inertia = live = tuple(batch.expand(name) for name in CHANGED)
         self._own = tuple(values.copy() for values in live)  # without any law
         self._step = compiled.opt.timestep

@@ -94,6 +94,20 @@ def test_laws_have_seen_commands_behind_the_filter(name: str, known: int) -> Non
     assert np.abs(found[0] - found[1]).max() > 1e-6
 
 
+@pytest.mark.parametrize("name", ["joint_elasticity", "motor_side_elasticity", "backlash"])
+def test_commands_are_bounded_before_a_motor_sees_them(name: str) -> None:
+    """In whichever order the effects are added."""
+    commands = np.sign(np.sin(0.05 * np.arange(-BEFORE, AFTER)))[None, :, None]
+    motor, bound = placed(block(), name, "rail"), placed(block(), "torque_speed_limit", "drive")
+    found = []
+    for order in ((bound, motor), (motor, bound)):
+        model = block().with_effect(order[0]).with_effect(order[1])
+        middle = model.space.mapping(0.6 * model.space.low + 0.4 * model.space.high)
+        values = middle | {f"{bound.label}.inverse_stall": 2.0, f"{bound.label}.inverse_speed": 0.2}
+        found.append(seen(model, model.space.vector(values)[None], commands, BEFORE))
+    np.testing.assert_array_equal(*found)
+
+
 def seen(model: Model, z: Array, commands: Array, known: int) -> Array:
     """Positions in windows whose commands and motion before were seen, shape (c, w, s + 1)."""
     windows, start = len(commands), commands.shape[1] - AFTER
