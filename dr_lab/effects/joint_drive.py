@@ -20,11 +20,11 @@ _LIMITS = ("actuator_ctrl", "actuator_force", "actuator_act", "jnt_actfrc", "ten
 class JointDrive:
     """tau = constant + by_control · u + by_position q + by_velocity v within limits, as every memoryless actuator.
 
-    Three things are left out:
+    The cogging of motors comes on top. Three things are left out:
 
     1. limits of voltages and activations, and those of forces where actuators act through more than joints;
     2. delays and activations: a late or filtered command counts from the moment it is given;
-    3. forces without a command that are bounded or cog, which follow no such line.
+    3. bounded forces without a command, as of friction that falls with speed: they stay with the link.
 
     Attributes:
         address: of the joint's position in qpos.
@@ -37,6 +37,8 @@ class JointDrive:
         high: largest force, shape (n,).
         least: of each control, −∞ where there is no limit, shape (n, nu).
         largest: of each control, shape (n, nu).
+        cogging: amplitude in N·m or N, periods in 1/rad or 1/m and phase in rad of k motors, shape (3, n, k).
+        at_link: generalised force by each output of an actuator, of those that stay with the link, shape (n, nout).
     """
 
     address: int
@@ -49,6 +51,8 @@ class JointDrive:
     high: Array
     least: Array
     largest: Array
+    cogging: Array
+    at_link: Array
 
     @classmethod
     def of(cls, models: Sequence[mujoco.MjModel], joint: str) -> "JointDrive":
@@ -59,21 +63,31 @@ class JointDrive:
         address, dof = int(unique[0].jnt_qposadr[row]), int(unique[0].jnt_dofadr[row])
         low, high = np.array([_limits(model, row) for model in unique])[which].T
         least, largest = np.array([_command_limits(model) for model in unique])[which].swapaxes(0, 1)
-        return cls(address, dof, lines[:, 0], lines[:, 3:], lines[:, 1], lines[:, 2], low, high, least, largest)
+        line = lines[:, 0], lines[:, 3:], lines[:, 1], lines[:, 2]
+        cogging = np.array([_cogging(model, row) for model in unique])[which].swapaxes(0, 1)
+        at_link = np.array([_at_link(model, row) for model in unique])[which]
+        return cls(address, dof, *line, low, high, least, largest, cogging, at_link)
 
     def force(self, qpos: Array, qvel: Array, control: Array) -> Array:
         """Generalised force in N·m or N of n simulations, shape (n,); arguments of shape (n, nq), (n, nv), (n, nu)."""
         moving = self.by_position * qpos[:, self.address] + self.by_velocity * qvel[:, self.dof]
         taken = np.clip(control, self.least, self.largest)
         asked = self.constant + np.einsum("nu,nu->n", taken, self.by_control) + moving
-        return np.clip(asked, self.low, self.high)
+        found = np.clip(asked, self.low, self.high)
+        if self.cogging.size:
+            amplitude, periods, phase = self.cogging
+            found += (amplitude * np.sin(periods * qpos[:, self.address, None] + phase)).sum(axis=1)
+        return found
+
+    def staying(self, outputs: Array) -> Array:
+        """Generalised force that stays with the link, of all outputs of actuators (n, nout), shape (n,)."""
+        return np.einsum("no,no->n", outputs, self.at_link)
 
 
 def _line(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> list[float]:
     """Constant and slopes by position, velocity and each control; `data` of a model of this layout is overwritten."""
     address, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-    bent, model = _bent(model, joint), _unlimited(model)
-    outputs, gears = model.actuator_outadr[bent], model.actuator_gear[bent, 0]
+    at_link, model = _at_link(model, joint), _unlimited(model)
 
     def force(**changed: int) -> float:
         mujoco.mj_resetData(model, data)
@@ -81,7 +95,7 @@ def _line(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> list[float]
             getattr(data, field)[entry] += _STEP
         _hold_commands(model, data)
         mujoco.mj_forward(model, data)
-        return float(data.qfrc_actuator[dof] - data.actuator_force[outputs] @ gears)
+        return float(data.qfrc_actuator[dof] - data.actuator_force @ at_link)
 
     still = force()
     slopes = [(force(**{field: entry}) - still) / _STEP for field, entry in (("qpos", address), ("qvel", dof))]
@@ -90,8 +104,9 @@ def _line(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> list[float]
 
 
 def _unlimited(model: mujoco.MjModel) -> mujoco.MjModel:
-    """The model whose actuators give what they are asked for, so that their line is seen where limits cut it off."""
+    """The model whose actuators give what they are asked for, without cogging: so all that they give is a line."""
     found = copy.copy(model)
+    found.actuator_biasprm[_cogs(model), 0] = 0.0
     for name in _LIMITS:
         getattr(found, f"{name}limited")[:] = False
     return found
@@ -107,7 +122,8 @@ def _limits(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
     least, largest = model.jnt_actfrcrange[joint] if model.jnt_actfrclimited[joint] else (-np.inf, np.inf)
     if (model.actuator_trntype != int(mujoco.mjtTrn.mjTRN_JOINT)).any():
         return float(least), float(largest)
-    straight = np.setdiff1d(np.flatnonzero(_at(model, joint)), _bent(model, joint))
+    beside = _bounded(model, joint) | (_cogs(model) & (model.actuator_ctrlnum == 0))
+    straight = np.flatnonzero(_at(model, joint) & ~beside)
     ends = np.sort(model.actuator_forcerange[straight] * model.actuator_gear[straight, :1], axis=1)
     ends = np.where(model.actuator_forcelimited[straight, None].astype(bool), ends, [-np.inf, np.inf])
     low, high = np.clip(ends.sum(axis=0), least, largest)
@@ -119,10 +135,29 @@ def _at(model: mujoco.MjModel, joint: int) -> NDArray[np.bool_]:
     return (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (model.actuator_trnid[:, 0] == joint)
 
 
-def _bent(model: mujoco.MjModel, joint: int) -> NDArray[np.intp]:
-    """Actuators at the joint that take no command and whose force is bounded or cogs."""
-    cogs = model.actuator_biastype == int(mujoco.mjtBias.mjBIAS_DCMOTOR)
-    return np.flatnonzero(_at(model, joint) & (model.actuator_ctrlnum == 0) & (model.actuator_forcelimited | cogs))
+def _bounded(model: mujoco.MjModel, joint: int) -> NDArray[np.bool_]:
+    """Which actuators at the joint take no command and have a bounded force."""
+    return _at(model, joint) & (model.actuator_ctrlnum == 0) & model.actuator_forcelimited
+
+
+def _cogs(model: mujoco.MjModel) -> NDArray[np.bool_]:
+    """Which actuators may cog."""
+    return model.actuator_biastype == int(mujoco.mjtBias.mjBIAS_DCMOTOR)
+
+
+def _cogging(model: mujoco.MjModel, joint: int) -> Array:
+    """Amplitude, periods and phase of the motors at the joint that may cog, shape (3, k)."""
+    motors = np.flatnonzero(_at(model, joint) & _cogs(model) & ~_bounded(model, joint))
+    amplitude, periods, phase = model.actuator_biasprm[motors, :3].T
+    gear = model.actuator_gear[motors, 0]
+    return np.stack([gear * amplitude, gear * periods, phase])
+
+
+def _at_link(model: mujoco.MjModel, joint: int) -> Array:
+    """What a unit of each actuator's output gives the joint where it is bounded without a command, shape (nout,)."""
+    bounded, found = _bounded(model, joint), np.zeros(model.nout)
+    found[model.actuator_outadr[bounded]] = model.actuator_gear[bounded, 0]
+    return found
 
 
 def _hold_commands(model: mujoco.MjModel, data: mujoco.MjData) -> None:

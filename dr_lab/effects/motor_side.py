@@ -108,7 +108,7 @@ class MotorSide(Law):
         dof = self.drive.dof
         asked, inertial = self.drive.force(moment.qpos, moment.qvel, influence.control), self._inertial(moment)
         self._size(len(asked))
-        at_link = moment.actuation[:, dof]
+        at_link = moment.actuation[:, dof] - self.drive.staying(moment.outputs)
         given = at_link + self._beside
         self._meet(given - inertial)
         self._go(given - inertial, self._under_way)

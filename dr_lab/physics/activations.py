@@ -39,6 +39,8 @@ def time_constants(model: mujoco.MjModel) -> Array:
 
 def settle_filters(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Let filters have had the present controls all along."""
+    if not model.na:  # asked for often
+        return
     filters = np.flatnonzero(np.isin(model.actuator_dyntype, _FILTERS))
     data.act[model.actuator_actadr[filters]] = data.ctrl[model.actuator_ctrladr[filters]]
 

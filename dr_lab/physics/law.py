@@ -22,6 +22,7 @@ class Moment:
         gained: velocities gained in the last step, zero where there was none, shape (n, nv).
         actuation: generalised forces of the actuators in the last step, shape (n, nv).
         bias: gravity, centrifugal and Coriolis forces of the last step as MuJoCo signs them, shape (n, nv).
+        outputs: MuJoCo's ``actuator_force`` of each actuator's output in the last step, shape (n, nout).
     """
 
     step: float
@@ -31,6 +32,7 @@ class Moment:
     gained: Array
     actuation: Array
     bias: Array
+    outputs: Array = field(default_factory=lambda: np.empty((1, 0)))
 
 
 @dataclass(frozen=True)

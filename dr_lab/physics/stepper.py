@@ -42,7 +42,7 @@ class Stepper:
         self._before = np.zeros((batch.nsim, compiled.nv))
         self._new = np.ones(batch.nsim, bool)
         # A field shows what a call computed only if it was bound before.
-        self._computed = (batch.bind("qfrc_actuator"), batch.bind("qfrc_bias"))
+        self._computed = tuple(batch.bind(name) for name in ("qfrc_actuator", "qfrc_bias", "actuator_force"))
         self._forces = self._computed  # of the last step
         self._recalled: tuple[History, list[Array]] | None = None  # a history, and what laws remember of it
 
@@ -55,15 +55,14 @@ class Stepper:
     @property
     def memory(self) -> tuple[Array, ...]:
         """What the steps before left behind: velocities, whether there were any, forces, and each law's memory."""
-        actuation, bias = self._forces
-        own = (self._before.copy(), self._new.copy(), actuation.copy(), bias.copy())
+        own = (self._before.copy(), self._new.copy(), *(force.copy() for force in self._forces))
         return (*own, *(law.memory.copy() for law in self._laws))
 
     def restore(self, memory: Sequence[Array]) -> None:
         """Go on from the `memory` of a stepper with equal laws."""
-        self._before[:], self._new[:], actuation, bias = memory[:4]
-        self._forces = (actuation.copy(), bias.copy())
-        for law, remembered in zip(self._laws, memory[4:], strict=True):
+        (self._before[:], self._new[:]), own = memory[:2], 2 + len(self._computed)
+        self._forces = tuple(force.copy() for force in memory[2:own])
+        for law, remembered in zip(self._laws, memory[own:], strict=True):
             law.remember(remembered)
 
     @np.errstate(over="ignore", invalid="ignore")
@@ -199,6 +198,7 @@ class Stepper:
             gained=change,
             actuation=self._forces[0],
             bias=self._forces[1],
+            outputs=self._forces[2],
         )
 
 

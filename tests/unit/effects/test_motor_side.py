@@ -241,6 +241,42 @@ def test_a_drive_has_what_follows_a_line(name: str, values: Mapping[str, float])
     np.testing.assert_allclose([motor.constant[0], motor.by_velocity[0]], [values.get("torque", 0.0), 0.0], atol=1e-9)
 
 
+@pytest.mark.parametrize("elasticity", ["joint_elasticity", "motor_side_elasticity"])
+@pytest.mark.parametrize(
+    ("name", "values", "speed"),
+    [
+        ("stribeck_friction", {"kinetic": 0.5, "excess": 2.0, "speed": 0.1}, FORCE - 0.5),
+        ("cogging", {"cosine": -FORCE, "periods": 5.0}, 0.0),
+    ],
+)
+def test_cogging_winds_the_spring_and_friction_does_not(
+    name: str, values: Mapping[str, float], speed: float, elasticity: str
+) -> None:
+    """What moved steadily against a damping of 1 N·s/m, or rested, goes on without swinging."""
+    model = block(joint='damping="1"')
+    extended = model.with_effect(placed(model, elasticity, "rail")).with_effect(placed(model, name, "rail"))
+    both = ((elasticity, spring(40.0, retardation=0.02)), (name, values))
+    z = extended.space.vector({f"{label}@rail.{key}": v for label, named in both for key, v in named.items()})[None]
+    moved, shape = speed * STEP * (np.arange(-AMID, 0.0) + 0.5), (1, AMID, 1)
+    history = History(np.zeros(1), moved.reshape(shape), np.full(shape, speed), np.full(shape, FORCE))
+    start, controls = np.zeros((1, 1, 1)), np.full((1, 300, 1), FORCE)
+    rollout = Simulator(extended, 1, threads=1).replay(z, start, start + speed, controls, controls[:, :1], history)
+    np.testing.assert_allclose(rollout.qpos[0, :, 0], speed * STEP * np.arange(301), rtol=0, atol=1e-6)
+
+
+def test_a_motor_cogs_by_its_gear_within_its_line() -> None:
+    """What its line lacks comes on top, wherever the motor stands."""
+    cogs = 'motorconst="0.5" resistance="2" cogging="0.7 6 0.4"'
+    model, motor = drive(f'<dcmotor name="drive" joint="rail" gear="3" {cogs}/>')
+    compiled = model.nominal()
+    data = mujoco.MjData(compiled)
+    for q, v, u in np.random.default_rng(0).uniform(-2.0, 2.0, (30, 3)):
+        data.qpos[:], data.qvel[:], data.ctrl[:] = q, v, u
+        mujoco.mj_forward(compiled, data)
+        found = motor.force(np.array([[q]]), np.array([[v]]), np.array([[u]]))
+        np.testing.assert_allclose(found, data.qfrc_actuator, rtol=1e-6)
+
+
 def test_a_motor_that_diverges_is_infeasible_and_no_warning_tells_of_it() -> None:
     """A servo drives a rotor that is far too light for its gains at this step; warnings are errors in these tests."""
     model = block('<position name="drive" joint="rail" kp="2000" kv="60"/>')
