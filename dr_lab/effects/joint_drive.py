@@ -3,12 +3,13 @@
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.physics.activations import settle_filters
+from dr_lab.physics.activations import left_in_filters, settle_filters
 from dr_lab.physics.compiled_contexts import distinct
 from dr_lab.trajectory import Array
 
@@ -23,7 +24,7 @@ class JointDrive:
     The cogging of motors comes on top. Three things are left out:
 
     1. limits of voltages and activations, and those of forces where actuators act through more than joints;
-    2. delays and activations: a late or filtered command counts from the moment it is given;
+    2. delays and activations other than filters' (`filtered`): a late command counts from the moment it is given;
     3. bounded forces without a command, as of friction that falls with speed: they stay with the link.
 
     Attributes:
@@ -37,6 +38,7 @@ class JointDrive:
         high: largest force, shape (n,).
         least: of each control, −∞ where there is no limit, shape (n, nu).
         largest: of each control, shape (n, nu).
+        left: shares of what filters held before a step in what they give and hold then, shape (2, n, nu).
         cogging: amplitude in N·m or N, periods in 1/rad or 1/m and phase in rad of k motors, shape (3, n, k).
         at_link: generalised force by each output of an actuator, of those that stay with the link, shape (n, nout).
     """
@@ -51,6 +53,7 @@ class JointDrive:
     high: Array
     least: Array
     largest: Array
+    left: Array
     cogging: Array
     at_link: Array
 
@@ -64,9 +67,10 @@ class JointDrive:
         low, high = np.array([_limits(model, row) for model in unique])[which].T
         least, largest = np.array([_command_limits(model) for model in unique])[which].swapaxes(0, 1)
         line = lines[:, 0], lines[:, 3:], lines[:, 1], lines[:, 2]
+        left = np.array([left_in_filters(model) for model in unique])[which].swapaxes(0, 1)
         cogging = np.array([_cogging(model, row) for model in unique])[which].swapaxes(0, 1)
         at_link = np.array([_at_link(model, row) for model in unique])[which]
-        return cls(address, dof, *line, low, high, least, largest, cogging, at_link)
+        return cls(address, dof, *line, low, high, least, largest, left, cogging, at_link)
 
     def force(self, qpos: Array, qvel: Array, control: Array) -> Array:
         """Generalised force in N·m or N of n simulations, shape (n,); arguments of shape (n, nq), (n, nv), (n, nu)."""
@@ -78,6 +82,23 @@ class JointDrive:
             amplitude, periods, phase = self.cogging
             found += (amplitude * np.sin(periods * qpos[:, self.address, None] + phase)).sum(axis=1)
         return found
+
+    @cached_property
+    def filters(self) -> bool:
+        """Whether some control goes through a filter."""
+        return bool(self.left.any())
+
+    def filtered(self, control: Array, held: Array, known: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """What filters give through a step and hold after it, shape (n, nu).
+
+        Args:
+            control: of the step, shape (n, nu).
+            held: before it, shape (n, nu).
+            known: in which simulations that is so; in the others they have had the control for long, shape (n,).
+        """
+        taken = np.clip(control, self.least, self.largest)
+        given, after = taken + self.left * np.where(known[:, None], held - taken, 0.0)
+        return given, after
 
     def staying(self, outputs: Array) -> Array:
         """Generalised force that stays with the link, of all outputs of actuators (n, nout), shape (n,)."""

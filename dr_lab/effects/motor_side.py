@@ -90,6 +90,7 @@ class MotorSide(Law):
     _expected: Array = field(init=False)
     _share: Array = field(init=False)
     _beside: Array = field(init=False)
+    _held: Array = field(init=False)
 
     @abstractmethod
     def balance(self, load: Array) -> Array:
@@ -105,15 +106,14 @@ class MotorSide(Law):
 
     def act(self, moment: Moment, influence: Influence) -> None:
         """End the last step with what it turned out to bear, and plan the coming one."""
-        dof = self.drive.dof
-        asked, inertial = self.drive.force(moment.qpos, moment.qvel, influence.control), self._inertial(moment)
-        self._size(len(asked))
+        dof, control = self.drive.dof, self._arriving(influence.control)
+        asked, inertial = self.drive.force(moment.qpos, moment.qvel, control), self._inertial(moment)
         at_link = moment.actuation[:, dof] - self.drive.staying(moment.outputs)
         given = at_link + self._beside
         self._meet(given - inertial)
         self._go(given - inertial, self._under_way)
         late = np.where(self._under_way, self._share * (given - self._expected), 0.0)
-        beside = self.fed_back(moment, influence.control, asked)
+        beside = self.fed_back(moment, control, asked)
         expected = at_link + beside + np.where(self._under_way, asked - self._asked, 0.0)
         share, kick = self.plan(expected - inertial)
         influence.armature[:, dof] -= share * self.inertia
@@ -128,9 +128,8 @@ class MotorSide(Law):
 
     def replay_history(self, moment: Moment, influence: Influence) -> None:
         """Follow the measured motion under what the actuators give at its commands."""
-        given = self.drive.force(moment.qpos, moment.qvel, influence.control)
+        given = self.drive.force(moment.qpos, moment.qvel, self._arriving(influence.control))
         load = given - self._inertial(moment)
-        self._size(len(load))
         self._meet(load)
         self.plan(load)
         self._go(load, self._known)
@@ -143,16 +142,26 @@ class MotorSide(Law):
 
     @property
     def memory(self) -> Array:
-        """Where the motors are and what the step under way was planned for."""
+        """Where the motors are, what the step under way was planned for, and what filters of commands hold."""
         count = len(self.offset)
         if count == 0:
             return np.empty((1, 0))
-        return np.stack([np.broadcast_to(getattr(self, name), count) for name in self.kept], axis=1).astype(float)
+        own = np.stack([np.broadcast_to(getattr(self, name), count) for name in self.kept], axis=1)
+        return np.concatenate([own, self._held], axis=1, dtype=float)
 
     def remember(self, memory: Array) -> None:
         """Go on from the `memory` of an equal law."""
-        for name, column in zip(self.kept if memory.shape[1] else (), memory.T, strict=True):
-            setattr(self, name, column.astype(bool) if name in _FLAGS else column.copy())
+        if memory.shape[1]:
+            for name, column in zip(self.kept, memory.T[: len(self.kept)], strict=True):
+                setattr(self, name, column.astype(bool) if name in _FLAGS else column.copy())
+            self._held = memory[:, len(self.kept) :].copy()
+
+    def _arriving(self, control: Array) -> Array:
+        """Commands of the coming step as the filters of the actuators pass them on."""
+        self._size(len(control))
+        if self.drive.filters:
+            control, self._held = self.drive.filtered(control, self._held, self._known)
+        return control
 
     def _inertial(self, moment: Moment) -> Array:
         """J q'' in the last step."""
@@ -170,6 +179,7 @@ class MotorSide(Law):
         if len(self.offset) != count:
             self.offset, self.rate, self._asked, self._expected, self._share, self._beside = np.zeros((6, count))
             self._known, self._under_way = np.zeros((2, count), bool)
+            self._held = np.zeros((count, self.drive.left.shape[2] if self.drive.filters else 0))
 
     def _meet(self, load: Array) -> None:
         """Let simulations of which nothing is known begin at rest under their load."""

@@ -68,8 +68,8 @@ class _AtMotor(Twisting):
 
     def replay_history(self, moment: Moment, influence: Influence) -> None:
         """Follow the measured motion, which is the motor's, under what the actuators give at its commands."""
-        torque = self.drive.force(moment.qpos, moment.qvel, influence.control) - self._inertial(moment)
-        self._size(len(torque))
+        given = self.drive.force(moment.qpos, moment.qvel, self._arriving(influence.control))
+        torque = given - self._inertial(moment)
         self._meet(torque)
         self.follow(torque)
 

@@ -9,6 +9,7 @@ _FILTERS = (int(mujoco.mjtDyn.mjDYN_FILTER), int(mujoco.mjtDyn.mjDYN_FILTEREXACT
 _INTEGRATOR, _MUSCLE, _MOTOR = (
     int(kind) for kind in (mujoco.mjtDyn.mjDYN_INTEGRATOR, mujoco.mjtDyn.mjDYN_MUSCLE, mujoco.mjtDyn.mjDYN_DCMOTOR)
 )
+_RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
 _SLOWEST_MUSCLE = 2.0  # MuJoCo scales the two time constants by 0.5 + 1.5 a or its inverse, a from 0 to 1
 _FIXED = int(mujoco.mjtGain.mjGAIN_FIXED)
 _AFFINE = int(mujoco.mjtBias.mjBIAS_AFFINE)
@@ -43,6 +44,20 @@ def settle_filters(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         return
     filters = np.flatnonzero(np.isin(model.actuator_dyntype, _FILTERS))
     data.act[model.actuator_actadr[filters]] = data.ctrl[model.actuator_ctrladr[filters]]
+
+
+def left_in_filters(model: mujoco.MjModel) -> Array:
+    """Shares of what a filter held before a step in what it gives through it and holds after it, shape (2, nu).
+
+    By its control; 0 for controls that no filter takes.
+    """
+    filters, shares = np.flatnonzero(np.isin(model.actuator_dyntype, _FILTERS)), np.zeros((2, model.nu))
+    gone = model.opt.timestep / np.maximum(model.actuator_dynprm[filters, 0], mujoco.mjMINVAL)
+    linear = (model.actuator_dyntype[filters] == _FILTERS[0]) & (model.opt.integrator != _RK4)
+    left = np.where(linear, 1.0 - gone, np.exp(-gone))
+    given = np.where(model.actuator_actearly[filters], left, 1.0)
+    shares[:, model.actuator_ctrladr[filters]] = given, left
+    return shares
 
 
 def holders(model: mujoco.MjModel) -> tuple[str, ...]:
