@@ -289,9 +289,8 @@ class Simulator:
                 if samples:
                     values = controls[-samples:, model.actuator_ctrladr[actuator]]
                     values = np.concatenate([np.full(samples - len(values), values[0]), values])
-                    mujoco.mj_initCtrlHistory(
-                        model, data, actuator, now + np.arange(-samples, 0) * model.opt.timestep, values
-                    )
+                    time = now + np.arange(-samples, 0) * model.opt.timestep
+                    mujoco.mj_initCtrlHistory(model, data, actuator, time, values)
             rows[window] = data.history
         return rows
 

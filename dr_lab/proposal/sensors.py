@@ -140,6 +140,8 @@ def _turns(rate: Vector, orientation: Vector, span: float) -> tuple[Array, Array
     turned, added = list[Array](), list[Array]()
     for k in range(len(rate.parts[0].signals)):
         time, quaternion = orientation.log(k)
+        found = quaternion.any(axis=1)  # a tracker that lost its body reports zeros
+        time, quaternion = time[found], quaternion[found]
         apart = max(round(span / float(np.median(np.diff(time)))), 1)
         turns = Rotation.from_quat(quaternion, scalar_first=True)
         turned.append((turns[:-apart].inv() * turns[apart:]).as_rotvec())

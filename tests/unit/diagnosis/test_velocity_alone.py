@@ -38,7 +38,7 @@ def wheel(name: str, **values: float) -> tuple[Model, np.ndarray]:
 def test_laws_remember_the_motion_of_before_a_window(effect: str, values: dict[str, float]) -> None:
     """They err no more than where the position is logged; with a memory at rest they did by 0.3 to 6 rad/s."""
     model, z = wheel(effect, **values)
-    time, command = STEP * np.arange(3000), steps_command("drive", 1.0, 6.0, 1, period=1.0)
+    time, command = STEP * np.arange(3000.0), steps_command("drive", 1.0, 6.0, 1, period=1.0)
     command = replace(command, value=0.6 + 0.3 * command.value)
     seen = readings(model, z, np.zeros(1), {"drive": command}, ["hinge.velocity"], time)["hinge.velocity"][:, 0]
     windows = windows_of(model, [log_of("a", {"hinge.velocity": (time, seen)}, command)], noise=1e-3)

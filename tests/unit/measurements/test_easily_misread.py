@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet
 import pytest
 from bags import write_bag
 from csv_logs import ANGLE, TIME, Q, U, csv
+from pyarrow import parquet
 
 from dr_lab.errors import ConfigError, DataError
 from dr_lab.measurements.contract import DataContract
@@ -83,7 +83,7 @@ def test_a_motor_angle_is_unwrapped_behind_its_gear(tmp_path: Path, contract: Da
 def test_unsigned_clocks_do_not_wrap_around(tmp_path: Path, contract: DataContract, kind: type) -> None:
     stamps = (1_000_000 + np.rint(1e6 * TIME)).astype(kind)
     stamps[[0, 1]] = stamps[[1, 0]]
-    pa.parquet.write_table(pa.table({"time": stamps, "q": ANGLE}), tmp_path / "a.parquet")
+    parquet.write_table(pa.table({"time": stamps, "q": ANGLE}), tmp_path / "a.parquet")
     time = read_log(tmp_path / "a.parquet", Q, {}, contract, time=TimeAxis(unit="us")).outputs["q.position"].time
     assert len(time) == len(TIME)
     np.testing.assert_allclose(np.diff(time), 0.002, atol=1e-9)
