@@ -54,4 +54,5 @@ def as_given(study: Study) -> tuple[Score, RungEntry]:
     z, bench = study.model.space.nominal, study.bench
     refitted = score_of(*study.fits(study.model, z, bench.held_out))
     nominal = {p.name: ParameterEntry(p.nominal, None, p.unit) for p in study.model.space.parameters}
-    return refitted, entries.rung((), refitted, predicted_score(study, study.model, z), nominal)
+    labels = [effect.label for effect in study.model.effects]
+    return refitted, entries.rung(labels, refitted, predicted_score(study, study.model, z), nominal)

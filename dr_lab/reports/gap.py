@@ -12,6 +12,7 @@ from dr_lab.reports.gap_entries import (
     ExplainedEntry,
     HorizonEntry,
     JudgedRungEntry,
+    Labels,
     LawEntry,
     LogsEntry,
     NoiseEntry,
@@ -80,6 +81,11 @@ class GapReport:
     def catalogued(self) -> tuple[RungEntry, ...]:
         """The models of the ladder without those that have a learned force, which has no name."""
         return tuple(rung for rung in self.ladder if not rung.learned)
+
+    @property
+    def added(self) -> Labels:
+        """The effects with a name that the last model has and the first of the ladder has not."""
+        return tuple(effect for effect in self.catalogued[-1].effects if effect not in self.ladder[0].effects)
 
     @property
     def judged(self) -> Judgement:

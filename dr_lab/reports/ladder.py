@@ -31,7 +31,7 @@ def steps(report: GapReport) -> list[LadderModel]:
     rungs = report.ladder if report.as_given is None else (report.as_given, *report.ladder)
     made: list[LadderModel] = []
     for rung in rungs:
-        before = made[-1].effects if made else ()
+        before = made[-1].effects if made else rung.effects
         mark = ", learned" if rung.learned else ""
         new = [f"+ {effect}{mark}" for effect in rung.effects if effect not in before]
         plain = "calibrated" if made else "model as given"

@@ -16,7 +16,7 @@ _TENFOLD = 9.0  # times itself that an error grows by when it grows tenfold
 def verdict_markdown(report: GapReport) -> str:
     """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
     worse = _worse(report)
-    calibrated = not report.verdict and not report.catalogued[-1].effects
+    calibrated = not report.verdict and not report.added
     answer = (worse, _found(report), _share(report), _fall(report), _confirmed(report))
     told = [worse] if worse and calibrated else answer
     return " ".join(part for part in (*told, _remaining(report), _learned(report)) if part)
@@ -59,8 +59,7 @@ def _worse(report: GapReport) -> str:
     fewer = last.infeasible_windows < first.infeasible_windows
     if chi2[1] <= chi2[0] or shown[0] == shown[1] or at_floor or fewer:
         return ""
-    effects = report.catalogued[-1].effects
-    name = f"The model with {_listed(effects)}" if effects else "The calibrated model"
+    name = f"The model with {_listed(report.added)}" if report.added else "The calibrated model"
     return (
         f"**{name} predicts the {scored(report)} worse than the model as given: χ² {' → '.join(shown)}. "
         "Do not use it.**"
@@ -69,15 +68,14 @@ def _worse(report: GapReport) -> str:
 
 def _found(report: GapReport) -> str:
     sentences = {
-        "named": _named(report.catalogued[-1].effects or _with_status(report, "named")),
+        "named": _named(report.added or _with_status(report, "named")),
         "equivalent": _equivalent(report),
         "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
         "unexplained": _unexplained(report),
         "none": " ".join(part for part in (_NONE, calibration_told(report)) if part),
     }
-    added = report.catalogued[-1].effects
     done = "**Calibrated on the logs.**" if len(steps(report)) > 1 else "**Measured against the model.**"
-    return sentences.get(report.verdict or "", f"**Added:** {_listed(added)}." if added else done)
+    return sentences.get(report.verdict or "", f"**Added:** {_listed(report.added)}." if report.added else done)
 
 
 def _named(effects: Sequence[str]) -> str:
@@ -86,7 +84,7 @@ def _named(effects: Sequence[str]) -> str:
 
 def _unexplained(report: GapReport) -> str:
     """That nothing explains the gap, and how much of it closes all the same, or by which law that is not meant."""
-    added = report.catalogued[-1].effects
+    added = report.added
     if not added:
         return "**Unexplained:** a gap remains that no effect of the catalogue explains."
     told = [law.told for law in report.judged.laws if law.refuted]
@@ -101,7 +99,7 @@ def _unexplained(report: GapReport) -> str:
 
 def _equivalent(report: GapReport) -> str:
     """Which effects stand alone, and which ones the logs cannot tell apart; what was found first comes first."""
-    added = [(rung.effects[-1], rung.rivals or ()) for rung in report.catalogued if rung.effects]
+    added = [(rung.effects[-1], rung.rivals or ()) for rung in report.catalogued[1:]]
     alone = [effect for effect, rivals in added if not rivals]
     groups = [_listed([effect, *rivals]) for effect, rivals in added if rivals]
     told = "; ".join(groups) or _listed(_with_status(report, "equivalent")) or "the best candidates"
@@ -115,7 +113,7 @@ def _equivalent(report: GapReport) -> str:
 def _fall(report: GapReport) -> str:
     """χ² of each model on the scored logs, and of the named candidate where it was not added yet."""
     errors = [f"{number(step.held_out.chi2)} ({step.name})" for step in steps(report)]
-    if not report.catalogued[-1].effects:
+    if not report.added:
         named = [row for row in report.judged.ranking if status(row, report.verdict) == "named"]
         errors += [f"{number(row.held_out_chi2)} (+ {row.label})" for row in named]
     # Longer ladders have their own table; the sentence keeps the ends and the calibrated model, which effects improve.
@@ -166,14 +164,13 @@ def _remaining(report: GapReport) -> str:
 
 def _share(report: GapReport) -> str:
     """How much of what the calibrated model misses the added effects explain, and the prediction that gains most."""
-    explained, first, last = report.judged.explained, report.ladder[0], report.catalogued[-1]
-    added = len(report.catalogued) > 1 and not first.effects
+    explained = report.judged.explained
     little = report.verdict == "unexplained" and not any(law.refuted for law in report.judged.laws)
-    if not added or little or explained.share is None or explained.share <= 0:
+    if not report.added or little or explained.share is None or explained.share <= 0:
         return ""
     low, high = explained.low, explained.high
     interval = f" ({percent(low)} … {percent(high)})" if low is not None and high is not None else ""
-    subject = "Together they explain" if len(last.effects) > 1 else "It explains"
+    subject = "Together they explain" if len(report.added) > 1 else "It explains"
     told = f"{subject} {percent(explained.share)}{interval} of what the calibrated model misses."
     return f"{told}{_predicted(report)}"
 
@@ -187,7 +184,7 @@ def _predicted(report: GapReport) -> str:
         return ""
     name = max(gains, key=lambda each: gains[each])
     unit = report.noise[name].unit if name in report.noise else ""
-    them = "them" if len(last.effects) > 1 else "it"
+    them = "them" if len(report.added) > 1 else "it"
     unit = "" if unit in ("", "1") else f" {unit}"
     errors = f"{number(before[name], 3)}{unit} RMS without {them} and {number(after[name], 3)} with {them}"
     return f" `{name}` is predicted within {errors}."

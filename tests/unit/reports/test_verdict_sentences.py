@@ -103,3 +103,49 @@ def test_what_trades_is_told_once_beside_the_parameters(close_report: dict[str, 
     text = report_markdown(from_plain(GapReport, close_report))
     assert text.count(told) == 1
     assert told in text.partition("## Parameters\n")[2].partition("\n## ")[0]
+
+
+def begun_with_friction(report: dict[str, Any], *more: list[str], **rest: object) -> dict[str, Any]:
+    """A report of a model that came with dry friction, and models that have more than that."""
+    own = {"effects": ["coulomb_friction@arm"], "rivals": []}
+    first, last = report["ladder"]
+    ladder = [first | own, *(last | {"effects": [*own["effects"], *effects], "rivals": []} for effects in more)]
+    return report | {"as_given": report["as_given"] | own, "ladder": ladder, "ranking": []} | rest
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        (None, "**Calibrated on the logs.** χ² on held-out logs: 355 (model as given) → 213.4 (calibrated); 1"),
+        ("unexplained", "**Unexplained:** a gap remains that no effect of the catalogue explains."),
+    ],
+)
+def test_what_a_model_came_with_was_not_added(close_report: dict[str, Any], kind: str | None, words: str) -> None:
+    told = verdict(begun_with_friction(close_report, verdict=kind))
+    assert words in told
+    assert "coulomb_friction" not in told
+
+
+def test_a_calibration_that_got_worse_is_not_blamed_on_what_the_model_came_with(close_report: dict[str, Any]) -> None:
+    close_report["as_given"]["held_out"]["chi2"] = 100.0
+    left = {"status": "unexplained", "chi2": 213.4}
+    told = verdict(begun_with_friction(close_report, verdict=None, remaining=left))
+    assert told.startswith("**The calibrated model predicts the held-out logs worse than the model as given: χ² 100 →")
+    assert "coulomb_friction" not in told
+
+
+def test_what_was_added_to_the_effects_of_a_model_is_named_alone(close_report: dict[str, Any]) -> None:
+    told = verdict(explaining(begun_with_friction(close_report, ["spring@arm"]), low=0.1))
+    assert told.startswith("**The missing effect is named:** `spring@arm`. It explains 32 % (10 % … 100 %) of what")
+    assert "355 (model as given) → 213.4 (calibrated) → 1.003 (+ spring@arm); 1 is" in told
+    report = begun_with_friction(close_report, ["spring@arm"], verdict="equivalent")
+    report["ladder"][-1]["rivals"] = ["spring@pole"]
+    assert verdict(report).startswith(
+        "**Equivalent effects:** these logs cannot tell apart `spring@arm`, `spring@pole`. χ² on"
+    )
+
+
+def test_a_model_that_is_only_compared_is_the_one_given_with_its_effects(compare_report: dict[str, Any]) -> None:
+    compare_report["ladder"][0]["effects"] = ["coulomb_friction@arm"]
+    told = verdict(compare_report)
+    assert told.startswith("**Measured against the model.** χ² on held-out logs: 355 (model as given); 1 is")
