@@ -51,8 +51,11 @@ def _learned(report: GapReport) -> str:
 
 
 def _worse(report: GapReport) -> str:
-    """That the last model predicts worse than the one given: by χ² as printed, beyond the noise, in as many windows."""
-    first, last = (step.held_out for step in (steps(report)[0], steps(report)[-1]))
+    """That the last model without a learned force predicts worse than the one given.
+
+    By χ² as printed, beyond the noise, in as many windows. What a learned force does is told beside it.
+    """
+    first, last = steps(report)[0].held_out, report.catalogued[-1].held_out
     chi2 = [math.inf if held_out.chi2 is None else held_out.chi2 for held_out in (first, last)]
     shown = [number(value) for value in chi2]
     at_floor = report.remaining.status == "at_floor"
@@ -156,7 +159,7 @@ def _remaining(report: GapReport) -> str:
     if remaining.status == "at_floor":
         return "What remains is noise."
     told = f"What remains (χ² {number(remaining.chi2)}) is above the noise floor and not explained"
-    lost = steps(report)[-1].held_out.infeasible_windows
+    lost = report.catalogued[-1].held_out.infeasible_windows
     if lost:
         told = f"The simulation diverges in {lost} of the windows that score. {told}"
     return f"{told} by anything in the catalogue: {times} the sensors' noise." if report.judged.ranking else f"{told}."

@@ -149,3 +149,25 @@ def test_a_model_that_is_only_compared_is_the_one_given_with_its_effects(compare
     compare_report["ladder"][0]["effects"] = ["coulomb_friction@arm"]
     told = verdict(compare_report)
     assert told.startswith("**Measured against the model.** χ² on held-out logs: 355 (model as given); 1 is")
+
+
+def test_a_learned_force_that_makes_it_worse_is_not_blamed_on_the_model_before_it(close_report: dict[str, Any]) -> None:
+    first = close_report["ladder"][0]
+    worse = first["held_out"] | {"chi2": 900.0, "infeasible_windows": 3}
+    learned = first | {"effects": ["residual_force@arm"], "learned": True, "held_out": worse}
+    left = {"verdict": "unexplained", "ranking": [], "remaining": {"status": "unexplained", "chi2": 213.4}}
+    told = verdict(close_report | left | {"ladder": [first, learned]})
+    assert told.startswith("**Unexplained:** a gap remains")
+    assert "→ 213.4 (calibrated) → 900 (+ residual_force@arm, learned); 1 is the noise floor. What remains (χ²" in told
+
+
+def test_what_is_worse_without_the_learned_force_is_told_by_its_own_error(close_report: dict[str, Any]) -> None:
+    first, last = close_report["ladder"]
+    last["held_out"] |= {"chi2": 400.0, "infeasible_windows": 2}
+    better = first["held_out"] | {"chi2": 100.0}
+    learned = last | {"effects": [*last["effects"], "residual_force@arm"], "learned": True, "held_out": better}
+    left = {"verdict": "unexplained", "remaining": {"status": "unexplained", "chi2": 400.0}}
+    told = verdict(close_report | left | {"ladder": [first, last, learned]})
+    assert told.startswith("**The model with `coulomb_friction@arm` predicts the held-out logs worse than the model as")
+    assert "χ² 355 → 400. Do not use it.**" in told
+    assert "The simulation diverges in 2 of the windows that score. What remains (χ² 400)" in told
