@@ -45,15 +45,22 @@ def ladder_canvas(ladder: Sequence[LadderModel]) -> Canvas:
     return _canvas(len(ladder), 0)
 
 
-def log_ranking(root: Branch, ranking: Sequence[CandidateEntry], look: Look) -> None:
-    """Draw the best fitted candidates: the share of χ² that each removes, with its interval."""
+def log_ranking(root: Branch, ranking: Sequence[CandidateEntry], verdict: str | None, look: Look) -> None:
+    """Draw the best fitted candidates: the share of χ² that each removes, with its interval.
+
+    Args:
+        root: where to.
+        ranking: the candidates.
+        verdict: of the whole report; where it names none, no candidate has the colour of what is named.
+        look: colours.
+    """
     colours = {"named": "after", "equivalent": "before"}
     rows = [
         _Row(
             _said(row),
             _as_percent(row.gain),
             None if None in row.gain_ci else (_as_percent(row.gain_ci[0]), _as_percent(row.gain_ci[1])),
-            look.colour(colours.get(status(row, None), "noise")),
+            look.colour(colours.get(status(row, verdict), "noise")),
         )
         for row in _drawn(ranking)
     ]

@@ -71,7 +71,7 @@ def _log_report(root: Branch, report: GapReport, report_md: str, look: Look) -> 
     if len(ladder) > 1:
         log_ladder(diagnosis / "ladder", ladder, before_after(report), look)
     if ranking := report.judged.ranking:
-        log_ranking(diagnosis / "ranking", ranking, look)
+        log_ranking(diagnosis / "ranking", ranking, report.verdict, look)
         _log_text(diagnosis / "ranking_table", ranking_table(by_gain(ranking), report.verdict))
 
 

@@ -62,6 +62,16 @@ def test_close_recording_has_everything_on_its_clock(
     assert found["/report"]["TextDocument:text"][0][0] == report_markdown(gap(close_report))
 
 
+@pytest.mark.parametrize(("verdict", "role"), [("named", "after"), ("unexplained", "noise")])
+def test_the_best_effect_has_the_colour_of_what_the_verdict_says(
+    tmp_path: Path, close_report: dict[str, Any], furuta: mujoco.MjModel, look: Look, verdict: str, role: str
+) -> None:
+    write_review(tmp_path / "a.rrd", gap(close_report | {"verdict": verdict}), "", [], furuta, look)
+    best = read_recording(tmp_path / "a.rrd")["/diagnosis/ranking/row_00_dot"]
+    red, green, blue, alpha = look.colour(role)
+    assert np.ravel(best["Points2D:colors"]).tolist() == [red << 24 | green << 16 | blue << 8 | alpha]
+
+
 def test_a_learned_force_and_the_windows_are_in_the_recording(
     tmp_path: Path, close_report: dict[str, Any], overlay: Overlay, furuta: mujoco.MjModel, look: Look
 ) -> None:
