@@ -42,7 +42,7 @@ class TrainedRun:
     threads: int | None
 
     def folder(self) -> Path:
-        """Its folder.
+        """Its folder, by its whole path, which says the same wherever a report of it is read.
 
         Raises:
             DataError: there is none.
@@ -53,8 +53,9 @@ class TrainedRun:
                 raise DataError(
                     f"There is no training run below {self.runs}. Run dr-lab train first, or give run=FOLDER."
                 )
-            return found[-1].parent
-        return require_run(Path(self.run).expanduser(), "", "Give run=FOLDER of a training run, or run=latest.")
+            return found[-1].parent.resolve()
+        folder = Path(self.run).expanduser()
+        return require_run(folder, "", "Give run=FOLDER of a training run, or run=latest.").resolve()
 
 
 def subject_of(folder: Path, compose: Compose, threads: int | None) -> Subject:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.summaries.configuration import experiment, flat, holds
+from dr_lab.summaries.evaluated import TRAINED
 from dr_lab.summaries.groups import ABSENT, CONFIGURATION, Group, figures_of
 from dr_lab.summaries.runs import Run, beside, picked
 from dr_lab.sweeps.overrides import differing
@@ -80,6 +81,19 @@ def divided_runs(groups: Sequence[Group], ignored: Sequence[str]) -> list[str]:
         names = "; ".join(f"{group.label}: {', '.join(run.name for run in group.runs)}" for group in alike)
         told.append(f"The same overrides, but configured differently ({', '.join(keys)}): {names}.")
     return told
+
+
+def lost_trainings(runs: Sequence[Run]) -> list[str]:
+    """What to tell of evaluations whose training no longer says how it was made.
+
+    Args:
+        runs: that are summarised.
+    """
+    lost = [run.name for run in runs if isinstance(run.configuration.get(TRAINED), str)]
+    if not lost:
+        return []
+    alone = "so that its path alone tells these evaluations apart"
+    return [f"The folder of the training no longer says how it was made, {alone}: {', '.join(lost)}."]
 
 
 def _missing(runs: Sequence[Run], schema: str, paths: Sequence[str]) -> Iterator[str]:

@@ -22,17 +22,17 @@ def of_training(
     So evaluations of policies that differ in nothing but the seed of their training are alike but for ``trained.seed``.
 
     Args:
-        trained: folder of the training run; where it is gone, or no longer says how it was made, nothing changes.
+        trained: folder of the training run; where it is gone, or no longer says how it was made, it stands for itself.
         overrides: of the evaluation.
         configuration: of the evaluation.
     """
+    own = {key: value for key, value in overrides.items() if key != _FOLDER}
+    kept = {key: value for key, value in configuration.items() if key not in (_FOLDER, TRAINED)}
     try:
         training = yaml.safe_load((Path(trained) / _CONFIG).read_text(encoding="utf-8"))
         typed = by_key([str(override) for override in training["made_with"]["overrides"]])
     except (OSError, yaml.YAMLError, TypeError, KeyError):
-        return overrides, configuration
-    own = {key: value for key, value in overrides.items() if key != _FOLDER}
-    kept = {key: value for key, value in configuration.items() if key not in (_FOLDER, TRAINED)}
+        return own | {TRAINED: trained}, kept | {TRAINED: trained}
     return own | {f"{TRAINED}.{key}": value for key, value in typed.items()}, kept | {TRAINED: experiment(training, ())}
 
 

@@ -15,7 +15,7 @@ from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.reports.json_file import write_json
 from dr_lab.reports.plain import Number, finite
 from dr_lab.reports.summarize import SCHEMA, GroupEntry, SummarizeReport
-from dr_lab.summaries.doubts import divided_runs, missing_figures, repeated_runs, require_known
+from dr_lab.summaries.doubts import divided_runs, lost_trainings, missing_figures, repeated_runs, require_known
 from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.exhaustive import exhaustive
 from dr_lab.summaries.groups import Cell, Cells, Estimate, Group, find_group, grouped, shared_figures, summed_up
@@ -94,7 +94,7 @@ def _compared(folder: Path, settings: SummarySettings) -> _Compared:
     aggregate, ignored, figures = with_trained(settings.aggregate), with_trained(settings.ignored), settings.figures
     groups = grouped(runs, aggregate, ignored)
     repeated, divided = repeated_runs(runs, ignored), divided_runs(groups, [*ignored, *aggregate])
-    notes = [*repeated, *divided, *missing_figures(runs, figures)]
+    notes = [*lost_trainings(runs), *repeated, *divided, *missing_figures(runs, figures)]
     reference = find_group(groups, settings.reference)
     cells = [summed_up(group, figures, settings.statistics, reference) for group in groups]
     learning = samplings(groups, settings.sampling), interferences(groups, settings.statistics.confidence)

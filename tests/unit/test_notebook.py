@@ -80,7 +80,7 @@ def test_a_policy_is_that_of_the_command_is_evaluated_and_is_no_other_run_s(
     assert json.loads(Path("typed/report.json").read_text())["final_return"] == trained.final_return
     played = evaluate(f"run={trained.run}", "evaluator.episodes=2", "threads=1")
     assert from_plain(EvaluateReport, json.loads((Path(played.run) / "report.json").read_text())) == played
-    assert played.trained == trained.run
+    assert played.trained == str(Path(trained.run).resolve())
     with pytest.raises(ConfigError, match="is a run with other settings"):
         train(*SHORT, "seed=1", f"resume={trained.run}", run_dir=tmp_path / "second")
 

@@ -201,6 +201,14 @@ def folder_of(run: Path | str, runs: Path) -> Path:
     return TrainedRun(str(run), str(runs), threads=1).folder()
 
 
+def test_a_run_is_known_by_its_whole_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "outputs" / "first"
+    folder.mkdir(parents=True)
+    (folder / "checkpoint.pt").touch()
+    monkeypatch.chdir(tmp_path)
+    assert folder_of("latest", Path("outputs")) == folder_of("outputs/first", Path("outputs")) == folder.resolve()
+
+
 def test_a_run_without_a_checkpoint_is_told(tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"holds no checkpoint\.pt\. Give run=FOLDER"):
         folder_of(tmp_path, tmp_path)

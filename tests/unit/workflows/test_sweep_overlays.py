@@ -6,6 +6,7 @@ import pytest
 from written_runs import STATISTICS, grid_report, train_report, two_kinds, write_run
 
 from dr_lab.errors import DataError
+from dr_lab.summaries.doubts import lost_trainings, repeated_runs
 from dr_lab.summaries.evaluated import with_trained
 from dr_lab.summaries.groups import grouped
 from dr_lab.summaries.overlays import bands, grids, marginals, violins
@@ -84,6 +85,21 @@ def test_evaluations_are_told_apart_by_how_their_policies_were_trained(tmp_path:
     }
     (sweep / "0" / "config.yaml").unlink()  # what is gone is told apart by its folder
     assert len(grids(grouped(find_runs(tmp_path / "evaluated")[0], with_trained(["seed"])))) == 3
+
+
+def test_evaluations_whose_training_is_gone_are_not_called_alike(tmp_path: Path) -> None:
+    for number, kind in enumerate(["maml", "maml", "reptile"]):
+        report = grid_report([{"size": 1.0, "return": 1.0, "std": 0.0}], {}) | {"trained": f"/gone/{kind}"}
+        write_run(tmp_path / str(number), report, "run=latest", f"seed={number}")
+    runs = find_runs(tmp_path)[0]
+    groups = grouped(runs, with_trained(["seed"]))
+    assert [(group.label, len(group.runs)) for group in groups] == [
+        ("trained=/gone/maml", 2),
+        ("trained=/gone/reptile", 1),
+    ]
+    assert repeated_runs(runs, ["threads"]) == []
+    (told,) = lost_trainings(runs)
+    assert told.endswith("so that its path alone tells these evaluations apart: 0, 1, 2.")
 
 
 def test_grids_over_different_contexts_are_not_averaged(tmp_path: Path) -> None:
