@@ -9,6 +9,7 @@ from dr_lab.deployment.controller import Controller
 from dr_lab.envs.setting import Setting
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.trained_run import TrainedRun, subject_of
+from dr_lab.reports.typed import typed
 
 
 def load_controller(
@@ -37,6 +38,7 @@ def load_controller(
     if not isinstance(subject.setting, Setting):
         raise ConfigError(
             f"load_controller makes observations of the positions and velocities of a MuJoCo model, and "
-            f"env={subject.setting.name} has none. Make them yourself, for the file of dr-lab export run={folder}."
+            f"env={subject.setting.name} has none. Make them yourself, for the file of dr-lab export "
+            f"{typed('run', folder)}."
         )
     return Controller(subject.setting, subject.policy)

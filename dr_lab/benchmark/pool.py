@@ -16,6 +16,7 @@ from dr_lab.benchmark.case import Case
 from dr_lab.benchmark.outcome import Outcome
 from dr_lab.errors import DrLabError
 from dr_lab.files import write_text
+from dr_lab.reports.typed import typed
 
 _PATIENCE = 2.0  # s that processes which are told to end have for putting their files away
 
@@ -66,7 +67,7 @@ def run_cases(
             except BrokenProcessPool as error:
                 raise DrLabError(
                     "A process of the benchmark was killed, most likely for lack of memory. Finished cases are kept; "
-                    f"go on with resume={folder.parent} and fewer processes=…"
+                    f"go on with {typed('resume', folder.parent)} and fewer processes=…"
                 ) from error
 
 

@@ -4,14 +4,15 @@ import re
 import shlex
 from pathlib import Path
 
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Quote, QuotedString
 
 
 def typed(key: str, value: Path | str) -> str:
-    """``key=value``: quoted for Hydra, to which signs are grammar, and the shell."""
-    plain = re.fullmatch(r"[\w./ -]+", str(value), re.ASCII)
-    text = str(value) if plain else QuotedString(str(value), Quote.single).with_quotes()
-    return shlex.quote(f"{key}={text}")
+    """``key=value``: quoted for the shell and for Hydra, to which signs are grammar and some words are no text."""
+    text = str(value)
+    shown = text if _is_text(text) else QuotedString(text, Quote.single).with_quotes()
+    return shlex.quote(f"{key}={shown}")
 
 
 def view_command(run: Path | str) -> str:
@@ -23,3 +24,9 @@ def add_formula_command(run: Path | str, joint: str, measurements: str) -> str:
     """`dr-lab add` of the formula that a run's report has for a joint, to the model that the run ended with."""
     site, found, model = typed("effect.joint", joint), typed("effect.run", run), typed("model.run", run)
     return f"dr-lab add effect=formula {site} {found} model=from_run {model} {typed('measurements', measurements)}"
+
+
+def _is_text(value: str) -> bool:
+    """Whether Hydra reads a value as the text that it is; ``17``, ``null`` and ``true`` are none to it."""
+    plain = re.fullmatch(r"[\w./ -]+", value, re.ASCII)
+    return plain is not None and OverridesParser.create().parse_override(f"key={value}").value() == value

@@ -27,6 +27,7 @@ from dr_lab.recorders.confusion import confusion_csv, confusion_picture, write_p
 from dr_lab.recorders.look import Look
 from dr_lab.reports.benchmark import BenchmarkReport
 from dr_lab.reports.json_file import write_json
+from dr_lab.reports.typed import typed
 
 CASES = "cases"
 RESUMES_FROM = CASES  # what a run folder must hold to be resumed
@@ -94,7 +95,8 @@ def _run(
                     progress.console.print(_line(case, outcome), highlight=False, markup=False, soft_wrap=True)
                     progress.advance(task)
         except BaseException:
-            progress.console.print(f"{len(done)} cases are done and kept. To go on, add resume={folder.parent}")
+            told = f"{len(done)} cases are done and kept. To go on, add {typed('resume', folder.parent)}"
+            progress.console.print(told, markup=False, soft_wrap=True)
             raise
     return failed
 

@@ -1,5 +1,6 @@
 """The verb `init`: what a user has, a robot's description and logs, to a model and measurements for the other verbs."""
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -17,6 +18,7 @@ from dr_lab.proposal.rooms import doubt_of_room
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.split import Split, split_logs
 from dr_lab.proposal.survey import survey
+from dr_lab.reports.typed import typed
 
 _SHOWN = 8  # series that are not read
 
@@ -89,7 +91,8 @@ def _tell(found: Proposal, split: Split, folder: Folder) -> None:
         if sentences:
             print("\n".join([f"\n{title}:", *(f"  - {sentence}" for sentence in sentences)]))
     print(f"\nWritten: {', '.join(str(path) for path in folder.files(name, free=False))}")
-    print(f"Next: dr-lab close --config-dir {folder.path} model={name} measurements={name}")
+    chosen = f"{typed('model', name)} {typed('measurements', name)}"
+    print(f"Next: dr-lab close --config-dir {shlex.quote(str(folder.path))} {chosen}")
 
 
 def _few(names: Sequence[str]) -> list[str]:

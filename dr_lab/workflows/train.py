@@ -21,6 +21,7 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.training_review import TrainingRecord
 from dr_lab.reports.train import ChoiceEntry, SnapshotEntry, TrainReport
 from dr_lab.reports.train_page import train_page
+from dr_lab.reports.typed import typed
 from dr_lab.sweeps.progress import tell
 from dr_lab.training.beginning import Beginning
 from dr_lab.training.checkpoint import save
@@ -126,6 +127,7 @@ def _go_on(training: Training, plan: Plan, resume: str) -> None:
         Console().print(
             f"{resume} has played {played} control steps, and frames is {plan.frames}: nothing is left to be trained. "
             "Raise frames to go on.",
+            markup=False,
             soft_wrap=True,
         )
 
@@ -169,7 +171,7 @@ def _run(training: Training, snapshots: Snapshots, policies: PolicySnapshots, pl
             trainer.run(plan.frames, watch)
     except KeyboardInterrupt:
         if (run_dir / CHECKPOINT).is_file():
-            Console().print(f"Interrupted. To go on, add resume={run_dir}", soft_wrap=True)
+            Console().print(f"Interrupted. To go on, add {typed('resume', run_dir)}", markup=False, soft_wrap=True)
         raise
 
 

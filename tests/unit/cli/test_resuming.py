@@ -1,8 +1,10 @@
-"""Only a run of the same verb is gone on with."""
+"""Only a run of the same verb, with the same settings, is gone on with."""
 
+import shlex
 from pathlib import Path
 
 import pytest
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 
 from dr_lab.cli.resuming import require_same_settings
@@ -14,3 +16,15 @@ def test_a_run_of_another_verb_is_told_as_such_and_not_by_its_settings(tmp_path:
     with pytest.raises(ConfigError, match=r"is a run of dr-lab close\. Give resume=FOLDER of a run of dr-lab train"):
         require_same_settings(OmegaConf.create({"frames": 1}), tmp_path, "train", ("frames",))
     require_same_settings(OmegaConf.create({"model": {"name": "robot"}}), tmp_path, "close", ())
+
+
+def test_the_command_that_goes_on_with_other_settings_can_be_typed(tmp_path: Path) -> None:
+    run = tmp_path / "my run (1), again"
+    run.mkdir()
+    (run / "config.yaml").write_text("# dr-lab train\nframes: 1\nseed: 0\n")
+    with pytest.raises(ConfigError, match="is a run with other settings: seed is 1, there 0") as refused:
+        require_same_settings(OmegaConf.create({"frames": 1, "seed": 1}), run, "train", ("frames",))
+    command = str(refused.value).partition("recorded configuration: ")[2].partition(". Or start")[0]
+    *words, resume = shlex.split(command)
+    assert words == ["dr-lab", "train", "--config-dir", str(run), "--config-name", "config"]
+    assert OverridesParser.create().parse_override(resume).value() == str(run)

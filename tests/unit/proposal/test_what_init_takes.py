@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import shlex
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -236,3 +237,11 @@ def test_entries_of_lists_are_places(here: Path) -> None:
     pyarrow.parquet.write_table(table, here / "a.parquet")
     assert [place.path for place in columns_of(here / "a.parquet")] == ["timestamp", "state[0]", "state[1]", "n"]
     assert np.all([place.clock == "column" for place in columns_of(here / "a.parquet")])
+
+
+def test_the_next_command_can_be_typed(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (path,) = plain_logs(here / "logs", 1)
+    assert main(["init", "two.xml", str(path), "output='my robot'", "name='17'"]) == 0
+    told = capsys.readouterr().out.split("Next: ")[1]
+    words = ["dr-lab", "close", "--config-dir", "my robot", "model='17'", "measurements='17'"]
+    assert shlex.split(told) == words
