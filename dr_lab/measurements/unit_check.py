@@ -139,6 +139,9 @@ def _usual(counts: float, contract: DataContract) -> bool:
 
 
 def _check_speed(signal: Signal, channel: ChannelMap, contract: DataContract) -> None:
+    """Refuse numbers in radians that turn as fast as degrees would; turns a minute are neither."""
+    if channel.unit.factor not in (1.0, 1.0 / _DEGREES):
+        return
     speed = np.abs(
         signal.value if channel.unit.name == "rad/s" else _slope(signal, signal.time[:: len(signal) // _MOST + 1])
     )
@@ -149,7 +152,7 @@ def _check_speed(signal: Signal, channel: ChannelMap, contract: DataContract) ->
     raise DataError(
         f"{channel.name} (declared {channel.unit.given!r}) turns at {typical_peak:.4g} rad/s, faster than "
         f"{contract.speed_limit:g} rad/s: {_SUSPICION}. Write {_degrees(channel)} if the numbers are degrees{turns}, "
-        "wrap: true if the angle jumps by full turns, or raise contract.speed_limit if the joint is that fast."
+        "wrap: true if the angle jumps by full turns, or raise measurements.contract.speed_limit if it is that fast."
     )
 
 

@@ -53,7 +53,9 @@ def unit(text: str) -> Unit:
         zero = registry.Quantity(0.0, parsed).to_base_units()
     except Exception as error:
         # Pint raises its own errors, tokenizer errors and TypeErrors, depending on the text.
-        remedy = "Write it as e.g. rad, deg, rad/s, m, N, N·m, V or 1."
+        meant = text.lower()
+        near = f"Did you mean {meant!r}? " if meant != text and meant in registry else ""
+        remedy = f"{near}Write it as e.g. rad, deg, rad/s, rpm, m, N, N·m, V or 1."
         raise DataError(f"There is no unit {text!r} ({error}). {remedy}") from error
     if zero.magnitude != 0.0:
         raise DataError(f"Unit {text!r} has an offset; give the value in an absolute unit, e.g. K.")

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.linalg import pinvh
+from scipy.optimize import lsq_linear
 from scipy.stats import chi2, f
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
@@ -43,6 +44,33 @@ def chance(
     ours, mixed, theirs = together[:count, :count], together[:count, count:], together[count:, count:]
     statistic = away @ pinvh(ours - mixed @ pinvh(theirs) @ mixed.T) @ away
     return float(chi2.sf(statistic, count) if np.isinf(freedom) else f.sf(statistic / count, count, freedom))
+
+
+def chance_within(known: ContextEstimate, values: Mapping[str, float]) -> float:
+    """The same, where the other parameters make up for the difference within their bounds alone.
+
+    The least of dᵀ C⁻¹ d over all that the others may be, which is the Wald statistic where no bound is in the way.
+
+    Source: Silvapulle and Sen, Constrained Statistical Inference (2005), section 3.4, here with the χ² of all values,
+    which is the more careful.
+
+    Args:
+        known: the estimate, as for `chance`.
+        values: by parameter name, at least one.
+    """
+    space, free = known.space, np.flatnonzero(known.std > 0)
+    place = {name: int(np.flatnonzero(free == space.index(name))[0]) for name in values}
+    std, mean = known.std[free], known.mean[free]
+    variance, axes = np.linalg.eigh(known.covariance[np.ix_(free, free)] / np.outer(std, std))
+    told = variance > np.finfo(float).eps * len(free) * variance[-1]
+    root = (axes[:, told] / np.sqrt(variance[told])).T
+    rows, rest = list(place.values()), np.setdiff1d(np.arange(len(free)), list(place.values()))
+    away = root[:, rows] @ ((np.array(list(values.values())) - mean[rows]) / std[rows])
+    statistic = float(away @ away)
+    if len(rest):
+        ends = [(bound[free] - mean)[rest] / std[rest] for bound in (space.low, space.high)]
+        statistic = 2 * float(lsq_linear(root[:, rest], -away, (np.minimum(ends[0], 0), np.maximum(ends[1], 0))).cost)
+    return float(chi2.sf(statistic, len(rows)))
 
 
 def known_of(bench: Bench, fitted_model: FittedModel) -> ContextEstimate:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
-from dr_lab.diagnosis.evidence.compatible import chance, known_of
+from dr_lab.diagnosis.evidence.compatible import chance, chance_within, known_of
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
 from dr_lab.diagnosis.fit.covariance import clusters
@@ -111,7 +111,8 @@ def drop_absent(
 
     The parameter's uncertainty is that of `covariance.estimate`, which holds the scatter between logs. Only its gain
     judges an effect of several parameters: near absent its shape means nothing, and a Wald test's answer depends on how
-    the parameters are written down. Of an elasticity, for example, often only compliance times inertia is known.
+    the parameters are written down. Of an elasticity, for example, often only compliance times inertia is known. What
+    others would have to do in its place counts as far as their bounds let them: a damping goes no lower than 0.
 
     Source: Gregory and Veall, Econometrica 53 (1985) 1465.
 
@@ -122,7 +123,7 @@ def drop_absent(
         return (), ()
     bench = deletions.bench
     known = known_of(bench, steps[-1].fitted_model)
-    doubts = [chance(known, step.effect.absent) if len(step.effect.parameters) == 1 else 0.0 for step in steps]
+    doubts = [chance_within(known, step.effect.absent) if len(step.effect.parameters) == 1 else 0.0 for step in steps]
     place = int(np.argmax(doubts))
     if doubts[place] < 1 - bench.evidence.confidence:
         return steps, ()

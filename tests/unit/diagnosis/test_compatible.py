@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dr_lab.diagnosis.evidence.compatible import chance
+from dr_lab.diagnosis.evidence.compatible import chance, chance_within
 from dr_lab.physics.context import ContextEstimate, ContextSpace
 from dr_lab.physics.parameter import Parameter
 
@@ -53,3 +53,19 @@ def test_the_scatter_between_few_logs_is_badly_known() -> None:
     """Student's t with two degrees of freedom exceeds 9.925 in one case of two hundred, to either side."""
     found = known([0.9925, 0.0, 0.0], np.diag([0.01, 1.0, 1.0]))
     assert chance(found, {"a": 0.0}, freedom=2) == pytest.approx(0.01, rel=1e-3)
+
+
+def test_within_far_bounds_the_test_is_walds() -> None:
+    found = known([0.03, 0.02, 0.0], 1e-4 * np.array([[4.0, 1.5, 0], [1.5, 2.0, 0.4], [0, 0.4, 1.0]]))
+    for values in ({"a": 0.0}, {"a": 0.0, "b": 0.0}):
+        assert chance_within(found, values) == pytest.approx(chance(found, values), rel=1e-6)
+
+
+def test_what_trades_with_a_parameter_does_so_as_far_as_it_may() -> None:
+    """The sum of a and b is known to ±0.01, either to ±1; b lies at its upper end and cannot make up for less of a."""
+    apart, together = np.array([1.0, -1.0, 0.0]) / np.sqrt(2), np.array([1.0, 1.0, 0.0]) / np.sqrt(2)
+    covariance = 2 * np.outer(apart, apart) + 5e-5 * np.outer(together, together) + np.diag([0.0, 0.0, 1.0])
+    low, high = known([0.3, 1.0, 0.0], covariance), known([0.3, -0.99, 0.0], covariance)
+    assert chance(low, {"a": 0.0}) > 0.7
+    assert chance_within(low, {"a": 0.0}) < 1e-100  # b would have to be 1.3, beyond its end
+    assert chance_within(high, {"a": 0.0}) == pytest.approx(chance(high, {"a": 0.0}), rel=1e-3)

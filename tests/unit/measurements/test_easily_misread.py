@@ -60,6 +60,18 @@ def test_units_that_measure_something_else_are_refused(
         read_log(path, {channel: {"column": "q", "unit": unit}}, {}, contract)
 
 
+def test_motors_turn_fast_in_turns_a_minute(tmp_path: Path, contract: DataContract) -> None:
+    """2 500 a minute are 262 rad/s, which would be suspected to be degrees if they were given in radians."""
+    path = csv(tmp_path / "a.csv", time=TIME, v=2500 * np.sin(TIME))
+    entry: Entry = {"column": "v", "unit": "rpm"}
+    found = read_log(path, {"q.velocity": entry}, {}, contract).outputs["q.velocity"]
+    assert np.abs(found.value).max() == pytest.approx(2500 * 2 * np.pi / 60, rel=1e-3)
+    with pytest.raises(DataError, match=r"There is no unit 'RPM' .*Did you mean 'rpm'\?"):
+        read_log(path, {"q.velocity": entry | {"unit": "RPM"}}, {}, contract)
+    with pytest.raises(DataError, match=r"turns at .*raise measurements\.contract\.speed_limit"):
+        read_log(path, {"q.velocity": entry | {"unit": "rad/s", "scale": 0.105}}, {}, contract)
+
+
 def test_standard_gravities_are_accelerations(tmp_path: Path, contract: DataContract) -> None:
     path = csv(tmp_path / "a.csv", time=TIME, a=np.sin(TIME))
     found = read_log(path, {"sensor.imu": {"column": "a", "unit": "g_0"}}, {}, contract).outputs["sensor.imu"]
