@@ -211,7 +211,7 @@ class McapSource:
         channels, suffix = self._channels[name], ":message"
         kinds = sorted({channel.schema.name if channel.schema else "no schema" for channel in channels})
         batches = [b for b in self._batches(name) if any(column.endswith(suffix) for column in b.schema.names)]
-        if not any(channel.message_count for channel in channels):
+        if not batches and not any(channel.message_count for channel in channels):
             raise DataError(f"Topic {name!r} of {self.name} has no message. Record it, or leave its channels out.")
         if not batches:
             encoding, schema = channels[0].message_encoding, channels[0].schema
