@@ -24,6 +24,7 @@ from dr_lab.physics.straight import Straight
 from dr_lab.trajectory import Array
 
 _Models = tuple[NormalEquations, NormalEquations]
+_Ended = tuple[int, bool, bool, bool]  # steps taken, whether converged, late, over
 _WHOLE = np.ones(1)
 STAY = (np.empty(0), np.empty(0))
 _SHARES = 0.5 ** np.arange(5)  # of a step of bodies that are free as a whole, which are tried at once
@@ -48,7 +49,7 @@ class Descent:
         """Levenberg–Marquardt in the windows that the start can simulate; 0 steps only linearise."""
         settings, slopes = self.settings, FollowedSlopes(self.replay, self.settings, best, known)
         best, weight, first = self._objective.linear(best, slopes.now)
-        linear, damping, taken, failed, pace = first, Damping(settings), 0, False, Pace(settings)
+        linear, damping, taken, failed, pace = first, Damping(settings), 0, False, Pace(settings, best.cost)
         while True:
             predicted = linear.decrease(*self._free(best, linear))
             least, slow = self._worth(best)
@@ -69,7 +70,7 @@ class Descent:
             trial, share, foretold = self._trial(best, linear, damping.now, weight)
             trial, nearby = self._mended(best, trial, slopes.now, weight, foretold)
             gain = best.cost - trial.cost
-            pace.add(gain)
+            pace.add(best.cost, trial.cost)
             failed = gain < 0 and slopes.fresh == Fresh.ALL
             if failed:
                 damping.after_failure()
@@ -85,7 +86,7 @@ class Descent:
             if self._rough and 0 <= gain <= least:
                 break
         over = failed or (crawls and not self._rough)
-        return self._fit(best, weight, (linear, first), slopes.now, taken, converged, late, over)
+        return self._fit(best, weight, (linear, first), slopes.now, (taken, converged, late, over), tuple(pace.costs))
 
     def _worth(self, point: Point) -> tuple[float, float]:
         """By how much a full step, and several steps in a row, must lower the cost to be worth their time."""
@@ -100,10 +101,12 @@ class Descent:
         predicted = linear.decrease(*self._free(point, linear, *self._reach))
         return point.cost - predicted / self.settings.foreseen > goal
 
-    def _fit(self, at: Point, weight: Array, linear: _Models, slopes: Slopes, taken: int, *ended: bool) -> Fit:
+    def _fit(
+        self, at: Point, weight: Array, linear: _Models, slopes: Slopes, ended: _Ended, fallen: tuple[float, ...]
+    ) -> Fit:
         """A fit that ends at a point, with the linear models there and at its start; the rest as `Fit` has it."""
         costs = np.where(at.infeasible, 0.0, self._objective.window_costs(at, weight))
-        return Fit(at.z, at.delta, at.residuals, at.cost, at.infeasible, *linear, costs, slopes, taken, *ended)
+        return Fit(at.z, at.delta, at.residuals, at.cost, at.infeasible, *linear, costs, slopes, *ended, fallen)
 
     def _polished(self, point: Point, slopes: Slopes) -> tuple[Point, Slopes]:
         found = polished(self.replay, self.settings, point, slopes.state, ~point.infeasible)

@@ -28,6 +28,7 @@ class Fit(Point):
         late: whether it ended because at its pace it would not have reached its goal.
         over: whether its last steps show that it gains nothing more: the last one raised the cost although all slopes
             had been taken where it ends, or they moved the cost by too little for any comparison.
+        costs: at the start of its first descent, and the lowest after each of its steps.
     """
 
     equations: NormalEquations
@@ -38,11 +39,16 @@ class Fit(Point):
     converged: bool
     late: bool = False
     over: bool = False
+    costs: tuple[float, ...] = ()
 
     @property
     def order(self) -> tuple[int, float]:
         """What makes one fit of the same windows better than another: fewer that diverge, then a lower cost."""
         return int(self.infeasible.sum()), self.cost
+
+    def after(self, steps: int) -> float:
+        """The lowest cost after so many steps of the first descent, or after its last one."""
+        return self.costs[: steps + 1][-1]
 
     def below(self, other: "Fit") -> float:
         """By how much the cost is below another fit's of the same windows, in those that neither lets diverge."""

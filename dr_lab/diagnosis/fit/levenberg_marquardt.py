@@ -99,7 +99,7 @@ class Fitter(Descent):
             again = other._ended(here, None, goal)
             gains = again.below(fit) > self._worth(fit)[1]
             taken, best = fit.iterations + again.iterations, again if again.order <= fit.order else fit
-            fit, other, one = replace(best, first=fit.first, iterations=taken), one, other
+            fit, other, one = replace(best, first=fit.first, iterations=taken, costs=fit.costs), one, other
             if not gains:
                 break
         return fit
@@ -116,7 +116,7 @@ class Fitter(Descent):
             gains = again.below(fit) > self._worth(fit)[1]
             if not (again.infeasible.sum() < fit.infeasible.sum() or gains):
                 return replace(fit, iterations=taken)
-            fit = replace(again, first=fit.first, iterations=taken)
+            fit = replace(again, first=fit.first, iterations=taken, costs=fit.costs)
         return fit
 
     def _anew(self, fit: Fit, goal: float) -> Point | None:
@@ -160,7 +160,7 @@ class Fitter(Descent):
             slopes = Slopes(known.state, np.concatenate([known.parameter, rest], axis=2))
             start = Point(context, delta, residuals, np.inf, infeasible)
             point, weight, linear = self._objective.linear(start, slopes)
-            fits.append(self._fit(point, weight, (linear, linear), slopes, 0, False))
+            fits.append(self._fit(point, weight, (linear, linear), slopes, (0, False, False, False), (point.cost,)))
         return fits
 
     def begin(self, z: Array, delta: Array) -> Point:

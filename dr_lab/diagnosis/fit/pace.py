@@ -10,15 +10,20 @@ class Pace:
 
     Args:
         settings: how many steps tell a pace, and that a descent crawls; of fewer nothing is said.
+        cost: before the first one.
+
+    Attributes:
+        costs: before the first step, and the lowest after each.
     """
 
-    def __init__(self, settings: SolverSettings) -> None:
-        self._settings = settings
+    def __init__(self, settings: SolverSettings, cost: float) -> None:
+        self._settings, self.costs = settings, [cost]
         self._gains = deque[float](maxlen=max(settings.crawl, settings.pace))
 
-    def add(self, gain: float) -> None:
-        """Take note of a step; one that would raise the cost is not made, and its gain is negative."""
-        self._gains.append(gain)
+    def add(self, cost: float, after: float) -> None:
+        """Take note of a step from one cost to another; one that would raise it is not made, and its gain negative."""
+        self._gains.append(cost - after)
+        self.costs.append(min(cost, after))
 
     def crawls(self, least: float) -> bool:
         """Whether the last steps together gained less than so much, and moved the cost up and down by little more.

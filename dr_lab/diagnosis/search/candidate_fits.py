@@ -113,9 +113,10 @@ class CandidateFits:
         """Fit one candidate from the base's solution and from its further starts.
 
         Where what it is like in a `limit` explains something, it begins there and not at the base's. A short run shows
-        whether a start away from absent is worth going on from. Bodies that are free as a whole begin as in the model
-        file: those of a base that leaves more than noise have gone far to make up for what it lacks, along ways that
-        bend. Of a `goal` see `Fitter.run`. One that is fitted while no other is may have more `threads`.
+        whether a start away from absent is worth going on from: whether it is as low as the first fit was after as many
+        steps, wherever that ended. Bodies that are free as a whole begin as in the model file: those of a base that
+        leaves more than noise have gone far to make up for what it lacks, along ways that bend. Of a `goal` see
+        `Fitter.run`. One that is fitted while no other is may have more `threads`.
         """
         fitter = self.fitter(self.thin, effect, threads)
         helps = limit is not None and supported(limit.gain, len(limit.effect.parameters), self.bench.evidence)
@@ -131,14 +132,15 @@ class CandidateFits:
 
     def _of_starts(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, goal: float, there: Fit) -> Fit:
         base = self.start
-        fits = [fitter.go_on(there, goal)]
+        best = near = fitter.go_on(there, goal)
         steps = self._short(effect)
         for z in first.starts:
             start = fitter.begin(z, base.delta)
             rough = fitter.run(z, start.delta, base.slopes, steps)
-            if rough.order < min(f.order for f in fits):
-                fits.append(fitter.run(rough.z, rough.delta, goal=goal))
-        return min(fits, key=lambda f: f.order)
+            if rough.order <= (best.order[0], near.after(steps)):
+                again = fitter.run(rough.z, rough.delta, goal=min(goal, best.cost))
+                best = min(best, again, key=lambda fit: fit.order)
+        return best
 
     def _in_the_limit(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, limit: Candidate) -> Fit:
         """An effect linearised where that which it is like in a limit ended, at the best of its own shapes."""

@@ -1,9 +1,9 @@
 """Fits of candidates to all windows: soft friction or a constant torque on a pendulum is the truth."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 import mujoco
 import numpy as np
@@ -249,3 +249,46 @@ def test_what_few_windows_leave_absent_is_begun_anew_in_all() -> None:
     for name, value, ended, absent in zip(space.names, begun.start.z, one_sided, space.nominal, strict=True):
         others = {other.get(name, ended) for other in found.effect.starts} if ended == absent else set[float]()
         assert value in {ended, *others}
+
+
+@dataclass
+class Foreseen:
+    """A fitter of which it is known how the costs fall: from absent, and from a further start."""
+
+    fit: Fit
+    absent: tuple[float, ...]
+    start: tuple[float, ...]
+
+    def go_on(self, there: Fit, goal: float) -> Fit:
+        del there, goal
+        return replace(self.fit, cost=self.absent[-1], costs=self.absent)
+
+    def begin(self, z: Array, delta: Array) -> Fit:
+        return replace(self.fit, z=z, delta=delta)
+
+    def run(
+        self, z: Array, delta: Array, known: object = None, iterations: int | None = None, goal: float = np.inf
+    ) -> Fit:
+        del known, goal
+        costs = self.start if iterations is None else self.start[: iterations + 1]
+        return replace(self.fit, z=z, delta=delta, cost=costs[-1], costs=costs)
+
+
+@pytest.mark.parametrize(
+    ("start", "best"),
+    [
+        pytest.param((90.0, 50.0, 40.0, 30.0, 19.0, 5.0, 1.0), 1.0, id="as fast as from absent"),
+        pytest.param((90.0, 50.0, 40.0, 30.0, 21.0, 5.0, 1.0), 9.0, id="slower"),
+        pytest.param((90.0, 50.0, 40.0, 30.0, 19.0, 18.0, 17.0), 9.0, id="as fast at first, and stuck"),
+    ],
+)
+def test_a_start_is_gone_on_with_that_is_as_low_as_the_fit_from_absent_was_after_as_many_steps(
+    start: tuple[float, ...], best: float
+) -> None:
+    """That fit is at 20 after four steps and ends at 9; what a start must be below is not that end."""
+    fits, effect = fits_of(rubbing), effect_of("coulomb_friction")
+    assert fits.bench.solver.start_iterations == 4
+    first = fits.look(effect)
+    first = replace(first, starts=(first.best,))
+    fitter = Foreseen(first.absent, (100.0, 80.0, 60.0, 40.0, 20.0, 10.0, 9.0), start)
+    assert fits._of_starts(cast(Any, fitter), effect, first, np.inf, first.absent).cost == best
