@@ -7,7 +7,8 @@ from math import isnan
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.likelihood import less_likely
 from dr_lab.diagnosis.evidence.noise_floor import at_floor, noise_floor
-from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, supported, worth_a_trial
+from dr_lab.diagnosis.evidence.paired_gain import Gain, largest_gap, paired_gain, sizeable, supported, worth_a_trial
+from dr_lab.diagnosis.search.as_special_case import holds
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.effect import FAMILIES
@@ -56,7 +57,8 @@ def decide(
     Of the candidates that the evidence supports these stand, and the data cannot separate them:
 
     1. The best one and those that it does not beat beyond doubt form a group.
-    2. Of the group the poorest stand. A richer effect that explains nothing more is no rival.
+    2. Of the group those stand that no poorer one makes needless. A richer effect that explains little more, or that
+       holds the poorer one as a special case, is no rival.
     3. If the best one does not stand, those join that no standing one beats.
 
     Args:
@@ -188,13 +190,21 @@ def _beats(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -
 
 
 def _needed(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:
-    """The poorest of the candidates that are as likely as any."""
+    """Those of the candidates that are as likely as any which no poorer one makes needless."""
     group = _likeliest(group, settings)
-    return [c for c in group if not any(_richer(c, other) for other in group)]
+    return [c for c in group if not any(_needless(c, other, settings) for other in group)]
 
 
-def _richer(candidate: Candidate, other: Candidate) -> bool:
-    return len(candidate.effect.parameters) > len(other.effect.parameters)
+def _needless(candidate: Candidate, other: Candidate, settings: EvidenceSettings) -> bool:
+    """Whether a candidate has more parameters than another one and explains little more.
+
+    One that holds the other as a special case is needless whatever it explains: `pruning` weighs it against that.
+    """
+    extra = len(candidate.effect.parameters) - len(other.effect.parameters)
+    if extra <= 0 or holds(candidate.effect, other.effect):
+        return extra > 0
+    gain = paired_gain(other.fitted_model.held_out, candidate.fitted_model.held_out, settings)
+    return not sizeable(gain, extra, settings)
 
 
 def _likeliest(group: list[Candidate], settings: EvidenceSettings) -> list[Candidate]:

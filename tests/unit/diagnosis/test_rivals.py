@@ -139,6 +139,25 @@ def test_what_the_needlessly_rich_effect_beats_joins_and_displaces_nothing() -> 
     assert set(verdict.effects) == {"spring@rail", "viscous_friction@rail"}
 
 
+@pytest.mark.parametrize(
+    ("richer", "poorer", "stand"),
+    [
+        pytest.param("spring", "viscous_friction", {"spring@rail", "viscous_friction@rail"}, id="another kind"),
+        pytest.param("stribeck_friction", "coulomb_friction", {"coulomb_friction@rail"}, id="a special case"),
+    ],
+)
+def test_a_poorer_effect_displaces_none_that_explains_much_more_though_not_beyond_doubt(
+    richer: str, poorer: str, stand: set[str]
+) -> None:
+    """In half of the windows the poorer one leaves 2.5 times as much, in the others 0.6 times."""
+    base, best = model(40.0), score(4.0)
+    worse = replace(best, window_sum=best.window_sum * np.where(np.arange(WINDOWS) % 6 < 3, 2.5, 0.6))
+    gain = paired_gain(worse, best, SETTINGS)
+    assert gain.total_low < 0 < SETTINGS.threshold < gain.total
+    ranking = [candidate(base, richer, best, CLEAR), candidate(base, poorer, worse, CLEAR)]
+    assert set(decide(base, ranking, SETTINGS).effects) == stand
+
+
 @dataclass(frozen=True)
 class InTurn:
     """A fit that is better than the next of three and worse than the one before, as in windows that differ."""
