@@ -14,7 +14,8 @@ from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.trajectory import Array, Note, Signal
 
 _DEGREES = 180.0 / np.pi
-_RPM = np.pi / 30.0  # rad/s
+# What rates of joints are in, beside what they are declared; in rad/s.
+_RATES = {"rad/s": 1.0, "deg/s": np.pi / 180.0, "rpm": np.pi / 30.0}
 # What a derivative is too large by where times in s are declared in these units; too small by in the other case.
 _TIMES = {"ms": 1e3, "µs": 1e6, "ns": 1e9}
 _SUSPICION = "the factor 57.3 = 180/π is suspected"
@@ -45,7 +46,8 @@ def check_units(
         contract: thresholds.
 
     Returns:
-        Notes of weaker contradictions: a velocity of the other sign or another scale.
+        Notes of weaker contradictions: a velocity of the other sign or another scale. It is a note of kind ``fault``
+        where another usual unit of the velocity explains the scale.
 
     Raises:
         DataError: degrees are suspected; the message names the channel and the remedy.
@@ -85,7 +87,7 @@ def _compare(
                 f"{wrong.name} is in degrees (declared {wrong.unit.given!r}; write {_degrees(wrong)}), or "
                 f"{other.name} is in radians (declared {other.unit.given!r}; write {_radians(other)})."
             )
-    return _weaker(ratio, rate.name, place.name, contract)
+    return _weaker(ratio, rate, place.name, contract)
 
 
 def _require_seconds(ratio: float, place: ChannelMap, rate: ChannelMap, contract: DataContract) -> None:
@@ -99,18 +101,30 @@ def _require_seconds(ratio: float, place: ChannelMap, rate: ChannelMap, contract
                 )
 
 
-def _weaker(ratio: float, rate: str, place: str, contract: DataContract) -> list[Note]:
+def _weaker(ratio: float, rate: ChannelMap, place: str, contract: DataContract) -> list[Note]:
     if ratio < 0:
-        message = f"{rate} has the opposite sign of the derivative of {place} (ratio {ratio:.3g}); check sign."
-        return [Note("sign", rate, message)]
-    if abs(np.log(ratio)) > contract.velocity_ratio:
-        turns = abs(np.log(ratio / _RPM)) < contract.unit_ratio
-        hint = ", as if it were in turns a minute (unit: rpm)" if turns else ""
+        message = f"{rate.name} has the opposite sign of the derivative of {place} (ratio {ratio:.3g}); check sign."
+        return [Note("sign", rate.name, message)]
+    if abs(np.log(ratio)) <= contract.velocity_ratio:
+        return []
+    told = f"he derivative of {place} is {ratio:.3g} times {rate.name}"
+    if meant := _meant(ratio, rate, contract):
         message = (
-            f"The derivative of {place} is {ratio:.3g} times {rate}{hint}; check unit, scale and gear ratio of both."
+            f"Unit: t{told}, as if its numbers were in {meant} (declared {rate.unit.given!r}). Write unit: {meant}; if "
+            "the unit is right, check scale and gear ratio of both."
         )
-        return [Note("unit", rate, message)]
-    return []
+        return [Note("fault", rate.name, message)]
+    return [Note("unit", rate.name, f"T{told}; check unit, scale and gear ratio of both.")]
+
+
+def _meant(ratio: float, rate: ChannelMap, contract: DataContract) -> str:
+    """The unit in which a joint's velocity would be `ratio` times as fast; empty where it is none of the usual ones."""
+    if rate.unit.name != "rad/s":
+        return ""
+    meant = (
+        text for text, size in _RATES.items() if abs(np.log(ratio * rate.unit.factor / size)) < contract.unit_ratio
+    )
+    return next(meant, "")
 
 
 def _check_step(signal: Signal, channel: ChannelMap, contract: DataContract) -> None:

@@ -89,8 +89,27 @@ def test_sign_and_scale_of_a_velocity_are_noted(contract: DataContract) -> None:
     assert geared.kind == "unit"
     assert "6 times" in geared.message
     assert "rpm" not in geared.message
-    (turns,) = check(contract, ANGLE, SPEED * 60 / (2 * np.pi))
-    assert "0.105 times arm.velocity, as if it were in turns a minute (unit: rpm)" in turns.message
+
+
+@pytest.mark.parametrize(
+    ("velocity", "declared", "meant", "ratio"),
+    [
+        (SPEED * 60 / (2 * np.pi), "rad/s", "rpm", "0.105"),
+        (SPEED * 60 / (2 * np.pi), "deg/s", "rpm", "6"),
+        (SPEED * DEGREES, "rpm", "deg/s", "0.167"),
+        (SPEED, "rpm", "rad/s", "9.54"),
+    ],
+)
+def test_a_velocity_in_another_usual_unit_is_a_fault(
+    contract: DataContract, velocity: Array, declared: str, meant: str, ratio: str
+) -> None:
+    (fault,) = check(contract, ANGLE, velocity, rate=declared)
+    assert (fault.kind, fault.signal) == ("fault", "arm.velocity")
+    assert fault.message.startswith(
+        f"Unit: the derivative of arm.position is {ratio} times arm.velocity, as if its numbers were in {meant} "
+        f"(declared {declared!r}). Write unit: {meant}"
+    )
+    assert check(contract, ANGLE, velocity, rate=meant) == ()
 
 
 @pytest.mark.parametrize(("raw_turn", "declared", "remedy"), [(360.0, "rad", "deg"), (2 * np.pi, "deg", "rad")])
