@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from dr_lab.measurements.split import find_files
 from dr_lab.measurements.table_file import load
 from dr_lab.measurements.text_columns import text_columns
 from dr_lab.proposal.log_series import LogSeries, read_series
+from dr_lab.proposal.partly_held import partly_held
 from dr_lab.proposal.readable import readable
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.time_column import Clock, find_clock
@@ -50,7 +52,8 @@ class Survey:
         logs: names of all logs.
         series: every series of numbers that all logs hold which were looked at.
         clock: of tables; None of messages.
-        spoilt: columns of tables that some text, or a name that several share, keeps from being read, a sentence each.
+        spoilt: what keeps series from being read, a sentence each: text in a column, a name that several columns share,
+            a log that lacks them.
         counts: series that count the rows or messages, which are no readings.
         short: logs that hold too few rows or messages to be used, each with what is said of it.
         doubts: what is unsure of the numbers as they were read, a sentence each.
@@ -89,7 +92,7 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     while True:
         long = [name for name in known if name not in short]
         chosen = [long[k] for k in _spread(len(long), settings.logs)]
-        places, read, doubts = _read({name: known[name] for name in chosen}, clock, settings)
+        places, read, spoilt, doubts = _read({name: known[name] for name in chosen}, clock, settings)
         few = {name: said for name, log in zip(chosen, read, strict=True) if (said := _too_few(log.signals, settings))}
         if not few:
             break
@@ -101,7 +104,6 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     every = [_named(places[k], tuple(s for log in signals if (s := log[k]) is not None)) for k in usable]
     counts = tuple(each for each in every if _counts_rows(each))
     series = tuple(each for each in every if not _counts_rows(each))
-    spoilt = _spoilt([known[name] for name in chosen], settings) if clock else ()
     doubts = (*doubts, *(said for log in read for said in log.doubts))
     return Survey(files, tuple(known), series, clock, spoilt, counts, short, doubts)
 
@@ -115,11 +117,14 @@ def _counts_rows(series: Series) -> bool:
     return whole and len(steps) > 0 and bool(steps[0] > 0) and bool((steps == steps[0]).all())
 
 
-def _spoilt(chosen: Sequence[Recording], settings: ProposalSettings) -> tuple[str, ...]:
-    """What is said of columns that some text, or a name that several share, keeps from being read."""
-    paths = dict.fromkeys(recording.path for recording in chosen)
-    texts = (str(column) for path in paths for column in text_columns(path, settings.text))
-    return (*texts, *(said for path in paths for said in shared_names(path)))
+def _spoilt(
+    tables: Sequence[Recording], settings: ProposalSettings, held: Mapping[str, Sequence[Place]] | None = None
+) -> tuple[str, ...]:
+    """What is said of columns that text or a shared name keeps from being read, and of series that some logs lack."""
+    paths = dict.fromkeys(recording.path for recording in tables)
+    texts = [column for path in paths for column in text_columns(path, settings.text)]
+    shared = (said for path in paths for said in shared_names(path))
+    return (*map(str, texts), *shared, *partly_held(held or {}, {column.column for column in texts}))
 
 
 def _clock(tables: Sequence[Path], settings: ProposalSettings) -> Clock:
@@ -132,35 +137,48 @@ def _clock(tables: Sequence[Path], settings: ProposalSettings) -> Clock:
         raise DataError(" ".join([str(error), *_spoilt([Recording(path)], settings)])) from error
 
 
-def _read(
-    chosen: Mapping[str, Recording], clock: Clock | None, settings: ProposalSettings
-) -> tuple[Sequence[Place], list[LogSeries], tuple[str, ...]]:
-    """The places that some logs share, their numbers in each, and what is said of messages that cannot be read."""
-    places, axis = _places([*chosen.values()], clock, settings), clock.axis if clock else None
+class _Read(NamedTuple):
+    """The places that some logs share, their numbers in each, what is said of others, and what is unsure."""
+
+    places: Sequence[Place]
+    logs: list[LogSeries]
+    spoilt: tuple[str, ...]
+    doubts: tuple[str, ...]
+
+
+def _read(chosen: Mapping[str, Recording], clock: Clock | None, settings: ProposalSettings) -> _Read:
+    """Read what all of some logs hold beside their clock."""
+    held = _held(chosen, clock)
+    places, spoilt = _common([*held.values()]), _spoilt([*chosen.values()] if clock else (), settings, held)
+    if not places:
+        empty = next((chosen[name].path.name for name in chosen if not held[name]), None)
+        what = (
+            f"{empty} holds no numbers beside its clock." if empty else "The logs have no series of numbers in common."
+        )
+        raise DataError(f"{what} {' '.join(spoilt) or 'Name another log.'}")
+    axis = clock.axis if clock else None
 
     def numbers(of: Sequence[Place]) -> list[LogSeries]:
         return [read_series(name, recording, of, axis, settings) for name, recording in chosen.items()]
 
     try:
-        return places, numbers(places), ()
+        return _Read(places, numbers(places), spoilt, ())
     except (DataError, UnknownNameError):
         if clock:
             raise
     found = readable([*chosen.values()], places, settings.contract)
-    return found.places, numbers(found.places), found.doubts
+    return _Read(found.places, numbers(found.places), spoilt, found.doubts)
 
 
-def _places(chosen: Sequence[Recording], clock: Clock | None, settings: ProposalSettings) -> list[Place]:
-    """What all of some logs hold beside their clock."""
+def _held(chosen: Mapping[str, Recording], clock: Clock | None) -> dict[str, Sequence[Place]]:
+    """By log, what it holds beside its clock."""
     if clock is None:
-        places = _common([messages_of(recording.path) for recording in chosen])
-    else:
-        every = _common([columns_of(recording.path) for recording in chosen])
-        places = [place for place in every if place.path not in (clock.axis.column, clock.group)]
-    if not places:
-        spoilt = " ".join(_spoilt(chosen, settings)) if clock else ""
-        raise DataError(f"{chosen[0].path.name} holds no numbers beside its clock. {spoilt or 'Name another log.'}")
-    return places
+        return {name: messages_of(recording.path) for name, recording in chosen.items()}
+    beside = (clock.axis.column, clock.group)
+    return {
+        name: [place for place in columns_of(recording.path) if place.path not in beside]
+        for name, recording in chosen.items()
+    }
 
 
 def _too_few(log: Sequence[Signal | None], settings: ProposalSettings) -> str:
