@@ -6,6 +6,7 @@ import numpy as np
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.contract import DataContract
+from dr_lab.measurements.row_numbers import RowNumbers
 from dr_lab.trajectory import Array, Note
 
 _TURN = 2 * np.pi
@@ -25,7 +26,7 @@ class Cleaned(NamedTuple):
     notes: tuple[Note, ...]
 
 
-def drop_not_finite(name: str, time: Array, value: Array, log: str = "") -> Cleaned:
+def drop_not_finite(name: str, time: Array, value: Array, log: str = "", rows: RowNumbers | None = None) -> Cleaned:
     """Drop samples whose time or value (or a component of it) is NaN or infinite.
 
     Args:
@@ -33,18 +34,24 @@ def drop_not_finite(name: str, time: Array, value: Array, log: str = "") -> Clea
         time: shape (n,).
         value: shape (n,) or (n, k).
         log: whose channel it is, for messages.
+        rows: where the samples of a table stand in its file, whose empty cells were read as NaN; None of messages.
 
     Raises:
         DataError: nothing is left.
     """
-    good = np.isfinite(time) & np.isfinite(value.reshape(len(value), -1)).all(axis=1)
+    timed = np.isfinite(time)
+    good = timed & np.isfinite(value.reshape(len(value), -1)).all(axis=1)
     lost = int(len(good) - good.sum())
+    what = "samples are NaN or infinite"
+    if rows is not None:
+        what = f"cells{'' if timed.all() else ', or those of their times,'} are empty or no finite numbers"
     if not good.any():
-        where = f"Log {log!r}: channel" if log else "Channel"
-        raise DataError(f"{where} {name!r}: all {len(good)} samples are NaN or infinite. Check its topic or column.")
+        where, place = f"Log {log!r}: channel" if log else "Channel", "topic" if rows is None else "column"
+        raise DataError(f"{where} {name!r}: all {len(good)} {what}. Check its {place}.")
     if lost == 0:
         return Cleaned(time, value, ())
-    note = Note("nan", name, f"{name}: {lost} of {len(good)} samples were NaN or infinite and were dropped.", lost)
+    at = "" if rows is None else f" ({rows.kept(~good)})"
+    note = Note("nan", name, f"{name}: {lost} of {len(good)} {what}{at}; they were dropped.", lost)
     return Cleaned(time[good], value[good], (note,))
 
 

@@ -150,7 +150,8 @@ def _sound(part: RawChannel, keep: Mask, log: str, notes: list[Note], *, held: b
     if part.missing:
         message = f"{name}: {part.missing} messages of {part.channel.topic} do not hold it."
         notes.append(Note("partial", name, message, part.missing))
-    finite = drop_not_finite(name, part.time[keep], part.value[keep], log)
+    rows = part.rows and part.rows.kept(keep)
+    finite = drop_not_finite(name, part.time[keep], part.value[keep], log, rows)
     ordered = drop_unordered(name, finite.time, finite.value, held=held)
     notes += [*finite.notes, *ordered.notes]
     return ordered.time, ordered.value

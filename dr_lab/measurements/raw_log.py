@@ -16,6 +16,7 @@ from dr_lab.measurements.contract import DataContract
 from dr_lab.measurements.log_file import BAG, EXPECTED, TABLES, kind
 from dr_lab.measurements.mcap import McapSource
 from dr_lab.measurements.recordings import Recording
+from dr_lab.measurements.row_numbers import RowNumbers
 from dr_lab.measurements.samples import Samples, SampleSource
 from dr_lab.measurements.signal_map import ChannelMap
 from dr_lab.measurements.table import TableSource
@@ -67,12 +68,14 @@ class RawChannel:
         time: s, shape (n,).
         value: SI, shape (n,) or (n, k).
         missing: messages that did not hold it.
+        rows: where the samples of a table stand in its file; None of messages.
     """
 
     channel: ChannelMap
     time: Array
     value: Array
     missing: int
+    rows: RowNumbers | None
 
 
 @dataclass(frozen=True)
@@ -105,9 +108,10 @@ def read_raw(
     stop = np.inf if time.stop is None else time.stop
 
     def raw(channel: ChannelMap, *, held: bool) -> RawChannel:
-        at, value = aligned.times[channel.name], channel.to_si(samples[channel.name].value)
+        found = samples[channel.name]
+        at, value = aligned.times[channel.name], channel.to_si(found.value)
         keep = ~((at < (held_since(at, value, start) if held else start)) | (at > stop))
-        return RawChannel(channel, at[keep], value[keep], samples[channel.name].missing)
+        return RawChannel(channel, at[keep], value[keep], found.missing, found.rows and found.rows.kept(keep))
 
     return RawLog(
         path,

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from dr_lab.errors import DataError
+from dr_lab.measurements.row_numbers import RowNumbers
 from dr_lab.measurements.signal_map import ChannelMap, Reading, names_of
 from dr_lab.trajectory import Array, Note
 
@@ -34,12 +35,14 @@ class Samples:
         stamps: by clock (``header``, ``publish``, ``log`` or ``column``).
         stream: topic or file whose messages or rows the samples come from; they share their stamps.
         missing: messages of the stream that do not hold the channel at all.
+        rows: where the samples of a table stand in its file; None of messages.
     """
 
     value: Array
     stamps: Mapping[str, Stamps]
     stream: str
     missing: int
+    rows: RowNumbers | None = None
 
 
 class SampleSource(Protocol):

@@ -64,7 +64,7 @@ class TableSource:
                 f"Channel {channel.name!r} names topic {channel.topic!r}, but {self._path.name} is a table. "
                 "Write column: NAME instead of topic and field."
             )
-        return Samples(combine(channel, self._column), {"column": self._stamps}, stream="table", missing=0)
+        return Samples(combine(channel, self._column), {"column": self._stamps}, "table", 0, self._rows.numbers)
 
     def _elapsed(self, name: str, time_unit: str) -> Array:
         column = self._raw(name)
@@ -109,9 +109,10 @@ def grouped(path: Path, column: str) -> dict[str, Rows]:
         raise DataError(f"{path}: column {column!r} holds no value, so it tells no logs apart. Correct group.")
     coded = values.dictionary_encode()
     places = coded.indices.to_numpy(zero_copy_only=False)
+    kept = [places == k for k in range(len(coded.dictionary))]
     return {
-        _text(value): Rows(rows.table.filter(pa.array(places == k)), rows.notes)
-        for k, value in enumerate(coded.dictionary)
+        _text(value): Rows(rows.table.filter(pa.array(keep)), rows.notes, rows.numbers.kept(keep))
+        for value, keep in zip(coded.dictionary, kept, strict=True)
     }
 
 

@@ -12,6 +12,7 @@ import pyarrow.parquet
 
 from dr_lab.errors import DataError
 from dr_lab.measurements.log_file import kind
+from dr_lab.measurements.row_numbers import RowNumbers
 from dr_lab.trajectory import Note
 
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
@@ -29,10 +30,12 @@ class Rows:
     Attributes:
         table: the rows; column names carry no spaces around them.
         notes: what was found on reading them.
+        numbers: where they stand in the file.
     """
 
     table: pa.Table
     notes: tuple[Note, ...]
+    numbers: RowNumbers
 
 
 def load(path: Path) -> Rows:
@@ -47,8 +50,9 @@ def load(path: Path) -> Rows:
         DataError: empty or unreadable file.
     """
     try:
-        rows = Rows(pyarrow.parquet.read_table(path), ()) if kind(path) == ".parquet" else _csv(path)
-        names = [name.strip() for name in rows.table.column_names]
+        text = kind(path) != ".parquet"
+        table, notes = _csv(path) if text else (pyarrow.parquet.read_table(path), ())
+        names = [name.strip() for name in table.column_names]
     except UnicodeDecodeError as error:
         raise DataError(
             f"Cannot read {path}: it is no UTF-8 text ({error.reason} at byte {error.start} of a name); files saved as "
@@ -57,9 +61,9 @@ def load(path: Path) -> Rows:
     except (pa.ArrowException, OSError) as error:
         reason = str(error).splitlines()[0]
         raise DataError(f"Cannot read {path}: {reason}. Expected a header line and one row a sample.") from error
-    if rows.table.num_rows == 0:
+    if table.num_rows == 0:
         raise DataError(f"{path} holds no rows. Record it again, or leave it out of logs.")
-    return Rows(rows.table.rename_columns(names), rows.notes)
+    return Rows(table.rename_columns(names), notes, RowNumbers.of(table.num_rows, text=text))
 
 
 def missing_header(names: Sequence[str]) -> str:
@@ -72,7 +76,8 @@ def missing_header(names: Sequence[str]) -> str:
     )
 
 
-def _csv(path: Path) -> Rows:
+def _csv(path: Path) -> tuple[pa.Table, tuple[Note, ...]]:
+    """The table, and what was found on reading it."""
     content = pa.input_stream(path, compression="detect").read_buffer()
     header, first, *_ = [*_LINES.split(bytes(content[:_LOOK]).decode("latin-1")), "", ""]
     last = bytes(content[max(0, len(content) - _LOOK) :])
@@ -89,7 +94,7 @@ def _csv(path: Path) -> Rows:
     if cut:
         message = f"{path.name} ends within a row (interrupted recording); {table.num_rows} complete rows were kept."
         notes.append(Note("cut", "", message, table.num_rows))
-    return Rows(table, tuple(notes))
+    return table, tuple(notes)
 
 
 def _separator(header: str, row: str) -> str:

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 
-from dr_lab.measurements.log_file import kind
-from dr_lab.measurements.table_file import load
+from dr_lab.measurements.table_file import Rows, load
 
 # A number with a decimal point, and one with a decimal comma.
 _NUMBERS = tuple(re.compile(rf"[-+]?(\d+{mark}?\d*|{mark}\d+)([eE][-+]?\d+)?|[-+]?inf") for mark in (r"\.", ","))
@@ -55,19 +55,19 @@ def text_columns(path: Path, most: float) -> tuple[TextColumn, ...]:
     Raises:
         DataError: the file cannot be read.
     """
-    table = load(path).table
-    named = zip(table.column_names, table.columns, strict=True)
+    rows = load(path)
+    named = zip(rows.table.column_names, rows.table.columns, strict=True)
     texts = [(name, column) for name, column in named if pa.types.is_string(column.type)]
-    found = (_spoilt(path, name, column.to_pylist(), most) for name, column in texts)
+    found = (_spoilt(path, rows, name, column.to_pylist(), most) for name, column in texts)
     return tuple(each for each in found if each is not None)
 
 
-def _spoilt(path: Path, name: str, cells: Sequence[str | None], most: float) -> TextColumn | None:
+def _spoilt(path: Path, rows: Rows, name: str, cells: Sequence[str | None], most: float) -> TextColumn | None:
     """What spoils a column; None of one that is of text."""
     filled = [(row, cell.strip()) for row, cell in enumerate(cells) if cell and cell.strip()]
     wrong = min(([each for each in filled if not number.fullmatch(each[1])] for number in _NUMBERS), key=len)
     if not wrong or len(wrong) > most * len(filled):
         return None
     row, text = wrong[0]
-    place = f"row {row + 1}" if kind(path) == ".parquet" else f"line {row + 2}"  # the first line names the columns
-    return TextColumn(path.name, name, len(wrong), len(cells), place, text[:_SHOWN])
+    place = rows.numbers.kept(np.arange(len(cells)) == row)
+    return TextColumn(path.name, name, len(wrong), len(cells), str(place), text[:_SHOWN])

@@ -128,7 +128,7 @@ def test_commands_and_outputs_of_different_times(refused: Refused) -> None:
 
 def test_channel_of_nothing_but_nan(refused: Refused, tmp_path: Path) -> None:
     error = refused("compare", *table(tmp_path / "nan.csv", time=TIME, arm=np.nan, u=0.0))
-    assert "Log 'nan': channel 'arm.position': all 2000 samples are NaN or infinite. Check its topic or column" in error
+    assert "Log 'nan': channel 'arm.position': all 2000 cells are empty or no finite numbers. Check its column" in error
 
 
 def test_one_sample(refused: Refused, tmp_path: Path) -> None:

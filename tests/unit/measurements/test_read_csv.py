@@ -158,7 +158,7 @@ def test_a_cut_table_is_told_by_each_of_its_groups(tmp_path: Path, contract: Dat
 
 
 def test_all_nan_and_one_sample(tmp_path: Path, contract: DataContract) -> None:
-    with pytest.raises(DataError, match=r"'q.position': all 2000 samples are NaN"):
+    with pytest.raises(DataError, match=r"'q.position': all 2000 cells are empty or no finite numbers"):
         read_log(csv(tmp_path / "a.csv", time=TIME, q=np.nan), Q, {}, contract)
     with pytest.raises(DataError, match=r"'q.position' \(column q\) has 1 usable samples; at least 20 are needed"):
         read_log(csv(tmp_path / "b.csv", time=[0.0], q=[1.0]), Q, {}, contract)

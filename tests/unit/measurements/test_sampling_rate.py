@@ -66,13 +66,11 @@ def test_the_clock_that_is_refused_is_not_proposed(contract: DataContract, clock
 def test_a_log_that_is_merely_short_asks_for_a_longer_one(tmp_path: Path, contract: DataContract) -> None:
     time = 0.01 * np.arange(10)
     path = csv(tmp_path / "a.csv", time=time, q=np.where(time == 0.05, np.nan, time))
-    with pytest.raises(DataError, match=r"has 9 usable samples; .* 1 of 10 samples were NaN .* Give a longer log"):
+    with pytest.raises(DataError, match=r"has 9 usable samples; .* 1 of 10 cells are empty .* Give a longer log"):
         read_log(path, Q, {}, contract)
     value = np.where(np.arange(40) % 4 > 0, np.nan, np.arange(40.0))
     path = csv(tmp_path / "b.csv", time=0.01 * np.arange(40), q=value)
-    with pytest.raises(
-        DataError, match=r"has 10 usable samples; .* 30 of 40 samples were NaN .* Mend that in the file"
-    ):
+    with pytest.raises(DataError, match=r"has 10 usable samples; .* 30 of 40 cells are empty .* Mend that in the file"):
         read_log(path, Q, {}, contract)
 
 
