@@ -86,6 +86,11 @@ class ClockFit:
     drift: float
     jitter: float
 
+    @property
+    def fitted(self) -> bool:
+        """Whether the numbers were estimated; stamps other than those of headers are taken as they are, with zeros."""
+        return self.clock == "header"
+
 
 @dataclass(frozen=True)
 class Log:

@@ -134,7 +134,7 @@ _CLOSE: dict[str, Any] = {
         {"signal": s, "command": "motor", "peak_lag": 0.004, "peak": peak, "band": 0.05, "significant": peak > 0.05}
         for s, peak in (("arm.position", 0.31), ("pole.position", 0.01))
     ],
-    "clocks": {"swing_05": {"motor": {"clock": "log", "offset": 0.0123, "drift": 2.1e-5, "jitter": 0.0004}}},
+    "clocks": {"swing_05": {"motor": {"clock": "header", "offset": 0.0123, "drift": 2.1e-5, "jitter": 0.0004}}},
     "notes": [
         {"log": "swing_05", "kind": "gap", "signal": "arm.position", "message": "12 samples missing.", "count": 12}
     ],

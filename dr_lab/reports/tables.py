@@ -10,6 +10,8 @@ from dr_lab.trajectory import ClockFit
 
 # Tables that hold one column a channel stay readable up to here; machines with more get the table by channel alone.
 _COLUMNS = 3
+# Clocks whose times are taken as they are, in words.
+_CLOCKS = {"column": "the table's time column", "log": "the log", "publish": "the publishers"}
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -162,20 +164,20 @@ def noise_table(noise: Mapping[str, NoiseEntry]) -> str:
 
 
 def clock_table(clocks: Mapping[str, Mapping[str, ClockFit]]) -> str:
-    """How each channel's clock was aligned: offset, drift and jitter, log by log."""
-    rows = [
-        [
-            log,
-            f"`{channel}`",
-            clock.clock,
-            f"{number(clock.offset, 6)} s",
-            f"{number(1e6 * clock.drift, 3)} ppm",
-            f"{number(1e3 * clock.jitter, 3)} ms",
-        ]
-        for log, channels in clocks.items()
-        for channel, clock in channels.items()
-    ]
+    """How each channel's clock was aligned: offset, drift and jitter, log by log; a sentence where none was."""
+    every = [(log, channel, clock) for log, channels in clocks.items() for channel, clock in channels.items()]
+    if every and not any(clock.fitted for _, _, clock in every):
+        named = " and ".join(dict.fromkeys(_CLOCKS.get(clock.clock, clock.clock) for _, _, clock in every))
+        return f"No clock was aligned: all times are those of {named}, as they are."
+    rows = [[log, f"`{channel}`", clock.clock, *_alignment(clock)] for log, channel, clock in every]
     return table(["log", "channel", "clock", "offset", "drift", "jitter"], rows)
+
+
+def _alignment(clock: ClockFit) -> tuple[str, str, str]:
+    """Offset, drift and jitter; dashes where the times were taken as they are."""
+    if not clock.fitted:
+        return ABSENT, ABSENT, ABSENT
+    return f"{number(clock.offset, 6)} s", f"{number(1e6 * clock.drift, 3)} ppm", f"{number(1e3 * clock.jitter, 3)} ms"
 
 
 def _own_parameters(row: CandidateEntry) -> list[str]:

@@ -36,7 +36,7 @@ def test_close_report_says_everything_once(close_report: dict[str, Any]) -> None
     assert "- Model with coulomb_friction@arm: none. The model is at the noise floor." in text
     assert "The residual of `arm.position` follows `motor` after 4 ms: correlation 0.31" in text
     assert "`pole.position` follows" not in text
-    assert _cells(text, "swing_05")[1:] == ["`motor`", "log", "0.0123 s", "21 ppm", "0.4 ms"]
+    assert _cells(text, "swing_05")[1:] == ["`motor`", "header", "0.0123 s", "21 ppm", "0.4 ms"]
     assert _cells(text, "+ coulomb_friction@arm")[1:] == ["1.003", "0.00158", "0.00152"]
     assert _cells(text, "1")[1:5] == ["`coulomb_friction@arm`", "named", "1.004", "95 % (93 % … 97 %)"]
     assert _cells(text, "`coulomb_friction@arm.torque`")[2] == "0.002003 ± 0.000010 N·m"
