@@ -68,7 +68,8 @@ def report_ladder(
     report = replace(_answer(told.verb, study, ladder, described, judgement), inertia=inertia)
     answer(report, run)
     run.screen.phase("Looking where the model fails and what it misses")
-    failing = failure(study, base.model, base.fit.z)  # first, because what misses forces is among its windows
+    # First, because what misses forces is among its windows.
+    failing = failure(study, base.model, base.fit.z, base.held_out)
     judgement = replace(judgement, missing_force=missing_forces(study, models))
     if experiments is not None:
         save(replace(report, judgement=judgement, failure=failing), run)

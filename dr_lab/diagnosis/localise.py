@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dr_lab.bounds import Count, Natural, Positive, Share, require_bounds
+from dr_lab.channel_names import POSITION, VELOCITY
 from dr_lab.diagnosis.fit.point import Point
 from dr_lab.diagnosis.fit.replay import Replay
 from dr_lab.diagnosis.missing_force.force_formula import FormulaSettings
@@ -95,22 +96,26 @@ def localise(replay: Replay, fit: Point, settings: LocaliseSettings, tape: Tape 
 
 
 def _features(replay: Replay, tape: Tape, time: Array) -> tuple[list[tuple[str, str]], Array]:
-    """Names with units, and values of the features at the samples, shape (w, m, features)."""
+    """Names with units, and values of the features at the samples, shape (w, m, features).
+
+    Where only a joint's velocity is measured, its position is none of them: nobody knows where it began.
+    """
     columns: list[Array] = []
     names: list[tuple[str, str]] = []
-    kinds = ("position", "velocity")
+    kinds = (POSITION, VELOCITY)
     channels = [s.channel.name for s in replay.windows.samples if s.channel.kind in kinds]
     for joint in dict.fromkeys(name.rpartition(".")[0] for name in channels):
         slide = "m" if replay.slides(joint) else "rad"
         position, velocity = (tape.read(replay.joint(joint, kind), time[None])[0, ..., 0] for kind in kinds)
         if slide == "rad":  # an unlimited hinge is at the same place after every turn
             position = np.arctan2(np.sin(position), np.cos(position))
-        columns += [np.abs(velocity), position, _since_reversal(velocity, time)]
-        names += [
-            (f"|{joint} velocity|", f"{slide}/s"),
-            (f"{joint} position", slide),
-            (f"time since {joint} reversed", "s"),
-        ]
+        columns.append(np.abs(velocity))
+        names.append((f"|{joint} velocity|", f"{slide}/s"))
+        if f"{joint}.{POSITION}" in channels:
+            columns.append(position)
+            names.append((f"{joint} position", slide))
+        columns.append(_since_reversal(velocity, time))
+        names.append((f"time since {joint} reversed", "s"))
     step = steps_at(time, replay.windows.step, replay.windows.controls.shape[1])
     for name, ctrl in replay.commands.items():
         columns.append(np.abs(np.take_along_axis(replay.windows.controls[..., ctrl], step, axis=1)))

@@ -36,5 +36,5 @@ def compare(
         report = entries.begun("compare", study, [rung], score)
         answer(report, run)
         told.phase("Looking where the model fails")
-        report = replace(report, failure=failure(study, study.model, z))
+        report = replace(report, failure=failure(study, study.model, z, score))
         return finish(study, report, {BEFORE: (study.model, z)}, run)

@@ -39,6 +39,6 @@ def fit(
         report = replace(report, notes=notes, as_given=as_given(study)[1], inertia=inertia)
         answer(report, run)
         told.phase("Looking where the model fails")
-        report = replace(report, failure=failure(study, study.model, z))
+        report = replace(report, failure=failure(study, study.model, z, found.fitted_model.held_out))
         models = {BEFORE: (study.model, comparison.model.space.nominal), AFTER: (study.model, z)}
         return finish(study, report, models, run, found.estimate)

@@ -1,5 +1,6 @@
 import re
 from collections.abc import Callable
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -12,6 +13,7 @@ from diagnosis_machines import (
     predicted_settings,
     simulated,
     solver_settings,
+    steps_command,
     swinging,
     windows_of,
 )
@@ -68,6 +70,23 @@ def test_an_error_on_one_side_is_found_there(size: float) -> None:
     assert 0.35 < limit(worst.region, "hinge position", ">") < 0.65
     assert "reversed" not in worst.region  # late samples, which err most, are no place of the motion
     assert worst.share > 0.6
+
+
+def test_a_position_that_is_not_measured_is_no_place() -> None:
+    """The simulated one is as wrong as it began."""
+
+    def push(data: mujoco.MjData) -> None:
+        data.qfrc_applied[0] = 0.1 * float(data.qpos[0] > 0.4)
+
+    command, rng = steps_command("drive", 1.0, 6.0, 0), np.random.default_rng(0)
+    motion = simulated(pendulum().nominal(), command, 6.0, qpos=[0.8], force=push)
+    read = {"hinge.position": motion["qpos"][:, 0], "hinge.velocity": motion["qvel"][:, 0]}
+    log = log_of("a", {k: (motion["time"], v + 1e-3 * rng.normal(size=len(v))) for k, v in read.items()}, command)
+    both = regions(pendulum(), [log])
+    assert any("hinge position" in region.region for region in both if region.signal == "hinge.velocity")
+    alone = regions(pendulum(), [replace(log, outputs={"hinge.velocity": log.outputs["hinge.velocity"]})])
+    assert len(alone) > 0
+    assert not any("hinge position" in region.region for region in alone)
 
 
 def test_a_right_model_fails_nowhere_in_particular() -> None:
