@@ -8,7 +8,7 @@ import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import DriveFit, Forces, Gain
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.faults.fault_words import factor_words, parts_outside, remedy_of_factor
+from dr_lab.diagnosis.faults.fault_words import factor_words, parts_outside, remedy_of_factor, remedy_of_sign
 from dr_lab.diagnosis.faults.held_span import HeldSpan, held_spans
 from dr_lab.diagnosis.faults.idle_span import idle_span, outside
 from dr_lab.diagnosis.faults.smoothed_motion import Mask, smoothed_motion, untestable
@@ -91,8 +91,8 @@ def _sign(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fa
         f"{fit.actuator}: the motion of {fit.joint} follows the commands with the opposite sign (gain "
         f"{other.gain:.2g}); with the given sign {_ratio(given, other)} times the squares are left."
     )
-    sign = f"Write sign: -1 in measurements.commands.{fit.actuator}, or turn the sign of {fit.joint}'s channels."
-    return _whole("sign", fit, message, sign)
+    remedy = f"{remedy_of_sign(fit.actuator)} Or turn the sign of {fit.joint}'s channels."
+    return _whole("sign", fit, message, remedy)
 
 
 def _unit(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:

@@ -34,11 +34,16 @@ def factor_words(gain: float, near: float) -> str:
 
 def remedy_of_factor(actuator: str, gain: float) -> str:
     """What to write in the measurements."""
-    turned = " and sign: -1" if gain < 0 else ""
+    turned = f" {remedy_of_sign(actuator)}" if gain < 0 else ""
     return (
-        f"Write the unit that measurements.commands.{actuator} has (mN·m, deg …), or its scale{turned}; or correct the "
-        "actuator's gear in the model."
+        f"Write the unit that measurements.commands.{actuator} has (mN·m, deg …), or its scale; or correct the "
+        f"actuator's gear in the model.{turned}"
     )
+
+
+def remedy_of_sign(actuator: str) -> str:
+    """What to write of commands with the wrong sign, whatever sign is given there."""
+    return f"Write sign: -1 in measurements.commands.{actuator}; where it stands there already, delete it."
 
 
 def parts_outside(log: str, begin: float | None, end: float | None) -> str:

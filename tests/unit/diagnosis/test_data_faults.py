@@ -119,7 +119,7 @@ def test_a_turned_sign_is_told_in_its_log(sound: MeasurementSet) -> None:
     assert (fault.kind, fault.log, fault.signal) == ("sign", "log_2", "motor")
     assert fault.begin < 0.3
     assert fault.end > LENGTH - 0.3
-    assert "sign: -1" in fault.remedy
+    assert "sign: -1 in measurements.commands.motor; where it stands there already, delete it." in fault.remedy
     everywhere = told(sound, lambda s: replace(s, value=-s.value))
     assert [(f.kind, f.log) for f in everywhere] == [("sign", f"log_{k}") for k in (1, 2, 3)]
 
@@ -136,6 +136,13 @@ def test_a_factor_between_units_is_told(sound: MeasurementSet, factor: float, wo
     faults = told(sound, lambda s: replace(s, value=factor * s.value))
     assert [(f.kind, f.log) for f in faults] == [("unit", f"log_{k}") for k in (1, 2, 3)]
     assert word in faults[0].message
+
+
+@pytest.mark.parametrize(("factor", "turned"), [(1e3, False), (-1e3, True)])
+def test_a_factor_with_a_turned_sign_asks_for_both(sound: MeasurementSet, factor: float, *, turned: bool) -> None:
+    fault = told(sound, lambda s: replace(s, value=factor * s.value))[0]
+    assert "or its scale" in fault.remedy
+    assert ("where it stands there already, delete it" in fault.remedy) == turned
 
 
 @pytest.mark.parametrize("shift", [0.5, -0.3])
