@@ -25,7 +25,7 @@ from dr_lab.reports.calibration import given_values
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import TRADE, NoteEntry
 from dr_lab.reports.ladder import failing
-from dr_lab.reports.markdown import notes_list, report_markdown
+from dr_lab.reports.markdown import doubtful_intervals, notes_list, report_markdown
 from dr_lab.reports.plain import finite
 from dr_lab.reports.quantity import counted, percent
 from dr_lab.reports.report import write_report
@@ -188,7 +188,7 @@ def _candidates(report: GapReport) -> str:
 
 
 def _parameters(report: GapReport) -> str:
-    """The last model's parameters, those of effects first; none where nothing was fitted."""
+    """The last model's parameters, those of effects first, and what is doubtful of them; empty without a fit."""
     last = report.ladder[-1]
     if last.fit is None:
         return ""
@@ -198,8 +198,8 @@ def _parameters(report: GapReport) -> str:
     own = {name: row for name, row in told.items() if name in given}
     tables = [parameter_table(rows, given) for rows in (of_effects, own) if rows]
     left = f"… and {len(found) - _LISTED} more in report.md." if len(found) > _LISTED else ""
-    trades = "\n".join(f"- {note.message}" for note in report.notes if note.kind == TRADE)
-    return _paragraphs([*tables, left, trades])
+    trades = [f"- {note.message}" for note in report.notes if note.kind == TRADE]
+    return _paragraphs([*tables, left, "\n".join([*trades, *doubtful_intervals(told)])])
 
 
 def _export(

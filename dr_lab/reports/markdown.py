@@ -96,12 +96,16 @@ def _trades(report: GapReport, parameters: Parameters) -> str:
             takers = ", ".join(f"`{name}`" for name in row.replaced_by)
             take = "takes" if len(row.replaced_by) == 1 else "take"
             lines.append(f"- `{row.label}` cannot be told from {takers}, which {take} its place.")
+    return "\n".join([*lines, *doubtful_intervals(parameters), *_by_step(parameters)])
+
+
+def doubtful_intervals(parameters: Parameters) -> list[str]:
+    """A line for each reason not to trust the intervals of some parameters."""
     doubted: dict[str, list[str]] = {}
     for name, row in parameters.items():
         for doubt in () if row.scatter is None else row.scatter.doubts:
             doubted.setdefault(doubt, []).append(f"`{name}`")
-    lines += [f"- Do not trust the intervals of {', '.join(names)}: {doubt}." for doubt, names in doubted.items()]
-    return "\n".join([*lines, *_by_step(parameters)])
+    return [f"- Do not trust the intervals of {', '.join(names)}: {doubt}." for doubt, names in doubted.items()]
 
 
 def _by_step(parameters: Parameters) -> list[str]:

@@ -17,8 +17,8 @@ def doubts(found: ContextEstimate, fit: Fit, windows: Windows, settings: Evidenc
     not to be trusted where there are too few blocks to resample, where the value lies at its bound, and where its
     standard deviation is so large that the prior decides.
     """
-    groups = clusters(windows, settings)
-    few = [f"{len(groups)} blocks of data to resample"] if len(groups) < settings.least_trusted else []
+    count = len(clusters(windows, settings))
+    few = [_few(count, windows, settings)] if count < settings.least_trusted else []
     edge, width = at_bounds(found), found.std / found.space.span
     prior = fit.equations.prior**-0.5
     reasons: dict[str, list[str]] = {}
@@ -27,6 +27,15 @@ def doubts(found: ContextEstimate, fit: Fit, windows: Windows, settings: Evidenc
         prior_alone = ["the data hardly move it"] if width[k] > HALF * prior[k] else []
         reasons[name] = [*few, *bound, *prior_alone]
     return reasons
+
+
+def _few(count: int, windows: Windows, settings: EvidenceSettings) -> str:
+    """That so few logs, or blocks of a single one, were fitted."""
+    logs = len(np.unique(windows.log)) > 1
+    what = (
+        f"{count} logs are" if logs else f"{count} block{'s' * (count != 1)} of one log {'are' if count != 1 else 'is'}"
+    )
+    return f"only {what} fitted; from {settings.least_trusted} on (evidence.least_trusted) their scatter is known"
 
 
 def at_bounds(found: ContextEstimate) -> dict[str, bool]:

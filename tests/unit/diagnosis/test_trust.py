@@ -53,7 +53,8 @@ def test_few_logs_and_values_at_a_bound_are_doubted() -> None:
     assert [list(reasons) for reasons in told.values()] == [["at its bound"], []]
     windows, fit = fitted(model, 2)
     few = doubts(estimate(model.space, fit, windows, settings), fit, windows, settings)
-    assert all(reasons == ["2 blocks of data to resample"] for reasons in few.values())
+    told = "only 2 logs are fitted; from 3 on (evidence.least_trusted) their scatter is known"
+    assert all(reasons == [told] for reasons in few.values())
 
 
 def test_what_takes_an_effects_place_is_told() -> None:

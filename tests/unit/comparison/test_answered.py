@@ -1,0 +1,32 @@
+"""What a verb prints of its answer."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+from dr_lab.comparison.finish import Run, answer
+from dr_lab.html.gap_page import write_gap_page
+from dr_lab.recorders.look import Look
+from dr_lab.reports.gap import GapReport
+from dr_lab.reports.plain import from_plain
+
+DOUBT = "only 2 logs are fitted; from 3 on (evidence.least_trusted) their scatter is known"
+
+
+def report(close_report: dict[str, Any]) -> GapReport:
+    last = close_report["ladder"][-1]
+    last["fit"] = {"converged": True, "iterations": 4, "windows": 8, "infeasible_windows": 0}
+    last["parameters"]["pole.mass"] |= {"cv_percent": 0.3, "doubts": [DOUBT]}
+    return from_plain(GapReport, close_report)
+
+
+def test_intervals_that_are_not_to_be_trusted_are_printed(
+    close_report: dict[str, Any], look: Look, tmp_path: Path
+) -> None:
+    shown: list[str] = []
+    screen = SimpleNamespace(show=shown.append)
+    answer(report(close_report), Run(tmp_path, look, cast(Any, screen)))
+    told = f"Do not trust the intervals of `pole.mass`: {DOUBT}."
+    assert told in "\n".join(shown)
+    write_gap_page(tmp_path / "report.html", report(close_report), [], look)
+    assert DOUBT in (tmp_path / "report.html").read_text(encoding="utf-8")
