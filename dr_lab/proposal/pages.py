@@ -34,6 +34,8 @@ CHANNEL_KEYS = """\
 #                     changes without being logged: what it did is then estimated; left out, it holds as far as it can
 # A field or column may be a sum: {shoulder: 1, elbow: -1}. A command that is the same all the time is a sum without
 # weight: {column: {ANY: 0}, offset: 0.5, unit: rad}, or with topic and field.
+# Thresholds of the data contract that this machine needs otherwise stand in a line of their own, such as
+# contract: {speed_limit: 400}, in rad/s; --cfg job -p measurements.contract behind a verb lists them.
 """
 
 _PARAMETERS = (

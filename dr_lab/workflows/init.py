@@ -90,7 +90,10 @@ def _tell(found: Proposal, split: Split, folder: Folder) -> None:
     for title, sentences in parts.items():
         if sentences:
             print("\n".join([f"\n{title}:", *(f"  - {sentence}" for sentence in sentences)]))
-    print(f"\nWritten: {', '.join(str(path) for path in folder.files(name, free=False))}")
+    files = folder.files(name, free=False)
+    print(f"\nWritten: {', '.join(map(str, files))}")
+    print(f"Where a guess is wrong, correct it under outputs, commands or contract of {files.measurements},")
+    print("whose last lines say what these may hold.")
     chosen = f"{typed('model', name)} {typed('measurements', name)}"
     print(f"Next: dr-lab close --config-dir {shlex.quote(str(folder.path))} {chosen}")
 

@@ -245,3 +245,20 @@ def test_the_next_command_can_be_typed(here: Path, capsys: pytest.CaptureFixture
     told = capsys.readouterr().out.split("Next: ")[1]
     words = ["dr-lab", "close", "--config-dir", "my robot", "model='17'", "measurements='17'"]
     assert shlex.split(told) == words
+
+
+def test_where_a_wrong_guess_is_corrected(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (path,) = plain_logs(here / "logs", 1)
+    assert main(["init", "two.xml", str(path)]) == 0
+    written = "mine/measurements/two.yaml"
+    told = f"Where a guess is wrong, correct it under outputs, commands or contract of {written},"
+    assert told in capsys.readouterr().out
+    page = Path(written)
+    text = page.read_text(encoding="utf-8")
+    line = "contract: {speed_limit: 400}"
+    assert f"# {line}, in rad/s" in text
+    page.write_text(f"{text}{line}\n", encoding="utf-8")
+    compare = ["compare", "--config-dir", "mine", "model=two", "measurements=two"]
+    assert main([*compare, "--cfg", "job", "-p", "measurements.contract"]) == 0
+    shown = yaml.safe_load(capsys.readouterr().out)
+    assert (shown["speed_limit"], shown["gap"]) == (400, 5.0)
