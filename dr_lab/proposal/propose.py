@@ -13,6 +13,7 @@ from dr_lab.proposal.drives import Command, choose_commands, commands_by_name
 from dr_lab.proposal.far import far_slides
 from dr_lab.proposal.freedom import Entry, free_parameters
 from dr_lab.proposal.lengths import lengths_as_angles
+from dr_lab.proposal.moving_alike import moving_alike
 from dr_lab.proposal.output import Output, Positions
 from dr_lab.proposal.overlaps import overlaps
 from dr_lab.proposal.positions import find_positions
@@ -79,18 +80,13 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
     found = find_positions(compiled(spec.copy()), _without(logs, sensed.outputs), settings, sensed=bool(sensed.outputs))
     commands = _commands(found, _without(logs, sensed.outputs), settings)
     added = [_add(spec, command) for command in commands if command.drive.added]
-    overlapping = overlaps(compiled(spec.copy()), found, settings.touching)
-    for a, b in overlapping:
-        spec.add_exclude(bodyname1=a, bodyname2=b)
+    apart = _apart(spec, found, settings)
     free = free_parameters(robot, spec, found, commands, settings)
-    apart = [
-        f"{a} and {b} overlap in the whole motion: their contact is taken out (<exclude>)." for a, b in overlapping
-    ]
     return Proposal(
         robot=robot,
         logs=logs,
         spec=spec,
-        changed=robot.urdf or bool(sensed.notes or added or overlapping),
+        changed=robot.urdf or bool(sensed.notes or added or apart),
         outputs=(*found.outputs, *sensed.outputs),
         commands=commands,
         parameters=free.parameters,
@@ -99,6 +95,7 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *_of_logs(logs),
             *sensed.doubts,
             *found.doubts,
+            *moving_alike(found.outputs, commands, logs, settings),
             *doubts_of_counts(found.outputs),
             *lengths_as_angles(compiled(spec.copy()), found.outputs),
             *far_slides(compiled(spec.copy()), found, settings),
@@ -106,6 +103,14 @@ def propose(robot: Robot, logs: Survey, settings: ProposalSettings) -> Proposal:
             *_ranges(compiled(spec.copy()), found),
         ),
     )
+
+
+def _apart(spec: mujoco.MjSpec, found: Positions, settings: ProposalSettings) -> list[str]:
+    """Take the contacts of bodies out that overlap; says which."""
+    overlapping = overlaps(compiled(spec.copy()), found, settings.touching)
+    for a, b in overlapping:
+        spec.add_exclude(bodyname1=a, bodyname2=b)
+    return [f"{a} and {b} overlap in the whole motion: their contact is taken out (<exclude>)." for a, b in overlapping]
 
 
 def _of_logs(logs: Survey) -> tuple[str, ...]:

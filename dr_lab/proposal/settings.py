@@ -37,6 +37,7 @@ class ProposalSettings:
         rests_moved: share of a position's range within which it rests.
         rests_off: share of the rests' range by which they may miss a line, and the line zero.
         derivative: least correlation of a velocity with its position's derivative.
+        alike: least correlation of two series that are of one motion.
         held_out: share of the logs that are never fitted.
         several: windows that a held-out log should hold, where one does.
         reach: share of the whole motion by which a held-out log may reach beyond the fitted ones.
@@ -81,6 +82,7 @@ class ProposalSettings:
     rests_moved: Share
     rests_off: Share
     derivative: Share
+    alike: Share
     held_out: Share
     several: Count
     reach: Share

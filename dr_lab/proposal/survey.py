@@ -1,7 +1,7 @@
 """All series of numbers of all logs, on each log's clock, as they are before anything is known of them."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +19,7 @@ from dr_lab.proposal.partly_held import partly_held
 from dr_lab.proposal.readable import readable
 from dr_lab.proposal.settings import ProposalSettings
 from dr_lab.proposal.time_column import Clock, find_clock
-from dr_lab.proposal.words import Words, read_name
+from dr_lab.proposal.words import Words, read_name, told_apart
 from dr_lab.trajectory import Signal
 
 
@@ -101,7 +101,8 @@ def survey(patterns: Sequence[str], settings: ProposalSettings) -> Survey:
     least = settings.contract.minimum_samples
     signals = [[None if s is None or len(s.time) < least else s for s in log.signals] for log in read]
     usable = [k for k, _ in enumerate(places) if all(log[k] is not None for log in signals)]
-    every = [_named(places[k], tuple(s for log in signals if (s := log[k]) is not None)) for k in usable]
+    apart = told_apart(place.path for place in places)
+    every = [_named(places[k], tuple(s for log in signals if (s := log[k]) is not None), apart) for k in usable]
     counts = tuple(each for each in every if _counts_rows(each))
     series = tuple(each for each in every if not _counts_rows(each))
     doubts = (*doubts, *(said for log in read for said in log.doubts))
@@ -194,8 +195,8 @@ def _require_long(short: Mapping[str, str], logs: int) -> None:
         raise DataError(f"Each log is too short. {listed} Record for longer or at a higher rate, or name other logs.")
 
 
-def _named(place: Place, signals: tuple[Signal, ...]) -> Series:
-    return Series(place, read_name(place.topic, place.path, place.label), signals)
+def _named(place: Place, signals: tuple[Signal, ...], apart: Collection[tuple[str, ...]]) -> Series:
+    return Series(place, read_name(place.topic, place.path, place.label, apart), signals)
 
 
 def _spread(count: int, most: int) -> list[int]:

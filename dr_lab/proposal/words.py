@@ -1,6 +1,8 @@
 """What a topic, field or column is, by its name alone: which quantity, in which unit, of which joint."""
 
 import re
+from collections import defaultdict
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -70,6 +72,7 @@ _LETTERS: dict[str, set[str]] = {
     "m": _POSITION - {"angle", "angles", "theta", "phi", "psi", "alpha", "beta"},
 }
 
+_AXES = {"x", "y", "z"}
 _GENERIC = {
     *(
         "joint",
@@ -130,17 +133,32 @@ def tokens(text: str) -> list[str]:
     return [word.lower() for word in _WORD.findall(text)]
 
 
-def read_name(topic: str, path: str, label: str) -> Words:
+def told_apart(paths: Iterable[str]) -> frozenset[tuple[str, ...]]:
+    """Words of positions behind which several single letters follow, one of which is no unit: ``q`` of q_m and q_l.
+
+    Args:
+        paths: fields or columns.
+    """
+    letters = defaultdict[tuple[str, ...], set[str]](set)
+    for path in paths:
+        *before, last = _unnumbered(tokens(path)) or [""]
+        if len(last) == 1 and last.isalpha() and {*before} & _POSITION:
+            letters[tuple(before)].add(last)
+    return frozenset(before for before, found in letters.items() if found - _LETTERS.keys() - _AXES)
+
+
+def read_name(topic: str, path: str, label: str, apart: Collection[tuple[str, ...]] = ()) -> Words:
     """Read the name of a series.
 
     Args:
         topic: of its messages; empty for a table.
         path: field or column.
         label: of a list's entry; empty where it has none.
+        apart: words behind which a single letter is no unit, from `told_apart`.
     """
     place, words = path.replace(f"[{label}]", "") if label else path, tokens(label)
     own = tokens(place)
-    unit, unit_kind, rest = _unit(own)
+    unit, unit_kind, rest = _unit(own, apart)
     above = set(tokens(topic))
     asked = bool({*rest} & _REFERENCE or (above & _REFERENCE and not (above | {*rest}) & _MEASURED))
     numbers = [int(word) for word in (words or rest) if word.isdigit()]
@@ -174,13 +192,21 @@ def _bare(word: str) -> str:
     return word.rstrip("0123456789")
 
 
-def _unit(words: list[str]) -> tuple[str, Kind, list[str]]:
-    """Unit at the end of a name, before an index in brackets; what it says; the words before it."""
+def _unnumbered(words: list[str]) -> list[str]:
+    """The words of a name without the numbers at its end."""
     rest = list(words)
     while rest and rest[-1].isdigit() and len(rest) > 1 and not _ends(rest):
         rest = rest[:-1]
+    return rest
+
+
+def _unit(words: list[str], apart: Collection[tuple[str, ...]]) -> tuple[str, Kind, list[str]]:
+    """Unit at the end of a name, before an index in brackets; what it says; the words before it."""
+    rest = _unnumbered(words)
     for ending, unit, kind in _UNITS:
         before = rest[: -len(ending)]
+        if len("".join(ending)) == 1 and tuple(before) in apart:
+            continue
         if before and tuple(rest[-len(ending) :]) == ending and _may_be(ending, kind, before):
             return unit, kind, before + words[len(rest) :]
     return "", "", words

@@ -8,7 +8,7 @@ import yaml
 from own_robot import MJCF, plain_logs
 
 from dr_lab.__main__ import main
-from dr_lab.proposal.words import read_name
+from dr_lab.proposal.words import read_name, told_apart
 
 
 @pytest.mark.parametrize(
@@ -41,6 +41,22 @@ def test_a_letter_is_a_unit_only_of_the_quantity_before_it(name: str, kind: str,
     assert (words.kind, words.unit) == (kind, unit)
     assert not joint or joint in words.identity
     assert not unit or unit.lower() not in words.identity
+
+
+@pytest.mark.parametrize(
+    ("names", "units"),
+    [
+        (("q_m", "q_l"), ("", "")),
+        (("arm_x_m_1", "arm_x_l_1"), ("", "")),
+        (("pos_m", "pos_x"), ("m", "")),
+        (("slide_m", "slide_f"), ("m", "")),
+        (("q_m", "angle_l"), ("m", "")),
+    ],
+)
+def test_a_letter_beside_another_one_is_no_unit(names: tuple[str, ...], units: tuple[str, ...]) -> None:
+    apart = told_apart(names)
+    assert tuple(read_name("", name, "", apart).unit for name in names) == units
+    assert {read_name("", name, "", apart).kind for name in names[:1]} == {"position"}
 
 
 def test_joints_that_a_letter_tells_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
