@@ -107,14 +107,14 @@ def _weaker(ratio: float, rate: ChannelMap, place: str, contract: DataContract) 
         return [Note("sign", rate.name, message)]
     if abs(np.log(ratio)) <= contract.velocity_ratio:
         return []
-    told = f"he derivative of {place} is {ratio:.3g} times {rate.name}"
+    told = f"the derivative of {place} is {ratio:.3g} times {rate.name}"
     if meant := _meant(ratio, rate, contract):
         message = (
-            f"Unit: t{told}, as if its numbers were in {meant} (declared {rate.unit.given!r}). Write unit: {meant}; if "
+            f"Unit: {told}, as if its numbers were in {meant} (declared {rate.unit.given!r}). Write unit: {meant}; if "
             "the unit is right, check scale and gear ratio of both."
         )
         return [Note("fault", rate.name, message)]
-    return [Note("unit", rate.name, f"T{told}; check unit, scale and gear ratio of both.")]
+    return [Note("unit", rate.name, f"Unit: {told}; check unit, scale and gear ratio of both.")]
 
 
 def _meant(ratio: float, rate: ChannelMap, contract: DataContract) -> str:
