@@ -12,8 +12,9 @@ from dr_lab.comparison.inertia import inertia_entry
 from dr_lab.comparison.lesson import Lesson
 from dr_lab.comparison.localised import failure
 from dr_lab.comparison.missing_force import missing_forces
+from dr_lab.comparison.short_shifts import short_shifts
 from dr_lab.comparison.study import Study
-from dr_lab.comparison.trading import trading
+from dr_lab.comparison.trading import together, trading
 from dr_lab.diagnosis.evidence.bench import FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import Gain
 from dr_lab.diagnosis.next_experiment.settings import ExperimentSettings
@@ -93,6 +94,8 @@ def _answer(verb: str, study: Study, ladder: Ladder, described: Sequence[Describ
         report,
         notes=(
             *trading(described[-1].estimate),
+            *together(ladder.models[-1]),
+            *short_shifts(study.bench, ladder),
             *notes.fit_notes(ladder.models),
             *report.notes,
             *_ladder_notes(study, ladder),

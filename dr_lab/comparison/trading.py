@@ -1,12 +1,14 @@
-"""Notes on values of which the logs know the sum or difference far better than either."""
+"""Notes on what no logs, or these logs badly, tell apart: effects that act together as another, values that trade."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from dr_lab.diagnosis.evidence.bench import FittedModel
+from dr_lab.effects.effect import PlacedEffect
 from dr_lab.physics.context import ContextEstimate
-from dr_lab.reports.gap_entries import TRADE, NoteEntry
-from dr_lab.reports.quantity import uncertain
+from dr_lab.reports.gap_entries import TOGETHER, TRADE, NoteEntry
+from dr_lab.reports.quantity import number, uncertain
 
 _FAR = 0.2  # standard deviation of the sum, in that of the better known of both
 _MOST = 3  # pairs that are told
@@ -19,6 +21,25 @@ def trading(found: ContextEstimate) -> list[NoteEntry]:
     """
     pairs = sorted(_pairs(found))[:_MOST]
     return [NoteEntry(message, TRADE) for _, message in pairs]
+
+
+def together(last: FittedModel) -> list[NoteEntry]:
+    """Notes on effects of a model as which others act together, exactly, so that no log tells them apart."""
+    placed = [effect for effect in last.model.effects if isinstance(effect, PlacedEffect)]
+    told = [(effect, _parts(effect, last.values())) for effect in placed]
+    return [
+        NoteEntry(f"No log tells `{effect.label}` from {' and '.join(parts)} together.", TOGETHER)
+        for effect, parts in told
+        if parts
+    ]
+
+
+def _parts(effect: PlacedEffect, values: Mapping[str, float]) -> list[str]:
+    own = {p.name.removeprefix(f"{effect.label}."): values[p.name] for p in effect.parameters}
+    unit = effect.parameters[0].unit
+    return [
+        f"`{name}@{effect.site}` ({number(value, 3)} {unit})" for name, value in effect.effect.together(own).items()
+    ]
 
 
 def _pairs(found: ContextEstimate) -> Iterator[tuple[float, str]]:

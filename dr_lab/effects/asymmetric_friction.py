@@ -62,6 +62,10 @@ class AsymmetricFriction(DryFrictionEffect, SpecEdit):
         joint.frictionloss += mean
         add_passive_force(spec, joint.name, f"{self.name}@{site}").biasprm[0] = -values["asymmetry"] * mean
 
+    def together(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """Friction alike in both directions, and a constant force, such as a counterweight's that is off."""
+        return {"coulomb_friction": values["mean"], "constant_offset": -values["asymmetry"] * values["mean"]}
+
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Little friction that is larger forwards or backwards."""
         mean = self.start_mean * parameters[0].high

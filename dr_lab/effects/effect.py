@@ -151,6 +151,18 @@ class Effect(ABC):
         del spec, elements
         return self
 
+    def together(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """What others of one parameter at the same site have that act exactly as this does; none where there are none.
+
+        Args:
+            values: the effect's, by short names.
+
+        Returns:
+            Their values by effect, in the unit of this one's first parameter.
+        """
+        del values
+        return {}
+
     def starts(self, parameters: tuple[Parameter, ...]) -> tuple[Mapping[str, float], ...]:
         """Values away from absent from which a fit also starts (where the slope at absent is zero or misleading)."""
         del parameters

@@ -42,6 +42,7 @@ class WindowsEntry:
 
 
 TRADE = "trade"  # kind of the notes that stand beside the parameters
+TOGETHER, SHORT_SHIFT = "together", "short_shift"  # kinds of those that the verdict tells
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from dr_lab.reports.calibration import calibration_told
 from dr_lab.reports.gap import GapReport
+from dr_lab.reports.gap_entries import SHORT_SHIFT, TOGETHER
 from dr_lab.reports.ladder import scored, status, steps
 from dr_lab.reports.quantity import number, percent
 
@@ -17,9 +18,14 @@ def verdict_markdown(report: GapReport) -> str:
     """What was found, how far the error fell, and what remains; before it that the model got worse, where it did."""
     worse = _worse(report)
     calibrated = not report.verdict and not report.added
-    answer = (worse, _found(report), _share(report), _fall(report), _confirmed(report))
+    answer = (worse, _found(report), *_notes(report, TOGETHER), _share(report), _fall(report), _confirmed(report))
     told = [worse] if worse and calibrated else answer
-    return " ".join(part for part in (*told, _remaining(report), _learned(report)) if part)
+    left = (_remaining(report), *_notes(report, SHORT_SHIFT), _learned(report))
+    return " ".join(part for part in (*told, *left) if part)
+
+
+def _notes(report: GapReport, kind: str) -> list[str]:
+    return [note.message for note in report.notes if note.kind == kind]
 
 
 def _change(removed: float) -> str:
@@ -162,7 +168,10 @@ def _remaining(report: GapReport) -> str:
     lost = report.catalogued[-1].held_out.infeasible_windows
     if lost:
         told = f"The simulation diverges in {lost} of the windows that score. {told}"
-    return f"{told} by anything in the catalogue: {times} the sensors' noise." if report.judged.ranking else f"{told}."
+    if not report.judged.ranking:
+        return f"{told}."
+    but = "but a shift in time" if _notes(report, SHORT_SHIFT) else "in the catalogue"
+    return f"{told} by anything {but}: {times} the sensors' noise."
 
 
 def _share(report: GapReport) -> str:

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from effect_machines import block, motion, placed, scales_of, with_effect
+from effect_machines import block, catalogue_effect, motion, placed, scales_of, with_effect
 
 MASS, MEAN, SHARE = 2.0, 4.0, 0.5
 FORWARD, BACKWARD = 6.0, 2.0  # N
@@ -35,6 +35,21 @@ def test_without_asymmetry_it_is_coulomb_friction() -> None:
     one = with_effect(block(), "asymmetric_friction", "rail", mean=MEAN, asymmetry=0.0)
     other = with_effect(block(), "coulomb_friction", "rail", torque=MEAN)
     np.testing.assert_array_equal(motion(one, 1.0, qvel=1.0, ctrl=3.0), motion(other, 1.0, qvel=1.0, ctrl=3.0))
+
+
+@pytest.mark.parametrize("command", [-7.0, -1.0, 1.0, 5.0, 7.0])
+def test_acts_exactly_as_the_effects_that_it_says_it_is_together(command: float) -> None:
+    """Sliding either way until it stands, held, and torn loose again."""
+    model = with_effect(block(), "asymmetric_friction", "rail", mean=MEAN, asymmetry=SHARE)
+    parts = catalogue_effect("asymmetric_friction").together({"mean": MEAN, "asymmetry": SHARE})
+    assert parts == {"coulomb_friction": MEAN, "constant_offset": -SHARE * MEAN}
+    both = block()
+    for name in parts:
+        both = both.with_effect(placed(both, name, "rail"))
+    other = both.compile(both.space.vector({f"{name}@rail.torque": torque for name, torque in parts.items()}))
+    for speed in (-1.0, 0.0, 1.0):
+        one, two = (motion(each, 1.0, qvel=speed, ctrl=command) for each in (model, other))
+        np.testing.assert_allclose(one, two, atol=1e-9)
 
 
 def test_bounds_follow_the_joints_torque() -> None:

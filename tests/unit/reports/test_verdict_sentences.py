@@ -171,3 +171,19 @@ def test_what_is_worse_without_the_learned_force_is_told_by_its_own_error(close_
     assert told.startswith("**The model with `coulomb_friction@arm` predicts the held-out logs worse than the model as")
     assert "χ² 355 → 400. Do not use it.**" in told
     assert "The simulation diverges in 2 of the windows that score. What remains (χ² 400)" in told
+
+
+def test_what_no_log_tells_apart_stands_beside_what_is_named(close_report: dict[str, Any]) -> None:
+    same = "No log tells `asymmetric_friction@arm` from `coulomb_friction@arm` (1 N·m) and others together."
+    close_report["notes"] = [{"message": same, "kind": "together"}]
+    assert f"named:** `coulomb_friction@arm`. {same} " in verdict(close_report)
+
+
+def test_a_shift_that_is_too_short_to_be_named_stands_beside_what_remains(close_report: dict[str, Any]) -> None:
+    close_report["remaining"] = {"status": "unexplained", "chi2": 3.99, "coloured": False}
+    assert "not explained by anything in the catalogue: 2 times the sensors' noise." in verdict(close_report)
+    short = "`actuator_delay@motor` (1.14 ms) would leave χ² 1.049. It is not named."
+    close_report["notes"] = [{"message": short, "kind": "short_shift"}]
+    assert f"not explained by anything but a shift in time: 2 times the sensors' noise. {short}" in verdict(
+        close_report
+    )
