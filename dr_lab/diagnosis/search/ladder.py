@@ -174,7 +174,8 @@ def climb(
     """Climb from a fitted base until a rung finds nothing to add, or `most` effects are added.
 
     1. A rung adds the first of the effects that it names. The others are its rivals, which each later rung reconsiders:
-       a rival that explains more beside what was added since takes its place, one that explains less is dropped.
+       a rival that explains more beside what was added since takes its place, one that explains less is dropped. So
+       it is, too, where effects beside it are dropped.
     2. A rung that names none adds the first effect that is worth a trial. It is judged when the climb is over, before
        the others. Until then no effect is dropped, lest what is in doubt take the place of what is not.
     3. An effect is dropped for good if the last model explains the logs as well without it. If that is in doubt, it
@@ -249,14 +250,19 @@ def _with_rung(
         deletions.tried(ranking.back_from)
     rung = Rung.judged(bench, ranking.base, ranking.candidates)
     over = len(ladder.steps) >= most or not (rung.verdict.effects or rung.verdict.trial)
-    steps = ladder.steps if over else reconsider(bench, ladder.base, (*ladder.steps, _ended(bench, step_from(rung))))
+    steps = ladder.steps
+    if not over:
+        steps = reconsider(bench, ladder.base, (*steps, _ended(bench, step_from(rung))), range(len(steps)))
     if over:
         pruned = finished(deletions, ladder.base, steps, cases)
     else:
         pruned = lean(deletions, ladder.base, steps, cases) if all(s.proven for s in steps) else Pruned(steps)
+    steps = pruned.steps
+    if pruned.dropped or pruned.put_back:
+        steps = reconsider(bench, ladder.base, steps, range(len(steps)))
     dropped, put_back = (*ladder.dropped, *pruned.dropped), (*ladder.put_back, *pruned.put_back)
     rungs = (*ladder.rungs, rung)
-    return replace(ladder, rungs=rungs, steps=pruned.steps, dropped=dropped, put_back=put_back), over
+    return replace(ladder, rungs=rungs, steps=steps, dropped=dropped, put_back=put_back), over
 
 
 def _ended(bench: Bench, step: AddedEffect) -> AddedEffect:

@@ -56,8 +56,8 @@ def rank(bench: Bench, base: FittedModel, placed: Sequence[PlacedEffect], done: 
     4. If the data support none of these, as many others have their turn: those that promise most in typical windows,
        for what promises most in all may meet a few wild ones alone. They bring along what may have been crowded out,
        as in rule 2, and must stand beside the first, too.
-    5. The model without them is fitted anew from where the best of these ended, with the effect absent. If that is
-       better than the base, it becomes the base, and candidates get no credit for it.
+    5. The model without them is fitted anew from where the best of these and those that it does not beat ended, with
+       the effect absent. If that is better than the base, it becomes the base, and candidates get no credit for it.
 
     If the base became better beyond doubt, all candidates are ranked anew beside it. They run side by side and share
     the threads, so that no core is asked for twice. A failure or Ctrl-C ends all of them at their next simulation.
@@ -177,14 +177,18 @@ class _Contest:
         return beaten
 
     def credited(self, found: tuple[Candidate, ...]) -> Ranking:
-        """The ranking, with the base fitted anew from where the best candidate's fit ended, if that is better."""
+        """The ranking, with the base fitted anew from where the best candidates' fits ended, if that is better.
+
+        Where several do equally well, it may be that none of them is missing, and each only moved the base on.
+        """
         settings = self.bench.evidence
-        credited = [c for c in found if self._supported(c)]
-        leader = min(credited, key=lambda c: c.fitted_model.fit.order, default=None)
-        if leader is None:
+        credited = sorted((c for c in found if self._supported(c)), key=lambda c: c.fitted_model.fit.order)
+        if not credited:
             return Ranking(self.base, found)
-        back_from = leader.fitted_model.fit
-        best = self.fits.without(leader)
+        leader, back_from = credited[0].fitted_model, credited[0].fitted_model.fit
+        gains = (paired_gain(c.fitted_model.held_out, leader.held_out, settings) for c in credited)
+        alike = [c for c, gain in zip(credited, gains, strict=True) if not supported(gain, 0, settings)]
+        best = min((self.fits.without(c) for c in alike), key=lambda fit: fit.order)
         if self.base.fit.cost - best.cost <= self.bench.negligible_share * best.cost:
             return Ranking(self.base, found, back_from)
         base = scored(self.bench, self.base.model, best, near=self.base.states)

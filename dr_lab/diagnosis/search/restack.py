@@ -11,13 +11,21 @@ from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.step import AddedEffect
 
 
-def reconsider(bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...]) -> tuple[AddedEffect, ...]:
-    """Try every rival of an earlier effect in its place, beside all that was added since.
+def reconsider(
+    bench: Bench, base: FittedModel, steps: tuple[AddedEffect, ...], places: Sequence[int]
+) -> tuple[AddedEffect, ...]:
+    """Try every rival of some effects in its place, beside all others that there are now.
 
     A rival that was added itself since then stands beside the effect, not in its place.
+
+    Args:
+        bench: data and settings.
+        base: the calibrated model.
+        steps: what was added.
+        places: of the effects beside which others were added, or dropped, since they were judged.
     """
-    for place, step in enumerate(steps[:-1]):
-        for rival in step.rivals:
+    for place in places:
+        for rival in steps[place].rivals:
             added = {other.fitted_model.model.effects[-1].label for k, other in enumerate(steps) if k != place}
             if rival.effect.label in added:
                 steps = _without(steps, place, rival)

@@ -14,8 +14,9 @@ from dr_lab.diagnosis.fit.scales import machine_scales
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
-from dr_lab.diagnosis.search.ladder import Ladder, climb
+from dr_lab.diagnosis.search.ladder import Ladder, _with_rung, climb
 from dr_lab.diagnosis.search.pruning import Pruned, finished, lean, prune
+from dr_lab.diagnosis.search.rank import Ranking
 from dr_lab.diagnosis.search.restack import reconsider
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.effects.catalogue import SpecialCases
@@ -141,9 +142,27 @@ def test_a_rival_that_is_added_later_is_no_rival_any_more() -> None:
     rival = next(c for c in ladder.rungs[0].ranking if c.effect.label == added)
     logs = rubbing(0.05, 0.1)
     bench = bench_of(logs, pendulum())
-    steps = reconsider(bench, ladder.base, (AddedEffect(first.fitted_model, (rival,)), second))
+    steps = reconsider(bench, ladder.base, (AddedEffect(first.fitted_model, (rival,)), second), [0])
     assert steps[0].rivals == ()
     assert steps[-1] is second
+
+
+@pytest.mark.parametrize(("dropped", "left"), [((), 1), (("quadratic_drag@hinge",), 0)])
+def test_rivals_are_judged_anew_where_an_effect_beside_them_was_dropped(
+    monkeypatch: pytest.MonkeyPatch, dropped: tuple[str, ...], left: int
+) -> None:
+    """Beside an effect that did its work a delay seemed as good as what is missing; beside the others it is not."""
+    known = climbed(*THREE)
+    first, second = known.steps
+    delay = next(c for c in known.rungs[1].ranking if c.effect.effect.name == "actuator_delay")
+    steps = (first, replace(second, rivals=(delay,)))
+    monkeypatch.setattr("dr_lab.diagnosis.search.ladder.finished", lambda *_: Pruned(steps, dropped))
+    bench, compiled = bench_of(rubbing(0.05, 0.1), pendulum()), pendulum().nominal()
+    cases = SpecialCases({}, machine_scales(compiled, rubbing(0.05, 0.1)[:2], 0.03), compiled)
+    ranking = Ranking(known.models[-1], known.rungs[-1].ranking)
+    found, over = _with_rung(Deletions(bench), replace(known, steps=steps), ranking, cases, most=3)
+    assert over
+    assert [len(step.rivals) for step in found.steps] == [0, left]
 
 
 @pytest.mark.slow
@@ -156,7 +175,7 @@ def test_a_better_rival_takes_the_place_and_what_follows_stands_on_it() -> None:
     second = explain_on(bench, wrong.fitted_model, kept)
     steps = (AddedEffect(wrong.fitted_model, (right,)), AddedEffect(second, (found["actuator_delay"],)))
     steps = (*steps, AddedEffect(explain_on(bench, second, found["actuator_delay"]), ()))
-    better = reconsider(bench, ladder.base, steps)
+    better = reconsider(bench, ladder.base, steps, range(2))
     stacked = [[e.label for e in step.fitted_model.model.effects] for step in better]
     assert stacked[0] == [right.effect.label]
     assert stacked[1] == [right.effect.label, kept.effect.label]
