@@ -13,7 +13,7 @@ from dr_lab.diagnosis.evidence.bench import Bench, FittedModel
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain
 from dr_lab.diagnosis.evidence.score import Score
 from dr_lab.diagnosis.fit.identifiability import Identifiability
-from dr_lab.diagnosis.search import ladder, pruning, restack
+from dr_lab.diagnosis.search import ladder, pruning, put_back, restack
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence
 from dr_lab.diagnosis.search.deletions import Deletions
@@ -110,10 +110,11 @@ def prepare(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Deletions, "_as_good_as_it_can", lambda _, base, fewer, *__: (fewer, base))
     monkeypatch.setattr(pruning, "beyond_doubt", lambda *_: np.inf)
     monkeypatch.setattr(pruning, "hidden_by_step", lambda *_: False)
-    monkeypatch.setattr(pruning, "known_of", machine.known_of)
+    for module in (pruning, put_back):
+        monkeypatch.setattr(module, "known_of", machine.known_of)
     monkeypatch.setattr(SpecialCases, "of", lambda _, richer, model: machine.special_cases(richer, model))
     monkeypatch.setattr(
-        "dr_lab.diagnosis.search.pruning._Swap.made", lambda swap, _, __, found, *___: machine.made(swap, found)
+        "dr_lab.diagnosis.search.put_back.Swap.made", lambda swap, _, __, found, *___: machine.made(swap, found)
     )
 
 

@@ -1,29 +1,22 @@
 """No more effects on a ladder, and none richer, than the logs ask for beyond doubt."""
 
-import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt, fit_and_score
-from dr_lab.diagnosis.evidence.compatible import chance, chance_within, known_of
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, beyond_doubt
+from dr_lab.diagnosis.evidence.compatible import chance_within, known_of
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import Gain, paired_gain, sizeable, supported
-from dr_lab.diagnosis.fit.covariance import clusters
 from dr_lab.diagnosis.search.as_special_case import reaching
-from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.deletions import Deletions
 from dr_lab.diagnosis.search.hidden_by_step import hidden_by_step
-from dr_lab.diagnosis.search.put_back import PutBack, asked_for, closes_little
+from dr_lab.diagnosis.search.put_back import PutBack, Swap, asked_for, closes_little
+from dr_lab.diagnosis.search.restack import swap
 from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.settings import EvidenceSettings
 from dr_lab.effects.catalogue import SpecialCases
-from dr_lab.effects.effect import PlacedEffect
-from dr_lab.effects.special_case import SpecialCase
-from dr_lab.physics.context import ContextEstimate, ContextSpace
-from dr_lab.physics.model import Model
-from dr_lab.trajectory import Array
 
 Rule = Callable[[Gain, int, EvidenceSettings], bool]
 
@@ -64,12 +57,15 @@ def finished(deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, 
     """What is left of the steps when the climb is over.
 
     1. Effects that the evidence does not support are dropped, those on trial first.
-    2. Needlessly rich effects are put back, and what is then superfluous is dropped.
+    2. Needlessly rich effects are put back, also where a rival in the place of another effect makes them so, and what
+       is then superfluous is dropped.
     3. Effects of one parameter whose value is compatible with absent are dropped. This waits until here: as long as
        other effects are missing, what they would explain widens the scatter between logs.
     """
     kept, dropped = prune(deletions, base, steps, supported)
     kept, put_back = _put_back(deletions, base, kept, cases)
+    kept, more = plainer(deletions, base, kept, cases)
+    put_back = (*put_back, *more)
     kept, superfluous = prune(deletions, base, kept, supported) if put_back else (kept, ())
     kept, absent = drop_absent(deletions, base, kept)
     kept = tuple(replace(step, proven=True) for step in kept)
@@ -151,7 +147,7 @@ def simplify(
     bench, whole = deletions.bench, steps[-1].fitted_model if steps else base
     for place, step in enumerate(steps):
         for poorer in cases.of(step.effect, whole.model):
-            swap = _Swap(step.effect, reaching(poorer, step.effect))
+            swap = Swap(step.effect, reaching(poorer, step.effect))
             simpler, back = _weighed(swap, bench, base, whole)
             if back is None or not _stands(deletions, base, steps, place, simpler, len(poorer.parameters)):
                 continue
@@ -162,7 +158,7 @@ def simplify(
     return None
 
 
-def _weighed(swap: "_Swap", bench: Bench, base: FittedModel, whole: FittedModel) -> tuple[FittedModel, PutBack | None]:
+def _weighed(swap: "Swap", bench: Bench, base: FittedModel, whole: FittedModel) -> tuple[FittedModel, PutBack | None]:
     """The model with the poorer effect, and what is put back; None where the logs ask for the richer effect."""
     back, extra = swap.put_back(bench, whole), len(swap.richer.parameters) - len(swap.poorer.parameters)
     goal = beyond_doubt(bench, whole)
@@ -203,77 +199,23 @@ def _put_back(
     return simpler, (found[1], *more)
 
 
-@dataclass(frozen=True)
-class _Swap:
-    """A special case in the place of a richer effect."""
+def plainer(
+    deletions: Deletions, base: FittedModel, steps: tuple[AddedEffect, ...], cases: SpecialCases
+) -> tuple[tuple[AddedEffect, ...], tuple[PutBack, ...]]:
+    """The steps with a rival in the place of an effect beside which a richer one is put back, and what was put back.
 
-    richer: PlacedEffect
-    poorer: PlacedEffect
-
-    @property
-    def case(self) -> SpecialCase:
-        return self.richer.effect.holds[self.poorer.effect.name]
-
-    @property
-    def _shapes(self) -> list[str]:
-        """Parameters of the richer effect that mean nothing in the poorer one."""
-        rest = [name for name in self.richer.effect.shapes if name not in self.case.further]
-        return [f"{self.richer.label}.{name}" for name in rest]
-
-    def put_back(self, bench: Bench, whole: FittedModel) -> PutBack:
-        """What the richer effect has beyond the poorer one, as fitted in a model that contains it."""
-        known, names = known_of(bench, whole), {f"{self.richer.label}.{name}": name for name in self.case.further}
-        rows = [known.space.index(name) for name in names]
-        values = zip(known.mean[rows].tolist(), known.std[rows].tolist(), strict=True)
-        none, freedom = dict.fromkeys(names, 0.0), max(len(clusters(bench.fit, bench.evidence)) - 1, 1)
-        doubts = [chance(known, none, self._shapes, each) for each in (np.inf, freedom)]
-        compatible, uncertain = (doubt >= 1 - bench.evidence.confidence for doubt in doubts)
-        further = dict(zip(names.values(), values, strict=True))
-        return PutBack(
-            self.richer.label,
-            self.poorer.label,
-            further,
-            compatible,
-            not uncertain,
-            self._at_limit(known, none, 1 - bench.evidence.confidence),
-        )
-
-    @staticmethod
-    def _at_limit(known: ContextEstimate, none: Mapping[str, float], doubt: float) -> bool:
-        """Whether further parameters ended at a bound next to zero, and the others are compatible with zero."""
-        ended = {name for name in none if _next_to_zero(known, name)}
-        rest = {name: zero for name, zero in none.items() if name not in ended}
-        return bool(ended) and (not rest or chance(known, rest) >= doubt)
-
-    def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel, goal: float = np.inf) -> FittedModel:
-        """The model with the poorer effect, fitted from where the richer one's ended; of a `goal` see `Fitter.run`."""
-        added = fitted_model.model.effects[len(base.model.effects) :]
-        swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
-        model = functools.reduce(Model.with_effect, swapped, base.model)
-        starts, delta = self._starts(model.space, fitted_model.values()), fitted_model.fit.delta
-        found = (fit_and_score(bench, model, z, delta, goal) for z in starts)
-        return min(found, key=lambda each: each.fit.order)
-
-    def _starts(self, space: ContextSpace, values: Mapping[str, float]) -> Sequence[Array]:
-        """Starts of the poorer effect: the richer one's values if they mean the same, else its own starts."""
-        rest = {name: value for name, value in values.items() if name in space.names}
-        ours, theirs = self.poorer.label, self.richer.label
-        same = {f"{ours}.{to}": values[f"{theirs}.{name}"] for name, to in self.case.same.items()}
-        starts = [same] if same else self.poorer.starts or [{}]
-        return [space.clip(space.vector({**rest, **start})) for start in starts]
-
-    def rivals(self, step: AddedEffect) -> tuple[Candidate, ...]:
-        """The step's rivals, without the poorer effect itself and without other richer kinds of it at its site."""
-        name, site = self.poorer.effect.name, self.poorer.site
-        near = (c for c in step.rivals if c.effect.site == site)
-        needless = [c for c in near if name in (c.effect.effect.name, *c.effect.effect.holds)]
-        return tuple(c for c in step.rivals if c not in needless)
-
-
-def _next_to_zero(known: ContextEstimate, name: str) -> bool:
-    row = known.space.index(name)
-    parameter = known.space.parameters[row]
-    return parameter.low >= 0.0 and parameter.ends(known.mean[row])[0]
+    Two effects may share what a single other one does: a tilt of the base pulls at every joint, where an offset pulls
+    at one, and friction that differs by direction makes up for the next. The logs must not ask for the two.
+    """
+    bench, whole = deletions.bench, steps[-1].fitted_model if steps else base
+    rich = {place for place, step in enumerate(steps) if cases.of(step.effect, whole.model)}
+    for place, rival in [(k, rival) for k, step in enumerate(steps) if rich - {k} for rival in step.rivals]:
+        swapped = swap(bench, base, steps, place, rival)
+        lost = paired_gain(swapped[-1].fitted_model.held_out, whole.held_out, bench.evidence)
+        found, back = (steps, ()) if supported(lost, 0, bench.evidence) else _put_back(deletions, base, swapped, cases)
+        if back:
+            return found, back
+    return steps, ()
 
 
 def _ended_early(fitted_model: FittedModel, goal: float) -> bool:

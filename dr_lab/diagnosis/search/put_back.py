@@ -1,13 +1,25 @@
 """What is put back to a special case of it, and why: whether the logs ask for the richer of two effects."""
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from dr_lab.diagnosis.evidence.bench import FittedModel
+import numpy as np
+
+from dr_lab.diagnosis.evidence.bench import Bench, FittedModel, fit_and_score
+from dr_lab.diagnosis.evidence.compatible import chance, known_of
 from dr_lab.diagnosis.evidence.likelihood import less_likely
 from dr_lab.diagnosis.evidence.noise_floor import at_floor
 from dr_lab.diagnosis.evidence.paired_gain import paired_gain, supported, supported_within_logs
+from dr_lab.diagnosis.fit.covariance import clusters
+from dr_lab.diagnosis.search.candidate import Candidate
+from dr_lab.diagnosis.search.step import AddedEffect
 from dr_lab.diagnosis.settings import EvidenceSettings
+from dr_lab.effects.effect import PlacedEffect
+from dr_lab.effects.special_case import SpecialCase
+from dr_lab.physics.context import ContextEstimate, ContextSpace
+from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -71,3 +83,82 @@ def closes_little(poorer: FittedModel, richer: FittedModel, settings: EvidenceSe
     gap = (poorer.held_out.chi2 if channel is None else channel.chi2) - 1
     hardly = settings.least_named * gap < settings.floor - 1
     return hardly and gain.channels.get(gain.place, 0.0) < settings.least_named
+
+
+@dataclass(frozen=True)
+class Swap:
+    """A special case in the place of a richer effect.
+
+    Attributes:
+        richer: the effect.
+        poorer: the special case.
+    """
+
+    richer: PlacedEffect
+    poorer: PlacedEffect
+
+    @property
+    def case(self) -> SpecialCase:
+        """How the richer one becomes the poorer one."""
+        return self.richer.effect.holds[self.poorer.effect.name]
+
+    @property
+    def _shapes(self) -> list[str]:
+        """Parameters of the richer effect that mean nothing in the poorer one."""
+        rest = [name for name in self.richer.effect.shapes if name not in self.case.further]
+        return [f"{self.richer.label}.{name}" for name in rest]
+
+    def put_back(self, bench: Bench, whole: FittedModel) -> PutBack:
+        """What the richer effect has beyond the poorer one, as fitted in a model that contains it."""
+        known, names = known_of(bench, whole), {f"{self.richer.label}.{name}": name for name in self.case.further}
+        rows = [known.space.index(name) for name in names]
+        values = zip(known.mean[rows].tolist(), known.std[rows].tolist(), strict=True)
+        none, freedom = dict.fromkeys(names, 0.0), max(len(clusters(bench.fit, bench.evidence)) - 1, 1)
+        doubts = [chance(known, none, self._shapes, each) for each in (np.inf, freedom)]
+        compatible, uncertain = (doubt >= 1 - bench.evidence.confidence for doubt in doubts)
+        further = dict(zip(names.values(), values, strict=True))
+        return PutBack(
+            self.richer.label,
+            self.poorer.label,
+            further,
+            compatible,
+            not uncertain,
+            self._at_limit(known, none, 1 - bench.evidence.confidence),
+        )
+
+    @staticmethod
+    def _at_limit(known: ContextEstimate, none: Mapping[str, float], doubt: float) -> bool:
+        """Whether further parameters ended at a bound next to zero, and the others are compatible with zero."""
+        ended = {name for name in none if _next_to_zero(known, name)}
+        rest = {name: zero for name, zero in none.items() if name not in ended}
+        return bool(ended) and (not rest or chance(known, rest) >= doubt)
+
+    def made(self, bench: Bench, base: FittedModel, fitted_model: FittedModel, goal: float = np.inf) -> FittedModel:
+        """The model with the poorer effect, fitted from where the richer one's ended; of a `goal` see `Fitter.run`."""
+        added = fitted_model.model.effects[len(base.model.effects) :]
+        swapped = (self.poorer if effect.label == self.richer.label else effect for effect in added)
+        model = functools.reduce(Model.with_effect, swapped, base.model)
+        starts, delta = self._starts(model.space, fitted_model.values()), fitted_model.fit.delta
+        found = (fit_and_score(bench, model, z, delta, goal) for z in starts)
+        return min(found, key=lambda each: each.fit.order)
+
+    def _starts(self, space: ContextSpace, values: Mapping[str, float]) -> Sequence[Array]:
+        """Starts of the poorer effect: the richer one's values if they mean the same, else its own starts."""
+        rest = {name: value for name, value in values.items() if name in space.names}
+        ours, theirs = self.poorer.label, self.richer.label
+        same = {f"{ours}.{to}": values[f"{theirs}.{name}"] for name, to in self.case.same.items()}
+        starts = [same] if same else self.poorer.starts or [{}]
+        return [space.clip(space.vector({**rest, **start})) for start in starts]
+
+    def rivals(self, step: AddedEffect) -> tuple[Candidate, ...]:
+        """The step's rivals, without the poorer effect itself and without other richer kinds of it at its site."""
+        name, site = self.poorer.effect.name, self.poorer.site
+        near = (c for c in step.rivals if c.effect.site == site)
+        needless = [c for c in near if name in (c.effect.effect.name, *c.effect.effect.holds)]
+        return tuple(c for c in step.rivals if c not in needless)
+
+
+def _next_to_zero(known: ContextEstimate, name: str) -> bool:
+    row = known.space.index(name)
+    parameter = known.space.parameters[row]
+    return parameter.low >= 0.0 and parameter.ends(known.mean[row])[0]

@@ -30,7 +30,7 @@ def reconsider(
             if rival.effect.label in added:
                 steps = _without(steps, place, rival)
                 continue
-            swapped = _swap(bench, base, steps, place, rival)
+            swapped = swap(bench, base, steps, place, rival)
             ours, theirs = steps[-1].fitted_model.held_out, swapped[-1].fitted_model.held_out
             if supported(paired_gain(ours, theirs, bench.evidence), 0, bench.evidence):
                 steps = swapped
@@ -55,10 +55,18 @@ def _without(steps: tuple[AddedEffect, ...], place: int, rival: Candidate) -> tu
     return (*steps[:place], replace(steps[place], rivals=kept), *steps[place + 1 :])
 
 
-def _swap(
+def swap(
     bench: Bench, base: FittedModel, steps: Sequence[AddedEffect], place: int, rival: Candidate
 ) -> tuple[AddedEffect, ...]:
-    """The steps with a rival at one place, later models refitted; what it replaced explains less and is dropped."""
+    """The steps with a rival at one place, later models refitted; what it replaced is no rival of it.
+
+    Args:
+        bench: data and settings.
+        base: the calibrated model.
+        steps: what was added.
+        place: of the effect that goes.
+        rival: of that effect.
+    """
     others = tuple(r for r in steps[place].rivals if r is not rival)
     swapped = replace(steps[place], fitted_model=rival.fitted_model, rivals=others)
     return stacked(bench, base, steps[:place], (swapped, *steps[place + 1 :]))

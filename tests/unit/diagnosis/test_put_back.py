@@ -65,6 +65,27 @@ def test_what_explains_no_more_beside_what_was_missing_is_put_back(
     assert back.compatible == (value < std)
 
 
+@pytest.mark.parametrize(("left", "stay"), [(0.0, (SIMPLE, TILT)), (2.0, (SKEW, SOFT))])
+def test_two_effects_that_share_what_another_does_alone_give_way_to_it(
+    left: float, stay: tuple[PlacedEffect, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside what was added second the asymmetry explains a lot, beside its rival, which explains as much, nothing."""
+
+    def leaves(effects: Sequence[PlacedEffect]) -> Array:
+        known = [([SKEW, SOFT], 0.0), ([SKEW, TILT], 0.0), ([SIMPLE, TILT], left)]
+        alike = [excess for pair, excess in known if labels(effects) == labels(pair)]
+        return np.repeat(alike[0] if alike else 20.0 - 5.0 * len(effects), BLOCKS)
+
+    machine = Machine((SIMPLE, SKEW, SOFT, TILT), leaves, {ASYMMETRY: (0.2, 0.01)})
+    prepare(machine, monkeypatch)
+    first, second = machine.explain((SKEW,)), machine.explain((SKEW, SOFT))
+    rival = candidate(first, machine.explain((SKEW, TILT)))
+    steps, cases = (AddedEffect(first, ()), AddedEffect(second, (rival,))), SpecialCases({}, NOTHING, NOTHING)
+    found, back = pruning.plainer(Deletions(BENCH), machine.explain(()), steps, cases)
+    assert labels(effects_of(found[-1].fitted_model)) == labels(stay)
+    assert [each.richer for each in back] == ([SKEW.label] if SKEW not in stay else [])
+
+
 @pytest.mark.parametrize(
     ("std", "leaves", "stays"),
     [
