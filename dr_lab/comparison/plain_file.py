@@ -1,7 +1,8 @@
-"""What MuJoCo alone makes of an exported file: friction in place of what MJCF lacks, and how well it predicts."""
+"""What MuJoCo alone makes of an exported file: what stands in for what MJCF lacks, and how well it predicts."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 import mujoco
 
@@ -15,6 +16,20 @@ from dr_lab.reports.quantity import number
 from dr_lab.trajectory import Array
 
 _COULOMB, _TORQUE = "coulomb_friction", "torque"
+_LAG, _TAU = "actuator_lag", "tau"
+
+
+class StandIn(Protocol):
+    """What comes near to an effect that MJCF lacks."""
+
+    @property
+    def told(self) -> str:
+        """A sentence for the file and the report."""
+        ...
+
+    def write(self, spec: mujoco.MjSpec) -> None:
+        """Put it into the file."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -42,8 +57,51 @@ class DryFrictionLoss:
         joint.frictionloss = joint.frictionloss + self.loss
 
 
-def stand_ins(model: Model, z: Array) -> list[DryFrictionLoss]:
-    """Dry friction for every effect that holds it as a special case and that MJCF lacks, at context z."""
+@dataclass(frozen=True)
+class CommandFilter:
+    """MuJoCo's filter of a command, which acts later than the lag: half a step, and about one with RK4.
+
+    Attributes:
+        effect: its label.
+        actuator: name.
+        tau: time constant, s.
+    """
+
+    effect: str
+    actuator: str
+    tau: float
+
+    @property
+    def told(self) -> str:
+        """A sentence for the file and the report."""
+        return (
+            f'In place of {self.effect} model.xml gives {self.actuator} dyntype="filterexact" with {self.tau:.4g} s, '
+            "which acts up to a time step later."
+        )
+
+    def write(self, spec: mujoco.MjSpec) -> None:
+        """Let the actuator's command through it."""
+        actuator = spec.actuator(self.actuator)
+        actuator.dyntype = mujoco.mjtDyn.mjDYN_FILTEREXACT
+        actuator.dynprm[0] = self.tau
+
+
+def stand_ins(model: Model, z: Array) -> list[StandIn]:
+    """What stands in for the effects that MJCF lacks, at context z, where something comes near."""
+    return [*_frictions(model, z), *_filters(model, z)]
+
+
+def _filters(model: Model, z: Array) -> list[CommandFilter]:
+    """Filters for lags of more than a time step; an actuator that already has a memory keeps that."""
+    values, least = model.space.mapping(z), model.spec.option.timestep
+    free = {each.name for each in model.spec.actuators if each.dyntype == mujoco.mjtDyn.mjDYN_NONE}
+    lags = [each for each in model.effects if isinstance(each, PlacedEffect) and each.effect.name == _LAG]
+    found = (CommandFilter(lag.label, name, lag.local(values)[_TAU]) for lag in lags for name in lag.elements)
+    return [each for each in found if each.actuator in free and each.tau > least]
+
+
+def _frictions(model: Model, z: Array) -> list[DryFrictionLoss]:
+    """Dry friction for every effect that holds it as a special case and that MJCF lacks."""
     values, found = model.space.mapping(z), list[DryFrictionLoss]()
     for placed in model.effects:
         if not (isinstance(placed, PlacedEffect) and placed.effect.lacks and _COULOMB in placed.effect.holds):

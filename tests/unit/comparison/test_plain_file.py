@@ -51,6 +51,25 @@ def test_what_dry_friction_cannot_stand_for_is_only_told(
     assert mujoco.MjModel.from_xml_path(str(path)).dof_frictionloss.tolist() == [0.0]
 
 
+@pytest.mark.parametrize(("share", "filtered"), [(0.5, False), (10.0, True)])
+def test_a_lag_of_more_than_a_step_is_a_filter_in_the_file(
+    study: Study, effects: dict[str, Effect], tmp_path: Path, share: float, *, filtered: bool
+) -> None:
+    """After a step of the command it is at 1 − exp(−t/τ) up to a step ago, by whose slope of exp(−2)/τ it may be off."""
+    step, path = study.compiled.opt.timestep, tmp_path / "model.xml"
+    lag = effects["actuator_lag"]
+    model = study.model.with_effect(place(lag, study.compiled, "drive", study.scales))
+    _, missing = write_model(path, model, model.space.vector({"actuator_lag@drive.tau": share * step}))
+    found = mujoco.MjModel.from_xml_path(str(path))
+    assert (found.actuator_dyntype[0] == mujoco.mjtDyn.mjDYN_FILTEREXACT) == filtered
+    assert any("filterexact" in each for each in missing) == filtered
+    if filtered:
+        data = mujoco.MjData(found)
+        data.ctrl[0] = 1.0
+        mujoco.mj_step(found, data, 20)
+        assert 1 - np.exp(-18.9 / share) < data.act[0] <= 1 - np.exp(-20 / share)
+
+
 @pytest.mark.parametrize(
     ("effect", "value", "far"), [("sensor_time_offset", 0.0, False), ("friction_drift", 0.3, True)]
 )
