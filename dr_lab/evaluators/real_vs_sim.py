@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
-import mujoco
 import numpy as np
 from tensordict import TensorDict
 
@@ -13,6 +12,7 @@ from dr_lab.envs.setting import Setting, require_mujoco
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.recorders.episode import Episode
+from dr_lab.recorders.joint_labels import entries
 from dr_lab.recorders.training import Sample
 from dr_lab.reports.quantity import percent
 from dr_lab.targets.target import Target
@@ -44,7 +44,10 @@ class Pair:
 
     @property
     def rmse(self) -> Array:
-        """Root mean square difference of the positions for as long as both episodes last, rad or m, shape (nq,)."""
+        """Root mean square difference of the positions for as long as both episodes last, shape (nq,).
+
+        A free or ball joint has several numbers, each of which differs for itself: m of a place, 1 of a quaternion.
+        """
         steps = min(len(self.real.qpos), len(self.simulated.qpos))
         return np.sqrt(np.mean((self.real.qpos[:steps] - self.simulated.qpos[:steps]) ** 2, axis=0))
 
@@ -126,19 +129,15 @@ def _solved(setting: Setting, pairs: Sequence[Pair]) -> dict[str, Array]:
 
 
 def _row(pair: Pair) -> Row:
-    model = pair.real.geometry
-    names = [model.joint(i).name for i in range(model.njnt)]
     return {
         "episode": pair.real.name.removeprefix("real_"),
         "real": pair.real.undiscounted,
         "simulated": pair.expected,
         "difference": pair.difference,
-        **{f"{name}.rmse": float(error) for name, error in zip(names, pair.rmse, strict=True)},
+        **dict(zip(_units(pair), pair.rmse.tolist(), strict=True)),
     }
 
 
 def _units(pair: Pair) -> dict[str, str]:
-    """Of the positions' errors."""
-    model = pair.real.geometry
-    slides = model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE
-    return {f"{model.joint(i).name}.rmse": "m" if slide else "rad" for i, slide in enumerate(slides)}
+    """Of the positions' errors, by their names, as `Pair.rmse` has them."""
+    return {f"{each.dotted}.rmse": each.unit for each in entries(pair.real.geometry)[0]}

@@ -1,5 +1,7 @@
 """Names of the columns of a machine's positions, velocities and commands."""
 
+from dataclasses import dataclass
+
 import mujoco
 
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
@@ -12,18 +14,47 @@ _UNITS = {**dict.fromkeys("xyz", "m"), **dict.fromkeys(("vx", "vy", "vz"), "m/s"
 Column = tuple[str, str]  # name and unit
 
 
+@dataclass(frozen=True)
+class Entry:
+    """One number of the positions or velocities of a machine.
+
+    Attributes:
+        joint: whose it is; one without a name is called by its number.
+        part: which of several numbers of this joint, e.g. ``qw``; empty where it has one.
+        unit: of the number.
+    """
+
+    joint: str
+    part: str
+    unit: str
+
+    @property
+    def dotted(self) -> str:
+        """``arm``, or ``torso.qw``."""
+        return f"{self.joint}.{self.part}" if self.part else self.joint
+
+
 def columns(model: mujoco.MjModel) -> tuple[list[Column], list[Column]]:
     """Name and unit of each column of the positions (nq) and of the velocities (nv), in MuJoCo's order."""
-    positions, velocities = list[Column](), list[Column]()
+    positions, velocities = entries(model)
+    return (
+        [(f"{each.joint} {each.part or 'position'}", each.unit) for each in positions],
+        [(f"{each.joint} {each.part or 'velocity'}", each.unit) for each in velocities],
+    )
+
+
+def entries(model: mujoco.MjModel) -> tuple[list[Entry], list[Entry]]:
+    """What each number of the positions (nq) and of the velocities (nv) is, in MuJoCo's order."""
+    positions, velocities = list[Entry](), list[Entry]()
     for row, kind in enumerate(model.jnt_type):
         name = model.joint(row).name or f"joint_{row}"
         if kind in LABELS:
             for found, labels in zip((positions, velocities), LABELS[int(kind)], strict=True):
-                found += [(f"{name} {label}", _UNITS.get(label, "1")) for label in labels]
+                found += [Entry(name, label, _UNITS.get(label, "1")) for label in labels]
         else:
             unit = "m" if kind == mujoco.mjtJoint.mjJNT_SLIDE else "rad"
-            positions.append((f"{name} position", unit))
-            velocities.append((f"{name} velocity", f"{unit}/s"))
+            positions.append(Entry(name, "", unit))
+            velocities.append(Entry(name, "", f"{unit}/s"))
     return positions, velocities
 
 

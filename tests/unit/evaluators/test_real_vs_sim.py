@@ -132,6 +132,24 @@ def test_an_episode_that_diverged_in_the_model_is_counted_and_no_part_of_the_mea
     assert found.units == {"arm.rmse": "rad", "pole.rmse": "rad"}
 
 
+def test_a_free_joint_has_an_error_for_each_of_its_numbers() -> None:
+    """The same machine twice: what differs is nothing, and every number of a position has a name and a unit."""
+    of = setting("ant", "env.task.time_limit=3")
+    width = len(of.model.nominal().actuator_gear)
+
+    def still(observation: Tensor) -> Tensor:
+        return observation.new_zeros(len(observation), width)
+
+    target = partial(ModelTarget, effects={}, context=None, seed=0)
+    evaluator = RealVsSimEvaluator(target=target, episodes=2, confidence=0.9, resamples=50, seed=0)
+    asked = Subject("still", of, still, lambda *_: pytest.fail("no training"))
+    found = evaluator.evaluate(asked, Path(), lambda _: None)
+    place, quaternion = ["root.x", "root.y", "root.z"], ["root.qw", "root.qx", "root.qy", "root.qz"]
+    assert list(found.units)[:8] == [f"{name}.rmse" for name in [*place, *quaternion, "hip_1"]]
+    assert list(found.units.values())[:8] == ["m"] * 3 + ["1"] * 4 + ["rad"]
+    assert [[row[key] for key in found.units] for row in found.rows] == [[0.0] * 15] * 2
+
+
 def test_a_plant_of_another_machine_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"joints pendulum and actuators motor; the model has arm, pole") as refused:
         evaluated(bench("pendulum"), subject())
