@@ -5,20 +5,24 @@ from pathlib import Path
 
 import numpy as np
 
-from dr_lab.collectors.collector import Policy
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
+from dr_lab.evaluators.statistics import means_of_contexts
 from dr_lab.recorders.training import Sample
 from dr_lab.reports.quantity import percent
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
+
+_KINDS = "deterministic", "stochastic"
 
 
 @dataclass(frozen=True, kw_only=True)
 class SnapshotsEvaluator(IntervalEvaluator):
     """Plays every snapshot in contexts that were trained on, deterministic and stochastic, the same ones for all.
 
-    The return of one snapshot is a lottery; that of the last ten says what a training run leads to.
+    The return of one snapshot is a lottery; that of the last ten says what a training run leads to. A context in which
+    all episodes of all snapshots are infeasible, as where it does not compile, is left out. In the others an episode
+    that diverges counts with the return that the environment declares.
 
     Attributes: as `IntervalEvaluator`, its episodes of each snapshot, one in each context, twice.
 
@@ -35,26 +39,33 @@ class SnapshotsEvaluator(IntervalEvaluator):
         del folder
         snapshots = subject.kept()
         z = subject.contexts(self.episodes, stream(self.seed, "snapshots"))
-        rows = []
+        played = []
         for place, each in enumerate(snapshots, start=1):
-            returns = [self._return(subject, policy, z) for policy in (each.deployed, each.exploring)]
-            rows.append({"frames": float(each.frames), "deterministic": returns[0], "stochastic": returns[1]})
+            for policy in (each.deployed, each.exploring):
+                played.append(subject.rollouts(self.episodes, self.seed, policy).outcomes(z))
             progress(place / len(snapshots))
-        figures = {key: value for name in ("deterministic", "stochastic") for key, value in self._over(rows, name)}
-        samples = [
-            Sample(name, np.array([row[name] for row in rows]), f"Mean of {self.episodes} episodes of a kept policy.")
-            for name in ("deterministic", "stochastic")
+        returns, infeasible = (np.stack(each) for each in zip(*played, strict=True))
+        known = np.isfinite(means_of_contexts(returns.T, infeasible.T))
+        means, diverged = (_over_contexts(each[:, known]) for each in (returns, infeasible))
+        rows = [
+            {
+                "frames": float(each.frames),
+                **dict(zip(_KINDS, got.tolist(), strict=True)),
+                "diverged": float(lost.mean()),
+            }
+            for each, got, lost in zip(snapshots, means, diverged, strict=True)
         ]
+        figures = {
+            key: value for name, got in zip(_KINDS, means.T, strict=True) for key, value in self._over(name, got)
+        }
+        figures |= {"infeasible": float(np.mean(~known)), "diverged": float(diverged.mean())}
+        about = f"Mean over the feasible ones of {self.episodes} contexts, of a kept policy."
+        samples = [Sample(name, got, about) for name, got in zip(_KINDS, means.T, strict=True)]
         return Evaluation(figures, rows, samples=samples, told=self._told(len(rows)))
 
-    def _return(self, subject: Subject, policy: Policy, z: Array) -> float:
-        """Mean of what the policy got."""
-        return float(subject.rollouts(self.episodes, self.seed, policy).outcomes(z)[0].mean())
-
-    def _over(self, rows: list[dict[str, float]], name: str) -> list[tuple[str, float]]:
+    def _over(self, name: str, means: Array) -> list[tuple[str, float]]:
         """Interquartile mean over the snapshots, its interval, and the last."""
-        values = np.array([row[name] for row in rows])
-        figures = {**self.figures(values), "last": float(values[-1])}
+        figures = {**self.figures(means), "last": float(means[-1])}
         return [(f"{name}.{key}", value) for key, value in figures.items()]
 
     def _told(self, count: int) -> str:
@@ -62,5 +73,14 @@ class SnapshotsEvaluator(IntervalEvaluator):
             f"Each policy that the run kept ({count}) plays {self.episodes} episodes without exploration "
             "(deterministic) and as many with it (stochastic), in contexts that it was trained on. iqm is the "
             f"interquartile mean over the policies, low and high its {percent(self.confidence)} interval. Which one is "
-            "deployed was chosen on other episodes."
+            "deployed was chosen on other episodes. infeasible is the share of contexts in which every episode of all "
+            "policies diverges, or which do not compile; these count for nothing. An episode that diverges in another "
+            "counts with the return that the task declares, and diverged is the share of these."
         )
+
+
+def _over_contexts(values: Array) -> Array:
+    """Means over the contexts of (2 k, contexts) values, by snapshot and kind, shape (k, 2); NaN without any."""
+    if not values.shape[1]:
+        return np.full((len(values) // 2, 2), np.nan)
+    return values.mean(axis=1).reshape(-1, 2)
