@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import mannwhitneyu
+from scipy.stats import mannwhitneyu, norm
 
 from dr_lab.evaluators.statistics import improvement_interval, iqm_band, iqm_interval, lower_tail, means_of_contexts
 
@@ -34,9 +34,30 @@ def test_the_probability_of_improvement_is_that_of_mann_and_whitney() -> None:
     found = improvement_interval(ours, theirs, 0.95, 500, 0)
     assert found.value == pytest.approx(mannwhitneyu(ours[:4], theirs).statistic / 16)
     assert found.low < found.value < found.high
-    certain = improvement_interval(ours + 10.0, theirs, 0.95, 500, 0)
-    assert (certain.value, certain.low, certain.high) == (1.0, 1.0, 1.0)
     assert np.isnan(improvement_interval(ours, theirs[:0], 0.95, 500, 0).value)
+
+
+def test_all_of_ours_above_all_of_theirs_is_no_certainty() -> None:
+    """Four pairs that are all ordered: with probability p⁴ at most, which is 1 − confidence at the end."""
+    low, high = np.array([1.0, 2.0, 3.0, 4.0]), np.array([5.0, 6.0, 7.0, 8.0, 9.0])
+    better, worse = (improvement_interval(*each, 0.95, 500, 0) for each in ((high, low), (low, high)))
+    assert (better.value, better.high, worse.value, worse.low) == (1.0, 1.0, 0.0, 0.0)
+    assert better.low**4 == pytest.approx(0.05)
+    assert worse.high == pytest.approx(1.0 - better.low)
+    nearly = improvement_interval(np.array([3.5, 6.0, 7.0, 8.0, 9.0]), low, 0.95, 500, 0)
+    assert nearly.value < 1.0
+    assert nearly.low <= better.low  # where ours are less surely better, so is the interval
+
+
+@pytest.mark.parametrize("probability", [0.8, 0.97])
+def test_the_interval_of_the_probability_holds_it_as_often_as_it_says(probability: float) -> None:
+    """Two Gaussians a distance √2 Φ⁻¹(p) apart."""
+    apart, held = np.sqrt(2.0) * norm.ppf(probability), 0
+    for seed in range(200):
+        rng = np.random.default_rng(seed)
+        found = improvement_interval(rng.normal(apart, 1.0, 5), rng.normal(0.0, 1.0, 5), 0.95, 200, seed)
+        held += found.low <= probability <= found.high
+    assert held >= 0.95 * 200
 
 
 @pytest.mark.parametrize(
