@@ -24,7 +24,6 @@ from dr_lab.networks.gaussian_actor import GaussianActor
 from dr_lab.networks.spectrum import curvatures, ends_of_spectrum, hessian_product
 from dr_lab.recorders.training import ContextAxis, Grid
 from dr_lab.reports.csv_rows import rows_csv
-from dr_lab.reports.quantity import percent
 from dr_lab.seeding import derived_seed, stream
 from dr_lab.trajectory import Array
 
@@ -73,16 +72,17 @@ class CurvatureEvaluator(IntervalEvaluator):
         """
         chosen = spread_over(subject.kept(), self.snapshots)
         actors = [require_gaussian(each.exploring, "curvature") for each in chosen]
-        rows, vectors = list[Row](), np.empty((0, 0))
+        rows, vectors, measured = list[Row](), np.empty((0, 0)), list[int]()
         for number, (snapshot, actor) in enumerate(zip(chosen, actors, strict=True), start=1):
             values, vectors = self._spectrum(actor, self._played(subject, actor, "found"))
             other = self._played(subject, actor, "measured")
+            measured.append(len(other.returns))
             rows += [self._row(snapshot.frames, actor, other, *each) for each in zip(values, vectors, strict=True)]
             progress(number / (len(chosen) + 1))
         along = {name: vectors[place] for name, place in _ENDS.items()}
         grids = self._along(subject, actors[-1], along, folder)
         progress(1.0)
-        return Evaluation(_figures(rows[-len(vectors) :]), rows, grids=grids, told=self._told())
+        return Evaluation(_figures(rows[-len(vectors) :]), rows, grids=grids, told=self._told(measured))
 
     def _along(self, subject: Subject, actor: GaussianActor, along: Mapping[str, Array], folder: Path) -> list[Grid]:
         """Move a policy along some directions and play it; the table is a file of its own."""
@@ -150,13 +150,13 @@ class CurvatureEvaluator(IntervalEvaluator):
         value, spread = (np.array([row[key] for row in course]) for key in ("return", "std"))
         return Grid(f"{name} eigenvalue", [axis], value, spread)
 
-    def _told(self) -> str:
+    def _told(self, measured: Sequence[int]) -> str:
         return (
             "Eigenvalues of the Hessian of the surrogate loss, the discounted return with its sign turned, by all "
             f"parameters of the exploring policy, from {self.episodes} episodes in contexts that were trained on: the "
             "largest and the smallest. Above 0 the return falls to both sides of the policy, below 0 it rises. "
             "curvature: along the same eigenvectors on as many other episodes, with its "
-            f"{percent(self.confidence)} interval; of the two it is the one without bias. In along.csv and the "
+            f"interval ({self.stated(*measured)}); of the two it is the one without bias. In along.csv and the "
             "pictures the last policy is moved along the two outermost eigenvectors: its discounted return when it is "
             "played and, in the former, what the surrogate says of it."
         )

@@ -9,7 +9,6 @@ import numpy as np
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.recorders.training import Sample
-from dr_lab.reports.quantity import percent
 from dr_lab.training.recorded import record
 
 
@@ -43,11 +42,11 @@ class DemonstrationsEvaluator(IntervalEvaluator):
         ]
         returns = np.array([each.undiscounted for each in played])
         samples = [Sample("episodes", returns, "An episode each.")]
-        return Evaluation(self.figures(returns), rows, samples=samples, episodes=played, told=self._told())
+        return Evaluation(self.figures(returns), rows, samples=samples, episodes=played, told=self._told(len(returns)))
 
-    def _told(self) -> str:
+    def _told(self, count: int) -> str:
         where = ", ".join(f"{name} = {value:g}" for name, value in (self.context or {}).items()) or "nominal values"
         return (
             f"{self.episodes} episodes in the context {where}. iqm: interquartile mean of their returns, low and high: "
-            f"its {percent(self.confidence)} interval. episodes.mcap holds what was seen and done, for expert=mcap."
+            f"its interval ({self.stated(count)}). episodes.mcap holds what was seen and done, for expert=mcap."
         )

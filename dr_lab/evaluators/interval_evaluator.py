@@ -7,6 +7,8 @@ import numpy as np
 from dr_lab.bounds import Confidence, Count, require_bounds
 from dr_lab.evaluators.evaluator import Evaluator
 from dr_lab.evaluators.statistics import Interval, iqm_interval
+from dr_lab.reports.interval_level import FEWEST, level
+from dr_lab.reports.quantity import percent
 from dr_lab.trajectory import Array
 
 
@@ -40,3 +42,13 @@ class IntervalEvaluator(Evaluator):
     def interval(self, values: Array) -> Interval:
         """Interquartile mean of values (n,), those that are known, with its interval."""
         return iqm_interval(np.asarray(values), self.confidence, self.resamples, self.seed)
+
+    def stated(self, *counts: int) -> str:
+        """The level of intervals over so many known values each, as a text tells it: what the fewest values carry.
+
+        Those of fewer than three values have no interval of which anything could be said.
+        """
+        least = min((count for count in counts if count >= FEWEST), default=None)
+        if least is None or level(self.confidence, least) == self.confidence:
+            return percent(self.confidence)
+        return f"{percent(level(self.confidence, least))} at most, of {least} values"

@@ -14,7 +14,6 @@ from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.joint_labels import entries
 from dr_lab.recorders.training import Sample
-from dr_lab.reports.quantity import percent
 from dr_lab.targets.target import Target
 from dr_lab.training.recorded import as_episode, record
 from dr_lab.trajectory import Array
@@ -95,16 +94,17 @@ class RealVsSimEvaluator(IntervalEvaluator):
         returns = {"real": [p.real.undiscounted for p in pairs], "simulated": [p.expected for p in pairs]}
         samples = [Sample(name, np.array(values), "An episode each.") for name, values in returns.items()]
         return Evaluation(
-            figures, rows, _units(widest), samples=samples, episodes=shown, told=self._told(target, bool(solved))
+            figures, rows, _units(widest), samples=samples, episodes=shown, told=self._told(target, pairs, bool(solved))
         )
 
-    def _told(self, target: Target, solved: bool) -> str:
+    def _told(self, target: Target, pairs: Sequence[Pair], solved: bool) -> str:
+        known = sum(map(np.isfinite, [pair.difference for pair in pairs]))
         share = "; solved that of those at whose end the task is solved" if solved else ""
         return (
             f"What is called real is {target.nature}, as config.yaml tells. {self.episodes} episodes were played on "
             "it, and from the same starts in the model. Returns are interquartile means, low and high their "
-            f"{percent(self.confidence)} intervals; infeasible is the share of episodes that diverge in the model"
-            f"{share}."
+            f"intervals ({self.stated(len(pairs), known)}); infeasible is the share of episodes that diverge in the "
+            f"model{share}."
         )
 
     def _figures(self, pairs: Sequence[Pair]) -> dict[str, float]:

@@ -1,6 +1,6 @@
 """Returns over contexts drawn from distributions: mean, interquartile mean, worst contexts, worst episodes."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,6 @@ from dr_lab.evaluators.statistics import lower_tail, means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.training import Sample
-from dr_lab.reports.quantity import percent
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
@@ -54,7 +53,9 @@ class ReturnsEvaluator(IntervalEvaluator):
             progress(place / len(self.distributions))
         shown = ("iqm", "worst_decile", "cvar")
         figures = {f"{row['contexts']}.{key}": float(row[key]) for row in rows for key in shown}
-        return Evaluation(figures, rows, samples=samples, told=self._told())
+        return Evaluation(
+            figures, rows, samples=samples, told=self._told([int(np.isfinite(each.value).sum()) for each in samples])
+        )
 
     def _summed_up(self, returns: Array, infeasible: NDArray[np.bool_]) -> dict[str, float]:
         """Figures of the episodes of one distribution, context by context, shape (contexts · episodes,) each."""
@@ -74,11 +75,11 @@ class ReturnsEvaluator(IntervalEvaluator):
         shape = (self.contexts, self.episodes)
         return means_of_contexts(returns.reshape(shape), infeasible.reshape(shape))
 
-    def _told(self) -> str:
+    def _told(self, known: Sequence[int]) -> str:
         return (
             f"{self.contexts} contexts of each distribution, {self.episodes} episodes in each, whose mean is the "
-            f"context's return. iqm: interquartile mean over contexts, low and high: its {percent(self.confidence)} "
-            "interval; worst decile: mean of the lowest tenth of contexts; cvar: mean of the lowest tenth of episodes; "
-            "infeasible: share of episodes. An episode that diverges counts with the return that the task declares; a "
-            "context counts for nothing if all of its episodes do."
+            f"context's return. iqm: interquartile mean over contexts, low and high: its interval "
+            f"({self.stated(*known)}); worst decile: mean of the lowest tenth of contexts; cvar: mean of the lowest "
+            "tenth of episodes; infeasible: share of episodes. An episode that diverges counts with the return that "
+            "the task declares; a context counts for nothing if all of its episodes do."
         )

@@ -9,7 +9,6 @@ from dr_lab.evaluators.evaluator import Evaluation, Progress, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.evaluators.statistics import means_of_contexts
 from dr_lab.recorders.training import Sample
-from dr_lab.reports.quantity import percent
 from dr_lab.seeding import stream
 from dr_lab.trajectory import Array
 
@@ -61,18 +60,20 @@ class SnapshotsEvaluator(IntervalEvaluator):
         figures |= {"infeasible": float(np.mean(~known)), "diverged": float(diverged.mean())}
         about = f"Mean over the feasible ones of {self.episodes} contexts, of a kept policy."
         samples = [Sample(name, got, about) for name, got in zip(_KINDS, means.T, strict=True)]
-        return Evaluation(figures, rows, samples=samples, told=self._told(len(rows)))
+        return Evaluation(
+            figures, rows, samples=samples, told=self._told(len(rows), int(np.isfinite(means).all(axis=1).sum()))
+        )
 
     def _over(self, name: str, means: Array) -> list[tuple[str, float]]:
         """Interquartile mean over the snapshots, its interval, and the last."""
         figures = {**self.figures(means), "last": float(means[-1])}
         return [(f"{name}.{key}", value) for key, value in figures.items()]
 
-    def _told(self, count: int) -> str:
+    def _told(self, count: int, known: int) -> str:
         return (
             f"Each policy that the run kept ({count}) plays {self.episodes} episodes without exploration "
             "(deterministic) and as many with it (stochastic), in contexts that it was trained on. iqm is the "
-            f"interquartile mean over the policies, low and high its {percent(self.confidence)} interval. Which one is "
+            f"interquartile mean over the policies, low and high its interval ({self.stated(known)}). Which one is "
             "deployed was chosen on other episodes. infeasible is the share of contexts in which every episode of all "
             "policies diverges, or which do not compile; these count for nothing. An episode that diverges in another "
             "counts with the return that the task declares, and diverged is the share of these."

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from scipy.stats import bootstrap, trim_mean
 from scipy.stats import t as student
 
+from dr_lab.reports.interval_level import FEWEST
 from dr_lab.trajectory import Array
 
-_TOLD = 3  # values or curves, which have an interval
 _BATCH = 100  # resamples at a time, which bounds the memory that long curves take
 
 
@@ -44,8 +44,8 @@ def iqm_interval(values: Array, confidence: float, resamples: int, seed: int) ->
         seed: of the bootstrap.
 
     Returns:
-        NaN throughout where nothing is known; where fewer than three values are, the ends are NaN: of two they would be
-        these two, between which the truth lies in one of two cases.
+        NaN throughout where nothing is known; the ends are NaN where fewer than `FEWEST` values are. Of few values the
+        interval covers less than is asked for (`reports.interval_level.level`).
     """
     known = values[np.isfinite(values)]
     if len(known) == 0:
@@ -90,7 +90,9 @@ def improvement_interval(ours: Array, theirs: Array, confidence: float, resample
 
 
 def mean_interval(values: Array, confidence: float, resamples: int, seed: int) -> Interval:
-    """Mean of independent results (k,), one at least, with a percentile bootstrap interval; arguments as above."""
+    """Mean of independent results (k,), one at least, with an interval as `iqm_interval` has it."""
+    if len(values) < FEWEST:
+        return Interval(float(values.mean()), np.nan, np.nan)
     rng, alpha = np.random.default_rng(seed), (1.0 - confidence) / 2.0
     drawn = rng.multinomial(len(values), np.full(len(values), 1.0 / len(values)), resamples) @ values / len(values)
     low, high = np.quantile(drawn, [alpha, 1.0 - alpha])
@@ -126,12 +128,13 @@ def iqm_band(values: Array, confidence: float, resamples: int, seed: int) -> tup
         seed: of the bootstrap.
 
     Returns:
-        The mean and the interval's ends, shape (n,) each; the ends are NaN where there are fewer than three curves.
+        The mean and the interval's ends, shape (n,) each; the ends are NaN where there are fewer than `FEWEST`
+        curves.
     """
     known = np.isfinite(values).all(axis=0)
     value, low, high = (np.full(values.shape[1], np.nan) for _ in range(3))
     value[known] = interquartile_mean(values[:, known], axis=0)
-    if len(values) < _TOLD or not known.any():
+    if len(values) < FEWEST or not known.any():
         return value, low, high
     found = bootstrap(
         (values[:, known],),

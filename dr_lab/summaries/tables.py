@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from dr_lab.evaluators.statistics import Interval
 from dr_lab.reports.csv_rows import rows_csv
+from dr_lab.reports.interval_level import levels_told
 from dr_lab.reports.page import Page, Section
 from dr_lab.reports.quantity import number
 from dr_lab.reports.tables import table
@@ -63,6 +64,8 @@ def summary_page(
     told = [f"The same in all runs: {alike}."] if shared else []
     count = sum(len(group.runs) for group in groups)
     columns, about = [*_short(keys), "runs", "mean (interval)"], [_INTERVALS.format(100 * statistics.confidence)]
+    sizes = [cell.runs for row in cells for cell in row.values() if isinstance(cell, Estimate)]
+    about += filter(None, [levels_told(statistics.confidence, sizes)])
     if any(row[-1] for row in rows):
         columns, about = [*columns, "larger"], [*about, _LARGER.format(reference.label)]
     found = table(["figure", *columns], [row[: len(columns) + 1] for row in rows])

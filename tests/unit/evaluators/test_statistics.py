@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.stats import mannwhitneyu, norm
 
+from dr_lab.evaluators.snapshots import SnapshotsEvaluator
 from dr_lab.evaluators.statistics import improvement_interval, iqm_band, iqm_interval, lower_tail, means_of_contexts
+from dr_lab.reports.interval_level import level
 
 
 def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
@@ -19,6 +21,26 @@ def test_two_values_are_no_interval() -> None:
     two, three = (iqm_interval(np.array(values), 0.95, 500, 0) for values in ([1.0, 3.0], [1.0, 2.0, 3.0]))
     assert (two.value, np.isnan(two.low), np.isnan(two.high)) == (2.0, True, True)
     assert 1.0 <= three.low < three.value < three.high <= 3.0
+
+
+@pytest.mark.parametrize("count", [3, 4, 5])
+def test_an_interval_of_few_values_covers_the_median_as_often_as_its_level_says(count: int) -> None:
+    """The ends lie within the values, all of which are on one side of the median in 2 · 2⁻ᵏ of all cases."""
+    held, draws = 0, 400
+    for seed in range(draws):
+        found = iqm_interval(np.random.default_rng(seed).normal(size=count), 0.95, 1000, seed)
+        held += found.low <= 0.0 <= found.high
+    claimed = level(0.95, count)
+    assert claimed == 1.0 - 2.0 * 0.5**count
+    assert held / draws == pytest.approx(claimed, abs=0.05)  # two standard errors; 0.95 is further off but of five
+    assert (level(0.95, 6), level(0.5, 3)) == (0.95, 0.5)
+
+
+def test_the_level_that_is_stated_is_that_of_the_fewest_values_with_an_interval() -> None:
+    evaluator = SnapshotsEvaluator(episodes=1, confidence=0.95, resamples=10, seed=0)
+    assert evaluator.stated(10, 30) == "95 %"
+    assert evaluator.stated(10, 4, 3) == "75 % at most, of 3 values"
+    assert evaluator.stated(2) == "95 %"  # has no interval
 
 
 def test_two_curves_have_no_band() -> None:

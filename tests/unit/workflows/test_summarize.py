@@ -111,6 +111,7 @@ def test_a_figure_counts_the_runs_that_have_it(tmp_path: Path) -> None:
     assert main(["summarize", f"sweep={tmp_path / 'sweep'}", f"hydra.run.dir={folder}"]) == 0
     page = (folder / "report.md").read_text("utf-8")
     assert "| final_return | hopper | 3 of 5 | 4 (2 … 6) |" in page
+    assert "Intervals of few runs cover less: of 3 runs 75 %, of 5 runs 94 % at most." in page
     assert "| final_return | walker | 0 of 5 | – |" in page
     with (folder / "groups.csv").open(encoding="utf-8", newline="") as file:
         assert [(row["runs"], row["final_return runs"]) for row in csv.DictReader(file)] == [("5", "3"), ("5", "0")]
