@@ -12,7 +12,7 @@ from dr_lab.bounds import Count, require_bounds
 from dr_lab.errors import ConfigError
 from dr_lab.evaluators.context_axes import in_groups
 from dr_lab.evaluators.evaluator import Evaluation, Evaluator, Progress, Subject
-from dr_lab.evaluators.statistics import interquartile_mean
+from dr_lab.evaluators.statistics import interquartile_mean, means_of_contexts
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Randomizer
 from dr_lab.recorders.training import Curve, Sample
@@ -24,8 +24,10 @@ from dr_lab.trajectory import Array
 class FineTuneEvaluator(Evaluator):
     """Trains on in each of some contexts and follows the return.
 
-    Jump-start is the return before the first step of further training, the asymptote that after the last. Where an
-    episode diverges, or its context does not compile, the context is left out of that round's return and counted.
+    Jump-start is the return before the first step of further training, the asymptote that after the last. An episode
+    that diverges counts with the return that the environment declares; a context in which all do, or which does not
+    compile, has no return and is counted. Jump-start, asymptote and what is between are means over the same contexts,
+    those that have a return in every round: else they would differ by more than the training.
 
     Source: Mozifian et al. 2020, §V (50 contexts of one parameter, 100 of several, uniformly from p(z)).
 
@@ -82,7 +84,9 @@ class FineTuneEvaluator(Evaluator):
         return (
             f"Training on in each of {self.contexts} contexts, {self.rounds} rounds, {frames} control steps in all. "
             f"jump start: return before, asymptote: after, of {self.episodes} episodes each; interquartile means "
-            "over the contexts, of which infeasible are a share."
+            "over the contexts that have a return in every round. An episode that diverges counts with the return that "
+            "the task declares. infeasible and infeasible after: share of the contexts in which all do, or which do "
+            "not compile."
         )
 
     def _follow(self, subject: Subject, z: Array, index: int) -> tuple[list[int], Array]:
@@ -105,7 +109,8 @@ class FineTuneEvaluator(Evaluator):
             wanted = np.repeat(z, self.episodes, axis=0)
 
             def measured() -> Array:
-                return rollouts.returns(wanted).reshape(len(z), -1).mean(axis=1)
+                returned, infeasible = rollouts.outcomes(wanted)
+                return means_of_contexts(returned.reshape(len(z), -1), infeasible.reshape(len(z), -1))
 
             frames, returns = [0], [measured()]
             if np.isnan(returns[0]).all():
@@ -119,7 +124,8 @@ class FineTuneEvaluator(Evaluator):
 
 def _summed_up(space: ContextSpace, drawn: Array, frames: NDArray[np.int64], returns: Array) -> Evaluation:
     feasible = np.isfinite(returns)
-    typical = np.array([_typical(column) for column in returns.T])
+    throughout = feasible.all(axis=1)
+    typical = np.array([_typical(column) for column in returns[throughout].T])
     infeasible = np.mean(~feasible, axis=0)
     figures = {
         "jump_start": float(typical[0]),
@@ -137,10 +143,9 @@ def _summed_up(space: ContextSpace, drawn: Array, frames: NDArray[np.int64], ret
     ]
     units = {p.name: p.unit for p in space.parameters}
     samples = [Sample("before", returns[:, 0], "A context each."), Sample("after training on", returns[:, -1])]
-    return Evaluation(figures, rows, units, curves=curves if feasible.any() else (), samples=samples)
+    return Evaluation(figures, rows, units, curves=curves if throughout.any() else (), samples=samples)
 
 
 def _typical(returns: Array) -> float:
-    """Interquartile mean of what is known, NaN where nothing is."""
-    known = returns[np.isfinite(returns)]
-    return float(interquartile_mean(known)) if len(known) else np.nan
+    """Interquartile mean, NaN of nothing."""
+    return float(interquartile_mean(returns)) if len(returns) else np.nan

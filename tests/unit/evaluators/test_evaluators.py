@@ -82,9 +82,10 @@ class Pretended:
     def __init__(self, policy: Stronger) -> None:
         self.policy = policy
 
-    def returns(self, z: Array) -> Array:
+    def outcomes(self, z: Array) -> tuple[Array, NDArray[np.bool_]]:
         mass, force = z[:, 0], self.policy.force
-        return np.where((mass < 0.1) | ((mass < 1.0) & (force > 3.0)), np.nan, force / mass)
+        infeasible = (mass < 0.1) | ((mass < 1.0) & (force > 3.0))
+        return np.where(infeasible, -10.0, force / mass), infeasible
 
 
 class FiveMasses:
@@ -93,7 +94,7 @@ class FiveMasses:
 
     def sample(self, rngs: object) -> Array:
         del rngs
-        return np.array([[0.05], [0.5], [2.0], [2.0], [2.0]])
+        return np.array([[0.05], [0.5], [1.0], [2.0], [4.0]])
 
 
 def again(source: ContextSource, seed: int) -> tuple[Trainer, Policy]:
@@ -217,16 +218,21 @@ def test_the_curve_stands_at_the_control_steps_that_were_trained(subject: Subjec
         short.evaluate(subject, tmp_path, print)
 
 
-def test_a_context_that_diverges_while_training_on_costs_its_own_round_alone(subject: Subject, tmp_path: Path) -> None:
+def test_jump_start_and_asymptote_are_of_the_same_contexts_where_one_diverges_while_training_on(
+    subject: Subject, tmp_path: Path
+) -> None:
     fragile = Fragile(subject.name, subject.setting, subject.policy, subject.again)
     evaluator = FineTuneEvaluator(cast(Any, FiveMasses), contexts=5, rounds=2, frames=20, episodes=1, seed=0)
     found = evaluator.evaluate(fragile, tmp_path, print)
     typical, infeasible = found.curves
-    # Pushed with 1, 3 and 5 N: the second mass is left out of the last round alone, the first of all.
-    np.testing.assert_allclose(typical.value, [0.5, 1.5, 2.5])
+    # Pushed with 1, 3 and 5 N: of the second mass there is no last round, of the first none at all.
+    each = np.mean([1.0, 1.0 / 2.0, 1.0 / 4.0])
+    np.testing.assert_allclose(typical.value, each * np.array([1.0, 3.0, 5.0]))
     np.testing.assert_allclose(infeasible.value, [0.2, 0.2, 0.4])
-    wanted = {"jump_start": 0.5, "asymptote": 2.5, "infeasible": 0.2, "infeasible_after": 0.4}
+    wanted = {"jump_start": each, "asymptote": 5.0 * each, "infeasible": 0.2, "infeasible_after": 0.4}
     assert found.figures == pytest.approx(wanted)
+    assert found.rows[1]["jump_start"] == 2.0
+    assert np.isnan(float(found.rows[1]["asymptote"]))
 
 
 def test_every_context_has_a_trainer_with_a_seed_of_its_own_that_is_closed(subject: Subject, tmp_path: Path) -> None:
