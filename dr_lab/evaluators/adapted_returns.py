@@ -72,7 +72,7 @@ class AdaptedReturns:
         known = np.isfinite(mean)
         spread = np.full(len(mean), np.nan)
         spread[known] = np.nanstd(self.returns[known, :, updates], axis=1)
-        return Grid(_after(updates), self.axes, mean.reshape(self._shape), spread.reshape(self._shape))
+        return Grid(_after(updates), self.axes, mean.reshape(self._shape), spread.reshape(self._shape), "adaptations")
 
     def _gain(self, index: int, value: Array, low: Array, high: Array) -> Gain:
         shaped = (each.reshape(self._shape) for each in (value, low, high))
@@ -88,8 +88,8 @@ def _over_updates(mean: Array) -> Grid:
     known = mean[np.isfinite(mean).all(axis=1)]
     axis = ContextAxis("updates", "", np.arange(mean.shape[1], dtype=float))
     if not len(known):
-        return Grid("over updates", [axis], np.full(mean.shape[1], np.nan), np.full(mean.shape[1], np.nan))
-    return Grid("over updates", [axis], known.mean(axis=0), known.std(axis=0))
+        known = np.full((1, mean.shape[1]), np.nan)
+    return Grid("over updates", [axis], known.mean(axis=0), known.std(axis=0), "contexts")
 
 
 def _after(updates: int) -> str:

@@ -148,7 +148,7 @@ class CurvatureEvaluator(IntervalEvaluator):
     def _picture(self, name: str, course: Sequence[Mapping[str, float]]) -> Grid:
         axis = ContextAxis(f"distance along the eigenvector of the {name} eigenvalue", "", self._distances)
         value, spread = (np.array([row[key] for row in course]) for key in ("return", "std"))
-        return Grid(f"{name} eigenvalue", [axis], value, spread)
+        return Grid(f"{name} eigenvalue", [axis], value, spread, "episodes")
 
     def _told(self, measured: Sequence[int]) -> str:
         return (

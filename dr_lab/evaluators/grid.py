@@ -120,5 +120,5 @@ def summed_up(title: str, axes: Sequence[ContextAxis], returns: Array, infeasibl
         "infeasible": float(np.mean(~np.isfinite(mean))),
         "diverged": float(diverged[np.isfinite(mean)].mean()) if len(feasible) else float("nan"),
     }
-    grid = Grid(title, list(axes), mean.reshape(shape), spread.reshape(shape))
+    grid = Grid(title, list(axes), mean.reshape(shape), spread.reshape(shape), "episodes")
     return Evaluation(figures, rows, {axis.name: axis.unit for axis in axes}, [grid])

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from dr_lab.html.context_figures import DENSITY
 from dr_lab.html.figure import AFTER, BEFORE, INK, MEASURED, MUTED, Plot, band, chart, line, numbers, series, soft
-from dr_lab.recorders.training import ContextAxis, Gain, Grid, Matrix, Sample, Ways
+from dr_lab.recorders.training import ContextAxis, Gain, Grid, Matrix, Sample, Ways, over_what
 from dr_lab.reports.quantity import titled
 from dr_lab.trajectory import Array
 
 _MAP, _LINE = 420, 320  # px
 _HATCHES = 3  # lines across a cell without a value
-_SCATTER = 4.0  # standard deviations of an episode
+_SCATTER = 4.0  # standard deviations within a cell
 _TICKS = 9  # values of an axis, each of which has room for its number
 ABOUT_ZERO = [[0.0, BEFORE], [0.5, "var(--low)"], [1.0, AFTER]]
 _INFEASIBLE = "infeasible"
@@ -52,7 +52,8 @@ def grid_lines(grids: Mapping[str, Grid], groups: Sequence[str]) -> Plot:
     figure.update_xaxes(**_axis(first.axes[0]))
     figure.update_yaxes(title="return")
     unknown = any(not np.isfinite(grid.mean).all() for grid in grids.values())
-    return Plot(figure, _LINE, "Bands: ± a standard deviation over episodes." + " Grey: infeasible." * unknown)
+    told = f"Bands: ± a standard deviation over {over_what(list(grids.values()))}."
+    return Plot(figure, _LINE, told + " Grey: infeasible." * unknown)
 
 
 def grid_map(grid: Grid) -> Plot:
@@ -60,12 +61,12 @@ def grid_map(grid: Grid) -> Plot:
     more = {"customdata": numbers(grid.spread.T), **_beyond_scatter(grid)}
     figure = _map(grid.axes, grid.mean, DENSITY, "return", more)
     figure.update_traces(hovertemplate="%{x:.4g}, %{y:.4g}: %{z:.4g} ± %{customdata:.3g}<extra></extra>", selector=0)
-    told = "Colours span four times the scatter within a cell, or more."
+    told = f"Colours span four standard deviations over {grid.over} in a cell, or more."
     return Plot(figure, _MAP, f"Mean returns, {grid.title}. {told}{hatched(grid.mean)}", half=True)
 
 
 def _beyond_scatter(grid: Grid) -> dict[str, float]:
-    """Ends of the colours that hold all means, and so far apart that the scatter of episodes is no pattern."""
+    """Ends of the colours that hold all means, and so far apart that the scatter within a cell is no pattern."""
     known = np.isfinite(grid.mean)
     if not known.any():
         return {}

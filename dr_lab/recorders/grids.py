@@ -10,7 +10,7 @@ from dr_lab.recorders.chart import Axis, Chart, linear_axis
 from dr_lab.recorders.heat_map import CANVAS, DARK_TO_LIGHT, ColourScale, cell_axis, log_map
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.shape import Colour
-from dr_lab.recorders.training import ContextAxis, Grid
+from dr_lab.recorders.training import ContextAxis, Grid, over_what
 from dr_lab.reports.quantity import titled
 
 
@@ -46,7 +46,7 @@ def told(grids: Sequence[Grid]) -> str:
     if len(grids[0].axes) > 1:
         return ""
     hatched = not all(np.isfinite(grid.mean).all() for grid in grids)
-    return f" (thin: ± std of episodes{', hatched: infeasible' * hatched})"
+    return f" (thin: ± std over {over_what(grids)}{', hatched: infeasible' * hatched})"
 
 
 def log_lines(

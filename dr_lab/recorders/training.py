@@ -199,13 +199,24 @@ class Grid:
         title: whose returns they are, e.g. the run or the policy.
         axes: one or two.
         mean: mean return of each cell, shape (n,) or (n, m); NaN where the context is infeasible.
-        spread: standard deviation over episodes, likewise.
+        spread: standard deviation of what is in a cell, likewise.
+        over: what that is over, in words, e.g. ``episodes``.
     """
 
     title: str
     axes: Sequence[ContextAxis]
     mean: Array
     spread: Array
+    over: str
+
+
+def over_what(grids: Sequence[Grid]) -> str:
+    """What the spreads of some grids are over, one grid at least; with the grids' titles where it differs."""
+    different = dict.fromkeys(grid.over for grid in grids)
+    if len(different) == 1:
+        return grids[0].over
+    titles = {over: ", ".join(grid.title for grid in grids if grid.over == over) for over in different}
+    return ", ".join(f"{over} ({whose})" for over, whose in titles.items())
 
 
 @dataclass(frozen=True)

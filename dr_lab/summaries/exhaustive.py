@@ -52,7 +52,7 @@ def _grid(label: str, groups: Sequence[Group]) -> Grid | None:
         returns = [value for value in map(_return, of_group) if value is not None]
         if returns:
             mean[cell], spread[cell] = np.mean(returns), np.std(returns)
-    return Grid(label, axes, mean, spread)
+    return Grid(label, axes, mean, spread, "runs")
 
 
 def _return(report: TrainReport) -> float | None:

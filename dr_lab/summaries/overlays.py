@@ -128,7 +128,7 @@ def _mean_grid(title: str, reports: Mapping[Path, EvaluateReport]) -> Grid:
     mean, std = (np.array([_column(*each, name) for each in reports.items()]) for name in _CELL)
     # Over the episodes of all runs together, as many of each.
     spread = np.sqrt(np.mean(std**2, axis=0) + np.var(mean, axis=0))
-    return Grid(title, axes, np.mean(mean, axis=0).reshape(shape), spread.reshape(shape))
+    return Grid(title, axes, np.mean(mean, axis=0).reshape(shape), spread.reshape(shape), "episodes of all runs")
 
 
 def _column(folder: Path, report: EvaluateReport, name: str) -> Array:

@@ -38,7 +38,10 @@ def marginal(share: float) -> Marginal:
 def recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, look: Look) -> Path:
     monkeypatch.setenv("RERUN_STRICT", "1")
     axis = ContextAxis("torso.size", "m", np.array([0.0, 0.1, 0.2]))
-    grids = {group: Grid(group, [axis], np.array([k, 3.0, 1.0 - k]), np.ones(3)) for k, group in enumerate(GROUPS)}
+    grids = {
+        group: Grid(group, [axis], np.array([k, 3.0, 1.0 - k]), np.ones(3), "episodes")
+        for k, group in enumerate(GROUPS)
+    }
     record = SweepRecord(
         "sweep",
         GROUPS,

@@ -52,8 +52,8 @@ def recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, look: Look, episo
     marginal, pair = distributions()
     axis = ContextAxis("friction", "1", np.array([0.0, 1.0, 2.0]))
     grids = [
-        Grid("line", [axis], np.array([0.0, 1.0, 2.0]), np.zeros(3)),
-        Grid("area", [axis, axis], np.arange(9.0).reshape(3, 3), np.zeros((3, 3))),
+        Grid("line", [axis], np.array([0.0, 1.0, 2.0]), np.zeros(3), "episodes"),
+        Grid("area", [axis, axis], np.arange(9.0).reshape(3, 3), np.zeros((3, 3)), "episodes"),
     ]
     curves = [Curve(name, "", ITERATION, np.arange(5.0)) for name in ("return", "entropy")]
     pages = {"Report": "# Report", "Settings": "# Settings"}

@@ -106,6 +106,7 @@ def test_training_on_adds_what_the_stronger_push_adds(subject: Subject, tmp_path
             np.testing.assert_allclose(values, expected(mass, more), rtol=1e-6)
         assert not gain.doubtful.any()
     assert [found.figures[name] for name in ("helps_1", "helps_2", "hurts_1", "infeasible")] == [1.0, 1.0, 0.0, 0.0]
+    assert [grid.over for grid in found.grids] == ["adaptations"] * 3 + ["contexts"]
     assert found.figures["correlation"] == pytest.approx(1.0)
     assert found.rows[1] == pytest.approx(
         {"block.mass": 0.5, "updates": 1.0, "return": float(expected(0.5, 3.0)), "gain": float(expected(0.5, 2.0))}

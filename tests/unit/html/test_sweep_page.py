@@ -23,7 +23,7 @@ def test_the_comparison_stands_first_with_its_intervals(tmp_path: Path) -> None:
         Band("udr", "episode_return", frames, np.array([1.0, np.nan, 1.0]), nan, nan),
     ]
     marginal = Marginal("size", "m", np.array([0.0, 0.5]), np.ones(1), np.zeros(1, int), np.ones((1, 1)))
-    grid = Grid("lsdr", [ContextAxis("size", "m", np.array([0.1, 0.2]))], np.array([1.0, 2.0]), np.ones(2))
+    grid = Grid("lsdr", [ContextAxis("size", "m", np.array([0.1, 0.2]))], np.array([1.0, 2.0]), np.ones(2), "episodes")
     record = SweepRecord(
         "s", ["lsdr", "udr"], bands, {"size": {"lsdr": marginal}}, {"lsdr": grid}, pages={"Runs": "| r |"}
     )

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -6,7 +7,9 @@ import pytest
 from html_pages import figures, require_whole, text, traces, values
 from written_runs import grid_report, train_report
 
+from dr_lab.html.return_figures import grid_map, grid_plots
 from dr_lab.html.training_page import write_training_page
+from dr_lab.recorders import grids
 from dr_lab.recorders.training import (
     Comparison,
     Comparisons,
@@ -84,7 +87,9 @@ def test_a_distribution_that_nothing_learns_is_drawn_once(tmp_path: Path) -> Non
 def test_an_infeasible_cell_is_hatched_within_its_bounds(tmp_path: Path) -> None:
     mean = np.arange(9.0).reshape(3, 3)
     mean[2, 0] = np.nan  # friction 3 across, 0 up
-    page = evaluated(tmp_path, TrainingRecord("run", grids=[Grid("area", [AXIS, AXIS], mean, np.ones((3, 3)))]))
+    page = evaluated(
+        tmp_path, TrainingRecord("run", grids=[Grid("area", [AXIS, AXIS], mean, np.ones((3, 3)), "episodes")])
+    )
     (hatch,) = traces(page, "infeasible")
     x, y = (np.array([v for v in hatch[k] if v is not None]) for k in "xy")
     assert (x.min(), x.max()) == (2.0, 4.0)
@@ -96,7 +101,7 @@ def test_an_infeasible_cell_is_hatched_within_its_bounds(tmp_path: Path) -> None
 
 
 def test_returns_over_one_parameter_have_their_band(tmp_path: Path) -> None:
-    grid = Grid("line", [AXIS], np.array([np.nan, 1.0, 2.0]), np.array([np.nan, 0.5, 0.25]))
+    grid = Grid("line", [AXIS], np.array([np.nan, 1.0, 2.0]), np.array([np.nan, 0.5, 0.25]), "episodes")
     page = evaluated(tmp_path, TrainingRecord("run", grids=[grid]))
     (line,) = traces(page, "line")
     assert values(line["y"]).tolist() == [1.0, 2.0]
@@ -106,17 +111,33 @@ def test_returns_over_one_parameter_have_their_band(tmp_path: Path) -> None:
 
 
 def test_returns_before_and_after_stand_in_one_plot_with_ticks_at_their_values(tmp_path: Path) -> None:
-    grids = [Grid(name, [AXIS], np.full(3, k + 1.0), np.full(3, 0.5)) for k, name in enumerate(("before", "after"))]
-    page = evaluated(tmp_path, TrainingRecord("run", grids=grids))
+    returns = [
+        Grid(name, [AXIS], np.full(3, k + 1.0), np.full(3, 0.5), "episodes")
+        for k, name in enumerate(("before", "after"))
+    ]
+    page = evaluated(tmp_path, TrainingRecord("run", grids=returns))
     (plot,) = (each for each in figures(page) if {"before", "after"} & {t.get("name") for t in each["data"]})
     assert [t["name"] for t in plot["data"] if t.get("mode") == "lines+markers"] == ["before", "after"]
     assert values(plot["layout"]["xaxis"]["tickvals"]).tolist() == AXIS.values.tolist()
 
 
+def test_captions_say_what_the_spread_is_over() -> None:
+    ones, square = np.ones(3), np.ones((3, 3))
+    line = partial(Grid, axes=[AXIS], mean=ones, spread=ones)
+    of_contexts, of_runs = line("after", over="contexts"), line("each", over="runs")
+    area = Grid("area", [AXIS, AXIS], square, square, "adaptations")
+    (alone,) = grid_plots([of_contexts])
+    assert alone.caption == "Bands: ± a standard deviation over contexts."
+    (both,) = grid_plots([of_contexts, of_runs])
+    assert both.caption == "Bands: ± a standard deviation over contexts (after), runs (each)."
+    assert "span four standard deviations over adaptations in a cell" in grid_map(area).caption
+    assert grids.told([of_runs]) == " (thin: ± std over runs)"
+
+
 @pytest.mark.parametrize(("spread", "ends"), [(0.1, (0.0, 8.0)), (3.0, (-2.0, 10.0))])
 def test_colours_of_a_map_span_what_chance_does(spread: float, ends: tuple[float, float], tmp_path: Path) -> None:
     """Means from 0 to 8: four standard deviations of an episode are 0.4 or 12."""
-    grid = Grid("area", [AXIS, AXIS], np.arange(9.0).reshape(3, 3), np.full((3, 3), spread))
+    grid = Grid("area", [AXIS, AXIS], np.arange(9.0).reshape(3, 3), np.full((3, 3), spread), "episodes")
     page = evaluated(tmp_path, TrainingRecord("run", grids=[grid]))
     (heat,) = [t for t in figures(page)[0]["data"] if t["type"] == "heatmap"]
     assert (heat["zmin"], heat["zmax"]) == pytest.approx(ends)

@@ -72,7 +72,9 @@ def test_labels_below_an_axis_have_room(tmp_path: Path) -> None:
 def test_contexts_without_a_return_are_hatched(tmp_path: Path, look: Look) -> None:
     axis = ContextAxis("size", "m", np.array([0.0, 1.0, 2.0, 3.0]))
     with recording_file(tmp_path / "a.rrd", "dr_lab_test", "test", rrb.Blueprint()) as root:
-        log_grid(root / "grid", Grid("run", [axis], np.array([np.nan, np.nan, 5.0, 6.0]), np.zeros(4)), look)
+        log_grid(
+            root / "grid", Grid("run", [axis], np.array([np.nan, np.nan, 5.0, 6.0]), np.zeros(4), "episodes"), look
+        )
     strips = read_recording(tmp_path / "a.rrd")["/grid/infeasible"]["LineStrips2D:strips"][-1]
     across = np.concatenate([np.array(strip)[:, 0] for strip in strips])
     assert across.min() == pytest.approx(0.0)

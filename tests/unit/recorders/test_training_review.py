@@ -64,15 +64,15 @@ def test_a_heat_map_runs_through_its_three_colours(look: Look) -> None:
 
 def test_grids_share_one_span() -> None:
     axis = ContextAxis("friction", "1", np.array([0.0, 1.0]))
-    one, other = (Grid("a", [axis], np.array(mean), np.zeros(2)) for mean in ([1.0, np.nan], [-3.0, 2.0]))
+    one, other = (Grid("a", [axis], np.array(mean), np.zeros(2), "episodes") for mean in ([1.0, np.nan], [-3.0, 2.0]))
     assert return_span([one, other]) == (-3.0, 2.0)
     assert return_span([]) == (0.0, 1.0)
 
 
 def test_the_span_holds_what_lies_a_standard_deviation_off_a_line_but_not_off_a_map() -> None:
     axis = ContextAxis("friction", "1", np.array([0.0, 1.0]))
-    assert return_span([Grid("line", [axis], np.array([1.0, 2.0]), np.array([4.0, 0.5]))]) == (-3.0, 5.0)
-    assert return_span([Grid("map", [axis, axis], np.eye(2), np.ones((2, 2)))]) == (0.0, 1.0)
+    assert return_span([Grid("line", [axis], np.array([1.0, 2.0]), np.array([4.0, 0.5]), "episodes")]) == (-3.0, 5.0)
+    assert return_span([Grid("map", [axis, axis], np.eye(2), np.ones((2, 2)), "episodes")]) == (0.0, 1.0)
 
 
 def test_lines_over_several_parameters_have_a_chart_each_and_groups_their_colour(
@@ -81,7 +81,7 @@ def test_lines_over_several_parameters_have_a_chart_each_and_groups_their_colour
     monkeypatch.setenv("RERUN_STRICT", "1")
     axes = {"a": ("friction", "1"), "b": ("torso.size", "m"), "c": ("torso.size", "m")}
     lines = {
-        group: Grid(group, [ContextAxis(*axis, np.array([0.0, 1.0]))], np.array([1.0, 2.0]), np.ones(2))
+        group: Grid(group, [ContextAxis(*axis, np.array([0.0, 1.0]))], np.array([1.0, 2.0]), np.ones(2), "episodes")
         for group, axis in axes.items()
     }
     record = SweepRecord("sweep", list(axes), marginals={"torso.size": {"c": marginal()}}, grids=lines)
@@ -103,8 +103,8 @@ def test_a_recording_of_training_has_everything_at_its_iteration(
 ) -> None:
     monkeypatch.setenv("RERUN_STRICT", "1")
     axis = ContextAxis("friction", "1", np.array([0.0, 1.0, 2.0]))
-    line = Grid("line", [axis], np.array([np.nan, 1.0, 2.0]), np.zeros(3))
-    area = Grid("area", [axis, axis], np.arange(9.0).reshape(3, 3), np.zeros((3, 3)))
+    line = Grid("line", [axis], np.array([np.nan, 1.0, 2.0]), np.zeros(3), "episodes")
+    area = Grid("area", [axis, axis], np.arange(9.0).reshape(3, 3), np.zeros((3, 3)), "episodes")
     path = tmp_path / "review.rrd"
     record = TrainingRecord("run", [CURVE], [marginal()], [pair()], [line, area], {"Report": "# Report"})
     write_training_review(path, record, look)
