@@ -5,26 +5,27 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import isfinite
-from typing import Annotated
+from typing import Annotated, Any
 
 from dr_lab.errors import ConfigError
 
 
 @dataclass(frozen=True)
 class Bound:
-    """What must hold of a number; no comparison holds of NaN.
+    """What must hold of a number, or of a list of numbers; no comparison holds of NaN.
 
     Attributes:
         holds: whether it does.
         expected: the numbers of which it holds, in words.
     """
 
-    holds: Callable[[float], bool]
+    holds: Callable[[Any], bool]
     expected: str
 
-    def fault(self, key: str, value: float) -> str:
+    def fault(self, key: str, value: float | Sequence[object]) -> str:
         """What to say where it does not hold of the value of a key."""
-        return f"{key} is {value:g}; expected {self.expected}."
+        given = f"{value:g}" if isinstance(value, int | float) else str(value)
+        return f"{key} is {given}; expected {self.expected}."
 
 
 def above(end: float) -> Bound:
@@ -47,8 +48,48 @@ def below(end: float) -> Bound:
     return Bound(lambda value: value < end, f"a number below {end:g}")
 
 
-Positive = Annotated[float, above(0.0)]
-NotNegative = Annotated[float, at_least(0.0)]
+FINITE = Bound(isfinite, "a finite number")
+
+
+def numbers(count: int | None, *bounds: Bound) -> Bound:
+    """A list of so many numbers, None: of any length, of each of which the bounds hold."""
+    words = [bound.expected for bound in bounds if bound is not FINITE]
+    kind = "finite numbers" if FINITE in bounds else "numbers"
+    expected = ", each ".join([kind if count is None else f"{count} {kind}", *words])
+
+    def holds(values: object) -> bool:
+        listed = _is_list(values, count)
+        return listed is not None and all(bound.holds(value) for value in listed for bound in bounds)
+
+    return Bound(holds, expected)
+
+
+def places(holds: Callable[[float, float], bool], expected: str) -> Bound:
+    """Two places in the plane, finite [[x, y], [x, y]], of whose x and of whose y something holds."""
+
+    def both(values: object) -> bool:
+        rows = [_is_list(row, 2) for row in _is_list(values, 2) or ()]
+        if len(rows) < 2 or rows[0] is None or rows[1] is None:
+            return False
+        return all(map(isfinite, [*rows[0], *rows[1]])) and all(map(holds, rows[0], rows[1]))
+
+    return Bound(both, f"[[x, y], [x, y]], {expected}")
+
+
+def _is_list(values: Any, count: int | None) -> Sequence[Any] | None:  # noqa: ANN401
+    """The values, where they are a list of so many."""
+    listed = isinstance(values, Sequence) and not isinstance(values, str) and count in (None, len(values))
+    return values if listed else None
+
+
+ORDERED = Bound(
+    lambda values: _is_list(values, 2) is not None and values[0] < values[1], "[lowest, highest], lowest < highest"
+)
+Finite = Annotated[float, FINITE]
+Positive = Annotated[float, above(0.0), FINITE]
+NotNegative = Annotated[float, at_least(0.0), FINITE]
+Limit = Annotated[float, above(0.0)]
+"""A number above 0 that nothing goes beyond; inf where there is no limit."""
 Share = Annotated[float, Bound(lambda value: 0.0 < value < 1.0, "a share between 0 and 1")]
 Confidence = Annotated[float, Bound(lambda value: 0.0 < value < 1.0, "a share between 0 and 1, such as 0.95")]
 Count = Annotated[int, at_least(1)]
@@ -56,7 +97,7 @@ Natural = Annotated[int, at_least(0)]
 
 
 def require_bounds(built: object, key: str, declared: type | None = None) -> None:
-    """Check the numbers of an object by the bounds that its class states at its fields, or its ``__init__``.
+    """Check the numbers of an object, and its lists of them, by the bounds that its class states where it takes them.
 
     Args:
         built: holds the numbers as attributes; None where a number is left out, which is within its bounds.

@@ -163,8 +163,8 @@ def _in_value(value: object, hint: object, place: Place, name: str) -> Iterator[
 
 
 def _of_bounds(value: object, bounds: Iterable[object], place: Place) -> str | None:
-    """What is wrong with a number by its bounds."""
-    if not isinstance(value, int | float):
+    """What is wrong with a number, or a list of numbers, by its bounds."""
+    if not isinstance(value, int | float | list):
         return None
     stated = (bound for bound in bounds if isinstance(bound, Bound))
     return next((bound.fault(str(place), value) for bound in stated if not bound.holds(value)), None)

@@ -1,16 +1,48 @@
 """Rewards that only depend on how far a machine is from where it should be, and on the effort."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from dr_lab.bounds import FINITE, above, at_least, numbers, require_bounds
+from dr_lab.errors import ConfigError
+from dr_lab.reports.quantity import counted
 from dr_lab.trajectory import Array
+
+_Weights = Annotated[Sequence[float], numbers(None, at_least(0.0), FINITE)]
+_Sizes = Annotated[Sequence[float], numbers(None, above(0.0), FINITE)]
+_Limits = Annotated[Sequence[float], numbers(None, above(0.0))]
 
 
 class ErrorReward(ABC):
     """A reward of the error e = state − target and the action a."""
+
+    def lengths(self, errors: int, actions: int) -> Mapping[str, int]:
+        """How many numbers each of its lists has to hold for so many errors and actions; unless it says so, any."""
+        del errors, actions
+        return {}
+
+    def require_lengths(self, errors: int, actions: int, key: str) -> None:
+        """Check that it fits a task.
+
+        Args:
+            errors: k, positions and velocities.
+            actions: nu.
+            key: where it stands in the configuration, for the message.
+
+        Raises:
+            ConfigError: a list has another length.
+        """
+        for name, count in self.lengths(errors, actions).items():
+            given = list(getattr(self, name))
+            if len(given) != count:
+                raise ConfigError(
+                    f"{key}.{name} is {given}; expected {counted(count, 'number')}, for a reward of "
+                    f"{counted(errors, 'error')} and of {counted(actions, 'action')}."
+                )
 
     @abstractmethod
     def __call__(self, error: Array, action: Array) -> Array:
@@ -29,10 +61,20 @@ class ExponentialReward(ErrorReward):
     Attributes:
         error_weights: diagonal of Q, shape (k,).
         action_weights: diagonal of R, shape (nu,).
+
+    Raises:
+        ConfigError: a weight is negative or not finite.
     """
 
-    error_weights: Sequence[float]
-    action_weights: Sequence[float]
+    error_weights: _Weights
+    action_weights: _Weights
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "env.task.reward_of")
+
+    def lengths(self, errors: int, actions: int) -> Mapping[str, int]:
+        """A weight each."""
+        return {"error_weights": errors, "action_weights": actions}
 
     def __call__(self, error: Array, action: Array) -> Array:
         """The reward."""
@@ -46,10 +88,20 @@ class QuadraticReward(ErrorReward):
     Attributes:
         error_weights: diagonal of Q, shape (k,).
         action_weights: diagonal of R, shape (nu,).
+
+    Raises:
+        ConfigError: a weight is negative or not finite.
     """
 
-    error_weights: Sequence[float]
-    action_weights: Sequence[float]
+    error_weights: _Weights
+    action_weights: _Weights
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "env.task.reward_of")
+
+    def lengths(self, errors: int, actions: int) -> Mapping[str, int]:
+        """A weight each."""
+        return {"error_weights": errors, "action_weights": actions}
 
     def __call__(self, error: Array, action: Array) -> Array:
         """The reward."""
@@ -64,11 +116,21 @@ class SharedReward(ErrorReward):
         weights: w of the errors, then of the actions, shape (k + nu,).
         scales: s, in their units.
         limits: in their units; ``inf`` where there is none.
+
+    Raises:
+        ConfigError: a weight is negative, or a scale or a limit not above 0.
     """
 
-    weights: Sequence[float]
-    scales: Sequence[float]
-    limits: Sequence[float]
+    weights: _Weights
+    scales: _Sizes
+    limits: _Limits
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "env.task.reward_of")
+
+    def lengths(self, errors: int, actions: int) -> Mapping[str, int]:
+        """A weight, a scale and a limit each."""
+        return dict.fromkeys(("weights", "scales", "limits"), errors + actions)
 
     def __call__(self, error: Array, action: Array) -> Array:
         """The reward."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from dr_lab.bounds import Positive, require_bounds
+from dr_lab.bounds import Finite, Limit, require_bounds
 from dr_lab.envs.environment import Environment
 from dr_lab.envs.mujoco_env import MujocoEnv
 from dr_lab.envs.task import Task, context_space
@@ -30,13 +30,13 @@ class Setting(Environment):
             Runs of earlier versions have none.
 
     Raises:
-        ConfigError: the speed limit is not above 0, or a field of the task hides a method of its contract.
+        ConfigError: a number is out of its range, or a field of the task hides a method of its contract.
     """
 
     model: Model
     task: Task
-    infeasible_return: float
-    speed_limit: Positive = math.inf
+    infeasible_return: Finite
+    speed_limit: Limit = math.inf
 
     def __post_init__(self) -> None:
         require_bounds(self, "env")

@@ -167,9 +167,14 @@ def required_bounds(task: Task, compiled: mujoco.MjModel) -> tuple[Array, Array]
     fixed = np.flatnonzero(~((low < high) & np.isfinite(high - low)))
     if len(fixed):
         given = ", ".join(f"{compiled.actuator(int(i)).name or i} [{low[i]:g}, {high[i]:g}]" for i in fixed)
+        own = type(task).action_bounds is not Task.action_bounds
+        remedy = (
+            f"Mend action_bounds of {type(task).__name__}, or the numbers of env.task that it takes"
+            if own
+            else "Give them a ctrlrange in the model's XML, in the actuators' unit"
+        )
         raise ModelError(
-            f"Actuators without a range that a policy could act in: {given}; expected lowest < highest. Give them a "
-            "ctrlrange in the model's XML, in the actuators' unit."
+            f"Actuators without a range that a policy could act in: {given}; expected lowest < highest. {remedy}."
         )
     return low, high
 

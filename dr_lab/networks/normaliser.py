@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 import torch
 from torch import Tensor, nn
 
-from dr_lab.bounds import Positive, require_bounds
+from dr_lab.bounds import Limit, require_bounds
 
 
 class Normaliser(nn.Module, ABC):
@@ -53,7 +53,7 @@ class RunningNormaliser(Normaliser):
     shift: Tensor
     scale: Tensor
 
-    def __init__(self, size: int, clip: Positive) -> None:
+    def __init__(self, size: int, clip: Limit) -> None:
         super().__init__()
         self.clip = clip
         require_bounds(self, "algorithm.actor.normaliser", RunningNormaliser)

@@ -12,7 +12,7 @@ from dr_lab.algorithms.algorithm import Algorithm, Interface
 from dr_lab.algorithms.ppo.gae import advantages
 from dr_lab.algorithms.ppo.reward_scale import RewardScale
 from dr_lab.algorithms.ppo.surrogate import PolicySamples, Surrogate, Terms
-from dr_lab.bounds import Count, NotNegative, Positive, above, at_least, at_most, require_bounds
+from dr_lab.bounds import Count, Limit, NotNegative, Positive, above, at_least, at_most, require_bounds
 from dr_lab.collectors.collector import Policy
 from dr_lab.networks.adam import Adam, clip_norm
 from dr_lab.networks.critic import Critic
@@ -65,7 +65,7 @@ class PPO(Algorithm):
         anneal_frames: Annotated[int | None, above(0)],
         further_share: Annotated[float, above(0.0), at_most(1.0)],
         max_kl: Annotated[float | None, above(0.0)],
-        max_gradient: Positive,
+        max_gradient: Limit,
         adam_epsilon: NotNegative,
     ) -> None:
         self.batch_frames, self.gamma, self.lam = batch_frames, gamma, lam

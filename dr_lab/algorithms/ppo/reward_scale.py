@@ -7,7 +7,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from dr_lab.bounds import Positive, require_bounds
+from dr_lab.bounds import Limit, require_bounds
 
 
 class RewardScale(ABC):
@@ -79,7 +79,7 @@ class RunningRewardScale(RewardScale):
         ConfigError: it is not above 0.
     """
 
-    def __init__(self, gamma: float, clip: Positive) -> None:
+    def __init__(self, gamma: float, clip: Limit) -> None:
         self._gamma, self.clip = gamma, clip
         require_bounds(self, "algorithm.reward_scale", RunningRewardScale)
         self.forget_episodes()

@@ -9,7 +9,7 @@ from torch import Tensor
 from dr_lab.algorithms.ppo.clipped import clipped
 from dr_lab.algorithms.trpo.policy_rows import PolicyRows, mean, mean_divergence, ratio
 from dr_lab.algorithms.trpo.policy_step import PolicyAt, PolicyStep
-from dr_lab.bounds import Count, NotNegative, Positive, above, require_bounds
+from dr_lab.bounds import Count, Limit, NotNegative, Positive, above, require_bounds
 from dr_lab.networks.adam import Adam, clip_norm
 from dr_lab.networks.flat import FlatParameters
 from dr_lab.networks.gaussian import Gaussian
@@ -39,7 +39,7 @@ class ClippedStep(PolicyStep):
         clip: Positive,
         epochs: Count,
         rate: Positive,
-        max_gradient: Positive,
+        max_gradient: Limit,
         max_kl: Annotated[float | None, above(0.0)],
         adam_epsilon: NotNegative,
     ) -> None:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dr_lab.bounds import Finite
 from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.envs.tasks.ant_body import AntBody, AntInContact
 from dr_lab.trajectory import Array
@@ -22,8 +23,8 @@ class AntWithoutContacts(AntBody):
         healthy_reward: r_h, of every step that does not leave the range.
     """
 
-    forward_weight: float
-    healthy_reward: float
+    forward_weight: Finite
+    healthy_reward: Finite
 
     def observe(self, fields: Fields, values: Values) -> Array:
         """Positions but x and y, then velocities."""

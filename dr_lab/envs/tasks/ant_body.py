@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.bounds import ORDERED, Finite, Limit, NotNegative
 from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.trajectory import Array
 
@@ -26,9 +27,9 @@ class AntBody(Task):
             start.
     """
 
-    control_weight: float
-    height_range: Sequence[float]
-    start_noise: float
+    control_weight: Finite
+    height_range: Annotated[Sequence[float], ORDERED]
+    start_noise: NotNegative
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "xpos")
 
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
@@ -61,8 +62,8 @@ class AntInContact(AntBody):
         contact_limit: of each of them, in N and N·m.
     """
 
-    contact_weight: float
-    contact_limit: float
+    contact_weight: Finite
+    contact_limit: Limit
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "xpos", "cfrc_ext")
 
     def forces(self, fields: Fields) -> Array:

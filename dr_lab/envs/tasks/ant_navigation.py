@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.bounds import Positive
+from dr_lab.bounds import Finite, Positive
 from dr_lab.envs.task import Change
 from dr_lab.envs.tasks.ant_body import TORSO
 from dr_lab.envs.tasks.tasked_ant import TaskedAnt
@@ -23,7 +23,7 @@ class AntNavigation(TaskedAnt):
     """
 
     goal_range: Positive
-    right_reward: float
+    right_reward: Finite
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dr_lab.bounds import require_range
+from dr_lab.bounds import Finite, require_range
 from dr_lab.envs.task import Change
 from dr_lab.envs.tasks.tasked_ant import TaskedAnt
 from dr_lab.physics.parameter import Parameter
@@ -25,7 +25,7 @@ class AntVelocity(TaskedAnt):
     """
 
     velocity_range: Sequence[float]
-    right_reward: float
+    right_reward: Finite
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from dr_lab.bounds import NotNegative, require_range
 from dr_lab.envs.task import Values
 from dr_lab.envs.tasks.cartpole import Cartpole
+from dr_lab.errors import ConfigError
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -19,7 +20,7 @@ class CartpoleOnRail(Cartpole):
         rail_margin: m.
 
     Raises:
-        ConfigError: the range is none, or the margin negative.
+        ConfigError: the range is none, or the margins leave nothing of the shortest rail.
     """
 
     rail_range: Sequence[float]
@@ -28,6 +29,12 @@ class CartpoleOnRail(Cartpole):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_range(self.rail_range, "env.task.rail_range", "m")
+        half = 0.5 * self.rail_range[0]
+        if not self.rail_margin < half:
+            raise ConfigError(
+                f"env.task.rail_margin is {self.rail_margin:g} m at either end; expected less than half of the "
+                f"shortest rail of env.task.rail_range, {half:g} m. Lower the margin, or begin the range higher."
+            )
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

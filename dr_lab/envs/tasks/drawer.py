@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.bounds import NotNegative, Positive
+from dr_lab.bounds import FINITE, ORDERED, Finite, NotNegative, Positive, above, numbers, require_bounds
 from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
@@ -16,6 +16,31 @@ from dr_lab.trajectory import Array
 _JOINTS = tuple(f"joint{i}" for i in range(1, 8))
 _ARM, _FINGERS, _DRAWER = slice(0, 7), slice(7, 9), 9  # columns of the positions
 _EFFECTOR, _LEFT, _RIGHT, _HANDLE = range(1, 5)  # rows of the sites
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawerWeights:
+    """Weights of the terms of the reward, per control step.
+
+    Attributes:
+        distance: w_d, 1/m.
+        angle: w_θ, 1/rad.
+        opening: w_o, 1/m.
+        fingers: w_f.
+        action: w_a.
+
+    Raises:
+        ConfigError: one of them is not finite.
+    """
+
+    distance: Finite
+    angle: Finite
+    opening: Finite
+    fingers: Finite
+    action: Finite
+
+    def __post_init__(self) -> None:
+        require_bounds(self, "env.task.weights")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,21 +67,21 @@ class Drawer(Task):
         open_at: x of the handle from which on the drawer counts as open, m.
         grasp: half sizes of the region around the handle in which the effector has the bar between its fingers, along
             the bar and along the pull, m.
-        weights: w of `distance` (1/m), `angle` (1/rad), `opening` (1/m), `fingers` and `action`, per control step.
+        weights: of the terms of the reward.
         scales: lowest and highest scale where it varies from joint to joint (``joint1.scale`` … of the context); None
             keeps `scale`.
     """
 
-    speeds: Sequence[float]
+    speeds: Annotated[Sequence[float], numbers(7, above(0.0), FINITE)]
     scale: Positive
     finger_travel: Positive
-    pose: Sequence[float]
+    pose: Annotated[Sequence[float], numbers(7, FINITE)]
     start_noise: NotNegative
     wanted: Positive
-    open_at: float
-    grasp: Sequence[float]
-    weights: Mapping[str, float]
-    scales: Sequence[float] | None = None
+    open_at: Finite
+    grasp: Annotated[Sequence[float], numbers(2, above(0.0), FINITE)]
+    weights: DrawerWeights
+    scales: Annotated[Sequence[float] | None, ORDERED, numbers(2, above(0.0), FINITE)] = None
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "site_xpos", "site_xmat")
     measured: ClassVar[Mapping[str, int]] = {"handle.x": 7, "handle.y": 8, "handle.z": 9}
 
@@ -97,11 +122,11 @@ class Drawer(Task):
         away = place[:, _EFFECTOR] - place[:, _HANDLE]
         left = np.maximum(self.wanted - change.fields["qpos"][:, _DRAWER], 0.0)
         return (
-            -weights["distance"] * np.linalg.norm(away, axis=1)
-            - weights["angle"] * _angle(turned.reshape(len(turned), 9))
-            - weights["opening"] * left
-            + weights["fingers"] * self._between(place, away)
-            - weights["action"] * np.square(change.action).sum(axis=1)
+            -weights.distance * np.linalg.norm(away, axis=1)
+            - weights.angle * _angle(turned.reshape(len(turned), 9))
+            - weights.opening * left
+            + weights.fingers * self._between(place, away)
+            - weights.action * np.square(change.action).sum(axis=1)
         )
 
     def solved(self, observation: Array) -> NDArray[np.bool_]:

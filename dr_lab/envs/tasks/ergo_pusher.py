@@ -2,10 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import ne
+from typing import Annotated
 
 import mujoco
 import numpy as np
 
+from dr_lab.bounds import FINITE, NotNegative, Positive, numbers, places
 from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.trajectory import Array
 
@@ -31,13 +34,13 @@ class ErgoPusher(Task):
         goal_range: likewise of the goal.
     """
 
-    reached: float
-    rest: Sequence[float]
-    start_angle: float
-    angle: float
-    speed: float
-    puck_range: Sequence[Sequence[float]]
-    goal_range: Sequence[Sequence[float]]
+    reached: NotNegative
+    rest: Annotated[Sequence[float], numbers(3, FINITE)]
+    start_angle: NotNegative
+    angle: Positive
+    speed: Positive
+    puck_range: Annotated[Sequence[Sequence[float]], places(ne, "which differ in both")]
+    goal_range: Annotated[Sequence[Sequence[float]], places(ne, "which differ in both")]
 
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """At rest, the arm near its resting place, puck and goal in their ranges."""

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import mujoco
 import numpy as np
 
+from dr_lab.bounds import FINITE, ORDERED, NotNegative, Positive, at_least, numbers
 from dr_lab.envs.task import Change, Fields, Task, Values
-from dr_lab.errors import ConfigError
 from dr_lab.trajectory import Array
 
 _ARM, _GOAL = slice(0, 4), slice(4, 6)  # columns of the positions
@@ -35,26 +35,18 @@ class ErgoReacher(Task):
         goal_back: largest distance of a goal behind the centre, m, where it lies above half of that height.
 
     Raises:
-        ConfigError: the radii are not ordered.
+        ConfigError: a number is out of its range.
     """
 
-    reached: float
-    start_angle: float
-    angle: float
-    speed: float
-    goal_centre: Sequence[float]
-    goal_radius: Sequence[float]
-    goal_height: float
-    goal_back: float
+    reached: NotNegative
+    start_angle: NotNegative
+    angle: Positive
+    speed: Positive
+    goal_centre: Annotated[Sequence[float], numbers(2, FINITE)]
+    goal_radius: Annotated[Sequence[float], ORDERED, numbers(2, at_least(0.0), FINITE)]
+    goal_height: Positive
+    goal_back: NotNegative
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "site_xpos")
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        least, largest = self.goal_radius
-        if not 0.0 <= least < largest:
-            raise ConfigError(
-                f"env.task.goal_radius is {list(self.goal_radius)} m; expected [least, largest], 0 ≤ least < largest."
-            )
 
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """At rest near upright, with a goal in the half disc."""

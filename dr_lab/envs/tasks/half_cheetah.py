@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from dr_lab.bounds import Finite, NotNegative
 from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.trajectory import Array
 
@@ -22,9 +23,9 @@ class HalfCheetah(Task):
             start.
     """
 
-    forward_weight: float
-    control_weight: float
-    start_noise: float
+    forward_weight: Finite
+    control_weight: Finite
+    start_noise: NotNegative
 
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """At rest, with noise."""

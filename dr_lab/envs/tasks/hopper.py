@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.bounds import ORDERED, Finite, Limit, NotNegative
 from dr_lab.envs.task import Change, Fields, Task, Values, within
 from dr_lab.trajectory import Array
 
@@ -31,14 +33,14 @@ class Hopper(Task):
         start_noise: half width of the uniform noise on positions and velocities at the start.
     """
 
-    forward_weight: float
-    healthy_reward: float
-    control_weight: float
-    height_range: Sequence[float]
-    angle_range: Sequence[float]
-    state_range: Sequence[float]
-    velocity_limit: float
-    start_noise: float
+    forward_weight: Finite
+    healthy_reward: Finite
+    control_weight: Finite
+    height_range: Annotated[Sequence[float], ORDERED]
+    angle_range: Annotated[Sequence[float], ORDERED]
+    state_range: Annotated[Sequence[float], ORDERED]
+    velocity_limit: Limit
+    start_noise: NotNegative
 
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """Upright at rest, with noise."""

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.bounds import ORDERED, Finite, NotNegative, at_least
 from dr_lab.envs.task import Change, Fields, Task, Values, within
 from dr_lab.trajectory import Array
 
@@ -34,13 +35,13 @@ class Humanoid(Task):
         start_noise: half width of the uniform noise on positions and velocities at the start.
     """
 
-    forward_weight: float
-    healthy_reward: float
-    control_weight: float
-    contact_weight: float
-    contact_cost_limit: float
-    height_range: Sequence[float]
-    start_noise: float
+    forward_weight: Finite
+    healthy_reward: Finite
+    control_weight: Finite
+    contact_weight: Finite
+    contact_cost_limit: Annotated[float, at_least(0.0)]
+    height_range: Annotated[Sequence[float], ORDERED]
+    start_noise: NotNegative
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "subtree_com", "qfrc_actuator", *_SEEN)
 
     def start(self, rng: np.random.Generator, compiled: mujoco.MjModel) -> tuple[Array, Array]:

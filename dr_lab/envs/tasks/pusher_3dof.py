@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from operator import le
+from typing import Annotated, ClassVar
 
 import mujoco
 import numpy as np
 
+from dr_lab.bounds import Finite, NotNegative, Positive, places
 from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.errors import ConfigError
 from dr_lab.trajectory import Array
@@ -32,15 +34,15 @@ class Pusher3Dof(Task):
         apart: least distance of these two, m; both are drawn again where they are closer.
 
     Raises:
-        ConfigError: no puck and goal within their ranges are so far apart.
+        ConfigError: a number is out of its range, or no puck and goal within their ranges are so far apart.
     """
 
-    effort: float
-    action_weight: float
-    start_noise: float
-    puck_range: Sequence[Sequence[float]]
-    goal_range: Sequence[Sequence[float]]
-    apart: float
+    effort: Positive
+    action_weight: Finite
+    start_noise: NotNegative
+    puck_range: Annotated[Sequence[Sequence[float]], places(le, "least and largest")]
+    goal_range: Annotated[Sequence[Sequence[float]], places(le, "least and largest")]
+    apart: NotNegative
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "site_xpos")
 
     def __post_init__(self) -> None:

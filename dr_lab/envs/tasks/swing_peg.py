@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from dr_lab.bounds import NotNegative, Positive
+from dr_lab.bounds import Finite, NotNegative, Positive
 from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.trajectory import Array
 
@@ -53,7 +53,7 @@ class SwingPeg(Task):
     l2_weight: NotNegative
     action_weight: NotNegative
     solved_bonus: NotNegative
-    solved_depth: float
+    solved_depth: Finite
     solved_radius: Positive
     start_angle: NotNegative
     start_swing: NotNegative

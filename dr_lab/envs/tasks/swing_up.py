@@ -3,16 +3,19 @@
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from dr_lab.bounds import FINITE, Finite, Limit, Positive, above, at_least, numbers
 from dr_lab.envs.rewards import ErrorReward
 from dr_lab.envs.task import Change, Fields, Task, Values
 from dr_lab.trajectory import Array
 
 _POLE = 1  # the second joint; 0 hangs down
+_ERRORS, _ACTIONS = 4, 1  # positions and velocities of both joints, and the voltage
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,17 +32,24 @@ class SwingUp(Task):
         velocity_limit: in m/s or rad/s, shape (2,).
         tilt_limit: likewise of the pole's distance from upright, in rad; ``inf`` where it has to swing up first.
         failure_cost: taken off the reward where it ends so.
+
+    Raises:
+        ConfigError: a number is out of its range, or the reward is one of another number of errors.
     """
 
     reward_of: ErrorReward
-    voltage: float
-    start_centre: Sequence[float]
-    start_position: Sequence[float]
-    start_velocity: Sequence[float]
-    position_limit: Sequence[float]
-    velocity_limit: Sequence[float]
-    tilt_limit: float
-    failure_cost: float
+    voltage: Positive
+    start_centre: Annotated[Sequence[float], numbers(2, FINITE)]
+    start_position: Annotated[Sequence[float], numbers(2, at_least(0.0), FINITE)]
+    start_velocity: Annotated[Sequence[float], numbers(2, at_least(0.0), FINITE)]
+    position_limit: Annotated[Sequence[float], numbers(2, above(0.0))]
+    velocity_limit: Annotated[Sequence[float], numbers(2, above(0.0))]
+    tilt_limit: Limit
+    failure_cost: Finite
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.reward_of.require_lengths(_ERRORS, _ACTIONS, "env.task.reward_of")
 
     def action_bounds(self, compiled: mujoco.MjModel) -> tuple[Array, Array]:
         """±voltage."""

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from dr_lab.bounds import Finite
 from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.envs.tasks.ant_body import TORSO, AntInContact
 from dr_lab.trajectory import Array
@@ -24,7 +25,7 @@ class TaskedAnt(AntInContact):
         survive_reward: r_s, of every step.
     """
 
-    survive_reward: float
+    survive_reward: Finite
     reads: ClassVar[tuple[str, ...]] = ("qpos", "qvel", "xpos", "xmat", "cfrc_ext")
 
     def observe(self, fields: Fields, values: Values) -> Array:

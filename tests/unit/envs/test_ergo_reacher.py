@@ -141,5 +141,5 @@ def test_goals_lie_in_the_half_disc_and_stay_there() -> None:
 
 
 def test_radii_in_the_wrong_order_are_refused() -> None:
-    with pytest.raises(InstantiationException, match=r"env\.task\.goal_radius is \[0\.3, 0\.2\] m"):
+    with pytest.raises(InstantiationException, match=r"env\.task\.goal_radius is \[0\.3, 0\.2\]; expected"):
         setting("ergo_reacher", "env.task.goal_radius=[0.3,0.2]")
