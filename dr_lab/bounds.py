@@ -126,7 +126,7 @@ def require_range(given: Sequence[float], key: str, unit: str) -> None:
         ConfigError: it is not two finite numbers in order.
     """
     if len(given) != 2 or not all(map(isfinite, given)) or not given[0] < given[1]:
-        raise ConfigError(f"{key} is {list(given)} {unit}; expected [low, high] with low < high.")
+        raise ConfigError(f"{key} is {list(given)} {unit}; expected finite [low, high] with low < high.")
 
 
 @cache

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from dr_lab.errors import UnknownNameError
+from dr_lab.errors import ConfigError, UnknownNameError
 from dr_lab.physics.parameter import Parameter
 from dr_lab.trajectory import Array
 
@@ -63,10 +63,17 @@ class ContextSpace:
 
         Raises:
             UnknownNameError: a name is not a parameter of this space.
+            ConfigError: a value is not finite.
         """
         z = self.nominal
         for name, value in values.items():
-            z[self.index(name)] = value
+            index = self.index(name)
+            if not np.isfinite(value):
+                raise ConfigError(
+                    f"Parameter {name} of the context is {value:g}; expected a finite number. Its bounds are "
+                    f"{self.low[index]:g} to {self.high[index]:g}."
+                )
+            z[index] = value
         return z
 
     def mapping(self, z: Array) -> dict[str, float]:

@@ -22,6 +22,7 @@ class FixedRandomizer(Density):
 
     Raises:
         UnknownNameError: a name is not a parameter.
+        ConfigError: a value is not finite.
     """
 
     z: Tensor

@@ -114,8 +114,11 @@ def centre_and_spread(
     """Mean and standard deviation of every parameter, shape (n,) each; arguments and errors as `gaussian`."""
     given = {f"std.{name}": value for name, value in (std or {}).items()} | {"relative_std": relative_std}
     for name, value in given.items():
-        if not value >= 0.0:
-            raise ConfigError(f"randomizer.{name} is {value:g}; expected a standard deviation of at least 0.")
+        if not 0.0 <= value < math.inf:
+            raise ConfigError(f"randomizer.{name} is {value:g}; expected a finite standard deviation of at least 0.")
+    for name, value in (mean or {}).items():
+        if not math.isfinite(value):
+            raise ConfigError(f"randomizer.mean.{name} is {value:g}; expected a finite number.")
     centre, spread = (space.low + space.high) / 2, relative_std * uniform_std(space)
     for name, value in (mean or {}).items():
         centre[space.index(name)] = value
@@ -142,7 +145,7 @@ def gaussian(
 
     Raises:
         UnknownNameError: a name is not a parameter.
-        ConfigError: a standard deviation is negative.
+        ConfigError: a standard deviation is negative, or a number not finite.
     """
     centre, spread = centre_and_spread(space, mean, std, relative_std)
     return GaussianRandomizer(space, centre, np.diag(spread**2), clip)

@@ -1,5 +1,6 @@
 """A weighted sum of other randomizers."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -25,7 +26,7 @@ class MixtureRandomizer(Density):
         weights: positive weight of each, by the same names; they need not add up to 1.
 
     Raises:
-        ConfigError: the names of components and weights differ, or a weight is not positive.
+        ConfigError: the names of components and weights differ, or a weight is not positive and finite.
     """
 
     def __init__(
@@ -35,9 +36,9 @@ class MixtureRandomizer(Density):
         weights: Mapping[str, float],
     ) -> None:
         super().__init__(space)
-        if not components or set(components) != set(weights) or min(weights.values()) <= 0:
+        if not components or set(components) != set(weights) or not all(0.0 < w < math.inf for w in weights.values()):
             raise ConfigError(
-                f"randomizer.weights is {dict(weights)}; expected a number above 0 for each of the components "
+                f"randomizer.weights is {dict(weights)}; expected a finite number above 0 for each of the components "
                 f"{', '.join(components) or '(none given)'}."
             )
         self.components = nn.ModuleList([make(space) for make in components.values()])

@@ -32,7 +32,7 @@ class TruncatedNormalRandomizer(Density):
 
     Raises:
         UnknownNameError: a name is not a parameter.
-        ConfigError: a standard deviation is negative.
+        ConfigError: a standard deviation is negative, or a number not finite.
     """
 
     low: Tensor

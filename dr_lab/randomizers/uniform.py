@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 from torch.distributions import Independent, Uniform
 
-from dr_lab.errors import ConfigError
+from dr_lab.bounds import require_range
 from dr_lab.physics.context import ContextSpace
 from dr_lab.randomizers.randomizer import Density, bin_shares
 from dr_lab.trajectory import Array
@@ -31,13 +31,12 @@ def box(space: ContextSpace, ranges: Mapping[str, Sequence[float]] | None) -> tu
 
     Raises:
         UnknownNameError: a name is not a parameter.
-        ConfigError: a range is not two ordered numbers.
+        ConfigError: a range is not two finite, ordered numbers.
     """
     low, high = space.low, space.high
     for name, limits in (ranges or {}).items():
         index = space.index(name)
-        if len(limits) != 2 or not limits[0] < limits[1]:
-            raise ConfigError(f"randomizer.ranges.{name} is {list(limits)}; expected [low, high] with low < high.")
+        require_range(limits, f"randomizer.ranges.{name}", space.parameters[index].unit)
         low[index], high[index] = limits
     return torch.from_numpy(low), torch.from_numpy(high)
 
@@ -51,7 +50,7 @@ class UniformRandomizer(Density):
 
     Raises:
         UnknownNameError: a name is not a parameter.
-        ConfigError: a range is not two ordered numbers.
+        ConfigError: a range is not two finite, ordered numbers.
     """
 
     low: Tensor

@@ -144,6 +144,20 @@ def test_mistakes_are_told() -> None:
         UniformRandomizer(SPACE, {"frction": [0.0, 1.0]})
     with pytest.raises(ConfigError, match="low < high"):
         UniformRandomizer(SPACE, {"mass": [2.0, 1.0]})
+    with pytest.raises(ConfigError, match=r"ranges\.mass is \[1\.0, inf\] kg; expected finite"):
+        UniformRandomizer(SPACE, {"mass": [1.0, np.inf]})
+    for std in (np.inf, np.nan, -1.0):
+        with pytest.raises(ConfigError, match=rf"randomizer\.std\.mass is {std:g}; expected a finite standard"):
+            gaussian(SPACE, None, {"mass": std}, 1.0, clip=False)
+        with pytest.raises(ConfigError, match=rf"randomizer\.relative_std is {std:g}; expected a finite standard"):
+            TruncatedNormalRandomizer(SPACE, None, None, std)
+    for value in (np.inf, np.nan):
+        with pytest.raises(ConfigError, match=rf"randomizer\.mean\.mass is {value:g}; expected a finite number"):
+            gaussian(SPACE, {"mass": value}, None, 1.0, clip=False)
+        with pytest.raises(ConfigError, match=rf"mass of the context is {value:g}; expected a finite number"):
+            FixedRandomizer(SPACE, {"mass": value})
+        with pytest.raises(ConfigError, match="expected a finite number above 0 for each"):
+            MixtureRandomizer(SPACE, {"narrow": correlated}, {"narrow": value})
     with pytest.raises(ConfigError, match="fewer bins"):
         DiscreteRandomizer(SPACE, {}, bins=5000)
     with pytest.raises(ConfigError, match="for each of the components narrow"):
