@@ -1,6 +1,5 @@
 """The formula that a run's report has of a force that is still missing, as `effects.formula` takes it."""
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,8 +10,6 @@ from dr_lab.errors import ConfigError
 
 if TYPE_CHECKING:
     from dr_lab.reports.force_entries import ForceFormulaEntry
-
-REPORT = "report.json"
 
 
 def found_formula(
@@ -30,6 +27,7 @@ def found_formula(
 
     Raises:
         ConfigError: no run or no joint is given, or the run's report has no formula for the joint.
+        DataError: the report cannot be read.
     """
     if run is None and key == "start":
         return OmegaConf.create([])
@@ -54,15 +52,9 @@ def found_formula(
 
 
 def _formula(folder: Path, joint: str | None) -> "ForceFormulaEntry":
-    path = folder / REPORT
-    if not path.is_file():
-        raise ConfigError(
-            f"effect.run={folder} holds no {REPORT}. Give the folder of a run of dr-lab close, diagnose or add."
-        )
-    from dr_lab.reports.gap import GapReport  # noqa: PLC0415  NumPy takes a tenth of a second, which --help would pay
-    from dr_lab.reports.plain import from_plain  # noqa: PLC0415  likewise
+    from dr_lab.reports.report import read_gap  # noqa: PLC0415  NumPy takes a tenth of a second, which --help would pay
 
-    report = from_plain(GapReport, json.loads(path.read_text(encoding="utf-8")))
+    report = read_gap(folder, "effect.run")
     found = {row.joint: row.left for row in report.judged.missing_force if row.left and row.left.terms}
     listed = ", ".join(f"effect.joint={name}" for name in found) or "none"
     if joint not in found:

@@ -1,7 +1,6 @@
 """Logs of the experiment that an earlier run proposes, played on a simulated machine."""
 
 import csv
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,9 +11,8 @@ from dr_lab.channel_names import joint_of
 from dr_lab.errors import ConfigError
 from dr_lab.plants.played import Played
 from dr_lab.plants.rig import Rig
-from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import ExperimentEntry
-from dr_lab.reports.plain import from_plain
+from dr_lab.reports.report import read_gap
 from dr_lab.sources.plant import PlantSource
 from dr_lab.sources.source import NamedLog
 from dr_lab.trajectory import Array
@@ -52,6 +50,7 @@ class NextExperimentSource:
 
         Raises:
             ConfigError: the run has no report, its report no experiment, or it is none of this machine.
+            DataError: the report cannot be read.
         """
         folder, rig = Path(self.run).expanduser(), self.bench.plant
         entry = _proposed(folder)
@@ -71,10 +70,7 @@ class NextExperimentSource:
 
 
 def _proposed(folder: Path) -> ExperimentEntry:
-    path = folder / "report.json"
-    if not path.is_file():
-        raise ConfigError(f"run={folder} holds no report.json. Give the folder of a run of dr-lab close or diagnose.")
-    entry = from_plain(GapReport, json.loads(path.read_text(encoding="utf-8"))).judged.next_experiment
+    entry = read_gap(folder, "run").judged.next_experiment
     if entry is None:
         raise ConfigError(
             f"The report of run={folder} proposes no experiment: it found nothing to separate or to sharpen."

@@ -7,10 +7,10 @@ from hydra.utils import instantiate
 
 from dr_lab.cli.compose import compose
 from dr_lab.cli.found_formula import found_formula
-from dr_lab.errors import ConfigError
+from dr_lab.errors import ConfigError, DataError
 from dr_lab.reports.force_entries import ForceFormulaEntry, MissingForceEntry, TermEntry
 from dr_lab.reports.gap import GapReport, Judgement
-from dr_lab.reports.gap_entries import LogsEntry, RemainingEntry, WindowsEntry
+from dr_lab.reports.gap_entries import ErrorsEntry, LogsEntry, RemainingEntry, RungEntry, WindowsEntry
 from dr_lab.reports.json_file import write_json
 
 TERMS = (
@@ -24,8 +24,11 @@ def report(folder: Path, terms: tuple[TermEntry, ...] = TERMS) -> GapReport:
     row = MissingForceEntry("arm", "N·m", 0.3, 0.2, 0.01, 0.5, 0.9, ForceFormulaEntry(0.9, 0.8, terms), 60)
     logs, windows = LogsEntry(("log_1",), ("log_2",)), WindowsEntry(0.3, 10, 10, 3)
     remaining, judged = RemainingEntry("unexplained", 9.0), Judgement(missing_force=(row,))
+    rung = RungEntry((), ErrorsEntry(1.0, {}), {})
     names = ("dr_lab/gap/1", "close", "furuta", "furuta")
-    return GapReport(*names, {}, logs, windows, {}, (), "unexplained", (), remaining, str(folder), judgement=judged)
+    return GapReport(
+        *names, {}, logs, windows, {}, (), "unexplained", (rung,), remaining, str(folder), judgement=judged
+    )
 
 
 def left_by_a_run(folder: Path, terms: tuple[TermEntry, ...] = TERMS) -> None:
@@ -54,6 +57,21 @@ def test_a_joint_without_a_formula_is_told(tmp_path: Path, joint: str | None) ->
     told = f"no formula for effect.joint={joint}. Available: effect.joint=arm"
     with pytest.raises(ConfigError, match=told):
         found_formula(str(tmp_path), joint, "expression")
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "told"),
+    [
+        ("{broken", DataError, r"report\.json cannot be read: Expecting property name"),
+        ("[1]", ConfigError, r"holds a report of schema None; expected 'dr_lab/gap/1'"),
+        ('{"schema": "dr_lab/train/1"}', ConfigError, r"effect\.run=.* schema 'dr_lab/train/1'; .* close, diagnose or"),
+        ('{"schema": "dr_lab/gap/1"}', DataError, "(?s)is a required property.*Run it again"),
+    ],
+)
+def test_a_report_of_another_kind_is_told(text: str, kind: type[Exception], told: str, tmp_path: Path) -> None:
+    (tmp_path / "report.json").write_text(text, "utf-8")
+    with pytest.raises(kind, match=told):
+        found_formula(str(tmp_path), "arm", "expression")
 
 
 def test_without_a_run_both_ways_are_told(tmp_path: Path) -> None:

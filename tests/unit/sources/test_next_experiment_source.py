@@ -11,7 +11,7 @@ from hydra.utils import instantiate
 
 from dr_lab.__main__ import main
 from dr_lab.cli.compose import compose
-from dr_lab.errors import ConfigError
+from dr_lab.errors import ConfigError, DataError
 from dr_lab.plants.rig import RigRecording
 from dr_lab.sources.next_experiment import NextExperimentSource
 
@@ -99,4 +99,10 @@ def test_what_cannot_be_played_is_told(run: Path, tmp_path: Path, close_report: 
         recordings(source(run))
     (run / "report.json").write_text(json.dumps({**close_report, "next_experiment": None}), "utf-8")
     with pytest.raises(ConfigError, match="nothing to separate"):
+        recordings(source(run))
+    (run / "report.json").write_text('{"schema": "dr_lab/train/1"}', "utf-8")
+    with pytest.raises(ConfigError, match=r"run=.* holds a report of schema 'dr_lab/train/1'"):
+        recordings(source(run))
+    (run / "report.json").write_text("{broken", "utf-8")
+    with pytest.raises(DataError, match=r"report\.json cannot be read"):
         recordings(source(run))
