@@ -18,7 +18,6 @@ from dr_lab.collectors.collector import Policy
 from dr_lab.envs.setting import Setting
 from dr_lab.envs.task import Change, Fields, Values
 from dr_lab.errors import ConfigError
-from dr_lab.evaluators.demonstrations import DemonstrationsEvaluator
 from dr_lab.evaluators.evaluator import Subject
 from dr_lab.evaluators.fine_tune import FineTuneEvaluator
 from dr_lab.evaluators.grid import GridEvaluator
@@ -139,17 +138,6 @@ def test_a_grid_says_which_contexts_are_solved(
     evaluator = GridEvaluator({"block.mass": [0.5, 3.5, 4]}, count=9, episodes=1, parallel=4, seed=0, solved=solved)
     found = evaluator.evaluate(subject, tmp_path, print).figures  # returns of 4.2, 1.4, 0.84 and 0.6
     assert (found["solved"], found["lowest_solved"]) == pytest.approx((share, lowest), nan_ok=True)
-
-
-def test_demonstrations_are_kept_with_what_was_seen_and_done(subject: Subject, tmp_path: Path) -> None:
-    evaluator = DemonstrationsEvaluator(context={"block.mass": 4.0}, episodes=3, **FEW)
-    found = evaluator.evaluate(subject, tmp_path, print)
-    assert found.figures["iqm"] == pytest.approx(float(expected(4.0)))
-    assert [row["return"] for row in found.rows] == pytest.approx([float(expected(4.0))] * 3)
-    for episode in found.episodes:
-        assert episode.context == {"block.mass": (4.0, "kg")}
-        np.testing.assert_allclose(episode.observation, np.hstack([episode.qpos, episode.qvel]), atol=1e-6)
-        np.testing.assert_array_equal(episode.action, 1.0)
 
 
 def test_a_grid_over_every_parameter_takes_their_bounds(subject: Subject, tmp_path: Path) -> None:
