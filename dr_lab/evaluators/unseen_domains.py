@@ -22,11 +22,14 @@ _FEW = 4  # parameters, for which a page has room
 
 @dataclass(frozen=True, kw_only=True)
 class UnseenDomainsEvaluator(Evaluator):
-    """Episodes from several starts in each of many drawn domains; domains and starts hang on the seed alone.
+    """Episodes from several starts in each of many drawn domains.
 
-    So they are the same for every policy that was trained on the same distribution. A policy that was trained on a few
-    domains has not seen those that are drawn anew. It plays its own (`Algorithm.domains`, its teachers'), too. One that
-    was trained on all of their distribution has seen their like; `distribution` takes it elsewhere.
+    Domains hang on the seed alone, starts on the seed and on `parallel`: each slot draws its own. So they are the same
+    for every policy that was trained on the same distribution and is played with the same of both.
+
+    A policy that was trained on a few domains has not seen those that are drawn anew. It plays its own
+    (`Algorithm.domains`, its teachers'), too. One that was trained on all of their distribution has seen their like;
+    `distribution` takes it elsewhere.
 
     Source: Brosseit et al. 2021, Distilled Domain Randomization, §V, figures 3 and 4 (32 domains, 100 starts).
 
@@ -34,7 +37,7 @@ class UnseenDomainsEvaluator(Evaluator):
         distribution: makes what domains are drawn from, over the model's parameters; None for what was trained on.
         domains: drawn from it.
         starts: episodes in each domain.
-        parallel: episodes side by side.
+        parallel: episodes side by side; another number draws other starts.
         calls: of the policy, whose median time is told.
         seed: of domains and starts.
 
@@ -97,11 +100,12 @@ class UnseenDomainsEvaluator(Evaluator):
         drawn = "from a distribution of their own" if self.distribution else "anew from what the policy was trained on"
         told = (
             f"{self.domains} domains, drawn {drawn}, {self.starts} episodes in each, from starts that are "
-            "the same for every policy. median, lower and upper quartile: over all of these episodes. infeasible: "
-            "share of them that diverge, which count with the return that the task declares. inference seconds: median "
-            f"time of an action for one observation over {self.calls} calls on one core. parameter bytes: memory of "
-            "the policy's parameters. The table begins with the domain of the lowest median; domains.csv says what "
-            "each is like, returns.csv holds every episode."
+            f"the same for every policy that is played with evaluator.seed={self.seed} and "
+            f"evaluator.parallel={self.parallel}. median, lower and upper quartile: over all of these episodes. "
+            "infeasible: share of them that diverge, which count with the return that the task declares. inference "
+            f"seconds: median time of an action for one observation over {self.calls} calls on one core. parameter "
+            "bytes: memory of the policy's parameters. The table begins with the domain of the lowest median; "
+            "domains.csv says what each is like, returns.csv holds every episode."
         )
         return f"{told} teachers: the domains that the policy was trained on." if taught else told
 

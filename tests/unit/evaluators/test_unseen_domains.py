@@ -106,6 +106,14 @@ def test_policies_meet_the_same_domains_from_the_same_starts(subject: Subject, t
     ]
     expected = np.repeat(2.0 * STEP / masses * STEPS * (STEPS + 1) / 2, 5)
     np.testing.assert_allclose(gained, expected, rtol=1e-9)
+    assert "the same for every policy that is played with evaluator.seed=0 and evaluator.parallel=" in one.told
+
+
+def test_another_number_side_by_side_draws_other_starts_in_the_same_domains(subject: Subject, tmp_path: Path) -> None:
+    few, many = (evaluator(parallel=parallel).evaluate(subject, tmp_path, print) for parallel in (3, 50))
+    masses = [sorted(float(row["block.mass"]) for row in domains(found)) for found in (few, many)]
+    assert masses[0] == masses[1]
+    assert {row["return"] for row in few.rows} != {row["return"] for row in many.rows}
 
 
 def test_domains_that_were_trained_on_stand_beside_unseen_ones(subject: Subject, tmp_path: Path) -> None:
