@@ -9,6 +9,7 @@ import numpy as np
 from tensordict import TensorDict
 
 from dr_lab.envs.setting import Setting, require_mujoco
+from dr_lab.errors import ConfigError
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
 from dr_lab.recorders.episode import Episode
@@ -76,11 +77,11 @@ class RealVsSimEvaluator(IntervalEvaluator):
         """Play both.
 
         Raises:
-            ConfigError: the target does not fit the task, or MuJoCo does not simulate the machine.
+            ConfigError: the target does not fit the task or cannot be driven, or MuJoCo does not simulate the machine.
         """
         del folder
         setting, pairs = require_mujoco(subject.setting, "evaluator=real_vs_sim"), []
-        target, slots = self.target(setting), subject.slots(self.episodes, self.seed)
+        target, slots = _driven(self.target(setting)), subject.slots(self.episodes, self.seed)
         simulated = record(setting, slots, subject.policy, np.tile(setting.space.nominal, (self.episodes, 1)))
         for number, twin in enumerate(simulated, start=1):
             course = cast(TensorDict, target.play(subject.policy, (twin.qpos[:1], twin.qvel[:1]), 1)[0])
@@ -119,6 +120,17 @@ class RealVsSimEvaluator(IntervalEvaluator):
             found = self.interval(np.array(values))
             figures |= {name: found.value, f"{name}.low": found.low, f"{name}.high": found.high}
         return figures | {"infeasible": float(np.mean(~np.isfinite(columns["simulated"])))}
+
+
+def _driven(target: Target) -> Target:
+    """The target, where a policy can act on it."""
+    if not target.drivable:
+        raise ConfigError(
+            f"evaluator=real_vs_sim lets the policy act on the target, which here is {target.nature} and cannot be "
+            "driven. Recorded commands are played in a model by dr-lab compare, that of a run by dr-lab compare "
+            "model=from_run model.run=FOLDER. For a policy, take target@evaluator.target=plant or =model."
+        )
+    return target
 
 
 def _solved(setting: Setting, pairs: Sequence[Pair]) -> dict[str, Array]:

@@ -10,6 +10,7 @@ import pytest
 from effect_machines import catalogue_effect, placed
 from hydra.utils import instantiate
 from settings import setting
+from tensordict import TensorDict
 from torch import Tensor
 
 from dr_lab.cli.compose import compose
@@ -26,6 +27,7 @@ from dr_lab.plants.rig import Rig
 from dr_lab.recorders.episode import Episode
 from dr_lab.targets.model import ModelTarget
 from dr_lab.targets.plant import PlantTarget
+from dr_lab.targets.target import Target
 from dr_lab.training.recorded import record
 
 STEPS = 40
@@ -156,6 +158,19 @@ def test_a_plant_of_another_machine_is_refused() -> None:
     remedy = str(refused.value).partition("same machine: ")[2].partition("=NAME")[0]
     chosen = compose("evaluate", ["evaluator=real_vs_sim", f"{remedy}=cartpole"])
     assert chosen.evaluator.target.plant.nominal._target_.endswith("CartPoleNominal")
+
+
+def test_recorded_logs_are_sent_to_compare_before_anything_is_played() -> None:
+    class Recorded(Target):
+        drivable, nature = False, "the recorded logs of a shelf"
+
+        def play(self, drive: object, starts: object, count: int) -> TensorDict:
+            raise AssertionError
+
+    evaluator = RealVsSimEvaluator(target=lambda _: Recorded(), episodes=1, confidence=0.9, resamples=1, seed=0)
+    of = replace(subject(), policy=lambda _: pytest.fail("nothing is to be played"))
+    with pytest.raises(ConfigError, match=r"the recorded logs of a shelf and cannot be driven\. .* dr-lab compare"):
+        evaluator.evaluate(of, Path(), lambda _: None)
 
 
 def test_a_confidence_beyond_one_is_refused() -> None:
