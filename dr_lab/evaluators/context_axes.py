@@ -29,6 +29,11 @@ def context_axes(
         ConfigError: there are more parameters to vary, or none, or a range is none.
         UnknownNameError: an axis is no parameter.
     """
+    if not space.names:
+        raise ConfigError(
+            "The evaluator compares contexts, and what the run was trained on has no parameters to vary. Train with "
+            "some: env/context=…, as dr-lab train --help lists them."
+        )
     every = zip(space.names, space.low, space.high, strict=True)
     chosen = given if given is not None else {name: (low, high, count) for name, low, high in every}
     if not 1 <= len(chosen) <= most:

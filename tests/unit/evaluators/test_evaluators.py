@@ -145,6 +145,16 @@ def test_a_grid_over_every_parameter_takes_their_bounds(subject: Subject, tmp_pa
     np.testing.assert_allclose(found.grids[0].axes[0].values, [0.5, 2.25, 4.0])
 
 
+@pytest.mark.parametrize("axes", [None, {"block.mass": [0.5, 2.0, 2]}])
+def test_a_machine_without_parameters_is_sent_to_training(
+    axes: dict[str, list[float]] | None, subject: Subject, tmp_path: Path
+) -> None:
+    bare = replace(subject.setting, model=from_spec("block", mujoco.MjSpec.from_string(XML), {}))
+    evaluator = GridEvaluator(axes=axes, count=2, episodes=1, parallel=1, seed=0)
+    with pytest.raises(ConfigError, match=r"has no parameters to vary\. Train with some: env/context=…"):
+        evaluator.evaluate(replace(subject, setting=bare), tmp_path, print)
+
+
 def test_three_axes_are_refused(subject: Subject, tmp_path: Path) -> None:
     axes = {name: [0.0, 1.0, 2] for name in "abc"}
     with pytest.raises(ConfigError, match=r"one or two parameters.*'evaluator.axes=\{block.mass: \[.*, 2\]\}'"):
