@@ -12,7 +12,7 @@ from torch import Tensor
 
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.score_function import gains
-from dr_lab.bounds import Count, Positive, at_least, at_most
+from dr_lab.bounds import Bound, Count, Positive, at_least, at_most
 from dr_lab.errors import DataError
 from dr_lab.evaluators.evaluator import Evaluation, Progress, Row, Subject
 from dr_lab.evaluators.interval_evaluator import IntervalEvaluator
@@ -27,6 +27,7 @@ from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.seeding import derived_seed, stream
 from dr_lab.trajectory import Array
 
+_ODD = Bound(lambda value: value % 2 == 1, "an odd number")
 _ENDS = {"largest": 0, "smallest": -1}  # eigenvalues, descending
 
 
@@ -45,7 +46,7 @@ class CurvatureEvaluator(IntervalEvaluator):
         eigenvalues: at each end of the spectrum.
         snapshots: policies at most, of those that the run kept, at equal distances.
         reach: largest distance that a policy is moved, length of all its parameters.
-        steps: distances at which it is played, odd so that 0 is among them.
+        steps: distances at which it is played, an odd number, so that 0 is among them.
         parallel: episodes side by side.
         baseline: what is taken off the returns-to-go.
         gamma: discount per control step.
@@ -57,7 +58,7 @@ class CurvatureEvaluator(IntervalEvaluator):
     eigenvalues: Count
     snapshots: Count
     reach: Positive
-    steps: Annotated[int, at_least(3)]
+    steps: Annotated[int, at_least(3), _ODD]
     episodes: Annotated[int, at_least(2)]
     parallel: Count
     baseline: Baseline

@@ -36,8 +36,10 @@ class Multisines:
 
     e = Σ aₖ sin(2π fₖ t + φₖ), with one frequency in each of as many bands of log f as there are sines. The edge h
     makes steps of it, as far as these take some commands each. w rises from 0 to 1 as (1 − cos)/2 in the ramp and falls
-    likewise, so that an experiment begins and ends with the commands that hold the machine, and no command jumps. Where
-    a wave is larger in a ramp than the middle is near, what would leave the range is cut off. The genes of one actuator
+    likewise, so that an experiment begins and ends with the commands that hold the machine, without a jump. In between,
+    commands at 100 Hz follow one another by less than a third of their range; slower ones, of which few fall into a
+    period or a ramp, lie farther apart, up to the whole range at 5 Hz. Where a wave is larger in a ramp than the middle
+    is near, what would leave the range is cut off. The genes of one actuator
     lie between 0 and 1: place in its band, phase and amplitude (logarithmic) of every sine, the edge (its root), the
     middle c between low and high, and the size s (logarithmic), which goes below 0 where limits ask for smaller ones.
     Source: windowed Fourier series as in Swevers et al. 1997, Optimal robot excitation and identification.
@@ -52,7 +54,7 @@ class Multisines:
         smallest: experiment that is drawn, share of the actuator's range.
         commands_a_period: of the fastest sine's period, at least: held commands then still look like a sine.
         edge: h of the steepest edge.
-        jump: share of the size by which a command follows another at most.
+        jump: largest change of q from a command to the next up to which the edge is made steeper.
     """
 
     sines: Count

@@ -227,6 +227,14 @@ def test_steps_do_not_jump() -> None:
     assert np.abs(np.diff(command)).max() < LIMIT
 
 
+@pytest.mark.parametrize("seconds", [1.5, 3.0, 6.0])
+def test_fast_commands_follow_one_another_by_less_than_a_third_of_their_range(seconds: float) -> None:
+    family = settings().family
+    genes = family.draw(400, 1, np.random.default_rng(0))
+    commands = family.commands(genes, np.arange(round(100 * seconds) + 1) / 100, machine(COULOMB).bounds)[:, 0]
+    assert (np.abs(np.diff(commands)).max(axis=1) < np.ptp(commands, axis=1) / 3).all()
+
+
 def test_sizes_grow_to_the_limit_and_shrink_to_it() -> None:
     """Where the share of the limit grows as the size, as its square, and not at all below a threshold."""
     laws = np.array([0.1, 3.0, 50.0]), np.array([1.0, 2.0, 1.0])

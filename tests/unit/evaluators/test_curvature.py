@@ -117,3 +117,7 @@ def test_what_has_no_curvature_is_told(tmp_path: Path) -> None:
         evaluator().evaluate(subject(), tmp_path, print)
     with pytest.raises(ConfigError, match=r"evaluator\.reach is 0; expected a number above 0"):
         evaluator(reach=0.0)
+    with pytest.raises(ConfigError, match=r"evaluator\.reach is inf; expected a finite number"):
+        evaluator(reach=np.inf)
+    with pytest.raises(ConfigError, match=r"evaluator\.steps is 4; expected an odd number"):
+        evaluator(steps=4)
