@@ -55,7 +55,7 @@ def test_what_dry_friction_cannot_stand_for_is_only_told(
 def test_a_lag_of_more_than_a_step_is_a_filter_in_the_file(
     study: Study, effects: dict[str, Effect], tmp_path: Path, share: float, *, filtered: bool
 ) -> None:
-    """After a step of the command it is at 1 − exp(−t/τ) up to a step ago, by whose slope of exp(−2)/τ it may be off."""
+    """It is at 1 − exp(−t/τ) up to a step ago after a step of the command."""
     step, path = study.compiled.opt.timestep, tmp_path / "model.xml"
     lag = effects["actuator_lag"]
     model = study.model.with_effect(place(lag, study.compiled, "drive", study.scales))
