@@ -1,40 +1,39 @@
 """What effects at an actuator could give along a course."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from dr_lab.plants.alike.course import Course, mean_held
+from dr_lab.plants.alike.extent import Extent
+from dr_lab.plants.alike.forces import Forces
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.response import Signature
 from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear, mixed
 from dr_lab.trajectory import Array
 
 
-def actuator_rivals(
-    course: Course, grids: Grids, per_command: Array, driven: Array, pulled: Mapping[str, Array]
-) -> Iterator[Rival]:
+def actuator_rivals(course: Course, grids: Grids, extent: Extent, forces: Forces) -> Iterator[Rival]:
     """Effects of every actuator.
 
     Args:
         course: where the machine moves.
         grids: shapes that are tried.
-        per_command: force at each joint a unit of each command, shape (n, actuators).
-        driven: force of each actuator at its joints, all of it, N·m or N, shape (K, n, actuators).
-        pulled: of position controllers, what their proportional gain makes of it, shape (K, n), by name.
+        extent: how far all logs reach, this one among them.
+        forces: along the course.
     """
     low, high = grids.gains
-    for name, force in pulled.items():
+    for name, force in forces.pulled.items():
         yield Rival(f"gain_error@{name}", 1, (Choice([lacked(-force)], [low - 1], [high - 1]),))
     for row, name in enumerate(course.machine.actuators):
-        if name in pulled:
-            whole = driven[:, :, row]
-            ends = np.abs(whole).max() * np.array([1.0, *grids.limits])
+        whole = forces.driven[:, :, row]
+        if name in forces.pulled:
+            ends = extent.force[row] * np.array([1.0, *grids.limits])
             yield Rival(f"force_limit@{name}", 1, along([lacked(whole - np.clip(whole, -end, end)) for end in ends]))
-        sent, gain = course.sent[row], per_command[:, row]
+        sent, gain = course.sent[row], forces.per_command[:, row]
         mean = mean_held(sent, course.edge)
-        largest = float(np.abs(sent.value).max())
+        largest = float(extent.command[row])
 
         def changed(values: Array, mean: Array = mean, gain: Array = gain) -> Signature:
             return lacked(-np.outer(values - mean, gain))
@@ -54,9 +53,9 @@ def actuator_rivals(
         powers = [lacked(-np.outer(powered(mean, largest, exponent), gain)) for exponent in grids.exponents]
         yield Rival(f"command_power@{name}", 2, mixed(powers, changed(0.0 * mean)))
         low, high = grids.scales
-        yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-driven[:, :, row])], [low - 1], [high - 1]),))
-        yield from _limited(course, grids, driven[:, :, row], name)
-        coasting = np.abs(driven[:, :, row]) * course.velocity
+        yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-whole)], [low - 1], [high - 1]),))
+        yield _limited(course, grids, extent, whole, row)
+        coasting = np.abs(whole) * course.velocity
         yield Rival(f"coasting_bridge@{name}", 1, linear(lacked(coasting), positive=True))
 
 
@@ -72,18 +71,18 @@ def _with_history(course: Course, row: int) -> tuple[Array, Array, int]:
     return mean_held(course.sent[row], edge), np.diff(edge), len(earlier)
 
 
-def _limited(course: Course, grids: Grids, driven: Array, name: str) -> Iterator[Rival]:
+def _limited(course: Course, grids: Grids, extent: Extent, driven: Array, row: int) -> Rival:
     """The limit that falls with speed, at the joint that the actuator drives alone."""
     joint = int(np.abs(driven).sum(axis=0).argmax())
     force, speed, choices = driven[:, joint], course.velocity[:, joint], []
-    for stall in np.abs(force).max() * np.asarray(grids.stalls):
+    for stall in extent.force[row] * np.asarray(grids.stalls):
         points = []
-        for free in np.abs(speed).max() * np.asarray(grids.speeds):
+        for free in extent.speed[joint] * np.asarray(grids.speeds):
             added = np.zeros_like(driven)
             added[:, joint] = np.clip(force, -stall * (1 + speed / free), stall * (1 - speed / free)) - force
             points.append(lacked(-added))
         choices += along(points)
-    yield Rival(f"torque_speed_limit@{name}", 2, tuple(choices))
+    return Rival(f"torque_speed_limit@{course.machine.actuators[row]}", 2, tuple(choices))
 
 
 def lagged(mean: Array, step: Array, constant: float) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from dr_lab.plants.alike.actuator_rivals import actuator_rivals
 from dr_lab.plants.alike.body_rivals import body_rivals
 from dr_lab.plants.alike.course import Course, courses, rigid
+from dr_lab.plants.alike.extent import Extent
 from dr_lab.plants.alike.felt import Felt
 from dr_lab.plants.alike.forces import Forces
 from dr_lab.plants.alike.grids import Grids
@@ -58,36 +59,31 @@ class Classes:
 
     def of(self, bench: Rig, seed: int) -> dict[str, dict[str, int]]:
         """The class of every effect that is hidden: ``effect@site`` → number of parameters, 0 for the base."""
-        parts = bench.hidden.parts if isinstance(bench.hidden, Composite) else (bench.hidden,)
-        labels = [part.label for part in parts]
-        regression = self._regression(bench, seed, parts, ())
-        if len(parts) > 1:
-            nearest = [regression.nearest(number) for number in range(len(parts))]
-            regression = self._regression(bench, seed, parts, nearest)
+        labels, regression = [part.label for part in _parts(bench)], self.regression(bench, seed)
         return {label: regression.members(number, labels, self.threshold) for number, label in enumerate(labels)}
 
-    def _regression(
-        self, bench: Rig, seed: int, parts: Sequence[HiddenEffect], nearest: Sequence[int | None]
-    ) -> Regression:
-        """All courses in one regression.
+    def regression(self, bench: Rig, seed: int) -> Regression:
+        """The hidden effects, in their order, and what could be in their place, along all logs."""
+        logs = [_Log.of(course) for course in courses(bench, seed, self.settling, self.parts)]
+        asked = _Asked(bench, seed, logs, Extent.of([log.course for log in logs], [log.forces for log in logs]))
+        regression, many = self._regression(asked, ()), len(_parts(bench))
+        if many == 1:
+            return regression
+        return self._regression(asked, [regression.nearest(number) for number in range(many)])
+
+    def _regression(self, asked: "_Asked", nearest: Sequence[int | None]) -> Regression:
+        """All logs in one regression.
 
         Args:
-            bench: the machine with its instruments.
-            seed: of the courses.
-            parts: what is hidden.
+            asked: the logs.
             nearest: place, among all choices, of the one that stands for each part while another is judged.
         """
-        along = (
-            self._along(course, bench, seed, parts, nearest)
-            for course in courses(bench, seed, self.settling, self.parts)
-        )
-        return functools.reduce(Regression.__add__, along)
+        return functools.reduce(Regression.__add__, (self._along(log, asked, nearest) for log in asked.logs))
 
-    def _along(
-        self, course: Course, bench: Rig, seed: int, parts: Sequence[HiddenEffect], nearest: Sequence[int | None]
-    ) -> Regression:
-        """The regression of one course."""
-        freed, rivals = [lacked(force) for force in _free(course, bench, seed)], self._rivals(course)
+    def _along(self, log: "_Log", asked: "_Asked", nearest: Sequence[int | None]) -> Regression:
+        """The regression of one log."""
+        bench, course, parts = asked.bench, log.course, _parts(asked.bench)
+        freed, rivals = [lacked(force) for force in _free(log, bench, asked.seed)], self._rivals(log, asked.extent)
         choices = [choice for rival in rivals for choice in rival.choices]
         beside = [() if place is None else choices[place].columns for place in nearest]
         common = [*(_truth(course, parts, part) for part in parts), *freed, *itertools.chain(*beside)]
@@ -96,24 +92,65 @@ class Classes:
         products = seen.inner_products(common, [choice.signatures for choice in choices], window)
         return Regression(products, len(parts), len(freed), rivals, [len(each) for each in beside])
 
-    def _rivals(self, course: Course) -> tuple[Rival, ...]:
-        command = course.mean_command(NoEffect())
-        base = lacking(course, course.machine, command)
-        forces = Forces.of(course, command, base)
+    def _rivals(self, log: "_Log", extent: Extent) -> tuple[Rival, ...]:
+        course, forces = log.course, log.forces
         return (
-            *joint_rivals(course, self.grids, np.abs(forces.drive - forces.outside)),
-            *actuator_rivals(course, self.grids, forces.per_command, forces.driven, forces.pulled),
-            *body_rivals(course, self.grids, self.felt, command, base),
+            *joint_rivals(course, self.grids, extent, np.abs(forces.drive - forces.outside)),
+            *actuator_rivals(course, self.grids, extent, forces),
+            *body_rivals(course, self.grids, self.felt, log.command, log.base),
         )
 
 
-def _free(course: Course, bench: Rig, seed: int) -> Iterator[Array]:
+@dataclass(frozen=True)
+class _Log:
+    """A course and what the machine without any effect makes of its commands.
+
+    Attributes:
+        course: where the machine moves.
+        command: mean over each interval, shape (K, actuators).
+        base: what the machine without any effect lacks, N·m or N, shape (K, n).
+        forces: along the course.
+    """
+
+    course: Course
+    command: Array
+    base: Array
+    forces: Forces
+
+    @classmethod
+    def of(cls, course: Course) -> "_Log":
+        command = course.mean_command(NoEffect())
+        base = lacking(course, course.machine, command)
+        return cls(course, command, base, Forces.of(course, command, base))
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """All logs of a machine.
+
+    Attributes:
+        bench: the machine with its instruments and what is hidden in it.
+        seed: of the logs.
+        logs: one after the other.
+        extent: how far they reach together.
+    """
+
+    bench: Rig
+    seed: int
+    logs: Sequence[_Log]
+    extent: Extent
+
+
+def _parts(bench: Rig) -> Sequence[HiddenEffect]:
+    return bench.hidden.parts if isinstance(bench.hidden, Composite) else (bench.hidden,)
+
+
+def _free(log: _Log, bench: Rig, seed: int) -> Iterator[Array]:
     """What a unit of each free parameter, a share of its value, changes in what the base lacks."""
-    command, true = course.mean_command(NoEffect()), bench.nominal.true_values(seed)
-    base = lacking(course, course.machine, command)
+    true = bench.nominal.true_values(seed)
     for name, value in true.items():
         other = bench.nominal.machine({**true, name: value * (1 + _SHARE)})
-        yield (lacking(course, rigid(other), command) - base) / _SHARE
+        yield (lacking(log.course, rigid(other), log.command) - log.base) / _SHARE
 
 
 def _truth(course: Course, parts: Sequence[HiddenEffect], part: HiddenEffect) -> Signature:

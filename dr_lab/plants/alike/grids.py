@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Grids:
-    """Values of shape parameters, in order; those of a log are shares of its largest command, speed or range.
+    """Values of shape parameters, in order; some are shares of the largest command, speed or range in all logs.
 
     Attributes:
         delays: of actuators, s.

@@ -52,7 +52,7 @@ class Regression:
             threshold: χ² by which a member may be worse than the truth's own effect of the catalogue.
         """
         freed = self._freed(number)
-        left = self._left(number, freed)
+        left = self.left_by(number)
         own = left.get(labels[number], np.inf)
         own = own if np.isfinite(own) else 0.0  # an effect whose shapes are not worked out gives what it gives
         known = {rival.label: rival.parameters for rival in self.rivals}
@@ -78,9 +78,9 @@ class Regression:
         own = range(ends[number], ends[number + 1]) if self.beside else range(0)
         return [k for k in range(len(self.products.common)) if k != number and k not in own]
 
-    def _left(self, number: int, freed: Sequence[int]) -> dict[str, float]:
-        """Least χ² that each rival leaves of a truth."""
-        tried = self._tried(number, freed)
+    def left_by(self, number: int) -> dict[str, float]:
+        """Least χ² that each rival leaves of a truth, by its number; infinite of what has no shapes."""
+        tried = self._tried(number, self._freed(number))
         return {rival.label: min(each, default=np.inf) for rival, each in zip(self.rivals, tried, strict=True)}
 
     def _tried(self, number: int, freed: Sequence[int]) -> list[list[float]]:

@@ -1,0 +1,73 @@
+"""One joint of a machine along a course, as its rivals see it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from dr_lab.plants.alike.course import Course
+from dr_lab.plants.alike.extent import Extent
+from dr_lab.plants.alike.grids import Grids
+from dr_lab.plants.alike.response import Signature
+from dr_lab.plants.alike.rival import Choice, linear, pushing
+from dr_lab.trajectory import Array
+
+
+@dataclass(frozen=True)
+class AtJoint:
+    """A joint, where it moves, and what is tried there.
+
+    Attributes:
+        course: where the machine moves.
+        grids: shapes that are tried.
+        extent: how far all logs reach, this one among them.
+        row: place of the joint.
+    """
+
+    course: Course
+    grids: Grids
+    extent: Extent
+    row: int
+
+    @property
+    def name(self) -> str:
+        """The joint's name."""
+        return self.course.machine.joints[self.row]
+
+    @property
+    def q(self) -> Array:
+        """Its positions, rad or m, shape (K,)."""
+        return self.course.position[:, self.row]
+
+    @property
+    def v(self) -> Array:
+        """Its velocities, rad/s or m/s, shape (K,)."""
+        return self.course.velocity[:, self.row]
+
+    @property
+    def joints(self) -> int:
+        """Number of the machine's joints."""
+        return self.course.position.shape[1]
+
+    @property
+    def slides(self) -> bool:
+        """Whether it is a slide."""
+        joint = self.course.machine.model.joint(self.name)
+        return int(joint.type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+    def speeds(self, shares: Sequence[float]) -> Array:
+        """Shares of its largest speed, rad/s or m/s."""
+        return self.extent.speed[self.row] * np.asarray(shares)
+
+    def ways(self, shares: Sequence[float]) -> Array:
+        """Shares of its range, rad or m."""
+        return self.extent.travel[self.row] * np.asarray(shares)
+
+    def pushed(self, shape: Array) -> Signature:
+        """A force at it, shape (K,)."""
+        return pushing(shape, self.row, self.joints)
+
+    def linear(self, *shapes: Array, positive: Sequence[bool] | bool = False) -> tuple[Choice]:
+        """Forces at it, each of any size."""
+        return linear(*map(self.pushed, shapes), positive=positive)

@@ -1,0 +1,117 @@
+"""What frictions of a joint could give along a course."""
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+
+from dr_lab.plants.alike.at_joint import AtJoint
+from dr_lab.plants.alike.rival import Choice, Rival, mixed
+from dr_lab.trajectory import Array
+
+
+def friction_rivals(at: AtJoint, load: Array) -> Iterator[Rival]:
+    """Frictions of a joint.
+
+    Args:
+        at: the joint.
+        load: |drive − outside| there, N·m or N, shape (K,).
+    """
+    yield from _sliding(at, load)
+    yield _fading(at)
+    yield from _creeping(at)
+    yield _soft(at)
+    yield _falling(at)
+
+
+def _sliding(at: AtJoint, load: Array) -> Iterator[Rival]:
+    q, v, sign = at.q, at.v, _direction(at)
+
+    def of(*shapes: Array, positive: tuple[bool, ...] | bool = True) -> tuple[Choice, ...]:
+        return at.linear(*shapes, positive=positive)
+
+    yield Rival(f"coulomb_friction@{at.name}", 1, of(-sign))
+    yield Rival(f"asymmetric_friction@{at.name}", 2, of(-sign, -(sign**2), positive=(True, False)))
+    drops = [of(-sign, -sign * np.exp(-((v / s) ** 2))) for s in at.speeds(at.grids.stribeck)]
+    yield Rival(f"stribeck_friction@{at.name}", 3, tuple(choice for drop in drops for choice in drop))
+    turned = of(-sign, -sign * np.sin(q), -sign * np.cos(q), positive=(True, False, False))
+    yield Rival(f"position_dependent_friction@{at.name}", 3, turned)
+    yield Rival(f"load_dependent_friction@{at.name}", 1, of(-sign * load))
+    yields = at.ways(at.grids.displacements)
+    yield Rival(f"hysteresis@{at.name}", 2, tuple(of(-bent(v, at.course.step, y) / y)[0] for y in yields))
+    yield Rival(f"viscous_friction@{at.name}", 1, of(-v))
+    yield Rival(f"quadratic_drag@{at.name}", 1, of(-np.abs(v) * v))
+
+
+def _direction(at: AtJoint) -> Array:
+    """Direction in which a joint slides; a held joint is braked by what it needs, which any dry friction gives."""
+    return np.where(at.course.held[:, at.row], 0.0, at.course.direction[:, at.row])
+
+
+def _creeping(at: AtJoint) -> Iterator[Rival]:
+    """Friction that creeps, and gives way before it slides or not; damping of its bristles is left out."""
+    v, slow = at.v, at.speeds(at.grids.creeps)
+
+    def giving(way: float) -> tuple[Choice, ...]:
+        bends = [gripped(v, at.course.step, way, np.tanh(v / creep), creep) for creep in slow]
+        return mixed([at.pushed(-bend) for bend in bends])
+
+    yield Rival(f"smooth_friction@{at.name}", 2, giving(0.0))
+    ways = at.ways(at.grids.ways)
+    yield Rival(f"presliding_friction@{at.name}", 4, tuple(choice for way in ways for choice in giving(float(way))))
+
+
+def _soft(at: AtJoint) -> Rival:
+    """Friction that grows with the speed up to its size, or is hard."""
+    shapes = [-np.clip(at.v / creep, -1.0, 1.0) for creep in at.speeds(at.grids.creeps)]
+    choices = [at.linear(shape, positive=True)[0] for shape in (-_direction(at), *shapes)]
+    return Rival(f"soft_friction@{at.name}", 2, tuple(choices))
+
+
+def _falling(at: AtJoint) -> Rival:
+    """Friction that gives way before it slides and falls with the speed; damping of its bristles is left out."""
+    v, choices = at.v, []
+    for way, speed in itertools.product(at.ways(at.grids.ways[1:]), at.speeds(at.grids.stribeck)):
+        fall = 1 - np.exp(-((v / speed) ** 2))
+        steady = [np.sign(v) * (1 - drop * fall) for drop in at.grids.drops]
+        choices += mixed([at.pushed(-gripped(v, at.course.step, float(way), end)) for end in steady])
+    return Rival(f"lugre_friction@{at.name}", 5, tuple(choices))
+
+
+def _fading(at: AtJoint) -> Rival:
+    """Dry and viscous friction that fade with the time since the log began."""
+    sign, choices = _direction(at), []
+    for rate in at.grids.rates:
+        left = np.exp(-rate * at.course.middle)
+        choices += at.linear(-left * sign, -left * at.v, positive=True)
+    return Rival(f"friction_drift@{at.name}", 3, tuple(choices))
+
+
+def bent(velocity: Array, step: Array, most: float) -> Array:
+    """Displacement of a spring that follows a joint within ± most, at the middle of each interval, shape (K,)."""
+    way, now, shown = velocity * step, 0.0, np.zeros(len(step))
+    for k, moved in enumerate(way.tolist()):
+        after = min(max(now + moved, -most), most)
+        shown[k], now = 0.5 * (now + after), after
+    return shown
+
+
+def gripped(velocity: Array, step: Array, way: float, settled: Array, creep: float = 0.0) -> Array:
+    """Bend of bristles z' = v − |v / g| z / way, in units of the way; means of intervals, shape (K,).
+
+    Args:
+        velocity: of the joint, rad/s or m/s, shape (K,).
+        step: length of each interval in s, shape (K,).
+        way: rad or m.
+        settled: g, to which z settles at each velocity, with its sign, shape (K,).
+        creep: limit of v / g at rest.
+    """
+    if not way:
+        return settled
+    turns = np.where(settled == 0.0, creep, velocity / np.where(settled == 0.0, 1.0, settled)) * step / way
+    now, shown, left = 0.0, np.zeros(len(step)), np.exp(-turns)
+    share = np.where(turns > 0.0, -np.expm1(-turns) / np.where(turns > 0.0, turns, 1.0), 1.0)
+    for k, end in enumerate(settled.tolist()):
+        shown[k] = end + (now - end) * share[k]
+        now = end + (now - end) * left[k]
+    return shown
