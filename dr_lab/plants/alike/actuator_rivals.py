@@ -1,5 +1,6 @@
 """What effects at an actuator could give along a course."""
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -10,7 +11,7 @@ from dr_lab.plants.alike.extent import Extent
 from dr_lab.plants.alike.forces import Forces
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.response import Signature
-from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear, mixed
+from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear
 from dr_lab.trajectory import Array
 
 
@@ -50,13 +51,28 @@ def actuator_rivals(course: Course, grids: Grids, extent: Extent, forces: Forces
         dead = [np.sign(mean) * np.maximum(np.abs(mean) - share * largest, 0.0) for share in (0.0, *grids.dead)]
         yield Rival(f"dead_zone@{name}", 1, along([changed(values) for values in dead]))
         yield Rival(f"voltage_sag@{name}", 1, linear(lacked(np.outer(mean * np.abs(mean), gain)), positive=True))
-        powers = [lacked(-np.outer(powered(mean, largest, exponent), gain)) for exponent in grids.exponents]
-        yield Rival(f"command_power@{name}", 2, mixed(powers, changed(0.0 * mean)))
+        yield Rival(f"command_power@{name}", 2, _powers(mean, gain, largest, grids))
         low, high = grids.scales
         yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-whole)], [low - 1], [high - 1]),))
         yield _limited(course, grids, extent, whole, row)
         coasting = np.abs(whole) * course.velocity
         yield Rival(f"coasting_bridge@{name}", 1, linear(lacked(coasting), positive=True))
+
+
+def _powers(mean: Array, gain: Array, largest: float, grids: Grids) -> tuple[Choice, ...]:
+    """Powers of a command in its place, full (|u| / full)^p = (full / largest)^(1 − p) · largest (|u| / largest)^p.
+
+    The factor stays within what each two neighbours of the grid of `full` give. At 0 there would be no drive, and with
+    the masses and dampings free no machine either, which leaves nothing of anything.
+    """
+    choices = []
+    for before, after in itertools.pairwise(grids.exponents):
+        one, two = (lacked(-np.outer(powered(mean, largest, exponent), gain)) for exponent in (before, after))
+        onwards = Signature(two.force - one.force, two.reading - one.reading)
+        factors = np.sort(np.asarray(grids.fulls) ** (1 - 0.5 * (before + after)))
+        for low, high in itertools.pairwise(factors.tolist()):
+            choices.append(Choice([one, onwards], [low, 0.0], [high, high], lacked(np.outer(mean, gain))))
+    return tuple(choices)
 
 
 def _with_history(course: Course, row: int) -> tuple[Array, Array, int]:

@@ -15,6 +15,7 @@ class Grids:
         limits: of commands and of servos' forces, shares of the largest, falling.
         dead: widths of dead zones, shares of the largest command.
         exponents: of the powers of commands.
+        fulls: commands at which a power is right, shares of the largest, rising.
         offsets: of encoders in time, s, from the earliest to the latest.
         filter: largest time constant of an encoder, s.
         velocity_filter: the same of a tachometer.
@@ -43,6 +44,7 @@ class Grids:
     limits: Sequence[float]
     dead: Sequence[float]
     exponents: Sequence[float]
+    fulls: Sequence[float]
     offsets: Sequence[float]
     filter: float
     velocity_filter: float

@@ -75,6 +75,13 @@ def test_an_effect_fits_its_own_logs_whose_peaks_differ(truth: list[str]) -> Non
 
 
 @needs_pinocchio
+def test_a_power_of_the_command_does_not_take_the_drive_away() -> None:
+    # Without drive, and with masses and dampings free, a machine of no mass would lack nothing.
+    known = left(*hidden("cogging", "site=wheel", "sine=0.04", "periods=9"))
+    assert known["cogging@wheel"] < rule().threshold < 100 * rule().threshold < known["command_power@motor"]
+
+
+@needs_pinocchio
 @pytest.mark.slow
 def test_what_a_free_parameter_does_is_of_the_class_of_the_base() -> None:
     # Damping is free; mass and damping together are as good as another torque.
