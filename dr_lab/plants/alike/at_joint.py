@@ -1,7 +1,7 @@
 """One joint of a machine along a course, as its rivals see it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -23,12 +23,14 @@ class AtJoint:
         grids: shapes that are tried.
         extent: how far all logs reach, this one among them.
         row: place of the joint.
+        borne: what a hidden dry friction bears at each joint while it holds it, N·m or N, shape (K, n); else 0.
     """
 
     course: Course
     grids: Grids
     extent: Extent
     row: int
+    borne: Array
 
     @property
     def name(self) -> str:
@@ -71,3 +73,13 @@ class AtJoint:
     def linear(self, *shapes: Array, positive: Sequence[bool] | bool = False) -> tuple[Choice]:
         """Forces at it, each of any size."""
         return linear(*map(self.pushed, shapes), positive=positive)
+
+    def dry(self, *shapes: Array, positive: Sequence[bool] | bool = True) -> tuple[Choice, ...]:
+        """Dry frictions of any size; one that is large enough also bears what holds the joint.
+
+        Where another dry friction does that already, it bears nothing; so both are tried.
+        """
+        (sliding,) = self.linear(*shapes, positive=positive)
+        if not any(joint == self.row for joint, _ in self.course.true_body.frictions):
+            return (sliding,)
+        return (replace(sliding, fixed=self.pushed(self.borne[:, self.row])), sliding)

@@ -15,7 +15,7 @@ from dr_lab.plants.alike.felt import Felt
 from dr_lab.plants.alike.forces import Forces
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.joint_rivals import joint_rivals
-from dr_lab.plants.alike.lacking import lacking, lacking_with
+from dr_lab.plants.alike.lacking import borne, lacking, lacking_with
 from dr_lab.plants.alike.regression import Regression
 from dr_lab.plants.alike.response import Signature, response
 from dr_lab.plants.alike.rival import Rival, lacked
@@ -95,7 +95,7 @@ class Classes:
     def _rivals(self, log: "_Log", extent: Extent) -> tuple[Rival, ...]:
         course, forces = log.course, log.forces
         return (
-            *joint_rivals(course, self.grids, extent, np.abs(forces.drive - forces.outside)),
+            *joint_rivals(course, self.grids, extent, np.abs(forces.drive - forces.outside), borne(course)),
             *actuator_rivals(course, self.grids, extent, forces),
             *body_rivals(course, self.grids, self.felt, log.command, log.base),
         )

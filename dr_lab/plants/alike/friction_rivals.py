@@ -26,25 +26,21 @@ def friction_rivals(at: AtJoint, load: Array) -> Iterator[Rival]:
 
 def _sliding(at: AtJoint, load: Array) -> Iterator[Rival]:
     q, v, sign = at.q, at.v, _direction(at)
-
-    def of(*shapes: Array, positive: tuple[bool, ...] | bool = True) -> tuple[Choice, ...]:
-        return at.linear(*shapes, positive=positive)
-
-    yield Rival(f"coulomb_friction@{at.name}", 1, of(-sign))
-    yield Rival(f"asymmetric_friction@{at.name}", 2, of(-sign, -(sign**2), positive=(True, False)))
-    drops = [of(-sign, -sign * np.exp(-((v / s) ** 2))) for s in at.speeds(at.grids.stribeck)]
+    yield Rival(f"coulomb_friction@{at.name}", 1, at.dry(-sign))
+    yield Rival(f"asymmetric_friction@{at.name}", 2, at.dry(-sign, -(sign**2), positive=(True, False)))
+    drops = [at.dry(-sign, -sign * np.exp(-((v / s) ** 2))) for s in at.speeds(at.grids.stribeck)]
     yield Rival(f"stribeck_friction@{at.name}", 3, tuple(choice for drop in drops for choice in drop))
-    turned = of(-sign, -sign * np.sin(q), -sign * np.cos(q), positive=(True, False, False))
+    turned = at.dry(-sign, -sign * np.sin(q), -sign * np.cos(q), positive=(True, False, False))
     yield Rival(f"position_dependent_friction@{at.name}", 3, turned)
-    yield Rival(f"load_dependent_friction@{at.name}", 1, of(-sign * load))
-    yields = at.ways(at.grids.displacements)
-    yield Rival(f"hysteresis@{at.name}", 2, tuple(of(-bent(v, at.course.step, y) / y)[0] for y in yields))
-    yield Rival(f"viscous_friction@{at.name}", 1, of(-v))
-    yield Rival(f"quadratic_drag@{at.name}", 1, of(-np.abs(v) * v))
+    yield Rival(f"load_dependent_friction@{at.name}", 1, at.dry(-sign * load))
+    yields = [at.linear(-bent(v, at.course.step, y) / y, positive=True)[0] for y in at.ways(at.grids.displacements)]
+    yield Rival(f"hysteresis@{at.name}", 2, tuple(yields))
+    yield Rival(f"viscous_friction@{at.name}", 1, at.linear(-v, positive=True))
+    yield Rival(f"quadratic_drag@{at.name}", 1, at.linear(-np.abs(v) * v, positive=True))
 
 
 def _direction(at: AtJoint) -> Array:
-    """Direction in which a joint slides; a held joint is braked by what it needs, which any dry friction gives."""
+    """Direction in which a joint slides, 0 while it is held."""
     return np.where(at.course.held[:, at.row], 0.0, at.course.direction[:, at.row])
 
 
@@ -64,8 +60,8 @@ def _creeping(at: AtJoint) -> Iterator[Rival]:
 def _soft(at: AtJoint) -> Rival:
     """Friction that grows with the speed up to its size, or is hard."""
     shapes = [-np.clip(at.v / creep, -1.0, 1.0) for creep in at.speeds(at.grids.creeps)]
-    choices = [at.linear(shape, positive=True)[0] for shape in (-_direction(at), *shapes)]
-    return Rival(f"soft_friction@{at.name}", 2, tuple(choices))
+    soft = [at.linear(shape, positive=True)[0] for shape in shapes]
+    return Rival(f"soft_friction@{at.name}", 2, (*at.dry(-_direction(at)), *soft))
 
 
 def _falling(at: AtJoint) -> Rival:
@@ -83,7 +79,7 @@ def _fading(at: AtJoint) -> Rival:
     sign, choices = _direction(at), []
     for rate in at.grids.rates:
         left = np.exp(-rate * at.course.middle)
-        choices += at.linear(-left * sign, -left * at.v, positive=True)
+        choices += at.dry(-left * sign, -left * at.v)
     return Rival(f"friction_drift@{at.name}", 3, tuple(choices))
 
 

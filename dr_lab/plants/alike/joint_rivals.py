@@ -14,7 +14,7 @@ from dr_lab.plants.alike.rival import Choice, Rival, along, linear, pushing, sho
 from dr_lab.trajectory import Array
 
 
-def joint_rivals(course: Course, grids: Grids, extent: Extent, load: Array) -> Iterator[Rival]:
+def joint_rivals(course: Course, grids: Grids, extent: Extent, load: Array, borne: Array) -> Iterator[Rival]:
     """Effects of every joint, its encoder's included.
 
     Args:
@@ -22,8 +22,9 @@ def joint_rivals(course: Course, grids: Grids, extent: Extent, load: Array) -> I
         grids: shapes that are tried.
         extent: how far all logs reach, this one among them.
         load: |drive − outside| at each joint, N·m or N, shape (K, n).
+        borne: what a hidden dry friction bears at each joint while it holds it, N·m or N, shape (K, n).
     """
-    places = [AtJoint(course, grids, extent, row) for row in range(len(course.machine.joints))]
+    places = [AtJoint(course, grids, extent, row, borne) for row in range(len(course.machine.joints))]
     for at in places:
         yield from friction_rivals(at, load[:, at.row])
         yield from _forces(at)

@@ -5,7 +5,9 @@ import numpy as np
 from dr_lab.plants.alike.course import Course, rigid
 from dr_lab.plants.body import Body
 from dr_lab.plants.dry_friction import DryFriction
+from dr_lab.plants.hidden.composite import Composite
 from dr_lab.plants.hidden.effect import HiddenEffect, Law
+from dr_lab.plants.hidden.several import Several
 from dr_lab.plants.memory import Bristle, Memory, SlowCommand
 from dr_lab.plants.mujoco_machine import MujocoMachine
 from dr_lab.trajectory import Array
@@ -50,6 +52,13 @@ def lacking_with(course: Course, effect: HiddenEffect) -> Array:
         rows[:, joint] += _rubbed(course, joint, friction)
         rows[course.held[:, joint], joint] = 0.0
     return rows
+
+
+def borne(course: Course) -> Array:
+    """What the hidden dry friction bears at the joints that it holds, N·m or N, shape (K, n); 0 while they slide."""
+    parts = course.effect.parts if isinstance(course.effect, Composite) else (course.effect,)
+    rest = Several({str(number): part for number, part in enumerate(parts) if not part.frictions()})
+    return np.where(course.held, lacking_with(course, rest), 0.0)
 
 
 def _columns(course: Course, body: Body) -> list[int]:

@@ -82,6 +82,22 @@ def test_a_power_of_the_command_does_not_take_the_drive_away() -> None:
 
 
 @needs_pinocchio
+@pytest.mark.parametrize(
+    "truth",
+    [
+        hidden("coulomb_friction", "site=shoulder", "torque=0.2"),
+        pytest.param(
+            hidden("asymmetric_friction", "site=shoulder", "mean=0.15", "asymmetry=0.1"), marks=pytest.mark.slow
+        ),
+    ],
+)
+def test_dry_friction_bears_what_holds_a_joint(truth: list[str]) -> None:
+    # The shoulder stands still at times; what friction bears there counted as missing, a χ² of thousands.
+    known = left(*truth, "plant.duration=1.2", "plant.peaks=[2.2]", machine="elbow")
+    assert known[truth_label(truth)] < rule().threshold < known["viscous_friction@shoulder"]
+
+
+@needs_pinocchio
 @pytest.mark.slow
 def test_what_a_free_parameter_does_is_of_the_class_of_the_base() -> None:
     # Damping is free; mass and damping together are as good as another torque.
