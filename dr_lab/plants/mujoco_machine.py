@@ -134,6 +134,15 @@ class MujocoMachine:
         """Distance of a body's centre of mass from its joint's axis, m."""
         return float(np.linalg.norm(self._arm(body)[1]))
 
+    def turns(self, body: str) -> bool:
+        """Whether a hinge between the world and a body turns it."""
+        row, hinge = self._row(body), int(mujoco.mjtJoint.mjJNT_HINGE)
+        while row:
+            if any(int(self.model.jnt_type[joint]) == hinge for joint in self._joints(row)):
+                return True
+            row = int(self.model.body_parentid[row])
+        return False
+
     def in_plane(self, body: str, places: Array) -> Array:
         """Places in the plane across a body's last hinge (m, shape (k, 2)), in its frame; none without a hinge."""
         joint = self._joints(self._row(body))[-1]

@@ -1,22 +1,23 @@
-"""What effects at an actuator could give along a course."""
+"""What effects at actuators could give along a course."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
+from dr_lab.plants.alike.at_drives import AtDrives, groups
 from dr_lab.plants.alike.course import Course, mean_held
 from dr_lab.plants.alike.extent import Extent
 from dr_lab.plants.alike.forces import Forces
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.response import Signature
-from dr_lab.plants.alike.rival import Choice, Rival, along, lacked, linear
+from dr_lab.plants.alike.rival import Choice, Rival, along, linear
 from dr_lab.trajectory import Array
 
 
 def actuator_rivals(course: Course, grids: Grids, extent: Extent, forces: Forces) -> Iterator[Rival]:
-    """Effects of every actuator.
+    """Effects of every actuator, then of all together.
 
     Args:
         course: where the machine moves.
@@ -24,81 +25,134 @@ def actuator_rivals(course: Course, grids: Grids, extent: Extent, forces: Forces
         extent: how far all logs reach, this one among them.
         forces: along the course.
     """
-    low, high = grids.gains
-    for name, force in forces.pulled.items():
-        yield Rival(f"gain_error@{name}", 1, (Choice([lacked(-force)], [low - 1], [high - 1]),))
-    for row, name in enumerate(course.machine.actuators):
-        whole = forces.driven[:, :, row]
-        if name in forces.pulled:
-            ends = extent.force[row] * np.array([1.0, *grids.limits])
-            yield Rival(f"force_limit@{name}", 1, along([lacked(whole - np.clip(whole, -end, end)) for end in ends]))
-        sent, gain = course.sent[row], forces.per_command[:, row]
-        mean = mean_held(sent, course.edge)
-        largest = float(extent.command[row])
-
-        def changed(values: Array, mean: Array = mean, gain: Array = gain) -> Signature:
-            return lacked(-np.outer(values - mean, gain))
-
-        late = [mean_held(replace(sent, edge=sent.edge + d), course.edge) for d in (0.0, *grids.delays)]
-        yield Rival(f"actuator_delay@{name}", 1, along([changed(values) for values in late]))
-        asked, steps, before = _with_history(course, row)
-        slow = [mean, *(lagged(asked, steps, constant)[before:] for constant in grids.lags)]
-        yield Rival(f"actuator_lag@{name}", 1, along([changed(values) for values in slow]))
-        ramps = [mean, *(ramped(asked, steps, largest / time)[before:] for time in grids.ramps)]
-        yield Rival(f"rate_limit@{name}", 1, along([changed(values) for values in ramps]))
-        cut = [mean_clipped(mean, share * largest) for share in (1.0, *grids.limits)]
-        yield Rival(f"saturation@{name}", 1, along([changed(values) for values in cut]))
-        dead = [np.sign(mean) * np.maximum(np.abs(mean) - share * largest, 0.0) for share in (0.0, *grids.dead)]
-        yield Rival(f"dead_zone@{name}", 1, along([changed(values) for values in dead]))
-        yield Rival(f"voltage_sag@{name}", 1, linear(lacked(np.outer(mean * np.abs(mean), gain)), positive=True))
-        yield Rival(f"command_power@{name}", 2, _powers(mean, gain, largest, grids))
-        low, high = grids.scales
-        yield Rival(f"torque_scale@{name}", 1, (Choice([lacked(-whole)], [low - 1], [high - 1]),))
-        yield _limited(course, grids, extent, whole, row)
-        coasting = np.abs(whole) * course.velocity
-        yield Rival(f"coasting_bridge@{name}", 1, linear(lacked(coasting), positive=True))
+    names = course.machine.actuators
+    every = range(len(names))
+    servos = [row for row in every if names[row] in forces.pulled]
+    motors = [row for row in every if row not in servos]
+    for rival, rows, sizeless in (
+        (_gain_error, servos, True),
+        (_force_limit, servos, False),
+        (_actuator_delay, every, True),
+        (_actuator_lag, every, True),
+        (_rate_limit, every, False),
+        (_saturation, every, False),
+        (_dead_zone, every, False),
+        (_voltage_sag, every, False),
+        (_command_power, motors, False),
+        (_torque_scale, every, True),
+        (_torque_speed_limit, motors, False),
+        (_coasting_bridge, motors, False),
+    ):
+        for group in groups(course, rows, sizeless=sizeless):
+            yield rival(AtDrives(course, grids, extent, forces, group))
 
 
-def _powers(mean: Array, gain: Array, largest: float, grids: Grids) -> tuple[Choice, ...]:
+def _gain_error(at: AtDrives) -> Rival:
+    low, high = at.grids.gains
+    stiffer = at.added(lambda row: at.forces.pulled[at.course.machine.actuators[row]])
+    return Rival(f"gain_error@{at.site}", 1, (Choice([stiffer], [low - 1], [high - 1]),))
+
+
+def _force_limit(at: AtDrives) -> Rival:
+    def cut(end: float) -> Signature:
+        return at.added(lambda row: np.clip(at.whole(row), -end, end) - at.whole(row))
+
+    return Rival(f"force_limit@{at.site}", 1, along([cut(share * at.strongest) for share in (1.0, *at.grids.limits)]))
+
+
+def _actuator_delay(at: AtDrives) -> Rival:
+    def late(delay: float) -> Signature:
+        sent = at.course.sent
+        return at.changed(lambda row: mean_held(replace(sent[row], edge=sent[row].edge + delay), at.course.edge))
+
+    return Rival(f"actuator_delay@{at.site}", 1, along([late(delay) for delay in (0.0, *at.grids.delays)]))
+
+
+def _actuator_lag(at: AtDrives) -> Rival:
+    slow = [_followed(at, lagged, constant) for constant in at.grids.lags]
+    return Rival(f"actuator_lag@{at.site}", 1, along([at.changed(at.means.__getitem__), *slow]))
+
+
+def _rate_limit(at: AtDrives) -> Rival:
+    ramps = [_followed(at, ramped, at.largest / time) for time in at.grids.ramps]
+    return Rival(f"rate_limit@{at.site}", 1, along([at.changed(at.means.__getitem__), *ramps]))
+
+
+def _followed(at: AtDrives, by: Callable[[Array, Array, float], Array], number: float) -> Signature:
+    """Commands as a driver follows them; it still shows what was sent before the first interval."""
+    time = at.course.path[0].time
+    earlier = time[time < at.course.edge[0]]
+    edge = np.concatenate([earlier, at.course.edge])
+    step, sent = np.diff(edge), at.course.sent
+    return at.changed(lambda row: by(mean_held(sent[row], edge), step, number)[len(earlier) :])
+
+
+def _saturation(at: AtDrives) -> Rival:
+    def cut(limit: float) -> Signature:
+        return at.changed(lambda row: np.clip(at.means[row], -limit, limit))
+
+    return Rival(f"saturation@{at.site}", 1, along([cut(share * at.largest) for share in (1.0, *at.grids.limits)]))
+
+
+def _dead_zone(at: AtDrives) -> Rival:
+    def dead(width: float) -> Signature:
+        return at.changed(lambda row: np.sign(at.means[row]) * np.maximum(np.abs(at.means[row]) - width, 0.0))
+
+    return Rival(f"dead_zone@{at.site}", 1, along([dead(share * at.largest) for share in (0.0, *at.grids.dead)]))
+
+
+def _voltage_sag(at: AtDrives) -> Rival:
+    sagging = at.acting(lambda row: -at.means[row] * np.abs(at.means[row]))
+    return Rival(f"voltage_sag@{at.site}", 1, linear(sagging, positive=True))
+
+
+def _command_power(at: AtDrives) -> Rival:
     """Powers of a command in its place, full (|u| / full)^p = (full / largest)^(1 − p) · largest (|u| / largest)^p.
 
     The factor stays within what each two neighbours of the grid of `full` give. At 0 there would be no drive, and with
     the masses and dampings free no machine either, which leaves nothing of anything.
     """
-    choices = []
-    for before, after in itertools.pairwise(grids.exponents):
-        one, two = (lacked(-np.outer(powered(mean, largest, exponent), gain)) for exponent in (before, after))
+
+    def power(exponent: float) -> Signature:
+        return at.acting(lambda row: powered(at.means[row], at.largest, exponent))
+
+    choices, taken = [], at.acting(lambda row: -at.means[row])
+    for before, after in itertools.pairwise(at.grids.exponents):
+        one, two = power(before), power(after)
         onwards = Signature(two.force - one.force, two.reading - one.reading)
-        factors = np.sort(np.asarray(grids.fulls) ** (1 - 0.5 * (before + after)))
+        factors = np.sort(np.asarray(at.grids.fulls) ** (1 - 0.5 * (before + after)))
         for low, high in itertools.pairwise(factors.tolist()):
-            choices.append(Choice([one, onwards], [low, 0.0], [high, high], lacked(np.outer(mean, gain))))
-    return tuple(choices)
+            choices.append(Choice([one, onwards], [low, 0.0], [high, high], taken))
+    return Rival(f"command_power@{at.site}", 2, tuple(choices))
 
 
-def _with_history(course: Course, row: int) -> tuple[Array, Array, int]:
-    """Means and lengths of the intervals, with some before the first; what is slow still shows what was sent there.
-
-    Returns:
-        Mean commands, lengths in s, and how many intervals are before the first.
-    """
-    time = course.path[0].time
-    earlier = time[time < course.edge[0]]
-    edge = np.concatenate([earlier, course.edge])
-    return mean_held(course.sent[row], edge), np.diff(edge), len(earlier)
+def _torque_scale(at: AtDrives) -> Rival:
+    low, high = at.grids.scales
+    return Rival(f"torque_scale@{at.site}", 1, (Choice([at.added(at.whole)], [low - 1], [high - 1]),))
 
 
-def _limited(course: Course, grids: Grids, extent: Extent, driven: Array, row: int) -> Rival:
-    """The limit that falls with speed, at the joint that the actuator drives alone."""
-    joint = int(np.abs(driven).sum(axis=0).argmax())
-    force, speed, choices = driven[:, joint], course.velocity[:, joint], []
-    for stall in extent.force[row] * np.asarray(grids.stalls):
-        points = []
-        for free in extent.speed[joint] * np.asarray(grids.speeds):
-            added = np.zeros_like(driven)
-            added[:, joint] = np.clip(force, -stall * (1 + speed / free), stall * (1 - speed / free)) - force
-            points.append(lacked(-added))
-        choices += along(points)
-    return Rival(f"torque_speed_limit@{course.machine.actuators[row]}", 2, tuple(choices))
+def _torque_speed_limit(at: AtDrives) -> Rival:
+    """The limit that falls with speed, at the joint that each actuator drives alone."""
+    fastest = max(float(at.extent.speed[at.joint(row)]) for row in at.rows)
+
+    def limited(stall: float, free: float) -> Signature:
+        def lost(row: int) -> Array:
+            whole, joint = at.whole(row), at.joint(row)
+            share, given = at.course.velocity[:, joint] / free, np.zeros_like(whole)
+            given[:, joint] = np.clip(whole[:, joint], -stall * (1 + share), stall * (1 - share)) - whole[:, joint]
+            return given
+
+        return at.added(lost)
+
+    choices = []
+    for stall in at.strongest * np.asarray(at.grids.stalls):
+        choices += along([limited(float(stall), share * fastest) for share in at.grids.speeds])
+    return Rival(f"torque_speed_limit@{at.site}", 2, tuple(choices))
+
+
+def _coasting_bridge(at: AtDrives) -> Rival:
+    coasting = at.added(lambda row: -np.abs(at.whole(row)) * at.course.velocity)
+    return Rival(f"coasting_bridge@{at.site}", 1, linear(coasting, positive=True))
 
 
 def lagged(mean: Array, step: Array, constant: float) -> Array:
@@ -120,11 +174,6 @@ def ramped(mean: Array, step: Array, rate: float) -> Array:
         shown[k] = u - away + np.sign(away) * rate * time * (1 - 0.5 * time / h)
         now += float(np.sign(away)) * rate * time
     return shown
-
-
-def mean_clipped(mean: Array, limit: float) -> Array:
-    """A command that is cut off."""
-    return np.clip(mean, -limit, limit)
 
 
 def powered(mean: Array, full: float, exponent: float) -> Array:

@@ -9,6 +9,7 @@ from dr_lab.plants.alike.course import Course
 from dr_lab.plants.alike.felt import Felt
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.lacking import lacking
+from dr_lab.plants.alike.response import Signature
 from dr_lab.plants.alike.rival import Rival, lacked, linear
 from dr_lab.plants.mujoco_machine import MujocoMachine
 from dr_lab.trajectory import Array
@@ -30,7 +31,9 @@ def body_rivals(course: Course, grids: Grids, felt: Felt, command: Array, base: 
         base: what the machine without any effect lacks, shape (K, n).
     """
     own = lacking(course, course.machine, np.zeros_like(command))
-    response = _Response(course, command, base, felt, float(np.abs(own).max()))
+    density, wind = course.machine.model.opt.density, course.machine.model.opt.wind
+    calm = course.machine.with_medium(-density, tuple(-wind)) if density > 0 else course.machine
+    response = _Response(course, command, base, felt, float(np.abs(own).max()), calm)
     for body in course.machine.bodies:
         yield from _of_body(response, body, grids)
     yield from _of_world(response)
@@ -46,6 +49,7 @@ class _Response:
         base: what the machine as it is lacks, shape (K, n).
         counts: what counts as felt.
         largest: force that inertia and gravity ask for along the course, N·m or N.
+        calm: the machine without medium.
     """
 
     course: Course
@@ -53,10 +57,30 @@ class _Response:
     base: Array
     counts: Felt
     largest: float
+    calm: MujocoMachine
 
     def slope(self, altered: MujocoMachine, by: float) -> Array:
         """Change of what is lacking, for each unit of what was altered."""
         return (lacking(self.course, altered, self.command) - self.base) / by
+
+    def weighed(self, body: str, places: Array) -> list[Array]:
+        """Change of what is lacking for each kg at each of some places in a body's frame, by inertia and weight alone.
+
+        To a medium a body is a box that grows with what is fixed to it: no load is told by that.
+        """
+        base = lacking(self.course, self.calm, self.command)
+        loaded = (self.calm.with_mass_at(body, _SMALL, place) for place in places)
+        return [(lacking(self.course, each, self.command) - base) / _SMALL for each in loaded]
+
+    def loads(self, body: str, places: Array) -> list[Signature]:
+        """What each kg at each of some places in a body's frame gives."""
+        machine = self.course.machine
+        return [lacked(self.slope(machine.with_mass_at(body, _SMALL, place), _SMALL)) for place in places]
+
+    def swing(self, body: str, axis: Array) -> Array:
+        """Change of what is lacking for each m by which a body's centre moves along an axis, of first order alone."""
+        ahead, behind = (self.course.machine.with_centre_moved(body, side * _SMALL * axis) for side in (1.0, -1.0))
+        return 0.5 * (self.slope(ahead, _SMALL) - self.slope(behind, _SMALL))
 
     def felt(self, *columns: Array) -> list[Array]:
         """Those of some slopes that change a force."""
@@ -69,16 +93,15 @@ def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
     near, middle, far = (slope(machine.with_load(body, _SMALL, share * lever), _SMALL) for share in (0.0, 1.0, 2.0))
     # What a point mass adds is of second order in its distance.
     bend, rise = 0.5 * (far - 2 * middle + near), 0.5 * (4 * middle - 3 * near - far)
-    loads = [lacked(near + share * rise + share**2 * bend) for share in grids.reaches]
-    yield Rival(f"payload@{body}", 2, tuple(linear(load, positive=True)[0] for load in loads))
-    points = [slope(machine.with_mass_at(body, _SMALL, place), _SMALL) for place in _PLACES]
+    reaches = grids.reaches if machine.turns(body) else [1.0]
+    loads = [lacked(near + share * rise + share**2 * bend) for share in reaches]
+    yield Rival(f"payload@{body}", 1 + machine.turns(body), tuple(linear(load, positive=True)[0] for load in loads))
     places = machine.in_plane(body, _IN_PLANE)
-    flat = felt(*(slope(machine.with_mass_at(body, _SMALL, place), _SMALL) for place in places))
-    if response.counts.together(points):
-        yield Rival(f"rigid_payload@{body}", len(points), linear(*map(lacked, points)))
-    elif len(flat) == len(_IN_PLANE) and response.counts.together(flat):
-        yield Rival(f"planar_payload@{body}", len(flat), linear(*map(lacked, flat)))
-    moved = felt(*(slope(machine.with_centre_moved(body, _SMALL * axis), _SMALL) for axis in np.eye(3)))
+    if response.counts.together(response.weighed(body, _PLACES)):
+        yield Rival(f"rigid_payload@{body}", len(_PLACES), linear(*response.loads(body, _PLACES)))
+    elif len(flat := felt(*response.weighed(body, places))) == len(_IN_PLANE) and response.counts.together(flat):
+        yield Rival(f"planar_payload@{body}", len(flat), linear(*response.loads(body, places)))
+    moved = felt(*(response.swing(body, axis) for axis in np.eye(3)))
     if moved:
         yield Rival(f"centre_of_mass_offset@{body}", len(moved), linear(*map(lacked, moved)))
     if machine.link(body):
@@ -89,7 +112,7 @@ def _of_body(response: _Response, body: str, grids: Grids) -> Iterator[Rival]:
     if wider:
         yield Rival(f"inertia_error@{body}", 1, linear(*map(lacked, wider)))
     pulls = _pulls(response.course, body)
-    anchor = len(felt(*pulls[1:]))
+    anchor = len(felt(*pulls[1:])) if machine.turns(body) else 0
     if anchor:
         signs = (True, False, False, False)
         yield Rival(f"cable_force@{body}", 2 + anchor, linear(*map(lacked, pulls), positive=signs))

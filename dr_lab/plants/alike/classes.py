@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from dr_lab.plants.alike.actuator_rivals import actuator_rivals
+from dr_lab.plants.alike.at_joint import AtJoint
 from dr_lab.plants.alike.body_rivals import body_rivals
 from dr_lab.plants.alike.course import Course, courses, rigid
 from dr_lab.plants.alike.extent import Extent
 from dr_lab.plants.alike.felt import Felt
 from dr_lab.plants.alike.forces import Forces
 from dr_lab.plants.alike.grids import Grids
-from dr_lab.plants.alike.joint_rivals import joint_rivals
+from dr_lab.plants.alike.joint_rivals import joint_rivals, tachometer_rivals
 from dr_lab.plants.alike.lacking import borne, lacking, lacking_with
 from dr_lab.plants.alike.regression import Regression
 from dr_lab.plants.alike.response import Signature, response
@@ -83,7 +84,7 @@ class Classes:
     def _along(self, log: "_Log", asked: "_Asked", nearest: Sequence[int | None]) -> Regression:
         """The regression of one log."""
         bench, course, parts = asked.bench, log.course, _parts(asked.bench)
-        freed, rivals = [lacked(force) for force in _free(log, bench, asked.seed)], self._rivals(log, asked.extent)
+        freed, rivals = [lacked(force) for force in _free(log, bench, asked.seed)], tuple(self._rivals(log, asked))
         choices = [choice for rival in rivals for choice in rival.choices]
         beside = [() if place is None else choices[place].columns for place in nearest]
         common = [*(_truth(course, parts, part) for part in parts), *freed, *itertools.chain(*beside)]
@@ -92,13 +93,14 @@ class Classes:
         products = seen.inner_products(common, [choice.signatures for choice in choices], window)
         return Regression(products, len(parts), len(freed), rivals, [len(each) for each in beside])
 
-    def _rivals(self, log: "_Log", extent: Extent) -> tuple[Rival, ...]:
-        course, forces = log.course, log.forces
-        return (
-            *joint_rivals(course, self.grids, extent, np.abs(forces.drive - forces.outside), borne(course)),
-            *actuator_rivals(course, self.grids, extent, forces),
-            *body_rivals(course, self.grids, self.felt, log.command, log.base),
-        )
+    def _rivals(self, log: "_Log", asked: "_Asked") -> Iterator[Rival]:
+        course, forces, rows = log.course, log.forces, range(len(log.course.machine.joints))
+        places = [AtJoint(course, self.grids, asked.extent, row, log.borne) for row in rows]
+        yield from joint_rivals(places, np.abs(forces.drive - forces.outside))
+        if isinstance(asked.bench.instruments.velocity, Tachometers):
+            yield from tachometer_rivals(places)
+        yield from actuator_rivals(course, self.grids, asked.extent, forces)
+        yield from body_rivals(course, self.grids, self.felt, log.command, log.base)
 
 
 @dataclass(frozen=True)
@@ -110,18 +112,20 @@ class _Log:
         command: mean over each interval, shape (K, actuators).
         base: what the machine without any effect lacks, N·m or N, shape (K, n).
         forces: along the course.
+        borne: what the hidden dry friction bears at the joints that it holds, N·m or N, shape (K, n).
     """
 
     course: Course
     command: Array
     base: Array
     forces: Forces
+    borne: Array
 
     @classmethod
     def of(cls, course: Course) -> "_Log":
         command = course.mean_command(NoEffect())
         base = lacking(course, course.machine, command)
-        return cls(course, command, base, Forces.of(course, command, base))
+        return cls(course, command, base, Forces.of(course, command, base), borne(course))
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,9 @@ def _sliding(at: AtJoint, load: Array) -> Iterator[Rival]:
     yield Rival(f"asymmetric_friction@{at.name}", 2, at.dry(-sign, -(sign**2), positive=(True, False)))
     drops = [at.dry(-sign, -sign * np.exp(-((v / s) ** 2))) for s in at.speeds(at.grids.stribeck)]
     yield Rival(f"stribeck_friction@{at.name}", 3, tuple(choice for drop in drops for choice in drop))
-    turned = at.dry(-sign, -sign * np.sin(q), -sign * np.cos(q), positive=(True, False, False))
-    yield Rival(f"position_dependent_friction@{at.name}", 3, turned)
+    if not at.slides:
+        turned = at.dry(-sign, -sign * np.sin(q), -sign * np.cos(q), positive=(True, False, False))
+        yield Rival(f"position_dependent_friction@{at.name}", 3, turned)
     yield Rival(f"load_dependent_friction@{at.name}", 1, at.dry(-sign * load))
     yields = [at.linear(-bent(v, at.course.step, y) / y, positive=True)[0] for y in at.ways(at.grids.displacements)]
     yield Rival(f"hysteresis@{at.name}", 2, tuple(yields))

@@ -1,30 +1,23 @@
 """What effects at a joint could give along a course."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from dr_lab.plants.alike.at_joint import AtJoint
-from dr_lab.plants.alike.course import Course
-from dr_lab.plants.alike.extent import Extent
 from dr_lab.plants.alike.friction_rivals import friction_rivals
-from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.response import Signature
 from dr_lab.plants.alike.rival import Choice, Rival, along, linear, pushing, showing
 from dr_lab.trajectory import Array
 
 
-def joint_rivals(course: Course, grids: Grids, extent: Extent, load: Array, borne: Array) -> Iterator[Rival]:
+def joint_rivals(places: Sequence[AtJoint], load: Array) -> Iterator[Rival]:
     """Effects of every joint, its encoder's included.
 
     Args:
-        course: where the machine moves.
-        grids: shapes that are tried.
-        extent: how far all logs reach, this one among them.
+        places: all joints, in order.
         load: |drive − outside| at each joint, N·m or N, shape (K, n).
-        borne: what a hidden dry friction bears at each joint while it holds it, N·m or N, shape (K, n).
     """
-    places = [AtJoint(course, grids, extent, row, borne) for row in range(len(course.machine.joints))]
     for at in places:
         yield from friction_rivals(at, load[:, at.row])
         yield from _forces(at)
@@ -33,12 +26,21 @@ def joint_rivals(course: Course, grids: Grids, extent: Extent, load: Array, born
             yield _coupled(at)
 
 
+def tachometer_rivals(places: Sequence[AtJoint]) -> Iterator[Rival]:
+    """Effects of every joint's tachometer, whose readings q' follow late: q' = w + c w'."""
+    for at in places:
+        rate = at.course.measured_speed[at.row].rate(at.course.middle)
+        smooth = Choice([showing(at.row, at.joints, speed=-rate)], [0.0], [at.grids.velocity_filter])
+        yield Rival(f"velocity_low_pass@{at.name}", 1, (smooth,))
+
+
 def _forces(at: AtJoint) -> Iterator[Rival]:
     q, joint = at.q, at.name
     # What these give is not linear in anything: they have no rivals' shapes, but a number of parameters.
     yield Rival(f"backlash@{joint}", 2)
     yield Rival(f"joint_elasticity@{joint}", 3)
     yield Rival(f"motor_side_elasticity@{joint}", 3)
+    yield Rival(f"flexible_mode@{joint}", 3)
     one = np.ones_like(q)
     yield Rival(f"spring@{joint}", 2, at.linear(-q, one))
     yield Rival(f"hardening_spring@{joint}", 2, at.linear(-(q**3)))
@@ -49,7 +51,7 @@ def _forces(at: AtJoint) -> Iterator[Rival]:
     upper, lower, inwards = at.extent.highest[at.row], at.extent.lowest[at.row], at.ways(at.grids.stops)
     above = [at.linear(-np.maximum(q - (upper - far), 0.0), positive=True)[0] for far in inwards]
     below = [at.linear(np.maximum(lower + far - q, 0.0), positive=True)[0] for far in inwards]
-    yield Rival(f"end_stop@{joint}", 2, (*above, *below))
+    yield Rival(f"end_stop@{joint}", 4, (*above, *below))
 
 
 def _coupled(at: AtJoint) -> Rival:
@@ -91,5 +93,3 @@ def _readings(at: AtJoint) -> Iterator[Rival]:
     yield Rival(f"sensor_time_offset@{at.name}", 1, along(late))
     slow = shown(-measured.rate(now), -spun.rate(now))
     yield Rival(f"sensor_low_pass@{at.name}", 1, (Choice([slow], [0.0], [grids.filter]),))
-    smooth = shown(speed=-spun.rate(now))
-    yield Rival(f"velocity_low_pass@{at.name}", 1, (Choice([smooth], [0.0], [grids.velocity_filter]),))
