@@ -53,9 +53,9 @@ def named(*truths: str, answer: str = A, seed: int = 0, **more: object) -> Outco
 
 
 def pretended(case: Case, log: Path) -> Outcome:
-    """Answers at once what the seed says, and notes in a file that it was asked; seed 13 fails."""
+    """Answers at once what the seed says and notes in a file that it was asked; 12 has no finite χ², 13 fails."""
     with log.open("a") as file:
         file.write(f"{case.name} {os.environ['OMP_NUM_THREADS']}\n")
     if case.seed == 13:
         raise DataError("no logs")
-    return outcome_of(case.kind, seed=case.seed, chi2=1.0 + case.seed)
+    return outcome_of(case.kind, seed=case.seed, chi2=float("inf") if case.seed == 12 else 1.0 + case.seed)

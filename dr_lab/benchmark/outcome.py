@@ -1,8 +1,10 @@
 """What the diagnosis answered to one case, as it is kept in a file."""
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from dr_lab.benchmark.case import Case
 from dr_lab.reports.plain import Number, from_plain, to_plain
@@ -92,11 +94,18 @@ class Outcome:
         read = {
             "case": from_plain(Case, fields["case"]),
             "truths": truths,
-            "standing": {truth: from_plain(Standing, each) for truth, each in fields["standing"].items() if each},
+            "standing": {
+                truth: from_plain(Standing, _known(each)) for truth, each in fields["standing"].items() if each
+            },
             "magnitudes": numbers_of(truths, fields["magnitudes"]),
+            **{key: {truth: _known(own) for truth, own in fields.get(key, {}).items()} for key in ("fitted", "stated")},
         }
-        unknown = {key: float("nan") for key in ("chi2_base", "chi2") if fields[key] is None}
-        return Outcome(**{**fields, **read, **unknown})
+        return Outcome(**{**_known(fields), **read})
+
+
+def _known(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Fields of a file whose numbers that were not finite are NaN again."""
+    return {key: math.nan if value is None else value for key, value in fields.items()}
 
 
 def numbers_of(truths: Sequence[str], parameters: Mapping[str, object]) -> dict[str, dict[str, float]]:

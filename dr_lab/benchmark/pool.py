@@ -82,7 +82,7 @@ def _kept(case: Case, diagnose: Diagnose, folder: Path) -> Outcome | str:
         place = traceback.extract_tb(error.__traceback__)[-1]
         return f"{type(error).__name__}: {error} ({Path(place.filename).name}:{place.lineno})"
     keep(folder, {case: outcome})
-    return outcome
+    return Outcome.from_json(outcome.to_json())  # as a run that is resumed reads it
 
 
 @contextmanager

@@ -89,19 +89,22 @@ def within_stated(outcome: Outcome, parameter_aliases: Aliases) -> list[bool]:
         return []
     held = []
     for truth, short, value in _main_parameters(outcome, parameter_aliases):
-        std = outcome.stated.get(truth, {}).get(short)
-        if std is not None:
+        std = outcome.stated.get(truth, {}).get(short, np.nan)
+        if np.isfinite(std):
             given = 1 / value if short.startswith("inverse_") else value
             held.append(abs(abs(outcome.fitted[truth][short]) - abs(given)) <= DEVIATIONS * std)
     return held
 
 
 def _main_parameters(outcome: Outcome, parameter_aliases: Aliases) -> Iterator[tuple[str, str, float]]:
-    """Each truth that was found with the short name of its main parameter and the plant's number for it."""
+    """Each truth that was found with the short name of its main parameter and the plant's number for it.
+
+    A truth whose fitted number is not finite is left out: nothing is known of it.
+    """
     for truth, fitted in outcome.fitted.items():
         own, names = outcome.magnitudes.get(truth, {}), parameter_aliases.get(truth.partition("@")[0], {})
         main = next(((names.get(n, n), v) for n, v in own.items() if names.get(n, n) in fitted and v), None)
-        if main is not None:
+        if main is not None and np.isfinite(fitted[main[0]]):
             yield truth, *main
 
 

@@ -1,12 +1,14 @@
 """Cases side by side: a run that was stopped and resumed ends as one that was not."""
 
 import functools
+from math import isnan
 from pathlib import Path
 
 import pytest
 from pretended_cases import case_of, outcome_of, pretended
 
 from dr_lab.benchmark.case import BenchmarkMachine, CaseSet, expand
+from dr_lab.benchmark.outcome import Outcome
 from dr_lab.benchmark.pool import finished, keep, run_cases
 from dr_lab.errors import ConfigError, UnknownNameError
 
@@ -37,6 +39,15 @@ def test_resumed_equals_uninterrupted(tmp_path: Path) -> None:
     assert len(files(tmp_path / "whole")) == 3
     (failed,) = [outcome for outcome in whole.values() if isinstance(outcome, str)]
     assert failed.startswith("DataError: no logs (pretended_cases.py:")
+
+
+def test_a_number_that_is_not_finite_is_the_same_fresh_and_resumed(tmp_path: Path) -> None:
+    case = case_of("none", seed=12)
+    asked = functools.partial(pretended, log=tmp_path / "asked")
+    fresh = dict(run_cases([case], asked, tmp_path / "cases", 1))[case]
+    assert isinstance(fresh, Outcome)
+    assert isnan(fresh.chi2)
+    assert isnan(finished(tmp_path / "cases", [case])[case].chi2)
 
 
 def test_files_of_other_settings_are_not_taken_over(tmp_path: Path) -> None:

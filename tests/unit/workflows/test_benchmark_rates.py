@@ -12,8 +12,9 @@ from PIL import Image
 from pretended_cases import A, B, C, case_of, named, outcome_of
 from recorder_samples import read_recording
 
+from dr_lab.benchmark.outcome import Outcome
 from dr_lab.benchmark.pages import report_page
-from dr_lab.benchmark.rates import parameter_errors, rate, rates, within_stated
+from dr_lab.benchmark.rates import medians, parameter_errors, rate, rates, within_stated
 from dr_lab.benchmark.scoring import Goals, Scoring
 from dr_lab.benchmark.summary import answers, benchmark_report, cases_csv
 from dr_lab.cli.folders import shipped
@@ -109,6 +110,16 @@ def test_stated_intervals_are_counted_where_the_answer_is_right(
     assert within_stated(limit, ALIASES) == within
     found = rates([limit, *OUTCOMES], ALIASES)["parameter_within_stated"]
     assert [found and (found.count, found.of)] == ([(sum(within), 1)] if within else [None])
+
+
+@pytest.mark.parametrize(("fitted", "std"), [(0.5, np.inf), (0.5, np.nan), (np.nan, 0.1), (np.inf, 0.1)])
+def test_what_is_not_finite_counts_nowhere_fresh_or_read_back(fitted: float, std: float) -> None:
+    fresh = named(A, magnitudes={A: {"torque": 1.0}}, fitted={A: {"torque": fitted}}, stated={A: {"torque": std}})
+    errors = {f"{A}.torque": 0.5} if np.isfinite(fitted) else {}
+    for outcome in (fresh, Outcome.from_json(fresh.to_json())):
+        assert within_stated(outcome, ALIASES) == []
+        assert parameter_errors(outcome, ALIASES) == errors
+        assert medians([outcome], ALIASES)["median_parameter_error"] == (0.5 if errors else None)
 
 
 def test_the_report_holds_goals_machines_and_misses(tmp_path: Path) -> None:

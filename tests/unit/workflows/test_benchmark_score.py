@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from pretended_cases import STANDING, A, B, C, named, outcome_of
 
@@ -99,6 +100,18 @@ def test_an_outcome_survives_its_file() -> None:
     again = Outcome.from_json(outcome.to_json())
     assert again == outcome
     assert hash(again.case) == hash(outcome.case)
+
+
+def test_numbers_that_are_not_finite_come_back_as_nan() -> None:
+    unknown = replace(STANDING, chi2=np.inf, gap=np.nan)
+    outcome = named(
+        A, standing={A: unknown}, fitted={A: {"torque": np.nan}}, stated={A: {"torque": np.inf}}, chi2=np.inf
+    )
+    again = Outcome.from_json(outcome.to_json())
+    back = (again.standing[A].chi2, again.standing[A].gap, again.fitted[A]["torque"], again.stated[A]["torque"])
+    assert np.isnan(np.array([*back, again.chi2], dtype=float)).all()
+    assert Outcome.from_json(again.to_json()).to_json() == outcome.to_json()
+    assert cause(replace(again, found=[[B]])).startswith(f"{A} came 2. with χ² –")
 
 
 def test_an_outcome_of_an_earlier_version_is_read() -> None:
