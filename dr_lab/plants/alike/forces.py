@@ -17,8 +17,8 @@ class Forces:
     """Forces at the joints, N·m or N.
 
     Attributes:
-        drive: what the commands add to that of no command, shape (K, n).
-        outside: of gravity and of the motion itself, and of a position controller without command, shape (K, n).
+        drive: of all actuators, position controllers' feedback included, shape (K, n).
+        outside: of gravity and of the motion itself, shape (K, n).
         per_command: a unit of each command, shape (n, actuators).
         driven: of each actuator, all of it, shape (K, n, actuators).
         pulled: of each position controller, what its proportional gain makes, shape (K, n), by its name.
@@ -39,14 +39,17 @@ class Forces:
             (base - lacking(course, machine.with_drive_scaled(name, 1 + _SHARE), command)) / _SHARE
             for name in machine.actuators
         ]
+        driven, idling = np.stack(scaled, axis=2), machine
+        for name in machine.actuators:
+            idling = idling.with_drive_scaled(name, 0.0)
         zero = [0.0] * len(machine.joints)
         idle = np.asarray(machine.terms(zero, zero, none[0].tolist(), zero)[1])
         unit = [np.asarray(machine.terms(zero, zero, one, zero)[1]) - idle for one in np.eye(none.shape[1]).tolist()]
         return cls(
-            drive=lacking(course, machine, none) - base,
-            outside=machine.model.dof_damping * course.velocity - lacking(still, machine, none),
+            drive=driven.sum(axis=2),
+            outside=machine.model.dof_damping * course.velocity - lacking(still, idling, none),
             per_command=np.stack(unit, axis=1),
-            driven=np.stack(scaled, axis=2),
+            driven=driven,
             pulled={
                 name: (base - lacking(course, machine.with_stiffness_scaled(name, 1 + _SHARE), command)) / _SHARE
                 for name in machine.actuators
