@@ -38,6 +38,8 @@ from nulls.trial import Null, judge
 from rich.console import Console
 from rich.table import Table
 
+from dr_lab.seeding import derived_seed
+
 SIZES = (0.0, 1.0, 3.0, 10.0)  # of the model error, in noise standard deviations
 ARM_EVERY = 8  # the pendulum is four times cheaper
 STATED = 0.99
@@ -58,7 +60,7 @@ def nulls(kinds: Sequence[str], sizes: Sequence[float], count: int) -> list[Null
 
 def _seed(noise: str, size: float, turn: int) -> int:
     """A seed of its own for each null, the same whichever others are asked for."""
-    return 100_000 * list(NOISES).index(noise) + 1_000 * round(size) + turn
+    return derived_seed(turn, "null", noise, str(float(size)))
 
 
 def name(row: Row) -> str:

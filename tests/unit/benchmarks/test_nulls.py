@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from calibration import nulls
 from nulls.machines import PENDULUM, PERIOD, Missing, move
 from nulls.noise import CORRELATION, CUTOFF, NOISES
 from scipy.signal import welch
@@ -53,3 +54,10 @@ def test_a_simulated_machine_starts_alike_and_parts_by_its_model_error() -> None
     )
     np.testing.assert_array_equal(plain[:, 0], wrong[:, 0])
     assert 0.01 < np.sqrt(np.mean((plain - wrong) ** 2)) < 1.0
+
+
+def test_every_null_has_a_seed_of_its_own_whichever_others_are_asked_for() -> None:
+    many = nulls(["white", "coloured"], [0.0, 0.4, 1.0], 24)
+    assert len({null.seed for null in many}) == 24
+    few = nulls(["white"], [0.4], 4)
+    assert {null.seed for null in few} == {null.seed for null in many if (null.noise, null.size) == ("white", 0.4)}
