@@ -38,7 +38,7 @@ def rates_page(report: BenchmarkReport) -> str:
     rows = []
     for name, said in SAID.items():
         goal = report.goals.get(name)
-        told = ("", "") if goal is None else (goal.goal, {True: "met", False: "MISSED", None: ""}[goal.met])
+        told = ("", "") if goal is None else (goal.goal, {True: "met", False: "MISSED", None: "not judged"}[goal.met])
         rows.append([said, *_figure(report, name), *told])
     failed = [f"- failed: {name}: {message}" for name, message in report.failed.items()]
     rows = [row for row in rows if row[1] != ABSENT]

@@ -19,6 +19,8 @@ from dr_lab.reports.plain import finite
 def benchmark_report(outcomes: Sequence[Outcome], failed: Mapping[Case, str], scoring: Scoring) -> BenchmarkReport:
     """The report as it is written.
 
+    A case that failed is in no rate. While there is one, no goal is judged: it might have been missed there.
+
     Args:
         outcomes: the judged cases.
         failed: cases that ended with an error, and what it said.
@@ -36,10 +38,12 @@ def benchmark_report(outcomes: Sequence[Outcome], failed: Mapping[Case, str], sc
             failed={case.name: message for case, message in failed.items()},
             rates=found,
             medians=middle,
-            goals={name: GoalEntry(goals.of(name), goals.met(name, v)) for name, v in values.items() if goals.of(name)},
-            machines={
-                k: MachineEntry(len(own), rates(own, aliases), medians(own, aliases)) for k, own in of_machine.items()
+            goals={
+                name: GoalEntry(goals.of(name), None if failed else goals.met(name, value))
+                for name, value in values.items()
+                if goals.of(name)
             },
+            machines={name: _machine(own, aliases) for name, own in of_machine.items()},
             misses=tuple(_entry(outcome, aliases) for outcome in outcomes if not mark(outcome).right),
         )
     )

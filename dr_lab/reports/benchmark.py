@@ -21,7 +21,7 @@ class Rate:
 
 @dataclass(frozen=True)
 class GoalEntry:
-    """What a figure should reach, and whether it does; None where the figure is not known."""
+    """What a figure should reach, and whether it does; None where the figure is not known or a case failed."""
 
     goal: str
     met: bool | None

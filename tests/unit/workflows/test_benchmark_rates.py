@@ -125,7 +125,10 @@ def test_what_is_not_finite_counts_nowhere_fresh_or_read_back(fitted: float, std
 def test_the_report_holds_goals_machines_and_misses(tmp_path: Path) -> None:
     failed = {case_of("none", seed=9): "DataError: no logs"}
     found = benchmark_report(OUTCOMES, failed, Scoring(GOALS, ALIASES, {}))
-    assert found.goals == {"top_1": GoalEntry("≥ 0.7", met=False), "false_alarm": GoalEntry("≤ 0.02", met=False)}
+    assert found.goals == {"top_1": GoalEntry("≥ 0.7", met=None), "false_alarm": GoalEntry("≤ 0.02", met=None)}
+    judged = benchmark_report(OUTCOMES, {}, Scoring(GOALS, ALIASES, {}))
+    assert judged.goals == {"top_1": GoalEntry("≥ 0.7", met=False), "false_alarm": GoalEntry("≤ 0.02", met=False)}
+    assert "| 2 of 4 | ≥ 0.7 | MISSED |" in report_page(judged, OUTCOMES, ALIASES).markdown()
     assert found.medians["median_chi2"] == pytest.approx(1.01)
     assert found.machines["crank"].cases == found.cases == 8
     assert [row.truth for row in found.misses] == [A, B, "none"]
@@ -133,7 +136,7 @@ def test_the_report_holds_goals_machines_and_misses(tmp_path: Path) -> None:
     write_json(path, found)
     assert typed(BenchmarkReport, json.loads(path.read_text(encoding="utf-8")), path) == found
     page = report_page(found, OUTCOMES, ALIASES).markdown()
-    assert "| effect and site right, one hidden effect | 50 % | 15 % … 85 % | 2 of 4 | ≥ 0.7 | MISSED |" in page
+    assert "| effect and site right, one hidden effect | 50 % | 15 % … 85 % | 2 of 4 | ≥ 0.7 | not judged |" in page
     assert "failed: crank-none-encoders-9: DataError: no logs" in page
     rows = list(csv.DictReader(io.StringIO(cases_csv(OUTCOMES, ALIASES))))
     assert [row["right"] for row in rows] == ["True", "True", "False", "False", "True", "True", "False", "True"]
