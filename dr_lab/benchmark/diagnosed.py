@@ -27,7 +27,11 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
         case: what to diagnose.
         compose: gives the arguments of a verb, built from its name and overrides.
         classes: finds the equivalence classes by which the answer is scored.
+
+    Raises:
+        ConfigError: they cannot be found for the case.
     """
+    classes.require(case, compose)
     observed, begin = observe(case, compose), (time.process_time(), time.monotonic())
     truths = observed.truths if case.kind != "outside" else ()
     most = len(truths) + 1 if case.kind == "several" else 0

@@ -18,6 +18,14 @@ from dr_lab.effects.catalogue import candidates
 class TruthClasses(ABC):
     """What finds out which effects given logs cannot tell from the truths."""
 
+    def require(self, case: Case, compose: Compose) -> None:
+        """Refuse a case whose classes cannot be found, before it is diagnosed; none is refused unless a rule says so.
+
+        Raises:
+            ConfigError: the rule does not apply to the case.
+        """
+        del case, compose
+
     @abstractmethod
     def of(
         self, case: Case, truths: Sequence[str], found: Sequence[Sequence[str]], observed: Observed, compose: Compose

@@ -1,5 +1,6 @@
 """Equivalence classes that are known beforehand, predicted from the truth."""
 
+import functools
 from dataclasses import replace
 from functools import cache
 
@@ -8,7 +9,12 @@ import pytest
 from hydra.utils import instantiate
 from strangers import needs_pinocchio
 
+from dr_lab.benchmark.case import Case
+from dr_lab.benchmark.predicted import PredictedClasses
+from dr_lab.cli.arguments import compose_arguments
 from dr_lab.cli.compose import compose
+from dr_lab.cli.folders import shipped
+from dr_lab.errors import ConfigError
 from dr_lab.plants.alike.actuator_rivals import lagged, powered, ramped
 from dr_lab.plants.alike.classes import Classes
 from dr_lab.plants.alike.course import mean_held
@@ -194,6 +200,13 @@ def test_a_centre_farther_out_is_a_payload_and_less_mass() -> None:
     moved = hidden("centre_of_mass_offset", "site=forearm", "offset=[0.01,0.0,0.0]")
     (known,) = classes(*moved, machine="elbow").values()
     assert known.keys() == {"centre_of_mass_offset@forearm", "payload@forearm"}
+
+
+def test_machines_whose_equations_are_written_out_are_refused_before_they_are_diagnosed() -> None:
+    case = Case("pendulum", "single", "spring", "own", 1, ("plant=pendulum",), (), label="hung")
+    arguments = functools.partial(compose_arguments, folders=(shipped(),))
+    with pytest.raises(ConfigError, match=r"Case hung: .* Pendulum, whose equations .* Give classes=ranked"):
+        PredictedClasses(rule()).require(case, arguments)
 
 
 def test_a_filtered_path_is_that_of_the_closed_form() -> None:
