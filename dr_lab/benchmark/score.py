@@ -12,6 +12,10 @@ _TOP = 3
 class Mark:
     """How an outcome is judged.
 
+    With several hidden effects an extra one that nobody hid does not undo what was found: an answer that finds every
+    truth and names an invented effect beside them, without rivals, is `right` and `false` at once. It counts in the
+    rate of what was found and in that of what was named wrongly.
+
     Attributes:
         right: without anything hidden, ``none``; with something outside of the catalogue, ``unexplained``; with one
             effect, `named` with a member of its class, `equivalent` with exactly the class, or `none` that lists an
