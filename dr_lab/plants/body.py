@@ -22,7 +22,7 @@ class Body:
         at_motor: joints whose encoder sits at their hidden motor.
 
     Raises:
-        ConfigError: two dry frictions sit at one joint.
+        ConfigError: two dry frictions sit at one joint, or two memories of a kind at one place, bristles apart.
         UnknownNameError: an effect names a joint, body or actuator that the machine does not have.
     """
 
@@ -43,12 +43,19 @@ class Body:
         frictions = tuple((place(friction.joint), friction) for friction in effect.frictions())
         if len({joint for joint, _ in frictions}) < len(frictions):
             raise ConfigError(f"Hidden effect {effect.label}: two dry frictions at one joint; give their sum as one.")
+        memories = tuple((_kept_at(memory, machine), memory) for memory in effect.memories())
+        slow = [(type(memory), place) for place, memory in memories if not isinstance(memory, Bristle)]
+        if len(set(slow)) < len(slow):
+            raise ConfigError(
+                f"Hidden effect {effect.label}: two memories of a kind at one place, as two lags at an actuator, "
+                "of which the last alone would act; give one, or put them at two places."
+            )
         return cls(
             effect.alter(machine),
             tuple((place(joint), law) for joint, law in effect.forces()),
             frictions,
             tuple((place(rotor.joint), rotor) for rotor in (*effect.oscillators(), *effect.motors())),
-            tuple((_kept_at(memory, machine), memory) for memory in effect.memories()),
+            memories,
             frozenset(place(joint) for joint in machine.joints if effect.read_at_motor(joint)),
         )
 

@@ -187,7 +187,7 @@ class Rig:
         position = np.take_along_axis(states[:, body.read_columns], where, axis=0)
         velocity = np.take_along_axis(states[:, body.velocity_columns], where, axis=0)
         columns = [self.hidden.reading(joint, sampled, position[:, row]) for row, joint in enumerate(joints)]
-        return np.stack(columns, axis=1) + [self.hidden.reading_bias(joint) for joint in joints], velocity, command
+        return np.stack(columns, axis=1), velocity, command
 
     def moved(self, machine: Machine, issued: Array, instants: Array, wish: Array) -> tuple[Array, Array]:
         """How the machine moves with what is hidden in it: states as by `motion.simulate`, and the commands.

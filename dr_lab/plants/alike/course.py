@@ -101,8 +101,7 @@ class Course:
     def _read(self, effect: HiddenEffect, seen: Sequence[Path]) -> Sequence[Path]:
         paths = []
         for path, joint in zip(self._late(effect, seen), self.machine.joints, strict=True):
-            shown = effect.reading(joint, path.time, path.value) + effect.reading_bias(joint)
-            paths.append(Path(path.time, shown))
+            paths.append(Path(path.time, effect.reading(joint, path.time, path.value)))
         return paths
 
     @cached_property

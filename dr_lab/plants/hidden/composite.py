@@ -12,7 +12,11 @@ from dr_lab.trajectory import Array
 
 
 class Composite(HiddenEffect):
-    """Each part on top of the one before: a command passes the first, then the next."""
+    """Each part on top of the one before: a command passes the first, then the next; so does a position that is read.
+
+    What remembers stands apart from that order, next to the machine: a lag follows what all parts make of a command,
+    and all parts make a reading of what a filter shows. So there is at most one of a kind at a place.
+    """
 
     @property
     @abstractmethod
@@ -64,10 +68,6 @@ class Composite(HiddenEffect):
     def reading_delay(self, joint: str) -> float:
         """The sum of the delays."""
         return sum(part.reading_delay(joint) for part in self.parts)
-
-    def reading_bias(self, joint: str) -> float:
-        """The sum of the biases."""
-        return sum(part.reading_bias(joint) for part in self.parts)
 
     def read_at_motor(self, joint: str) -> bool:
         """Whether any reads at the motor."""

@@ -112,18 +112,13 @@ class HiddenEffect:
         del joint
         return 0.0
 
-    def reading_bias(self, joint: str) -> float:
-        """What a joint's encoder reads at zero, in rad or m."""
-        del joint
-        return 0.0
-
     def read_at_motor(self, joint: str) -> bool:
         """Whether a joint's encoder sits at its hidden motor instead of at the link."""
         del joint
         return False
 
     def reading(self, joint: str, time: Array, position: Array) -> Array:
-        """What a joint's encoder makes of positions (rad or m) at times in the log (s), before its bias; both (n,)."""
+        """What a joint's encoder makes of positions (rad or m) at times in the log (s); both (n,)."""
         del joint, time
         return position
 

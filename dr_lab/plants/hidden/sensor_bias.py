@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from dr_lab.plants.hidden.effect import HiddenEffect
+from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,7 @@ class SensorBias(HiddenEffect):
     site: str
     bias: float
 
-    def reading_bias(self, joint: str) -> float:
-        """The bias at the joint."""
-        return self.bias if joint == self.site else 0.0
+    def reading(self, joint: str, time: Array, position: Array) -> Array:
+        """The position beside the zero."""
+        del time
+        return position + self.bias if joint == self.site else position

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from plant_machines import ARM_ALONE, LOSSLESS, TIGHT, no_command
 
+from dr_lab.errors import ConfigError
 from dr_lab.plants.body import Body
 from dr_lab.plants.command import Command
 from dr_lab.plants.drive import ForceDrive
@@ -26,6 +27,7 @@ from dr_lab.plants.hidden.lugre_friction import LugreFriction
 from dr_lab.plants.hidden.motor_side_elasticity import MotorSideElasticity
 from dr_lab.plants.hidden.position_dependent_friction import PositionDependentFriction
 from dr_lab.plants.hidden.rate_limit import RateLimit
+from dr_lab.plants.hidden.sensor_bias import SensorBias
 from dr_lab.plants.hidden.sensor_drift import SensorDrift
 from dr_lab.plants.hidden.sensor_low_pass import SensorLowPass
 from dr_lab.plants.hidden.sensor_scale import SensorScale
@@ -125,6 +127,27 @@ def test_a_filtered_tachometer_lags_behind_even_acceleration_by_its_constant() -
     np.testing.assert_allclose(states[:, 4], late, rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (ActuatorLag(0.02), ActuatorLag(0.05)),
+        (ActuatorLag(0.02), RateLimit(1e-3, settling=1e-4)),
+        (SensorLowPass("arm", 0.02), SensorLowPass("arm", 0.01)),
+        (VelocityLowPass("arm", 0.02), VelocityLowPass("arm", 0.01)),
+    ],
+)
+def test_two_memories_of_a_kind_at_one_place_are_refused(first: HiddenEffect, second: HiddenEffect) -> None:
+    with pytest.raises(ConfigError, match="two memories of a kind at one place"):
+        Body.of(FREE, Several({"a": first, "b": second}))
+
+
+def test_bristles_at_one_joint_add_up() -> None:
+    torque, way = 1e-4, 0.05
+    half, whole = Hysteresis("arm", torque / 2, way), Hysteresis("arm", torque, way)
+    both = moved(Several({"a": half, "b": half}), speed=3.0)
+    np.testing.assert_allclose(both[:, :2], moved(whole, speed=3.0)[:, :2], rtol=0, atol=1e-9)
+
+
 def test_an_encoder_at_the_motor_shows_the_motor() -> None:
     effect = MotorSideElasticity("arm", rotor=1e-4, compliance=100.0, damping=0.0)
     assert Body.of(replace(FREE, armature=(1e-3, 1.0)), effect).read_columns == (2, 1)
@@ -141,6 +164,9 @@ def test_readings_commands_and_forces_follow_their_formulas() -> None:
     both = Several({"a": SensorScale("arm", 0.1), "b": SensorDrift("arm", 0.3)})
     np.testing.assert_allclose(both.reading("arm", time, q), 1.1 * q + 0.3 * time)
     assert both.label == "sensor_scale@arm + sensor_drift@arm"
+    bias, scale = SensorBias("arm", 0.2), SensorScale("arm", 0.1)
+    np.testing.assert_allclose(Several({"a": bias, "b": scale}).reading("arm", time, q), 1.1 * (q + 0.2))
+    np.testing.assert_allclose(Several({"a": scale, "b": bias}).reading("arm", time, q), 1.1 * q + 0.2)
     sent = Command(np.array([0.0, 1.0]), np.array([2.0, -4.0]))
     np.testing.assert_allclose(VoltageSag(0.05).command("motor", sent).value, [1.8, -3.2])
     np.testing.assert_allclose(CommandPower(4.0).command("motor", sent).value, [1.0, -4.0])
