@@ -1,6 +1,7 @@
 """A machine with its hidden effect: its degrees of freedom, those that nobody measures included."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from dr_lab.errors import ConfigError
 from dr_lab.plants.dry_friction import DryFriction
@@ -136,17 +137,31 @@ class Body:
             applied[row] -= pull
         mass, driven = self.machine.terms(position[:own], velocity[:own], command, applied[:own])
         force = [*driven, *applied[own:]]
-        motors = [(row, joint) for row, (joint, rotor) in enumerate(self.inside, start=own) if isinstance(rotor, Motor)]
-        if motors:
-            _, idle = self.machine.terms(position[:own], velocity[:own], [0.0] * len(command), applied[:own])
-            for row, joint in motors:
-                force[row] += driven[joint] - idle[joint]
-                force[joint] = idle[joint]
+        for row, (joint, rotor) in enumerate(self.inside, start=own):
+            if isinstance(rotor, Motor):
+                turned, spun = list(position[:own]), list(velocity[:own])
+                force[joint] -= self._drive(joint, turned, spun, command)
+                turned[joint], spun[joint] = position[row], velocity[row]
+                force[row] += self._drive(joint, turned, spun, command)
         none = [0.0] * len(self.inside)
         rows = [[*row, *none] for row in mass]
         for row, (_, rotor) in enumerate(self.inside, start=own):
             rows.append([rotor.inertia if column == row else 0.0 for column in range(self.degrees)])
         return rows, force
+
+    def _drive(self, joint: int, position: Vector, velocity: Vector, command: Vector) -> float:
+        """Force of the drives at a joint, which may depend on where the joint is and how fast."""
+        none = [0.0] * len(position)
+        whole, rest = (m.terms(position, velocity, command, none)[1][joint] for m in (self.machine, self._undriven))
+        return whole - rest
+
+    @cached_property
+    def _undriven(self) -> Machine:
+        """The machine without its drives."""
+        machine = self.machine
+        for actuator in machine.actuators:
+            machine = machine.with_drive_scaled(actuator, 0.0)
+        return machine
 
 
 def _kept_at(memory: Memory, machine: Machine) -> int:

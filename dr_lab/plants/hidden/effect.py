@@ -42,8 +42,8 @@ class Oscillator:
 class Motor:
     """A joint's motor behind its transmission: one more degree of freedom, which the joint's drive turns.
 
-    With φ its angle seen at the joint: inertia φ'' = drive − pull(φ − q, φ' − q'), and the joint feels the pull instead
-    of the drive.
+    With φ its angle seen at the joint: inertia φ'' = drive(φ, φ') − pull(φ − q, φ' − q'), and the joint feels the pull
+    instead of the drive. A back-EMF and a position controller's feedback are the motor's, too.
 
     Attributes:
         joint: name of the joint.

@@ -3,9 +3,10 @@
 import math
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
-from plant_machines import ARM_ALONE, LOSSLESS, TIGHT, no_command
+from plant_machines import ARM_ALONE, LOSSLESS, MOTOR, TIGHT, no_command
 
 from dr_lab.errors import ConfigError
 from dr_lab.plants.body import Body
@@ -22,6 +23,7 @@ from dr_lab.plants.hidden.encoder_eccentricity import EncoderEccentricity
 from dr_lab.plants.hidden.end_stop import EndStop
 from dr_lab.plants.hidden.force_limit import ForceLimit
 from dr_lab.plants.hidden.hysteresis import Hysteresis
+from dr_lab.plants.hidden.joint_elasticity import JointElasticity
 from dr_lab.plants.hidden.load_dependent_friction import LoadDependentFriction
 from dr_lab.plants.hidden.lugre_friction import LugreFriction
 from dr_lab.plants.hidden.motor_side_elasticity import MotorSideElasticity
@@ -36,11 +38,17 @@ from dr_lab.plants.hidden.torque_speed_limit import TorqueSpeedLimit
 from dr_lab.plants.hidden.velocity_low_pass import VelocityLowPass
 from dr_lab.plants.hidden.voltage_sag import VoltageSag
 from dr_lab.plants.motion import simulate
+from dr_lab.plants.mujoco_machine import MujocoMachine
 from dr_lab.trajectory import Array
 
 FREE = replace(ARM_ALONE, drives=(ForceDrive(),))  # an arm that turns alone, a torque in
 INERTIA = FREE.mass((0.0, 0.0))[0][0]
 TIME = np.linspace(0.0, 0.4, 81)
+
+
+SERVO = """<mujoco><worldbody><body name="arm"><joint name="arm" axis="0 0 1" armature="0.02"/>
+  <inertial pos="0 0 0" mass="0.5" diaginertia="0.004 0.004 0.004"/></body></worldbody>
+  <actuator><position name="servo" joint="arm" kp="6" kv="0.15"/></actuator></mujoco>"""
 
 
 def moved(effect: HiddenEffect, command: Command | None = None, speed: float = 0.0) -> Array:
@@ -151,6 +159,18 @@ def test_bristles_at_one_joint_add_up() -> None:
 def test_an_encoder_at_the_motor_shows_the_motor() -> None:
     effect = MotorSideElasticity("arm", rotor=1e-4, compliance=100.0, damping=0.0)
     assert Body.of(replace(FREE, armature=(1e-3, 1.0)), effect).read_columns == (2, 1)
+
+
+def test_a_motor_behind_a_spring_has_the_feedback_of_its_own_motion() -> None:
+    geared = JointElasticity("arm", rotor=1e-6, compliance=1.0, damping=0.0)
+    blocked = Body.of(replace(ARM_ALONE, drives=(MOTOR,)), geared)
+    idle = 5.0 / MOTOR.constant  # rad/s, where the back-EMF is the voltage
+    _, force = blocked.terms(0.0, [0.0] * 3, [0.0, 0.0, idle], [5.0], [0.0] * 3)
+    assert force[2] == pytest.approx(0.0, abs=1e-12)
+    model = mujoco.MjModel.from_xml_string(SERVO)
+    held = Body.of(MujocoMachine.of(model), JointElasticity("arm", rotor=0.01, compliance=1.0, damping=0.0))
+    _, force = held.terms(0.0, [0.3, 0.8], [0.0, 2.0], [1.0], [0.0, 0.0])
+    assert force == pytest.approx([0.5, 6 * (1.0 - 0.8) - 0.15 * 2.0 - 0.5])
 
 
 def test_readings_commands_and_forces_follow_their_formulas() -> None:
