@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dr_lab.errors import ConfigError
 from dr_lab.plants.alike.actuator_rivals import actuator_rivals
 from dr_lab.plants.alike.at_joint import AtJoint
 from dr_lab.plants.alike.body_rivals import body_rivals
@@ -16,7 +17,7 @@ from dr_lab.plants.alike.felt import Felt
 from dr_lab.plants.alike.forces import Forces
 from dr_lab.plants.alike.grids import Grids
 from dr_lab.plants.alike.joint_rivals import joint_rivals, tachometer_rivals
-from dr_lab.plants.alike.lacking import borne, lacking, lacking_with
+from dr_lab.plants.alike.lacking import borne, lacking, lacking_with, turns_inside, without_inside
 from dr_lab.plants.alike.regression import Regression
 from dr_lab.plants.alike.response import Signature, response
 from dr_lab.plants.alike.rival import Rival, lacked
@@ -146,7 +147,19 @@ class _Asked:
 
 
 def _parts(bench: Rig) -> Sequence[HiddenEffect]:
-    return bench.hidden.parts if isinstance(bench.hidden, Composite) else (bench.hidden,)
+    """What is hidden, one by one.
+
+    Raises:
+        ConfigError: more than one of them turns inside; what each lacks would depend on how the other swings.
+    """
+    parts = bench.hidden.parts if isinstance(bench.hidden, Composite) else (bench.hidden,)
+    inside = [part.label for part in parts if turns_inside(part)]
+    if len(inside) > 1:
+        raise ConfigError(
+            f"Classes are predicted of at most one effect that turns inside; here are {', '.join(inside)}. "
+            "Hide one of them, or give classes=ranked."
+        )
+    return parts
 
 
 def _free(log: _Log, bench: Rig, seed: int) -> Iterator[Array]:
@@ -158,9 +171,16 @@ def _free(log: _Log, bench: Rig, seed: int) -> Iterator[Array]:
 
 
 def _truth(course: Course, parts: Sequence[HiddenEffect], part: HiddenEffect) -> Signature:
-    """What the model lacks and reads otherwise that knows all hidden parts but one."""
+    """What the model lacks and reads otherwise that knows all hidden parts but one.
+
+    Beside one of which something turns inside, the others are taken by what they give along the same course without it.
+    """
     rest = Several({str(number): other for number, other in enumerate(parts) if other is not part})
-    force = lacking_with(course, rest) - lacking_with(course, course.effect)
+    if turns_inside(part):
+        force = lacking_with(course, rest)
+    else:
+        whole = Several({str(number): other for number, other in enumerate(parts)})
+        force = lacking_with(course, without_inside(rest)) - lacking_with(course, without_inside(whole))
     read, seen = (*course.read_with(rest), *course.speed_with(rest)), (*course.measured, *course.measured_speed)
     pairs = zip(read, seen, strict=True)
     return Signature(force, np.stack([one.at(course.middle) - two.at(course.middle) for one, two in pairs], axis=1))

@@ -58,7 +58,17 @@ def borne(course: Course) -> Array:
     """What the hidden dry friction bears at the joints that it holds, N·m or N, shape (K, n); 0 while they slide."""
     parts = course.effect.parts if isinstance(course.effect, Composite) else (course.effect,)
     rest = Several({str(number): part for number, part in enumerate(parts) if not part.frictions()})
-    return np.where(course.held, lacking_with(course, rest), 0.0)
+    return np.where(course.held, lacking_with(course, without_inside(rest)), 0.0)
+
+
+def turns_inside(effect: HiddenEffect) -> bool:
+    """Whether something of an effect turns by itself, unseen."""
+    return bool(effect.oscillators() or effect.motors())
+
+
+def without_inside(several: Several) -> Several:
+    """Those of several effects of which nothing turns by itself."""
+    return Several({name: part for name, part in several.effects.items() if not turns_inside(part)})
 
 
 def _columns(course: Course, body: Body) -> list[int]:

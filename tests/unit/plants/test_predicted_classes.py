@@ -202,6 +202,34 @@ def test_a_centre_farther_out_is_a_payload_and_less_mass() -> None:
     assert known.keys() == {"centre_of_mass_offset@forearm", "payload@forearm"}
 
 
+def two(first: list[str], second: list[str]) -> list[str]:
+    """Overrides that hide two general effects, each an option and its numbers."""
+    made = ["plant/hidden=general/several"]
+    for place, (name, *numbers) in (("a", first), ("b", second)):
+        at = f"plant.hidden.effects.{place}"
+        made += [f"+plant/hidden@{at}=general/{name}", *(f"{at}.{number}" for number in numbers)]
+    return made
+
+
+ELASTIC = ["joint_elasticity", "site=elbow", "rotor=0.002", "compliance=0.01", "damping=0.05"]
+
+
+@needs_pinocchio
+def test_beside_what_turns_inside_another_effect_has_its_own_class() -> None:
+    # All of a machine with something inside counted as known, so that nothing else could be seen in it.
+    friction = ["coulomb_friction", "site=shoulder", "torque=0.2"]
+    known = classes(*two(ELASTIC, friction), "plant.duration=1.2", "plant.peaks=[2.2]", machine="elbow")
+    assert known["coulomb_friction@shoulder"] == {"coulomb_friction@shoulder": 1}
+    assert "base" not in known["joint_elasticity@elbow"]
+
+
+@needs_pinocchio
+def test_two_effects_that_turn_inside_are_refused() -> None:
+    loose = ["flexible_mode", "site=shoulder", "inertia=0.01", "stiffness=10.0", "damping=0.01"]
+    with pytest.raises(ConfigError, match="joint_elasticity@elbow, flexible_mode@shoulder"):
+        classes(*two(ELASTIC, loose), machine="elbow")
+
+
 def test_machines_whose_equations_are_written_out_are_refused_before_they_are_diagnosed() -> None:
     case = Case("pendulum", "single", "spring", "own", 1, ("plant=pendulum",), (), label="hung")
     arguments = functools.partial(compose_arguments, folders=(shipped(),))
