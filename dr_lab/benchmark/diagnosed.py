@@ -1,7 +1,6 @@
 """One case, from its logs to the answer that is scored."""
 
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 
 from dr_lab.benchmark.case import Case
@@ -14,7 +13,7 @@ from dr_lab.comparison.study import Study
 from dr_lab.comparison.uncertainty import known
 from dr_lab.diagnosis.search.candidate import Candidate
 from dr_lab.diagnosis.search.climb_watch import Silence
-from dr_lab.diagnosis.search.ladder import Ladder
+from dr_lab.diagnosis.search.ladder import Ladder, Rung
 
 
 def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcome:
@@ -26,10 +25,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
     Args:
         case: what to diagnose.
         compose: gives the arguments of a verb, built from its name and overrides.
-        classes: finds the equivalence classes by which the answer is scored.
-
-    Raises:
-        ConfigError: they cannot be found for the case.
+        classes: finds the equivalence classes by which the answer is scored, or refuses the case with a ConfigError.
     """
     classes.require(case, compose)
     observed, begin = observe(case, compose), (time.process_time(), time.monotonic())
@@ -38,7 +34,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
     study, ladder = climbed(observed.study, observed.effects, most=most, watch=Silence())
     observed = replace(observed, study=study)
     cpu, wall = time.process_time() - begin[0], time.monotonic() - begin[1]
-    first, last = ladder.rungs[0], ladder.models[-1]
+    last = ladder.models[-1]
     verdict = ladder.verdict(study.bench.evidence)
     found = _found(ladder) if verdict != "unexplained" else []
     own = {truth: values for truth in truths if (values := _own_values(study, ladder, truth))}
@@ -48,7 +44,7 @@ def diagnose_case(case: Case, compose: Compose, classes: TruthClasses) -> Outcom
         verdict=verdict,
         found=found,
         absorbed=list(ladder.absorbed),
-        ranking=[c.effect.label for c in _ordered(first.ranking, first.verdict.effects)],
+        ranking=[c.effect.label for c in _ordered(ladder.rungs[0])],
         standing={truth: standing for truth in truths if (standing := _standing(ladder, truth))},
         classes=classes.of(case, truths, found, observed, compose),
         magnitudes=observed.magnitudes,
@@ -69,16 +65,16 @@ def _found(ladder: Ladder) -> list[list[str]]:
     return [[label, *others] for label, others in zip(labels, rivals, strict=True)]
 
 
-def _ordered(ranking: Sequence[Candidate], answer: Sequence[str]) -> list[Candidate]:
+def _ordered(rung: Rung) -> list[Candidate]:
     """The verdict's effects first, then by evidence, as reports show them."""
-    order = {label: place for place, label in enumerate(answer)}
-    return sorted(ranking, key=lambda c: order.get(c.effect.label, len(order)))
+    order = {label: place for place, label in enumerate(rung.verdict.effects)}
+    return sorted(rung.ranking, key=lambda c: order.get(c.effect.label, len(order)))
 
 
 def _standing(ladder: Ladder, truth: str) -> Standing | None:
     """How a truth stood in the last ranking that it was part of; None where it was no candidate."""
     for rung in reversed(ladder.rungs):
-        for place, candidate in enumerate(_ordered(rung.ranking, rung.verdict.effects), start=1):
+        for place, candidate in enumerate(_ordered(rung), start=1):
             if candidate.effect.label == truth:
                 return Standing(
                     place=place,
