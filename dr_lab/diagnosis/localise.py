@@ -158,12 +158,21 @@ def _leaves(
 
 
 def _words(tree: "DecisionTreeRegressor", leaf: int, names: list[tuple[str, str]]) -> str:
-    """Conditions on the path to a leaf, the tightest per feature and side."""
+    """Conditions on the path to a leaf, one a feature, the tightest on each side."""
     t, node, bounds = tree.tree_, leaf, dict[tuple[int, str], float]()
     while node != 0:
         parent = int(np.flatnonzero((t.children_left == node) | (t.children_right == node))[0])
         side = "<" if t.children_left[parent] == node else ">"
         bounds.setdefault((int(t.feature[parent]), side), float(t.threshold[parent]))
         node = parent
-    parts = [f"{names[f][0]} {side} {value:.3g} {names[f][1]}".rstrip() for (f, side), value in bounds.items()]
-    return " and ".join(reversed(parts)) if parts else "everywhere"
+    once = dict.fromkeys(feature for feature, _ in reversed(bounds))
+    parts = [_condition(*names[f], bounds.get((f, ">")), bounds.get((f, "<"))) for f in once]
+    return " and ".join(parts) if parts else "everywhere"
+
+
+def _condition(name: str, unit: str, low: float | None, high: float | None) -> str:
+    """One feature's bounds in words: ``x > 1 m``, ``x < 2 m`` or ``1 m < x < 2 m``."""
+    below, above = ("" if bound is None else f"{bound:.3g} {unit}".rstrip() for bound in (low, high))
+    if below and above:
+        return f"{below} < {name} < {above}"
+    return f"{name} > {below}" if below else f"{name} < {above}"

@@ -100,3 +100,12 @@ def test_logs_without_joints_and_commands_have_no_regions() -> None:
     motion = simulated(model.nominal(), None, 3.0)
     noisy = motion["sensordata"] + 1e-3 * np.random.default_rng(0).normal(size=(len(motion["time"]), 3))
     assert regions(model, [log_of("a", {"sensor.gyro": (motion["time"], noisy)})]) == []
+
+
+def test_a_band_of_one_feature_is_one_condition() -> None:
+    """A force that acts between two places alone: both bounds stand around the feature."""
+    (region,) = regions(pendulum(), logs_with(0.1, lambda data: bool(abs(data.qpos[0]) < 0.4)))
+    number = "(-?[0-9.]+)"
+    found = re.fullmatch(rf"{number} rad < hinge position < {number} rad", region.region)
+    assert found is not None, region.region
+    assert [float(text) for text in found.groups()] == pytest.approx([-0.4, 0.4], abs=0.05)
