@@ -55,6 +55,12 @@ def faults_markdown(notes: Sequence[NoteEntry]) -> str:
     return "\n\n".join(parts)
 
 
+def faults_reminder(notes: Sequence[NoteEntry]) -> str:
+    """What is to be mended, in a sentence, where it was told in full before; empty where nothing is."""
+    open_ones = [note for note in notes if note.kind == KIND and not _allowed_for(note, notes)]
+    return f"**The logs seem faulty, as told above:** {faults_line(open_ones)}." if open_ones else ""
+
+
 def faults_line(notes: Sequence[NoteEntry]) -> str:
     """The same in a line: what is wrong with which signal of how many logs."""
     told = []

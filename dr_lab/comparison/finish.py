@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dr_lab.comparison.export import write_context, write_model, write_rollout
-from dr_lab.comparison.fault_notes import KIND, faults_markdown
+from dr_lab.comparison.fault_notes import KIND, faults_reminder
 from dr_lab.comparison.notes import DISAGREEING
 from dr_lab.comparison.overlays import missing, overlay, play_log, shown_logs
 from dr_lab.comparison.plain_file import file_note
@@ -61,7 +61,7 @@ def answer(report: GapReport, run: Run) -> None:
         run: where it is printed.
     """
     known = finite(report)
-    faults = faults_markdown(known.notes)
+    faults = faults_reminder(known.notes)  # they were told in full before anything was fitted
     parts = [faults, verdict_markdown(known), ladder_table(known), _parameters(known), _candidates(known)]
     run.screen.show(_paragraphs(parts))
 

@@ -30,3 +30,13 @@ def test_intervals_that_are_not_to_be_trusted_are_printed(
     assert told in "\n".join(shown)
     write_gap_page(tmp_path / "report.html", report(close_report), [], look)
     assert DOUBT in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_faults_are_not_told_in_full_again(close_report: dict[str, Any], look: Look, tmp_path: Path) -> None:
+    close_report["notes"].append(
+        {"kind": "fault", "fault": "sign", "log": "swing_05", "signal": "motor", "message": "Turned."}
+    )
+    shown: list[str] = []
+    answer(report(close_report), Run(tmp_path, look, cast(Any, SimpleNamespace(show=shown.append))))
+    assert "The logs seem faulty, as told above:** sign motor (1 log)." in shown[0]
+    assert "Turned." not in shown[0]
