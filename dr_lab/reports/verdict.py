@@ -76,8 +76,9 @@ def _worse(report: GapReport) -> str:
 
 
 def _found(report: GapReport) -> str:
+    asked = report.verb == "add" and report.added
     sentences = {
-        "named": _named(report.added or _with_status(report, "named")),
+        "named": _asked(report.added) if asked else _named(report.added or _with_status(report, "named")),
         "equivalent": _equivalent(report),
         "not_excited": "**Not excited:** the logs do not move the effects' parameters beyond the noise.",
         "unexplained": _unexplained(report),
@@ -89,6 +90,12 @@ def _found(report: GapReport) -> str:
 
 def _named(effects: Sequence[str]) -> str:
     return f"**The missing {'effects are' if len(effects) > 1 else 'effect is'} named:** {_listed(effects)}."
+
+
+def _asked(effects: Sequence[str]) -> str:
+    """Of effects that the user named: that they were added, not that they were found."""
+    it, other = ("them", "others were") if len(effects) > 1 else ("it", "other effect was")
+    return f"**Added as asked:** {_listed(effects)}. The logs support {it}; no {other} tried."
 
 
 def _unexplained(report: GapReport) -> str:

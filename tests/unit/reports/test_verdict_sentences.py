@@ -187,3 +187,16 @@ def test_a_shift_that_is_too_short_to_be_named_stands_beside_what_remains(close_
     assert f"not explained by anything but a shift in time: 2 times the sensors' noise. {short}" in verdict(
         close_report
     )
+
+
+def test_what_a_user_named_is_told_as_added_and_not_as_found(close_report: dict[str, Any]) -> None:
+    close_report["verb"] = "add"
+    told = verdict(explaining(close_report, low=0.1))
+    assert "missing effect is named" not in told
+    assert told.startswith(
+        "**Added as asked:** `coulomb_friction@arm`. The logs support it; no other effect was tried. "
+        "It explains 32 % (10 % … 100 %) of what the calibrated model misses."
+    )
+    close_report["ladder"][-1]["effects"] = ["coulomb_friction@arm", "payload@pole"]
+    told = verdict(close_report)
+    assert "`coulomb_friction@arm`, `payload@pole`. The logs support them; no others were tried." in told
