@@ -1,6 +1,6 @@
 """The end of every comparing verb: the run folder's files, and what is said on the screen."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from dr_lab.recorders.review import write_review
 from dr_lab.reports.calibration import given_values
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import TRADE, NoteEntry
-from dr_lab.reports.ladder import failing
+from dr_lab.reports.ladder import failing, kept_effects
 from dr_lab.reports.markdown import doubtful_intervals, notes_list, report_markdown
 from dr_lab.reports.plain import finite
 from dr_lab.reports.quantity import counted, percent
@@ -104,7 +104,7 @@ def finish(
     write_report(folder, written)  # first, so that no fault of a recording costs the hours before it
     run.screen.phase("Writing the recordings")
     _record(study, written, logs, (models, shown), run)
-    if told := _rest(written):
+    if told := rest(written):
         run.screen.show(told)
     return written
 
@@ -128,13 +128,22 @@ def _record(
 
 
 def _completed(report: GapReport, notes: Sequence[NoteEntry], run_dir: Path) -> GapReport:
-    """The report as it is written: all notes, faults, logs that disagree and what holds of all logs first; finite."""
-    every = sorted([*report.notes, *notes], key=_importance)
+    """The report as it is written: all notes, those that matter most first; finite.
+
+    First are faults, logs that disagree and what holds of all logs; last is what befell candidates that are rejected.
+    """
+    kept = kept_effects(report)
+    every = sorted([*report.notes, *notes], key=lambda note: _importance(note, kept))
     return finite(replace(report, notes=tuple(every), run=str(run_dir)))
 
 
-def _importance(note: NoteEntry) -> tuple[bool, bool, bool]:
-    return (note.kind != KIND, note.kind != DISAGREEING, note.log is not None)
+def _importance(note: NoteEntry, kept: Container[str]) -> tuple[bool, bool, bool, bool]:
+    return (note.kind != KIND, note.kind != DISAGREEING, not _concerns(note, kept), note.log is not None)
+
+
+def _concerns(note: NoteEntry, kept: Container[str]) -> bool:
+    """Whether a note is about more than the fit of a candidate that is not in the answer."""
+    return note.effect is None or note.effect in kept
 
 
 def _shortened(study: Study, shown: Sequence[Log], longest: float) -> list[NoteEntry]:
@@ -162,13 +171,16 @@ def _end(log: Log) -> float:
     return max(signal.time[-1] for signal in log.outputs.values())
 
 
-def _rest(report: GapReport) -> str:
-    """Where the model fails, and notes."""
+def rest(report: GapReport) -> str:
+    """Where the model fails, and notes on the answer, for the screen; those on rejected candidates are in the file."""
     where = [f"- {r.signal}, {r.region}: {percent(r.share or 0.0)} of its error" for r in report.failing.where]
     parts = [f"Where the {failing(report)} fails:\n\n" + "\n".join(where[:3]) if where else ""]
     notes = [note for note in report.notes if note.kind not in (KIND, TRADE)]  # those were shown before
-    left = f"\n- … and {len(notes) - _NOTED} more in report.md" if len(notes) > _NOTED else ""
-    parts.append(f"Notes:\n\n{notes_list(notes[:_NOTED])}{left}" if notes else "")
+    kept = kept_effects(report)
+    told = [note for note in notes if _concerns(note, kept)][:_NOTED]
+    left = f"- … and {len(notes) - len(told)} more in report.md" if len(notes) > len(told) else ""
+    listed = "\n".join(filter(None, [notes_list(told), left]))
+    parts.append(f"Notes:\n\n{listed}" if notes else "")
     return _paragraphs(parts)
 
 

@@ -154,7 +154,9 @@ def refused(reasons: Mapping[str, str]) -> list[NoteEntry]:
 def searched_periods(ladder: Ladder) -> list[NoteEntry]:
     """Notes on numbers of periods that were searched, of the effects that were fitted anywhere on a ladder."""
     found = {c.effect.label: c for rung in reversed(ladder.rungs) for c in rung.ranking if c.fitted}
-    return [NoteEntry(_periods(c), "searched_periods") for c in found.values() if searched(c.effect)]
+    return [
+        NoteEntry(_periods(c), "searched_periods", effect=label) for label, c in found.items() if searched(c.effect)
+    ]
 
 
 def _periods(candidate: Candidate) -> str:
@@ -172,7 +174,7 @@ def _periods(candidate: Candidate) -> str:
 def moved_bounds(ladder: Ladder) -> list[NoteEntry]:
     """Notes on bounds that fits ran into: those that were moved, and at which bounds the added effects end."""
     found = {c.effect.label: c for rung in reversed(ladder.rungs) for c in rung.ranking if c.fitted}
-    moved = [NoteEntry(told, "moved_bound") for c in found.values() for told in _moved(c)]
+    moved = [NoteEntry(told, "moved_bound", effect=label) for label, c in found.items() for told in _moved(c)]
     last = ladder.models[-1].values()
     ends = [NoteEntry(told, "at_bound") for step in ladder.steps for told in _ends_at_bounds(step.effect, last)]
     return [*moved, *ends]

@@ -47,7 +47,7 @@ TOGETHER, SHORT_SHIFT = "together", "short_shift"  # kinds of those that the ver
 
 @dataclass(frozen=True)
 class NoteEntry:
-    """One sentence that a reader must know."""
+    """One sentence that a reader must know; `effect` where it is about the fit of one candidate."""
 
     message: str
     kind: str
@@ -55,6 +55,7 @@ class NoteEntry:
     signal: str | None = field(default=None, metadata=OMITTED)
     fault: str | None = field(default=None, metadata=OMITTED)
     count: int | None = field(default=None, metadata=OMITTED)
+    effect: str | None = field(default=None, metadata=OMITTED)
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,13 @@ def steps(report: GapReport) -> list[LadderModel]:
     return made
 
 
+def kept_effects(report: GapReport) -> frozenset[str]:
+    """The effects that the answer speaks of: those that were added, and those that are named or equivalent."""
+    stand = (row.label for row in report.judged.ranking if row.status in ("named", "equivalent"))
+    beside = (rival for rung in report.catalogued for rival in rung.rivals or ())
+    return frozenset((*report.added, *stand, *beside))
+
+
 def failing(report: GapReport) -> str:
     """The model whose places of failure, horizons and correlations a report tells: the first of its ladder."""
     return "model as given" if report.as_given is None else "calibrated model"

@@ -1,13 +1,16 @@
 """What a verb prints of its answer."""
 
+import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
-from dr_lab.comparison.finish import Run, answer
+from dr_lab.comparison.finish import Run, answer, rest, save
 from dr_lab.html.gap_page import write_gap_page
 from dr_lab.recorders.look import Look
 from dr_lab.reports.gap import GapReport
+from dr_lab.reports.gap_entries import NoteEntry
 from dr_lab.reports.plain import from_plain
 
 DOUBT = "only 2 logs are fitted; from 3 on (evidence.least_trusted) their scatter is known"
@@ -40,3 +43,23 @@ def test_faults_are_not_told_in_full_again(close_report: dict[str, Any], look: L
     answer(report(close_report), Run(tmp_path, look, cast(Any, SimpleNamespace(show=shown.append))))
     assert "The logs seem faulty, as told above:** sign motor (1 log)." in shown[0]
     assert "Turned." not in shown[0]
+
+
+def searched(effect: str) -> NoteEntry:
+    return NoteEntry(f"{effect}: of 1 to 120 periods …", "searched_periods", effect=effect)
+
+
+def test_notes_on_rejected_candidates_stand_last_and_in_the_file_alone(
+    close_report: dict[str, Any], look: Look, tmp_path: Path
+) -> None:
+    """The periods of a candidate that is not in the answer concern nobody who reads the screen."""
+    rejected, added = searched("cogging@arm"), searched("coulomb_friction@arm")
+    told = replace(report(close_report), notes=(rejected, added, NoteEntry("swing_05: cut.", "gap", log="swing_05")))
+    run = Run(tmp_path, look, cast(Any, SimpleNamespace(show=lambda _: None)))
+    save(told, run)
+    written = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["notes"]
+    assert [note.get("effect") for note in written] == ["coulomb_friction@arm", None, "cogging@arm"]
+    shown = rest(replace(told, notes=(added, rejected)))
+    assert "coulomb_friction@arm: of 1 to 120" in shown
+    assert "cogging@arm" not in shown
+    assert "… and 1 more in report.md" in shown
