@@ -28,12 +28,14 @@ from dr_lab.reports.ladder import failing, kept_effects
 from dr_lab.reports.markdown import doubtful_intervals, notes_list, report_markdown
 from dr_lab.reports.plain import finite
 from dr_lab.reports.quantity import counted, percent
+from dr_lab.reports.rankings import naming
 from dr_lab.reports.report import write_report
 from dr_lab.reports.tables import ladder_table, parameter_table, ranking_summary
 from dr_lab.reports.verdict import verdict_markdown
 from dr_lab.trajectory import Array, Log
 
 _SHOWN = 6  # candidates on the screen
+_SHOWN_LATER = 3  # candidates beside each later model that got an effect
 _LISTED = 12  # parameters on the screen
 _NOTED = 4  # notes on the screen
 
@@ -189,14 +191,18 @@ def _paragraphs(parts: Sequence[str]) -> str:
 
 
 def _candidates(report: GapReport) -> str:
-    """The first candidates of the ranking; one line where none was worth a fit."""
+    """The first candidates beside each model that got an effect; one line where none was worth a fit."""
     ranking = report.judged.ranking
     if ranking and not any(row.fitted for row in ranking):
         most = max(row.predicted_gain or 0.0 for row in ranking)
         effects = counted(len(ranking), "effect")
         return f"No candidate was worth a fit: of {effects} none promised more than {percent(max(most, 0.0))}."
-    others = f"\n\n… and {len(ranking) - _SHOWN} more in report.md." if len(ranking) > _SHOWN else ""
-    return ranking_summary(ranking[:_SHOWN], report.verdict) + others
+    tables = naming(report)
+    shown = [each.rows[: _SHOWN if k == 0 else _SHOWN_LATER] for k, each in enumerate(tables)]
+    titles = [f"Beside the {each.model}:\n\n" if len(tables) > 1 else "" for each in tables]
+    told = [title + ranking_summary(rows, report.verdict) for title, rows in zip(titles, shown, strict=True)]
+    left = sum(len(each.rows) - len(rows) for each, rows in zip(tables, shown, strict=True))
+    return _paragraphs([*told, f"… and {left} more in report.md." if left else ""])
 
 
 def _parameters(report: GapReport) -> str:

@@ -1,7 +1,7 @@
 """The rankings of a report, rung by rung, in the order of what they show."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dr_lab.reports.gap import GapReport
 from dr_lab.reports.gap_entries import CandidateEntry, JudgedRungEntry
@@ -45,6 +45,20 @@ def rankings(report: GapReport) -> list[Ranking]:
         )
         for index, rung in enumerate(rungs)
     ]
+
+
+def naming(report: GapReport) -> list[Ranking]:
+    """The first ranking, and those of later rungs that brought an effect of the answer; that effect comes first."""
+    found = report.judged
+    if not found.rungs:
+        return [replace(each, rows=found.ranking) for each in rankings(report)]
+    told = []
+    for index, (each, rung) in enumerate(zip(rankings(report), found.rungs, strict=True)):
+        brought = {*rung.chosen, *rung.on_trial} & {*report.added}
+        rows = rung.ranking or (found.ranking if index == 0 else ())
+        if index == 0 or brought:
+            told.append(replace(each, rows=tuple(sorted(rows, key=lambda row: row.label not in brought))))
+    return told
 
 
 def by_gain(ranking: Sequence[CandidateEntry]) -> tuple[CandidateEntry, ...]:

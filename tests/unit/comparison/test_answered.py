@@ -63,3 +63,30 @@ def test_notes_on_rejected_candidates_stand_last_and_in_the_file_alone(
     assert "coulomb_friction@arm: of 1 to 120" in shown
     assert "cogging@arm" not in shown
     assert "… and 1 more in report.md" in shown
+
+
+def test_each_added_effect_has_its_row_beside_the_model_that_it_was_added_to(
+    close_report: dict[str, Any], look: Look, tmp_path: Path
+) -> None:
+    """The second effect of a ladder is not among the first candidates of the first ranking."""
+    first, second = (dict(close_report["ranking"][k]) for k in (0, 2))
+    close_report["ladder"].append(
+        close_report["ladder"][-1] | {"effects": ["coulomb_friction@arm", "quadratic_drag@arm"]}
+    )
+    close_report["rungs"] = [
+        {"verdict": "named", "reason": "", "chosen": ["coulomb_friction@arm"], "ranking": [first]},
+        {
+            "verdict": "named",
+            "reason": "",
+            "effects": ["coulomb_friction@arm"],
+            "chosen": ["quadratic_drag@arm"],
+            "ranking": [*close_report["ranking"][3:], second | {"status": "named"}],
+        },
+        {"verdict": "none", "reason": "", "effects": ["coulomb_friction@arm", "quadratic_drag@arm"], "ranking": []},
+    ]
+    shown: list[str] = []
+    answer(report(close_report), Run(tmp_path, look, cast(Any, SimpleNamespace(show=shown.append))))
+    before, later = shown[0].split("Beside the model with coulomb_friction@arm:\n\n")
+    assert "Beside the calibrated model:\n\n| effect" in before
+    assert later.splitlines()[2].startswith("| `quadratic_drag@arm` | named | 9.8 |")
+    assert "… and 1 more in report.md." in later
