@@ -1,5 +1,7 @@
 """What an unknown name is told."""
 
+import pytest
+
 from dr_lab.errors import MOST_LISTED, UnknownNameError
 
 
@@ -19,3 +21,24 @@ def test_of_many_names_without_folders_those_of_one_first_word_are_listed_togeth
     names = ["none", *(f"{word}_{number}" for word in ("arm", "wheel") for number in range(MOST_LISTED))]
     error = UnknownNameError("case", "arm_999", names, "the benchmark")
     assert str(error).endswith("Did you mean 'arm_9'? Available: arm_…, none, wheel_….")
+
+
+@pytest.mark.parametrize(
+    ("given", "hint"),
+    [
+        ("lugre", " Did you mean 'lugre_friction'?"),
+        ("arm", " Did you mean 'arm_weight' or 'forearm_load'?"),
+        ("e", ""),
+        ("xyz", ""),
+    ],
+)
+def test_a_part_of_a_name_offers_those_that_hold_it(given: str, hint: str) -> None:
+    """By likeness alone `lugre` is too far from `lugre_friction`; a letter that every name holds means none."""
+    names = ["forearm_load", "lugre_friction", "arm_weight", *(f"effect{number}" for number in range(6))]
+    text = str(UnknownNameError("effect", given, names, "the group"))
+    assert text.startswith(f"There is no effect {given!r} in the group.{hint} Available: ")
+
+
+def test_a_first_word_that_one_name_has_alone_does_not_stand_for_it() -> None:
+    names = ["lugre_friction", *(f"arm_{number}" for number in range(MOST_LISTED))]
+    assert str(UnknownNameError("effect", "?", names, "the group")).endswith("Available: arm_…, lugre_friction.")
