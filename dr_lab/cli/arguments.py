@@ -15,6 +15,7 @@ from dr_lab.cli.check import check
 from dr_lab.cli.compose import compose_from, register_resolvers
 from dr_lab.cli.groups import misplaced, options
 from dr_lab.cli.positional import KEY as POSITIONAL
+from dr_lab.cli.positional import root_text
 from dr_lab.errors import ConfigError
 from dr_lab.run_command import CONFIG_FILE
 
@@ -100,7 +101,9 @@ def checked(
     register_resolvers(folders)
     workflow = workflow_of(verb)
     parameters = inspect.signature(workflow).parameters
-    unused = not_passed(cfg, parameters) if only is None else {str(key) for key in cfg} - {*only}
+    unused = (
+        not_passed(cfg, parameters, root_text(verb, folders)) if only is None else {str(key) for key in cfg} - {*only}
+    )
     supplied = SUPPLIED if only is None else {*parameters} - {*only}
     _require_placed(cfg, folders)
     check(cfg, workflow, verb, supplied, unused)
@@ -122,16 +125,18 @@ def workflow_of(verb: str) -> Callable[..., Any]:
         raise ConfigError(f"dr-lab {verb} has a configuration but no workflow: {name} does not exist.") from error
 
 
-def not_passed(cfg: DictConfig, parameters: Collection[str]) -> set[str]:
+def not_passed(cfg: DictConfig, parameters: Collection[str], root: str = "") -> set[str]:
     """Top-level keys that are no parameter of the workflow and need not be.
 
-    Those are the command line's own, and those that only feed other keys: ``seed`` where it stands in ``${seed}``.
+    Those are the command line's own, and those that only feed other keys: ``seed`` where it stands in ``${seed}``, also
+    where the user has given what it would have fed (``folder.path=…`` in place of ``output=…``).
 
     Args:
         cfg: composed configuration without Hydra's node.
         parameters: names of the workflow's parameters.
+        root: the verb's own root configuration as it is written.
     """
-    text = OmegaConf.to_yaml(cfg, resolve=False)
+    text = f"{OmegaConf.to_yaml(cfg, resolve=False)}\n{root}"
     fed = {str(key) for key in cfg if re.search(rf"\$\{{{re.escape(str(key))}[.}}]", text)}
     return {*COMMAND_LINE_KEYS, *fed} - set(parameters)
 

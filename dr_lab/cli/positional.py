@@ -10,6 +10,16 @@ from dr_lab.cli.groups import LOADER
 KEY = "positional"  # of a root configuration: the keys whose names may be left out, in order
 
 
+def root_text(verb: str, folders: Sequence[Path]) -> str:
+    """The root configuration of a verb as it is written.
+
+    Args:
+        verb: its name.
+        folders: configuration folders, first searched first.
+    """
+    return next(path for folder in folders if (path := folder / f"{verb}.yaml").is_file()).read_text(encoding="utf-8")
+
+
 def positional(verb: str, folders: Sequence[Path]) -> list[str]:
     """The keys of a verb whose names may be left out; the last takes all words that are left, as a list.
 
@@ -17,8 +27,7 @@ def positional(verb: str, folders: Sequence[Path]) -> list[str]:
         verb: name of a root configuration.
         folders: configuration folders, first searched first.
     """
-    root = next(path for folder in folders if (path := folder / f"{verb}.yaml").is_file())
-    content = yaml.load(root.read_text(encoding="utf-8"), Loader=LOADER)
+    content = yaml.load(root_text(verb, folders), Loader=LOADER)
     return list(content.get(KEY, ()))
 
 

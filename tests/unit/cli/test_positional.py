@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 from hydra.core.override_parser.overrides_parser import OverridesParser
 
+from dr_lab.cli.arguments import checked
+from dr_lab.cli.compose import compose
 from dr_lab.cli.folders import shipped
 from dr_lab.cli.positional import is_plain, spelt_out
 
@@ -43,3 +45,12 @@ def test_names_reach_the_verb_as_they_are(name: str, tmp_path: Path, monkeypatch
 )
 def test_names_of_files_are_told_from_flags_and_keys(word: str, plain: bool) -> None:
     assert is_plain(word) == plain
+
+
+def test_a_key_that_only_feeds_another_may_be_passed_by() -> None:
+    """`folder.path=X` says what `output=X` would; `output`, which then feeds nothing, is no unknown key."""
+    cfg = compose("init", ["robot=two.xml", "logs=[a.csv]", "folder.path=X"])
+    workflow, passed = checked("init", cfg, FOLDERS)
+    assert workflow.__name__ == "init"
+    assert "output" not in passed
+    assert cfg.folder.path == "X"
