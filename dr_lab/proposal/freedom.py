@@ -141,7 +141,11 @@ def _inertia(body: str, settings: ProposalSettings) -> Entry:
 
 
 def _damping(model: mujoco.MjModel, spec: mujoco.MjSpec, joint: str, found: Positions) -> Entry:
-    """From none to a damping that takes all that the joint needs at its usual speed."""
+    """From none to a damping that takes all the force of the joint's motion at its usual speed.
+
+    A servo of the model gives more than that where friction takes it, so that a damping which stops the joint quickly
+    is within the bounds, too.
+    """
     row = model.joint(joint)
     dof = int(row.dofadr[0])
     target = f"joint.{joint}.damping"
@@ -153,8 +157,10 @@ def _damping(model: mujoco.MjModel, spec: mujoco.MjSpec, joint: str, found: Posi
     high = _QUICK * float(inertia[dof, dof])
     if found.found is not None:
         outcome = found.found.outcome
-        need, speed = (float(np.sqrt((part[:, dof] ** 2).mean())) for part in (outcome.need, outcome.speed))
-        high = need / speed if speed > 0 and need > 0 else high
+        force, speed = (float(np.sqrt((part[:, dof] ** 2).mean())) for part in (outcome.whole, outcome.speed))
+        taken = force / speed if speed > 0 and force > 0 else high
+        servo = bool((outcome.whole[:, dof] != outcome.need[:, dof]).any())
+        high = max(taken, high) if servo else taken
     unit = "N·s/m" if int(row.type[0]) == int(mujoco.mjtJoint.mjJNT_SLIDE) else "N·m·s/rad"
     return {"target": target, "unit": unit, "low": 0.0, "high": _rounded(max(high, _WIDER * nominal))}
 

@@ -71,7 +71,8 @@ class Outcome:
     Attributes:
         idle: squares that remain without any command, by degree of freedom, shape (nv,); relative as `Given.left`.
         given: what each series gives each degree of freedom that may be driven, best first.
-        need: force that the motion asks for, shape (w, nv).
+        need: force that the motion asks for beside what actuators give at control 0, shape (w, nv).
+        whole: force that it asks for with that, shape (w, nv).
         speed: shape (n, nv), for bounds of damping.
         size: squares that `idle` and `Given.left` are shares of, shape (nv,), N²·m² or N².
     """
@@ -79,6 +80,7 @@ class Outcome:
     idle: Array
     given: tuple[tuple[Given, ...], ...]
     need: Array
+    whole: Array
     speed: Array
     size: Array
 
@@ -153,7 +155,7 @@ class Trial:
             else ()
             for j, driven in enumerate(self.driven)
         )
-        return Outcome(idle, given, need, motion.qvel, size)
+        return Outcome(idle, given, need, weak.project(needed.force), motion.qvel, size)
 
     def _size(self, needed: Demand) -> Array:
         """Squares of the joint's forces about their mean, which a constant would explain."""

@@ -85,3 +85,28 @@ def test_an_offset_of_an_angle_goes_to_the_targets_of_its_servo() -> None:
     assert "offset" not in found["commands"]["elbow"]
     kp = mujoco.MjModel.from_xml_path("mine/model/it.xml").actuator_gainprm[:, 0]
     np.testing.assert_allclose(kp, [40.0, 15.0], rtol=0.1)  # N·m/rad, of the machine
+
+
+SERVO = """<mujoco model="servo"><compiler angle="radian"/><option timestep="0.002" integrator="RK4"/><worldbody>
+  <body name="disc"><joint name="hub" axis="0 0 1" armature="0.02" damping="0.05"/>
+  <geom type="cylinder" size="0.01 0.005" mass="0.01" contype="0" conaffinity="0"/></body></worldbody>
+  <actuator><position name="hub_servo" joint="hub" kp="30" kv="1"/></actuator></mujoco>"""
+
+
+def test_the_pull_of_a_stiff_servo_widens_no_bound_of_damping() -> None:
+    """What holds 1 rad by 30 N·m/rad brakes nothing; 0.2 N·m·s/rad stop 0.02 kg·m² in a tenth of a second."""
+    Path("servo.xml").write_text(SERVO)
+    model, logs = mujoco.MjModel.from_xml_string(SERVO), []
+    for seed in range(3):
+        data, rng, rows = mujoco.MjData(model), np.random.default_rng(seed), []
+        levels = rng.uniform(-1.0, 1.0, 20)
+        for k in range(3000):
+            data.ctrl[:] = levels[k // 150]
+            if k % 5 == 0:
+                rows.append((data.time, data.ctrl[0], data.qpos[0] + rng.normal(scale=1e-4)))
+            mujoco.mj_step(model, data)
+        logs.append(dict(zip(("time", "hub_target_rad", "hub_rad"), np.array(rows).T, strict=True)))
+    proposed("servo.xml", logs)
+    (entry,) = yaml.safe_load(Path("mine/model/it.yaml").read_text(encoding="utf-8"))["parameters"].values()
+    assert entry["target"] == "joint.hub.damping"
+    assert 0.2 <= entry["high"] < 1.0

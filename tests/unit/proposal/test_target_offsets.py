@@ -13,7 +13,7 @@ from dr_lab.proposal.trial import Given, Outcome, Reading
 from dr_lab.proposal.words import read_name
 
 NOTHING = np.zeros((1, 1))
-TRIED = Outcome(NOTHING[0], (), NOTHING, NOTHING, NOTHING[0])
+TRIED = Outcome(NOTHING[0], (), NOTHING, NOTHING, NOTHING, NOTHING[0])
 FOUND = Found((Reading(0, 1.0, np.pi),), TRIED, (), ())  # an angle that counts from upright
 KP = 5.0  # N·m/rad
 
