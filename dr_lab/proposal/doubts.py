@@ -94,7 +94,7 @@ def _turned(joints: Sequence[str], found: Found) -> Iterator[str]:
 def _open(joints: Sequence[str], found: Found, candidates: Sequence[Series]) -> Iterator[str]:
     """Orders and units that the motion does not decide, and angles that were moved."""
     if any(_different(found.readings, other) for other in found.plain):
-        yield f"As good in another order: {_orders(found, joints, candidates)}. Name columns after the joints."
+        yield f"Not certain which is which: {_orders(found, joints, candidates)} Name columns after the joints."
     degrees = {
         j for other in found.plain for j, (a, b) in enumerate(zip(found.readings, other, strict=True))
         if abs(a.factor) != abs(b.factor) and a.series == b.series
@@ -115,5 +115,12 @@ def _different(a: Readings, b: Readings) -> bool:
 
 
 def _orders(found: Found, joints: Sequence[str], candidates: Sequence[Series]) -> str:
-    other = next(each for each in found.plain if _different(found.readings, each))
-    return ", ".join(f"{joint} = {candidates[r.series].place}" for joint, r in zip(joints, other, strict=True))
+    """Another order, and what it and the chosen one leave of the forces."""
+    pairs = zip(found.plain, found.plain_left, strict=True)
+    other, left = next(pair for pair in pairs if _different(found.readings, pair[0]))
+    named = ", ".join(f"{joint} = {candidates[r.series].place}" for joint, r in zip(joints, other, strict=True))
+    here = found.outcome.total
+    return (
+        f"{named} leaves {100 * left:.2g} % of the forces unexplained, this order {100 * here:.2g} %; a model's own "
+        "errors may leave as much."
+    )

@@ -45,12 +45,14 @@ class Found:
         outcome: it, tried.
         others: readings that explain the motion about as well.
         plain: those of them that are about as plain.
+        plain_left: share of the squares that each of these leaves.
     """
 
     readings: Readings
     outcome: Outcome
     others: tuple[Readings, ...]
     plain: tuple[Readings, ...]
+    plain_left: tuple[float, ...] = ()
 
 
 def search(
@@ -90,7 +92,7 @@ def search(
     chosen = min(near, key=lambda readings: (costs[readings], tried[readings].total))
     others = tuple(readings for readings in near if readings != chosen)
     plain = tuple(readings for readings in others if costs[readings] <= costs[chosen] + _UNUSUAL)
-    return Found(chosen, tried[chosen], others, plain)
+    return Found(chosen, tried[chosen], others, plain, tuple(tried[readings].total for readings in plain))
 
 
 def _cost(readings: Readings) -> float:
