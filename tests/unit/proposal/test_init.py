@@ -161,6 +161,9 @@ def test_a_urdf_gets_motors_and_the_model_is_that_of_the_mjcf() -> None:
     assert list(model["parameters"]) == ["upper.mass", "lower.mass", "shoulder.damping", "elbow.damping"]
     for entry in model["parameters"].values():
         assert entry["low"] < entry["high"]
+    page = Path("mine/model/two.yaml").read_text(encoding="utf-8")
+    assert ".mass scales the body's inertia with it" in page
+    assert ".inertia_scale is a factor on the inertia alone." in page
 
 
 def test_an_unchanged_mjcf_is_copied_to_the_letter() -> None:
