@@ -9,11 +9,12 @@ from dr_lab.proposal.pages import model_xml
 from dr_lab.proposal.propose import Proposal
 
 _OPTION = re.compile(r"<option\b[^>]*?(?=\s*/?>)")
+_BY_ITSELF = "Where you leave it, close does so by itself, as the other verbs do, and says so."
 _TOP = re.compile(r"<mujoco\b[^>]*>")
 
 
 def in_mjcf(proposal: Proposal, finer: Model) -> str:
-    """What to write where in the MJCF that ``init`` writes, as a sentence.
+    """What to write where in the MJCF that ``init`` writes, and what happens without that.
 
     Args:
         proposal: what is written.
@@ -28,12 +29,12 @@ def in_mjcf(proposal: Proposal, finer: Model) -> str:
     found = _OPTION.search(_without_comments(text))
     if found is None:
         top = _TOP.search(_without_comments(text))
-        return f"In {file}, add <option {keys}/> below line {_line(text, top.end() if top else 0)}."
+        return f"In {file}, add <option {keys}/> below line {_line(text, top.end() if top else 0)}. {_BY_ITSELF}"
     element = found.group()
     for key, value in wanted.items():
         element = re.sub(rf'\s{key}\s*=\s*("[^"]*"|\'[^\']*\')', "", element) + f' {key}="{value}"'
     end = "/>" if text[found.end() :].lstrip().startswith("/") else ">"
-    return f"In {file}, line {_line(text, found.start())}, write {' '.join(element.split())}{end}."
+    return f"In {file}, line {_line(text, found.start())}, write {' '.join(element.split())}{end}. {_BY_ITSELF}"
 
 
 def _without_comments(text: str) -> str:

@@ -27,7 +27,7 @@ REST = '<worldbody><body name="b"><joint name="j"/><geom name="g" size="0.1"/></
         ("\n<mujoco>\n", 'In model/it.xml, add <option timestep="0.001" integrator="RK4"/> below line 2.'),
     ],
 )
-def test_the_line_and_what_to_write_are_told(tmp_path: Path, head: str, told: str) -> None:
+def test_the_line_what_to_write_and_what_happens_without_are_told(tmp_path: Path, head: str, told: str) -> None:
     path = tmp_path / "it.xml"
     path.write_text(head + REST)
     spec = mujoco.MjSpec.from_file(str(path))
@@ -35,4 +35,4 @@ def test_the_line_and_what_to_write_are_told(tmp_path: Path, head: str, told: st
     given = Proposal(robot, None, spec, False, (), (), {}, (), ())  # pyright: ignore[reportArgumentType]
     finer = spec.copy()
     finer.option.timestep, finer.option.integrator = 0.001, mujoco.mjtIntegrator.mjINT_RK4
-    assert in_mjcf(given, from_spec("it", finer, {})) == told
+    assert in_mjcf(given, from_spec("it", finer, {})) == f"{told} Where you leave it, close does so by itself, as the other verbs do, and says so."
