@@ -13,6 +13,7 @@ from dr_lab.comparison.first_notes import say_first
 from dr_lab.comparison.silent_notes import silent_notes
 from dr_lab.comparison.state_fits import StateFits
 from dr_lab.comparison.unlogged_commands import longest_wait, with_lines
+from dr_lab.diagnosis.checks.control_units import require_control_units
 from dr_lab.diagnosis.checks.firm_loops import firm_loops
 from dr_lab.diagnosis.checks.model_check import ModelCheckSettings
 from dr_lab.diagnosis.checks.numerical_floor import NumericalFloor, numerical_floor
@@ -105,6 +106,7 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
     Raises:
         ConfigError: no log is there to fit on.
         UnknownNameError: the model has no such channel.
+        DataError: a command is a torque for a slide or a force for a hinge.
         ModelError: the model diverges in every window, or does not explain logs that it made itself.
     """
     measured = comparison.measurements
@@ -112,6 +114,7 @@ def prepare(comparison: Comparison, tell: Callable[[Sequence[NoteEntry]], None] 
         raise ConfigError(
             f"Measurements {measured.name!r} name no log to fit on. Name at least one in measurements.fit."
         )
+    require_control_units(comparison.model.nominal(), (*measured.fit, *measured.held_out))
     suspected = suspect_faults(comparison.model, measured, comparison.settings.faults)
     read = with_lines(comparison, suspected)
     compiled = comparison.model.nominal()

@@ -35,4 +35,7 @@ def test_the_line_what_to_write_and_what_happens_without_are_told(tmp_path: Path
     given = Proposal(robot, None, spec, False, (), (), {}, (), ())  # pyright: ignore[reportArgumentType]
     finer = spec.copy()
     finer.option.timestep, finer.option.integrator = 0.001, mujoco.mjtIntegrator.mjINT_RK4
-    assert in_mjcf(given, from_spec("it", finer, {})) == f"{told} Where you leave it, close does so by itself, as the other verbs do, and says so."
+    assert (
+        in_mjcf(given, from_spec("it", finer, {}))
+        == f"{told} Where you leave it, close does so by itself, as the other verbs do, and says so."
+    )
