@@ -41,7 +41,7 @@ CHANNEL_KEYS = """\
 _PARAMETERS = (
     "# A parameter is a number of the MJCF that is fitted, between two bounds: body.<name>.mass, .inertia_scale,",
     "# .ipos[0]; joint.<name>.damping, .armature, .frictionloss, .stiffness; actuator.<name>.gear[0], .force_limit; …",
-    "# .mass scales the body's inertia with it, as another density would; .inertia_scale is a factor on the inertia alone.",
+    "# .mass scales the body's inertia with it, as a density does; .inertia_scale is a factor on the inertia alone.",
     "# Dry friction, backlash, delays and so on need none: they are effects, which dr-lab close tries and adds.",
 )
 

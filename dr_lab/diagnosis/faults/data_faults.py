@@ -8,12 +8,19 @@ import numpy as np
 
 from dr_lab.diagnosis.faults.drive_fit import DriveFit, Forces, Gain
 from dr_lab.diagnosis.faults.fault_settings import FaultSettings
-from dr_lab.diagnosis.faults.fault_words import factor_words, parts_outside, remedy_of_factor, remedy_of_sign
+from dr_lab.diagnosis.faults.fault_words import (
+    factor_words,
+    misread_position,
+    parts_outside,
+    remedy_of_factor,
+    remedy_of_sign,
+)
 from dr_lab.diagnosis.faults.held_span import HeldSpan, held_spans
 from dr_lab.diagnosis.faults.idle_span import idle_span, outside
+from dr_lab.diagnosis.faults.misread import Misreading, misread
 from dr_lab.diagnosis.faults.smoothed_motion import Mask, smoothed_motion, untestable
 from dr_lab.physics.model import Model
-from dr_lab.trajectory import MeasurementSet
+from dr_lab.trajectory import Log, MeasurementSet
 
 
 @dataclass(frozen=True)
@@ -21,9 +28,9 @@ class Fault:
     """What seems wrong with a log.
 
     Attributes:
-        kind: ``"sign"``, ``"unit"``, ``"shift"``, ``"off"``, ``"decimated"`` or ``"held"``.
+        kind: ``"sign"``, ``"unit"``, ``"swapped"``, ``"shift"``, ``"off"``, ``"decimated"`` or ``"held"``.
         log: the log's name.
-        signal: the command's, or the joint's that is held.
+        signal: the command's, the joint's that is held, or the channel that is misread.
         begin: s on the log's clock.
         end: s.
         message: what was seen, with figures.
@@ -47,8 +54,9 @@ def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettin
     Of each actuator and log the drive is regressed on what the joint's motion needs, beside friction, a spring, an
     offset and the errors that a nominal model may have. A fault is told where another reading of the commands (another
     sign, a factor, a shift in time, none at all) leaves far fewer squares than the given one with any plausible gain.
-    A joint that rests at a log's beginning or end where it would move is told, too (`held_spans`). Machines in contact
-    throughout or with joints that are not measured are not tested.
+    A joint that rests at a log's beginning or end where it would move is told, too (`held_spans`). Where one channel in
+    another unit, or two exchanged, would explain all logs far better (`misread`), nothing else is told: it would follow
+    from that. Machines in contact throughout or with joints that are not measured are not tested.
 
     Args:
         model: the model as given.
@@ -63,13 +71,42 @@ def suspect_faults(model: Model, measured: MeasurementSet, settings: FaultSettin
     if silent or untestable(compiled, measured):
         return ()
     forces = Forces.of(compiled, logs, smoothed_motion(compiled, measured, logs, settings.equation), settings)
-    driven = [(fit, fault) for fit in forces.drives() for fault in _faults(fit, settings)]
+    if (other := misread(compiled, measured, forces, settings)) is not None:
+        return tuple(_of_log(other, log) for log in logs)
+    drives = forces.drives()
+    driven = _agreed([(fit, fault) for fit in drives for fault in _faults(fit, settings)], drives, settings)
     told = {(fit.log.name, fit.joint) for fit, _ in driven}  # commands that do nothing look like a hand against them
     sound = (fit for fit in forces.undriven() if (fit.log.name, fit.joint) not in told)
     held = (
         _held(fit, span, settings) for fit in sound for span in held_spans(fit, forces.friction(fit.joint), settings)
     )
     return (*(fault for _, fault in driven), *held)
+
+
+def _of_log(other: Misreading, log: Log) -> Fault:
+    """A misreading of all logs as a fault of one of them, from its first sample to its last."""
+    begin = min(float(signal.time[0]) for signal in log.outputs.values())
+    end = max(float(signal.time[-1]) for signal in log.outputs.values())
+    return Fault(other.kind, log.name, other.signal, begin, end, other.message, other.remedy)
+
+
+def _agreed(
+    driven: Sequence[tuple[DriveFit, Fault]], drives: Sequence[DriveFit], settings: FaultSettings
+) -> list[tuple[DriveFit, Fault]]:
+    """The faults without a sign that one log shows, where in most others the commands act with neither sign."""
+    kept = []
+    for fit, fault in driven:
+        others = [each for each in drives if each.actuator == fit.actuator and each.log is not fit.log]
+        if fault.kind != "sign" or 2 * sum(_knows_sign(each, settings) for each in others) >= len(others):
+            kept.append((fit, fault))
+    return kept
+
+
+def _knows_sign(fit: DriveFit, settings: FaultSettings) -> bool:
+    """Whether a log's commands act, with the given sign or the other."""
+    most = settings.contrast * fit.gain(0.0, 0.0).left
+    bands = ((settings.gain, 1 / settings.gain), (-1 / settings.gain, -settings.gain))
+    return any(fit.gain(*band).left <= most for band in bands)
 
 
 def _faults(fit: DriveFit, settings: FaultSettings) -> list[Fault]:
@@ -102,9 +139,12 @@ def _unit(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fa
         return None
     message = (
         f"{fit.actuator}: the motion of {fit.joint} asks for {other.gain:.3g} times the commands' force"
-        f"{factor_words(other.gain, settings.near_unit)}."
+        f"{factor_words(other.gain, settings.near_unit, fit.log.commands[fit.actuator].unit)}."
     )
-    return _whole("unit", fit, message, remedy_of_factor(fit.actuator, other.gain))
+    channel = f"{fit.joint}.position"
+    unit = fit.log.outputs[channel].unit if channel in fit.log.outputs else ""
+    beside = misread_position(other.gain, settings.near_unit, channel, unit)
+    return _whole("unit", fit, message, f"{remedy_of_factor(fit.actuator, other.gain)}{beside}")
 
 
 def _shift(fit: DriveFit, given: Gain, idle: Gain, settings: FaultSettings) -> Fault | None:

@@ -152,6 +152,36 @@ class Forces:
         pairs = [(k, dof) for k in range(len(self.logs)) for dof in range(self.model.nv) if not self._unlogged(k, dof)]
         return [self._fit(k, dof, None) for k, dof in pairs if self._rows(k).sum() >= self.settings.fewest]
 
+    def unexplained(self, low: float, high: float) -> Array:
+        """Share of each joint's forces that its commands do not explain, over all logs, shape (nv,).
+
+        A share of the squares of the inertial and gravitational forces about their means, or of what is needed, where
+        that is more. Of several actuators at a joint the one counts that leaves most, the others being free.
+
+        Args:
+            low: least gain of the commands.
+            high: largest gain.
+        """
+        found = [*self.undriven(), *self.drives()]
+        driven = {(fit.log.name, fit.joint) for fit in found if fit.actuator}
+        left, size = np.zeros((2, self.model.nv))
+        for k, log in enumerate(self.logs):
+            for dof in range(self.model.nv):
+                joint = self.model.joint(int(self.model.dof_jntid[dof])).name
+                fits = [fit for fit in found if (fit.log.name, fit.joint) == (log.name, joint)]
+                fits = [fit for fit in fits if bool(fit.actuator) == ((log.name, joint) in driven)]
+                if fits:
+                    bounds = (low, high) if fits[0].actuator else (0.0, 0.0)
+                    left[dof] += max(fit.gain(*bounds).left for fit in fits)
+                    size[dof] += self._size(k, dof, fits[0].need)
+        return np.divide(left, size, out=np.zeros_like(left), where=size > 0)
+
+    def _size(self, k: int, dof: int, need: Array) -> float:
+        """Squares of a joint's forces about their means in the k-th log."""
+        rows = self._rows(k)
+        parts = (self._mean(part[:, dof], rows) for part in (self.needed.inertia, self.needed.gravity))
+        return max(sum(float(((part - part.mean()) ** 2).sum()) for part in parts), float(need.var() * len(need)))
+
     def friction(self, joint: str) -> float:
         """Dry friction that the model has at a joint, N·m or N; that of all tendons counts."""
         own = self.model.dof_frictionloss[self.model.joint(joint).dofadr[0]]

@@ -38,6 +38,7 @@ class FaultSettings:
         slow: share of the log's speed below which the direction of friction is undecided.
         fewest: test functions that a regression is worth.
         known: share of a log's test functions that must know the commands of another time.
+        misread_seconds: s of the logs, at most, on which other units and orders of their channels are tried.
         degrees: when angles seem to be in degrees.
 
     Raises:
@@ -67,6 +68,7 @@ class FaultSettings:
     slow: Share
     fewest: Count
     known: Share
+    misread_seconds: Positive
     degrees: DegreeSettings
 
     def __post_init__(self) -> None:

@@ -2,41 +2,94 @@
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-# True unit's size in that of the number that is read: a command of so many of these per SI unit was called SI.
-_UNITS = {
-    "milli (mN·m called N·m, mV called V)": 1e-3,
-    "kilo (N·m called mN·m)": 1e3,
-    "degrees (deg called rad)": np.pi / 180,
-    "radians (rad called deg)": 180 / np.pi,
-    "kilogram-force (kgf called N)": 9.80665,
-    "kilogram-force centimetres (kgf·cm called N·m)": 0.0980665,
-    "newton (N called kgf)": 1 / 9.80665,
-    "centi (cm called m, per cent called 1)": 1e-2,
-    "hundreds (1 called per cent)": 1e2,
-    "revolutions (rev called rad)": 2 * np.pi,
+# What a command of a unit may be in truth: words, and the true unit's size in that of the number that is read.
+_UNITS: Mapping[str, Mapping[str, float]] = {
+    "N·m": {
+        "milli (mN·m called N·m)": 1e-3,
+        "kilo (N·m called mN·m)": 1e3,
+        "kilogram-force metres (kgf·m called N·m)": 9.80665,
+        "newton metres (N·m called kgf·m)": 1 / 9.80665,
+        "kilogram-force centimetres (kgf·cm called N·m)": 0.0980665,
+        "newton metres (N·m called kgf·cm)": 1 / 0.0980665,
+    },
+    "N": {
+        "milli (mN called N)": 1e-3,
+        "kilo (N called mN, kN called N)": 1e3,
+        "kilogram-force (kgf called N)": 9.80665,
+        "newton (N called kgf)": 1 / 9.80665,
+    },
+    "V": {"milli (mV called V)": 1e-3, "kilo (V called mV)": 1e3},
+    "m": {"milli (mm called m)": 1e-3, "kilo (m called mm)": 1e3, "centi (cm called m)": 1e-2},
+    "rad": {
+        "degrees (deg called rad)": np.pi / 180,
+        "radians (rad called deg)": 180 / np.pi,
+        "revolutions (rev called rad)": 2 * np.pi,
+    },
+    "1": {"per cent (per cent called 1)": 1e-2, "hundreds (1 called per cent)": 1e2},
 }
+
+# What positions and velocities of an SI unit are mistaken for: the true unit, what it is called, true over read number.
+_DEGREE = np.pi / 180
+_LENGTHS = (("mm", "m", 1e-3), ("m", "mm", 1e3), ("cm", "m", 1e-2), ("m", "cm", 1e2))
+_ANGLES = (("deg", "rad", _DEGREE), ("rad", "deg", 1 / _DEGREE))
+_OUTPUTS = {"m": _LENGTHS, "rad": _ANGLES}
 
 _STRETCH = re.compile(r"(?P<log>.*)\[(?P<start>[^\[\]:]*):(?P<stop>[^\[\]:]*)\]")  # as in measurements.fit
 
 
-def factor_words(gain: float, near: float) -> str:
-    """The known factor that a gain is off from by a ratio of at most `near`, as a clause; empty where there is none."""
-    name, factor = min(_UNITS.items(), key=lambda entry: abs(np.log(abs(gain) / entry[1])))
+def known_factors(unit: str) -> Mapping[str, float]:
+    """What commands of an SI unit may be in truth: words, and the factor that makes the true number of the read one."""
+    return _UNITS.get(unit, {})
+
+
+def factor_words(gain: float, near: float, unit: str) -> str:
+    """The known factor that a gain is off from by a ratio of at most `near`, as a clause; empty where there is none.
+
+    Args:
+        gain: needed force over the commands'.
+        near: ratio.
+        unit: SI unit of the command, whose own mistakes go before those of other units.
+    """
     sign = " and of the opposite sign" if gain < 0 else ""
-    if abs(np.log(abs(gain) / factor)) > np.log(near):
-        return sign
-    return f", near {factor:.4g}: {name}{sign}"
+    every = {name: factor for known in _UNITS.values() for name, factor in known.items()}
+    for known in (known_factors(unit), every):
+        name = min(known, key=lambda each: abs(np.log(abs(gain) / known[each])), default="")
+        if name and abs(np.log(abs(gain) / known[name])) <= np.log(near):
+            return f", near {known[name]:.4g}: {name}{sign}"
+    return sign
+
+
+def position_units(unit: str) -> Sequence[tuple[str, str, float]]:
+    """What a joint's channel of an SI unit may be in truth: unit, what it is called, and true over read number."""
+    base, _, rest = unit.partition("/")
+    per = f"/{rest}" if rest else ""
+    return [(f"{true}{per}", f"{called}{per}", factor) for true, called, factor in _OUTPUTS.get(base, ())]
+
+
+def misread_position(gain: float, near: float, channel: str, unit: str) -> str:
+    """That a joint's positions in another unit would ask for so many times the force; empty where none would.
+
+    Args:
+        gain: needed force over the commands'.
+        near: ratio up to which a unit's factor may be off from it.
+        channel: its name.
+        unit: its SI unit.
+    """
+    for true, called, factor in position_units(unit):
+        if abs(np.log(abs(gain) * factor)) <= np.log(near):
+            return f" Or {channel} is in {true} and called {called}: write its unit in measurements.outputs."
+    return ""
 
 
 def remedy_of_factor(actuator: str, gain: float) -> str:
     """What to write in the measurements."""
     turned = f" {remedy_of_sign(actuator)}" if gain < 0 else ""
     return (
-        f"Write the unit that measurements.commands.{actuator} has (mN·m, deg …), or its scale; or correct the "
+        f"Write the unit that measurements.commands.{actuator} has (N, mN·m, deg …), or its scale; or correct the "
         f"actuator's gear in the model.{turned}"
     )
 

@@ -124,6 +124,20 @@ def test_a_turned_sign_is_told_in_its_log(sound: MeasurementSet) -> None:
     assert [(f.kind, f.log) for f in everywhere] == [("sign", f"log_{k}") for k in (1, 2, 3)]
 
 
+def test_a_sign_of_one_log_is_not_told_where_the_others_know_none(sound: MeasurementSet) -> None:
+    """Commands that are not those of the motion, which by chance it follows with the other sign in one log."""
+    first, second, third = (log.commands["motor"] for log in (*sound.fit, *sound.held_out))
+    turned = replace(first, value=-first.value)
+    foreign = {"log_1": turned, "log_2": third, "log_3": second}
+    faults = told(sound, lambda sent: next(new for log, new in foreign.items() if sent is of(sound, log)))
+    assert "sign" not in {fault.kind for fault in faults}
+    assert "sign" in {fault.kind for fault in told(sound, lambda sent: turned, "log_1")}
+
+
+def of(measured: MeasurementSet, name: str) -> Signal:
+    return next(log.commands["motor"] for log in (*measured.fit, *measured.held_out) if log.name == name)
+
+
 def test_a_servos_turned_sign_is_told() -> None:
     measured = recorded(actuator=SERVO)
     assert suspect_faults(nominal(SERVO), measured, settings()) == ()

@@ -1,0 +1,162 @@
+"""Channels read in another unit or order than declared, by which the equation of motion holds in all logs at once."""
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+from dr_lab.diagnosis.faults.drive_fit import Forces
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
+from dr_lab.diagnosis.faults.fault_words import known_factors, position_units, remedy_of_factor
+from dr_lab.diagnosis.faults.smoothed_motion import Index, Motion, smoothed_motion
+from dr_lab.diagnosis.windows.commands import silent_actuators
+from dr_lab.trajectory import Array, Log, MeasurementSet
+
+
+@dataclass(frozen=True)
+class Misreading:
+    """Another reading of the logs, by which the model explains them far better.
+
+    Attributes:
+        kind: ``"unit"`` or ``"swapped"``.
+        signal: the channel or command.
+        message: what was seen, with figures.
+        remedy: what to write.
+    """
+
+    kind: str
+    signal: str
+    message: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class _Reading:
+    kind: str
+    signal: str
+    told: str
+    remedy: str
+    motion: Callable[[Motion], Motion]
+    logs: Callable[[Sequence[Log]], Sequence[Log]]
+
+
+def misread(
+    model: mujoco.MjModel, measured: MeasurementSet, forces: Forces, settings: FaultSettings
+) -> Misreading | None:
+    """The other reading of one channel, or of two that are exchanged, that leaves far less of all joints' forces.
+
+    Every reading is judged on the same logs: the mean over the joints of the share of their forces that stays
+    unexplained, where a joint's share counts 1 at most. It must also leave far less than any gain of the commands as
+    declared would, of which `suspect_faults` tells log by log. Other readings that leave about as little as the best
+    one are named beside it. Only joints of which much is unexplained are read anew.
+
+    Args:
+        model: compiled.
+        measured: all logs.
+        forces: those of the logs as declared.
+        settings: thresholds.
+
+    Returns:
+        The misreading; None where the logs are explained as declared, or no reading explains them far better.
+    """
+    plausible = (settings.gain, 1 / settings.gain)
+    bad = np.flatnonzero(forces.unexplained(*plausible) >= settings.share).tolist()
+    if not bad or silent_actuators(model, forces.logs):
+        return None
+    logs = _some(forces.logs, settings.misread_seconds)
+    motion = smoothed_motion(model, measured, logs, settings.equation)
+    declared = Forces.of(model, logs, motion, settings)
+    given, least = _mean(declared.unexplained(*plausible)), _mean(declared.unexplained(-np.inf, np.inf))
+    every = [*_positions(model, motion, logs, bad), *_swaps(model, logs, bad), *_commands(model, forces, bad)]
+    read = [Forces.of(model, each.logs(logs), each.motion(motion), settings) for each in every]
+    tried = [(_mean(anew.unexplained(*plausible)), each) for anew, each in zip(read, every, strict=True)]
+    far = sorted((pair for pair in tried if pair[0] <= settings.contrast * least), key=lambda pair: pair[0])
+    if given < settings.share or not far:
+        return None
+    (left, best), *others = far
+    equal = [each for other, each in others if settings.contrast * other <= left]
+    message = (
+        f"{best.told}: so read, all logs leave {100 * left:.2g} % of the joints' forces unexplained; as declared, "
+        f"{100 * given:.2g} %."
+    )
+    beside = "".join(f" Or {each.told}, which the logs do not tell apart: {each.remedy}" for each in equal)
+    return Misreading(best.kind, best.signal, message, f"{best.remedy}{beside}")
+
+
+def _some(logs: Sequence[Log], seconds: float) -> list[Log]:
+    """The first logs that last so long together, one at least."""
+    lengths = np.cumsum([max(float(np.ptp(signal.time)) for signal in log.outputs.values()) for log in logs])
+    return list(logs[: max(int(np.count_nonzero(lengths <= seconds)), 1)])
+
+
+def _mean(shares: Array) -> float:
+    """Over the joints; a share above 1 says no more than 1 does."""
+    return float(np.minimum(shares, 1.0).mean())
+
+
+def _positions(model: mujoco.MjModel, motion: Motion, logs: Sequence[Log], dofs: Sequence[int]) -> Iterator[_Reading]:
+    """Positions in another unit, with the velocities that they have."""
+    for dof in dofs:
+        name = _channel(model, dof, logs)
+        if not motion.qvel[:, dof].any():
+            continue
+        for true, called, factor in position_units(logs[0].outputs[name].unit):
+            told = f"{name} seems to be in {true} and called {called}"
+            remedy = f"Write unit: {true} in measurements.outputs.{name}, or correct its scale."
+            yield _Reading("unit", name, told, remedy, _scaled(dof, factor), lambda logs: logs)
+
+
+def _swaps(model: mujoco.MjModel, logs: Sequence[Log], dofs: Sequence[int]) -> Iterator[_Reading]:
+    for one, other in itertools.combinations(dofs, 2):
+        first, second = (_channel(model, dof, logs) for dof in (one, other))
+        told = f"{first} and {second} seem to be exchanged"
+        remedy = f"Exchange what measurements.outputs names for {first} and {second}, with their units."
+        order = np.arange(model.nv)
+        order[[one, other]] = other, one
+        yield _Reading("swapped", first, told, remedy, _ordered(order), lambda logs: logs)
+
+
+def _commands(model: mujoco.MjModel, forces: Forces, dofs: Sequence[int]) -> Iterator[_Reading]:
+    """Commands in another unit, of the actuators that move these joints."""
+    joints = {model.joint(int(model.dof_jntid[dof])).name for dof in dofs}
+    for name in dict.fromkeys(fit.actuator for fit in forces.drives() if fit.joint in joints):
+        unit = next(log.commands[name].unit for log in forces.logs if name in log.commands)
+        for words, factor in known_factors(unit).items():
+            told = f"{name} seems to be in {words}"
+            remedy = remedy_of_factor(name, factor)
+            yield _Reading("unit", name, told, remedy, lambda motion: motion, _multiplied(name, factor))
+
+
+def _channel(model: mujoco.MjModel, dof: int, logs: Sequence[Log]) -> str:
+    joint = model.joint(int(model.dof_jntid[dof])).name
+    return next(name for name in (f"{joint}.position", f"{joint}.velocity") if name in logs[0].outputs)
+
+
+def _scaled(dof: int, factor: float) -> Callable[[Motion], Motion]:
+    def read(motion: Motion) -> Motion:
+        factors: Array = np.ones(motion.qvel.shape[1])
+        factors[dof] = factor
+        return replace(motion, qpos=factors * motion.qpos, qvel=factors * motion.qvel, qacc=factors * motion.qacc)
+
+    return read
+
+
+def _ordered(order: Index) -> Callable[[Motion], Motion]:
+    def read(motion: Motion) -> Motion:
+        return replace(motion, qpos=motion.qpos[:, order], qvel=motion.qvel[:, order], qacc=motion.qacc[:, order])
+
+    return read
+
+
+def _multiplied(name: str, factor: float) -> Callable[[Sequence[Log]], Sequence[Log]]:
+    def read(logs: Sequence[Log]) -> Sequence[Log]:
+        return [
+            replace(log, commands={**log.commands, name: replace(sent, value=factor * sent.value)})
+            if (sent := log.commands.get(name)) is not None
+            else log
+            for log in logs
+        ]
+
+    return read

@@ -1,0 +1,129 @@
+"""Channels of a cart with a pole that are declared in another unit, or exchanged, are told with what they are."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cache
+
+import mujoco
+import numpy as np
+import pytest
+from hydra.utils import instantiate
+
+from dr_lab.cli.compose import compose
+from dr_lab.diagnosis.faults.data_faults import Fault, suspect_faults
+from dr_lab.diagnosis.faults.fault_settings import FaultSettings
+from dr_lab.physics.model import Model, from_spec
+from dr_lab.trajectory import Log, MeasurementSet, Noise, Signal
+
+STEP, LENGTH, PEAK, DEGREE = 0.002, 8.0, 12.0, np.pi / 180
+UNITS = {"rail.position": "m", "pivot.position": "rad"}
+CART = """<mujoco><option timestep="0.002" integrator="RK4"/><worldbody><body name="cart">
+  <inertial pos="0 0 0" mass="{mass}" diaginertia="0.01 0.01 0.01"/>
+  <joint name="rail" type="slide" axis="1 0 0" damping="2" {rail}/>
+  <body name="pole"><inertial pos="0 0 -0.21" mass="0.25" diaginertia="0.004 0.004 0.0002"/>
+    <joint name="pivot" axis="0 -1 0" damping="0.002"/></body></body></worldbody>
+  <actuator><motor name="motor" joint="rail" ctrlrange="-15 15"/></actuator></mujoco>"""
+
+
+@cache
+def settings() -> FaultSettings:
+    return instantiate(compose("close", ["effect=spring"]).faults, _convert_="all")
+
+
+def nominal() -> Model:
+    return from_spec("cart", mujoco.MjSpec.from_string(CART.format(mass=1.2, rail="")), {})
+
+
+def driven(seed: int) -> Log:
+    """A log of a cart that is 10 % lighter than the model's and has dry friction."""
+    model = mujoco.MjModel.from_xml_string(CART.format(mass=1.1, rail='frictionloss="0.8"'))
+    data, rng, time = mujoco.MjData(model), np.random.default_rng(seed), np.arange(0.0, LENGTH, STEP)
+    rates, phases = rng.uniform(0.2, 2.0, 4), rng.uniform(0, 2 * np.pi, 4)
+    sent = np.sin(2 * np.pi * rates * time[:, None] + phases).sum(1)
+    sent, path = PEAK * sent / np.abs(sent).max(), np.empty((len(time), 2))
+    for k in range(len(time)):
+        path[k], data.ctrl[:] = data.qpos, sent[k]
+        mujoco.mj_step(model, data)
+    path += rng.normal(scale=1e-4, size=path.shape)
+    outputs = {name: Signal(name, unit, time, path[:, i]) for i, (name, unit) in enumerate(UNITS.items())}
+    return Log(f"log_{seed}", outputs, {"motor": Signal("motor", "N", time, sent)})
+
+
+@cache
+def sound() -> MeasurementSet:
+    logs = [driven(seed) for seed in (1, 2, 3)]
+    noise = {name: Noise(1e-4, unit, "estimated") for name, unit in UNITS.items()}
+    return MeasurementSet("cart", tuple(logs[:2]), tuple(logs[2:]), noise, dict.fromkeys((*UNITS, "motor"), 0.02))
+
+
+def told(change: Callable[[Log], Log]) -> tuple[Fault, ...]:
+    parts = {part: tuple(map(change, getattr(sound(), part))) for part in ("fit", "held_out")}
+    return suspect_faults(nominal(), replace(sound(), **parts), settings())
+
+
+def times(signals: Mapping[str, Signal], name: str, factor: float) -> dict[str, Signal]:
+    return {**signals, name: replace(signals[name], value=factor * signals[name].value)}
+
+
+def test_logs_as_declared_raise_nothing() -> None:
+    assert told(lambda log: log) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "words", "remedy"),
+    [
+        ("pivot.position", DEGREE, "pivot.position seems to be in rad and called deg", "unit: rad in measurements"),
+        ("pivot.position", 1 / DEGREE, "pivot.position seems to be in deg and called rad", "unit: deg in measurements"),
+        ("rail.position", 1e-3, "rail.position seems to be in m and called mm", "unit: m in measurements.outputs.rail"),
+        ("rail.position", 1e3, "rail.position seems to be in mm and called m", "unit: mm in measurements.outputs.rail"),
+    ],
+)
+def test_positions_in_another_unit_are_told_with_theirs(name: str, factor: float, words: str, remedy: str) -> None:
+    """And nothing is said of the commands, which no longer fit the motion either."""
+    faults = told(lambda log: replace(log, outputs=times(log.outputs, name, factor)))
+    assert [(fault.kind, fault.log, fault.signal) for fault in faults] == [
+        ("unit", f"log_{k}", name) for k in (1, 2, 3)
+    ]
+    assert words in faults[0].message
+    assert remedy in faults[0].remedy
+
+
+def test_a_force_in_newtons_that_is_called_kilogram_force_is_told_of_all_logs() -> None:
+    """Most of such commands are cut at the actuator's range, so that no gain of what is left explains the motion."""
+    faults = told(lambda log: replace(log, commands=times(log.commands, "motor", 9.80665)))
+    assert [(fault.kind, fault.log, fault.signal) for fault in faults] == [
+        ("unit", f"log_{k}", "motor") for k in (1, 2, 3)
+    ]
+    assert "newton (N called kgf)" in faults[0].message
+    assert "N·m" not in faults[0].message
+
+
+def test_exchanged_columns_are_told() -> None:
+    def exchanged(log: Log) -> Log:
+        rail, pivot = log.outputs["rail.position"], log.outputs["pivot.position"]
+        swapped = {
+            "rail.position": replace(rail, value=pivot.value),
+            "pivot.position": replace(pivot, value=rail.value),
+        }
+        return replace(log, outputs=swapped)
+
+    faults = told(exchanged)
+    assert [(fault.kind, fault.log) for fault in faults] == [("swapped", f"log_{k}") for k in (1, 2, 3)]
+    assert "rail.position and pivot.position seem to be exchanged" in faults[0].message
+
+
+def test_a_slide_alone_leaves_open_whether_its_place_or_its_force_is_misread() -> None:
+    """Millimetres called metres, and newtons called millinewtons, ask for the same thousandfold force."""
+    carriage = """<mujoco><worldbody><body name="carriage"><inertial pos="0 0 0" mass="2" diaginertia="1 1 1"/>
+      <joint name="rail" type="slide" axis="1 0 0" damping="2"/></body></worldbody>
+      <actuator><motor name="motor" joint="rail"/></actuator></mujoco>"""
+    spec, time = mujoco.MjSpec.from_string(carriage), np.arange(0.0, 4.0, STEP)
+    place = 0.3 * np.sin(4 * time) + 0.1 * np.sin(9 * time)
+    rate, force = 1.2 * np.cos(4 * time) + 0.9 * np.cos(9 * time), -4.8 * np.sin(4 * time) - 8.1 * np.sin(9 * time)
+    outputs = {"rail.position": Signal("rail.position", "m", time, 1e3 * place)}
+    log = Log("log", outputs, {"motor": Signal("motor", "N", time, 2 * force + 2 * rate)})
+    measured = MeasurementSet("carriage", (log,), (), {}, dict.fromkeys(("rail.position", "motor"), 0.02))
+    (fault,) = suspect_faults(from_spec("carriage", spec, {}), measured, settings())
+    assert (fault.kind, fault.signal) == ("unit", "motor")
+    assert "near 1000: kilo (N called mN" in fault.message
+    assert "Or rail.position is in mm and called m: write its unit in measurements.outputs." in fault.remedy
