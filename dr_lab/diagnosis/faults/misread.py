@@ -65,30 +65,29 @@ def misread(
     bad = np.flatnonzero(forces.unexplained(*plausible) >= settings.share).tolist()
     if not bad or silent_actuators(model, forces.logs):
         return None
-    logs = _some(forces.logs, settings.misread_seconds)
-    motion = smoothed_motion(model, measured, logs, settings.equation)
+    motion = smoothed_motion(model, measured, logs := _some(forces.logs, settings), settings.equation)
     declared = Forces.of(model, logs, motion, settings)
     given, least = _mean(declared.unexplained(*plausible)), _mean(declared.unexplained(-np.inf, np.inf))
     every = [*_positions(model, motion, logs, bad), *_swaps(model, logs, bad), *_commands(model, forces, bad)]
-    read = [Forces.of(model, each.logs(logs), each.motion(motion), settings) for each in every]
-    tried = [(_mean(anew.unexplained(*plausible)), each) for anew, each in zip(read, every, strict=True)]
+    anew = (Forces.of(model, each.logs(logs), each.motion(motion), settings) for each in every)
+    tried = [(_mean(read.unexplained(*plausible)), each) for read, each in zip(anew, every, strict=True)]
     far = sorted((pair for pair in tried if pair[0] <= settings.contrast * least), key=lambda pair: pair[0])
     if given < settings.share or not far:
         return None
     (left, best), *others = far
     equal = [each for other, each in others if settings.contrast * other <= left]
     message = (
-        f"{best.told}: so read, all logs leave {100 * left:.2g} % of the joints' forces unexplained; as declared, "
+        f"{best.told}: so read, the logs leave {100 * left:.2g} % of the joints' forces unexplained; as declared, "
         f"{100 * given:.2g} %."
     )
     beside = "".join(f" Or {each.told}, which the logs do not tell apart: {each.remedy}" for each in equal)
     return Misreading(best.kind, best.signal, message, f"{best.remedy}{beside}")
 
 
-def _some(logs: Sequence[Log], seconds: float) -> list[Log]:
-    """The first logs that last so long together, one at least."""
+def _some(logs: Sequence[Log], settings: FaultSettings) -> list[Log]:
+    """The first logs that last so long together at most, one at least."""
     lengths = np.cumsum([max(float(np.ptp(signal.time)) for signal in log.outputs.values()) for log in logs])
-    return list(logs[: max(int(np.count_nonzero(lengths <= seconds)), 1)])
+    return list(logs[: max(int(np.count_nonzero(lengths <= settings.misread_seconds)), 1)])
 
 
 def _mean(shares: Array) -> float:
