@@ -54,9 +54,10 @@ def fit_notes(models: Sequence[FittedModel]) -> list[NoteEntry]:
         if not fit.converged:
             steps = f"{fit.iterations} step{'s' if fit.iterations != 1 else ''}"
             told = f"{name} did not converge in {steps}: its parameters may not be the best."
-            rest = "The last of them gained nothing, as at a kink of dry friction; more would not help."
-            if not fit.over:
-                rest = "Raise solver.iterations, or begin nearer."
+            rest = "Raise solver.iterations, or begin nearer."
+            if fit.over:
+                told = f"{name} ended after {steps} without a certificate that it converged."
+                rest = "Its last steps gained nothing, as where a joint sticks or a limit is met: more would not help."
             notes.append(NoteEntry(f"{told} {rest}", "not_converged"))
     return notes
 
