@@ -125,7 +125,9 @@ def _reason(
         left = ", ".join(f"{c.effect.label} (mean χ² {number(c.fitted_model.held_out.chi2)})" for c in group)
         return f"The {scored} cannot separate {left}: what one explains better than another is not beyond doubt."
     floor = noise_floor(base.held_out.freedom, settings)
-    place = f"above the noise floor of {floor:.3g}" if kind == "unexplained" else "at the noise floor"
+    coloured = base.held_out.chi2 > floor  # such as instruments make
+    place = "at the floor of the sensors' coloured noise" if coloured else "at the noise floor"
+    place = f"above the noise floor of {floor:.3g}" if kind == "unexplained" else place
     lost, every = base.held_out.infeasible, len(base.held_out.window_count)
     mean = f"mean χ² {base.held_out.chi2:.3f} on the {scored}{f', {lost} of {every} windows diverge' if lost else ''}"
     told = f"The model is {place} ({mean}). No effect of the catalogue lowers that beyond doubt."

@@ -97,6 +97,13 @@ def test_what_leaves_coloured_noise_of_the_instruments_need_not_explain_a_part_o
     assert decide(base, [candidate(base, "coulomb_friction", left, CLEAR)], SETTINGS).kind == kind
 
 
+@pytest.mark.parametrize(("level", "words"), [(1.0, "at the noise floor"), (20.0, "the sensors' coloured noise")])
+def test_the_floor_of_coloured_noise_is_told_as_such(level: float, words: str) -> None:
+    verdict = decide(model(with_channel(score(level), noise=True)), [], SETTINGS)
+    assert verdict.kind == "none"
+    assert words in verdict.reason
+
+
 def with_channel(whole: Score, *, noise: bool) -> Score:
     channel = ChannelScore(whole.window_sum, whole.window_count, 1.0, instrumental=noise)
     return replace(whole, channels={"rail.position": channel})
