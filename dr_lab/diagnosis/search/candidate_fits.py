@@ -114,9 +114,9 @@ class CandidateFits:
 
         Where what it is like in a `limit` explains something, it begins there and not at the base's. A short run shows
         whether a start away from absent is worth going on from: whether it is as low as the first fit was after as many
-        steps, wherever that ended. Bodies that are free as a whole begin as in the model file: those of a base that
-        leaves more than noise have gone far to make up for what it lacks, along ways that bend. Of a `goal` see
-        `Fitter.run`. One that is fitted while no other is may have more `threads`.
+        steps, wherever that ended, unless that leaves noise. Bodies that are free as a whole begin as in the model
+        file: those of a base that leaves more than noise have gone far to make up for what it lacks, along ways that
+        bend. Of a `goal` see `Fitter.run`. One that is fitted while no other is may have more `threads`.
         """
         fitter = self.fitter(self.thin, effect, threads)
         helps = limit is not None and supported(limit.gain, len(limit.effect.parameters), self.bench.evidence)
@@ -137,10 +137,14 @@ class CandidateFits:
         for z in first.starts:
             start = fitter.begin(z, base.delta)
             rough = fitter.run(z, start.delta, base.slopes, steps)
-            if rough.order <= (best.order[0], near.after(steps)):
+            as_fast = rough.order <= (best.order[0], near.after(steps))
+            if rough.order < best.order or (as_fast and not self._leaves_noise(fitter, best)):
                 again = fitter.run(rough.z, rough.delta, goal=min(goal, best.cost))
                 best = min(best, again, key=lambda fit: fit.order)
         return best
+
+    def _leaves_noise(self, fitter: Fitter, fit: Fit) -> bool:
+        return at_floor(fitted_alone(fitter.replay, fit).held_out, self.bench.evidence)
 
     def _in_the_limit(self, fitter: Fitter, effect: PlacedEffect, first: FirstLook, limit: Candidate) -> Fit:
         """An effect linearised where that which it is like in a limit ended, at the best of its own shapes."""
