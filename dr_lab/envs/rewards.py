@@ -55,8 +55,8 @@ class ErrorReward(ABC):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExponentialReward(ErrorReward):
-    """exp(−eᵀ Q e − aᵀ R a), between 0 and 1.
+class WeightedReward(ErrorReward):
+    """A reward by the cost eᵀ Q e + aᵀ R a.
 
     Attributes:
         error_weights: diagonal of Q, shape (k,).
@@ -76,36 +76,25 @@ class ExponentialReward(ErrorReward):
         """A weight each."""
         return {"error_weights": errors, "action_weights": actions}
 
-    def __call__(self, error: Array, action: Array) -> Array:
-        """The reward."""
-        return np.exp(-np.square(error) @ np.array(self.error_weights) - np.square(action) @ self.action_weights)
+    def cost(self, error: Array, action: Array) -> Array:
+        """The weighted squares of errors (n, k) and actions (n, nu), shape (n,)."""
+        return np.square(error) @ np.array(self.error_weights) + np.square(action) @ np.array(self.action_weights)
 
 
-@dataclass(frozen=True, kw_only=True)
-class QuadraticReward(ErrorReward):
-    """−eᵀ Q e − aᵀ R a.
-
-    Attributes:
-        error_weights: diagonal of Q, shape (k,).
-        action_weights: diagonal of R, shape (nu,).
-
-    Raises:
-        ConfigError: a weight is negative or not finite.
-    """
-
-    error_weights: _Weights
-    action_weights: _Weights
-
-    def __post_init__(self) -> None:
-        require_bounds(self, "env.task.reward_of")
-
-    def lengths(self, errors: int, actions: int) -> Mapping[str, int]:
-        """A weight each."""
-        return {"error_weights": errors, "action_weights": actions}
+class ExponentialReward(WeightedReward):
+    """exp(−eᵀ Q e − aᵀ R a), between 0 and 1."""
 
     def __call__(self, error: Array, action: Array) -> Array:
         """The reward."""
-        return -np.square(error) @ np.array(self.error_weights) - np.square(action) @ self.action_weights
+        return np.exp(-self.cost(error, action))
+
+
+class QuadraticReward(WeightedReward):
+    """−eᵀ Q e − aᵀ R a."""
+
+    def __call__(self, error: Array, action: Array) -> Array:
+        """The reward."""
+        return -self.cost(error, action)
 
 
 @dataclass(frozen=True, kw_only=True)
