@@ -67,12 +67,14 @@ def misread(
         return None
     motion = smoothed_motion(model, measured, logs := _some(forces.logs, settings), settings.equation)
     declared = Forces.of(model, logs, motion, settings)
-    given, least = _mean(declared.unexplained(*plausible)), _mean(declared.unexplained(-np.inf, np.inf))
+    if (given := _mean(declared.unexplained(*plausible))) < settings.share:
+        return None
+    least = _mean(declared.unexplained(-np.inf, np.inf))
     every = [*_positions(model, motion, logs, bad), *_swaps(model, logs, bad), *_commands(model, forces, bad)]
     anew = (Forces.of(model, each.logs(logs), each.motion(motion), settings) for each in every)
     tried = [(_mean(read.unexplained(*plausible)), each) for read, each in zip(anew, every, strict=True)]
     far = sorted((pair for pair in tried if pair[0] <= settings.contrast * least), key=lambda pair: pair[0])
-    if given < settings.share or not far:
+    if not far:
         return None
     (left, best), *others = far
     equal = [each for other, each in others if settings.contrast * other <= left]
