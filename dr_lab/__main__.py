@@ -1,14 +1,12 @@
 """The console script `dr-lab`: verbs, composed by Hydra, run as plain functions."""
 
 import os
-import signal
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Sequence
 
 from dr_lab.cli.completion import FLAGS, complete
 from dr_lab.cli.folders import split_config_dir
+from dr_lab.cli.stopping import Terminated, signals_unwind
 from dr_lab.cli.verbs import overview, verbs
 from dr_lab.errors import DrLabError, UnknownNameError
 from dr_lab.version import __version__
@@ -16,10 +14,6 @@ from dr_lab.version import __version__
 FAILED = 2
 INTERRUPTED = 130
 TERMINATED = 143
-
-
-class Terminated(BaseException):
-    """SIGTERM, on its way up the stack; like Ctrl-C it is no error that anybody may handle."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -33,7 +27,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        with _sigterm_unwinds():
+        with signals_unwind():
             code = _dispatch(arguments)
             sys.stdout.flush()  # so that a reader who has gone is noticed here, and not at exit
             return code
@@ -52,20 +46,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         # Whoever read the output, such as head, has gone; nothing may be written any more, at exit neither.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
-
-
-@contextmanager
-def _sigterm_unwinds() -> Iterator[None]:
-    """Let SIGTERM, which batch systems and service managers send, end a run as Ctrl-C does: files are put in order."""
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise Terminated
-
-    before = signal.signal(signal.SIGTERM, stop)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _dispatch(arguments: list[str]) -> int:

@@ -112,19 +112,6 @@ def _chain(error: BaseException | None) -> Iterator[BaseException]:
         error = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
 
 
-def interruption(error: BaseException) -> BaseException | None:
-    """The Ctrl-C or SIGTERM in whose wake an error was raised, such as by a library that tidied up half-made objects.
-
-    OmegaConf hides what led to an error, but does not forget it.
-    """
-    for led in (error.__cause__, error.__context__):
-        if led is not None:
-            found = interruption(led) if isinstance(led, Exception) else led
-            if found is not None:
-                return found
-    return None
-
-
 def _syntax(error: yaml.MarkedYAMLError) -> str:
     mark = error.problem_mark
     where = f"{mark.name}, line {mark.line + 1}: " if mark is not None else ""

@@ -16,6 +16,7 @@ from omegaconf import DictConfig
 from dr_lab.cli.arguments import COMPOSE, RESUME, RUN_DIR, arguments_of, compose_arguments, workflow_of
 from dr_lab.cli.provenance import write_config
 from dr_lab.cli.resuming import require_same_settings
+from dr_lab.cli.stopping import stop_if_asked
 from dr_lab.cli.threads import algebra_on_one_thread
 from dr_lab.errors import ConfigError
 from dr_lab.reports.typed import view_command
@@ -76,6 +77,7 @@ def run_job(job: Job, cfg: DictConfig) -> None:
     """
     try:
         workflow, arguments = build(job, cfg)
+        stop_if_asked()
     except BaseException:
         discard(job, cfg)
         raise
@@ -83,6 +85,7 @@ def run_job(job: Job, cfg: DictConfig) -> None:
         print(f"{_shortest(job.output_dir)} holds another run; this one goes to {_shortest(arguments[RUN_DIR])}.\n")
     with algebra_on_one_thread():
         workflow(**arguments)
+    stop_if_asked()
     if RUN_DIR in arguments:
         folder = _shortest(arguments[RUN_DIR])
         print(f"\nRun folder: {folder}")

@@ -9,11 +9,12 @@ from pathlib import Path
 import hydra
 
 from dr_lab.cli.compose import HYDRA_VERSION, prepare
-from dr_lab.cli.explain import explain, interruption
+from dr_lab.cli.explain import explain
 from dr_lab.cli.flags import require_known_flags, runs_jobs
 from dr_lab.cli.hydra_node import checked_at_composition
 from dr_lab.cli.overrides import composed
 from dr_lab.cli.positional import is_plain, spelt_out
+from dr_lab.cli.stopping import stop_if_asked
 from dr_lab.cli.task import Task
 from dr_lab.cli.verb_help import verb_help
 
@@ -48,8 +49,7 @@ def run(verb: str, arguments: list[str], folders: tuple[Path, ...]) -> int:
     except BrokenPipeError:
         raise
     except Exception as error:
-        if (stop := interruption(error)) is not None:
-            raise stop from None
+        stop_if_asked()
         if traceback_wanted:
             raise
         message, code = explain(error, verb, folders)

@@ -12,6 +12,7 @@ from omegaconf import DictConfig, OmegaConf
 from dr_lab.cli.explain import explain
 from dr_lab.cli.job import Job, can_go_on, run_job
 from dr_lab.cli.pruning import watched
+from dr_lab.cli.stopping import stop_if_asked
 from dr_lab.errors import DrLabError
 from dr_lab.files import remove_leftovers, write_text
 from dr_lab.run_command import CONFIG_FILE
@@ -66,6 +67,7 @@ def _attempt(job: Job, cfg: DictConfig) -> Exception | None:
     except Pruned:
         write_status(folder, "pruned", seconds=time.monotonic() - begin)
     except Exception as error:
+        stop_if_asked()
         message = explain(error, job.verb, job.folders)[0]
         write_text(folder / ERROR_FILE, f"{message}\n\n{''.join(traceback.format_exception(error))}")
         write_status(folder, "failed", message, time.monotonic() - begin)

@@ -10,6 +10,7 @@ from omegaconf import DictConfig, OmegaConf
 from dr_lab.cli.arguments import checked
 from dr_lab.cli.explain import explain
 from dr_lab.cli.job import Job, discard, run_job
+from dr_lab.cli.stopping import stop_if_asked
 from dr_lab.cli.sweep_job import run_in_sweep
 from dr_lab.errors import ConfigError
 
@@ -41,6 +42,7 @@ class Task:
         Raises:
             DrLabError: a job of a sweep failed.
         """
+        stop_if_asked()
         state = HydraConfig.get()
         overrides = tuple(map(str, OmegaConf.to_container(state.overrides.task, resolve=False) or ()))
         output_dir = Path(state.runtime.output_dir)
