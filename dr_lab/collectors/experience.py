@@ -10,6 +10,7 @@ from torch import Tensor
 
 from dr_lab.collectors.boundary import Boundary
 from dr_lab.collectors.collector import Collector, Drive, Policy
+from dr_lab.collectors.first_episodes import first_episodes
 from dr_lab.collectors.play import play
 from dr_lab.envs.slots import EpisodeSlots, Starts
 from dr_lab.physics.context import ContextSpace
@@ -70,7 +71,8 @@ class Experience:
 
         Returns:
             A batch as `Collector` lays it out, of as many control steps as the longest first episode takes, and what
-            else the collector makes at once. What goes on then is cut, and bootstraps, as by a time limit.
+            else the collector makes at once. What goes on then is cut, and bootstraps, as by a time limit. Its key
+            ``first`` (n, steps) says which steps are of each slot's first episode: no others are counted as episodes.
         """
         self._boundary.renew()
         self.begin(z)
@@ -82,6 +84,7 @@ class Experience:
         cut = ~cast(Tensor, batch["next", "done"])[:, -1]
         for flag in ("truncated", "done"):
             batch["next", flag][:, -1] |= cut
+        batch["first"] = first_episodes(batch)
         for key, of_slot in (labels or {}).items():
             batch[key] = torch.from_numpy(of_slot)[:, None].expand(batch.shape)
         return self._told(batch)

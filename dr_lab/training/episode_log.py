@@ -67,7 +67,8 @@ class EpisodeLog:
         """Follow one more batch.
 
         Args:
-            batch: size [n, steps], as a collector gives it.
+            batch: size [n, steps], as a collector gives it. Where it has the key ``first``, no other episodes are
+                counted: of those that follow only the short ones end before the batch does.
 
         Returns:
             What ended within it as a whole, in the order of time.
@@ -77,6 +78,7 @@ class EpisodeLog:
         terminated = cast(Tensor, batch["next", "terminated"]).squeeze(-1).numpy()
         infeasible = cast(Tensor, batch["next", "infeasible"]).squeeze(-1).numpy()
         context = cast(Tensor, batch["context"]).double().numpy()
+        counted = cast(Tensor, batch["first"]).numpy() if "first" in batch else np.ones_like(done)
         if len(self._returns) == 0:
             self._returns, self._lengths = np.zeros(len(reward)), np.zeros(len(reward), np.int64)
         found = [Finished(context[:0, 0], np.zeros(0), np.zeros(0, np.int64), np.zeros(0, bool))]
@@ -84,7 +86,7 @@ class EpisodeLog:
             self._returns += reward[:, t]
             self._lengths += 1
             ended = done[:, t]
-            whole = ended & (terminated[:, t] | (self._lengths >= self._time_limit))
+            whole = ended & counted[:, t] & (terminated[:, t] | (self._lengths >= self._time_limit))
             found.append(Finished(context[whole, t], self._returns[whole], self._lengths[whole], infeasible[whole, t]))
             self._returns[ended], self._lengths[ended] = 0.0, 0
         return joined(found)

@@ -142,6 +142,7 @@ def test_whole_episodes_are_collected_in_every_slot_and_the_rest_is_cut(kind: Ca
     assert done.nonzero()[:, 1].tolist() == [7, 8] * 4
     assert torch.equal(batch["next", "truncated"][..., 0], done)
     assert not batch["next", "terminated"].any()
+    assert batch["first"].sum(1).tolist() == [8] * 4
 
 
 def test_control_steps_of_whole_episodes_are_counted_and_the_count_is_resumed() -> None:

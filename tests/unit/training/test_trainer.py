@@ -12,6 +12,7 @@ import torch
 from point_mass import LIMIT, PointCollector, ppo
 from pretended_experience import PretendedExperience
 
+from dr_lab.collectors.first_episodes import first_episodes
 from dr_lab.distribution_learners.lsdr import LSDR
 from dr_lab.errors import DrLabError
 from dr_lab.physics.context import ContextSpace
@@ -158,6 +159,17 @@ def test_what_staggering_cuts_is_no_episode() -> None:
     # The first slot's four steps are left out, and the eleven after them, which the same limit cuts.
     assert finished.lengths.tolist() == [6, LIMIT]
     assert finished.returns[1] == pytest.approx(float(batch["next", "reward"][2, :LIMIT].sum()))
+
+
+def test_of_slots_that_play_whole_episodes_the_first_ones_are_counted() -> None:
+    """Those that follow would be counted where they are short, and cut where they are long."""
+    batch = next(PointCollector(ppo().policies["policy"], n=2, steps=LIMIT))
+    batch["next", "reward"][:] = 1.0
+    for t in (1, 4, 6):
+        batch["next", "done"][1, t] = batch["next", "terminated"][1, t] = True
+    assert EpisodeLog(LIMIT).take(batch).returns.tolist() == [2.0, 3.0, 2.0, LIMIT]  # of batches that go on
+    batch["first"] = first_episodes(batch)
+    assert EpisodeLog(LIMIT).take(batch).returns.tolist() == [2.0, LIMIT]
 
 
 def test_infeasible_episodes_are_counted_and_averaged_over_by_nothing() -> None:
