@@ -84,11 +84,11 @@ def not_finite(state: object, name: str) -> Iterator[str]:
     """Names of the tensors in a state that hold NaN or infinite numbers.
 
     Args:
-        state: a tensor, or mappings nested around some; all else is passed over.
+        state: a tensor, or mappings, lists and tuples nested around some; all else is passed over.
         name: of the state, before those in it.
     """
-    if isinstance(state, Mapping):
-        for key, value in state.items():
+    if isinstance(state, Mapping | list | tuple):
+        for key, value in state.items() if isinstance(state, Mapping) else enumerate(state):
             yield from not_finite(value, f"{name}.{key}")
     elif isinstance(state, Tensor) and not state.isfinite().all():
         yield name

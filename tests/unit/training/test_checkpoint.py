@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from dr_lab.errors import DataError
-from dr_lab.training.checkpoint import load, save
+from dr_lab.training.checkpoint import load, not_finite, save
 
 
 def test_checkpoints_hold_arrays_and_refuse_code(tmp_path: Path) -> None:
@@ -62,3 +62,10 @@ def test_what_a_device_has_written_is_read_without_it(tmp_path: Path, monkeypatc
     save(tmp_path / "there.pt", {"weights": torch.arange(3.0)})
     monkeypatch.undo()
     assert torch.equal(load(tmp_path / "there.pt")["weights"], torch.arange(3.0))
+
+
+def test_what_is_not_finite_is_found_however_deep_it_lies() -> None:
+    """Algorithms of many policies list the states of their members."""
+    lost, fine = torch.tensor([1.0, torch.nan]), torch.tensor([1.0])
+    state = {"members": [{"weight": fine}, {"weight": lost}], "steps": [(fine, torch.tensor([True]), lost)], "n": 3}
+    assert list(not_finite(state, "algorithm")) == ["algorithm.members.1.weight", "algorithm.steps.0.2"]
