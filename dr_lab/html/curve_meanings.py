@@ -11,7 +11,7 @@ MEANINGS: Mapping[str, str] = {
     "kl": "Divergence between the policy that acted and the updated one, nat.",
     "clipped": "Share of the actions whose probability ratio was clipped.",
     "std": "Standard deviation of the exploration, a mean over the actions.",
-    "explained": "Share of the variance of the returns that the critic explains.",
+    "explained": "Share of the variance of the returns that the critic or the baseline explains.",
     "learning_rate": "Of the policy's optimiser.",
     "q": "Mean value that the critic gives to what the policy does.",
     "context_return": "Mean return of the feasible episodes that the distribution learner played.",

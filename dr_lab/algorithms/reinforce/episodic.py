@@ -80,12 +80,12 @@ class EpisodicAlgorithm(Algorithm):
 
     def _learn(self, episodes: WholeEpisodes) -> Mapping[str, float]:
         to_go = episodes.returns_to_go(self.gamma)
-        advantage = episodes.advantages(self.baseline(episodes, to_go), self.gamma, self.lam)
-        figures = self._step(episodes, advantage)
+        baseline = self.baseline(episodes, to_go)
+        figures = self._step(episodes, episodes.advantages(baseline, self.gamma, self.lam))
         lived = episodes.mask > 0
         return {
             **figures,
-            "explained": 1.0 - (advantage[lived].var() / to_go[lived].var()).item(),
+            "explained": 1.0 - ((to_go - baseline)[lived].var() / to_go[lived].var()).item(),
             "std": self.actor.log_std.exp().mean().item(),
             **self.baseline.learn(episodes, to_go),
         }

@@ -205,6 +205,13 @@ def test_a_critic_explains_returns_that_depend_on_what_is_observed() -> None:
     assert ((baseline(episodes, wanted) - wanted).var() / wanted.var()).item() < 0.02
 
 
+@pytest.mark.parametrize("lam", [0.0, 0.97, 1.0])
+def test_a_baseline_that_has_learnt_nothing_explains_nothing(lam: float) -> None:
+    """Whatever λ is: that rewards scatter less than returns is not the baseline's doing."""
+    algorithm = trpo(baseline=critic(), lam=lam)
+    assert algorithm.iterate(experience(algorithm))["explained"] == 0.0
+
+
 def test_training_on_takes_a_critic_s_samples_in_another_order() -> None:
     observation = draw(40, 8, 1).float()
     episodes = WholeEpisodes(observation, observation, observation[..., 0], torch.ones(40, 8))
