@@ -135,5 +135,6 @@ def worst_contexts(batch: TensorDict, episodes_per_context: int, share: float) -
     failed = (infeasible & first).any(1).view(-1, episodes_per_context).any(1)
     means = returns.view(-1, episodes_per_context).mean(1).masked_fill(failed, torch.inf)
     worst = torch.zeros_like(failed)
-    worst[means.argsort(stable=True)[: ceil(share * len(means))]] = True
+    kept = ceil(round(share * len(means), 9))  # 0.28 · 25 is a little more than 7
+    worst[means.argsort(stable=True)[:kept]] = True
     return (worst & ~failed).repeat_interleave(episodes_per_context)

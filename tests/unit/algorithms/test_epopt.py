@@ -41,6 +41,7 @@ def test_contexts_are_ranked_by_the_mean_of_the_first_episode_of_each_of_their_s
     assert worst_contexts(played, 2, 0.1).tolist() == [False, False, True, True]
     assert worst_contexts(played, 2, 1.0).all()
     assert worst_contexts(played, 1, 0.25).tolist() == [True, False, False, False]  # single episodes: luck
+    assert worst_contexts(batch([[1.0]] * 25, [[1]] * 25), 1, 0.28).sum() == 7  # which 0.28 · 25 exceeds by rounding
 
 
 def test_a_context_with_an_infeasible_episode_is_neither_ranked_nor_learnt_from() -> None:
