@@ -110,7 +110,7 @@ class Choice:
     of luck. The return by which one was chosen is too high, by the same luck: `dr-lab evaluate` plays other episodes.
 
     Attributes:
-        snapshots: how many a run keeps, the last ones; of a policy that is made to be adapted, one.
+        snapshots: how many a run keeps, the last ones; one where no return judges, see `Algorithm.judged_by_return`.
         episodes: that each snapshot plays.
 
     Raises:

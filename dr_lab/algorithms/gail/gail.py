@@ -20,7 +20,8 @@ class GAIL(Algorithm):
     """Imitates an expert: learns from the reward −log(1 − D(o, a)) in place of the task's.
 
     D, the probability that a control step is the expert's, learns from every batch before it is rewarded, and the
-    batch then goes to another algorithm. The task's rewards are recorded, and nothing learns from them.
+    batch then goes to another algorithm. The task's rewards are recorded, and nothing learns from them; nor do they
+    choose which policy is deployed, which is the last.
 
     Source: Ho and Ermon, Generative Adversarial Imitation Learning, 2016, algorithm 1.
 
@@ -64,6 +65,11 @@ class GAIL(Algorithm):
     def policies(self) -> Mapping[str, Policy]:
         """Those of the learner."""
         return self.learner.policies
+
+    @property
+    def judged_by_return(self) -> bool:
+        """No: what the task pays for may be something else than what the expert does."""
+        return False
 
     @property
     def deployed(self) -> Policy:

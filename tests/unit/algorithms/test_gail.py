@@ -72,6 +72,10 @@ def test_the_policy_goes_where_the_expert_goes_and_not_where_the_task_pays() -> 
     assert all(np.isfinite(each["discriminator_loss"]) for each in figures)
 
 
+def test_the_task_s_return_does_not_choose_what_is_deployed() -> None:
+    assert not gail().judged_by_return
+
+
 def test_the_reward_is_the_papers_and_the_loss_the_two_cross_entropies() -> None:
     found = discriminator(0.0)
     observation, action = torch.randn(64, 2), torch.rand(64, 1)
