@@ -14,8 +14,10 @@ from dr_lab.collectors.boundary import on_cpu
 from dr_lab.collectors.collector import Policy
 from dr_lab.collectors.play import outcomes, play
 from dr_lab.envs.environment import Environment
+from dr_lab.envs.slots import Flags
 from dr_lab.randomizers.context_source import ContextSource
 from dr_lab.seeding import derived_seed, stream
+from dr_lab.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ class Chosen:
 
     Attributes:
         index: of it, among those that there are.
-        returns: mean return of each snapshot.
+        returns: mean return of each snapshot; NaN where no context is feasible.
         frames: control steps that were played to find out.
     """
 
@@ -108,6 +110,9 @@ class Choice:
 
     Returns of single snapshots scatter by more than they differ from one to the next, so that the last one is a matter
     of luck. The return by which one was chosen is too high, by the same luck: `dr-lab evaluate` plays other episodes.
+
+    A context that is infeasible with all snapshots, as where it does not compile, is left out. In the others an episode
+    that diverges counts with the return that the environment declares.
 
     Attributes:
         snapshots: how many a run keeps, the last ones; one where no return judges, see `Algorithm.judged_by_return`.
@@ -141,10 +146,13 @@ class Choice:
             threads: C threads of the physics; None takes every core.
         """
         z = source.propose([stream(seed, "choice")] * self.episodes, np.arange(self.episodes)).z
-        returns, frames = list[float](), 0
+        found, frames = list[tuple[Array, Flags]](), 0
         for snapshot in snapshots:
             slots = environment.make(None, self.episodes, derived_seed(seed, "choice"), threads).episodes
             played = play(slots, snapshot.deployed, z)
-            returns.append(float(outcomes(played)[0].mean()))
+            found.append(outcomes(played))
             frames += int(cast(Tensor, played["mask"]).sum())
-        return Chosen(len(returns) - 1 - int(np.argmax(returns[::-1])), returns, frames)
+        returns, infeasible = (np.stack(each) for each in zip(*found, strict=True))
+        known = ~infeasible.all(axis=0)
+        means = returns[:, known].mean(axis=1) if known.any() else np.full(len(returns), np.nan)
+        return Chosen(len(means) - 1 - int(np.argmax(means[::-1])), means.tolist(), frames)

@@ -1,6 +1,7 @@
 """Snapshots act as the policies did, and the best of them is chosen."""
 
 import functools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import cast
 
@@ -22,8 +23,9 @@ from dr_lab.physics.model import from_spec
 from dr_lab.randomizers.fixed import FixedRandomizer
 from dr_lab.training.checkpoint import save
 from dr_lab.training.plan import CHECKPOINT, POLICY
-from dr_lab.training.policy_snapshots import Choice, PolicySnapshot, PolicySnapshots
+from dr_lab.training.policy_snapshots import Choice, Chosen, PolicySnapshot, PolicySnapshots
 from dr_lab.training.run_state import RunState
+from dr_lab.trajectory import Array
 
 # Equal parameters may lie elsewhere in memory, which changes the last digit of a product.
 close = functools.partial(torch.allclose, rtol=1e-6, atol=1e-6)
@@ -77,21 +79,51 @@ def actors(algorithm: Algorithm) -> dict[str, Tensor]:
     }
 
 
-def test_the_newest_of_the_best_is_chosen_and_its_episodes_are_counted() -> None:
+FORCES = (1.0, 3.0, 3.0, 2.0)
+RETURNS = np.array(FORCES) / 4.0 * DT * LIMIT * (LIMIT + 1) / 2  # of 4 kg: v = F t/m, summed over the steps
+
+
+class Partly(FixedRandomizer):
+    """A context at one mass but for the first few, whose mass is negative."""
+
+    impossible = 0
+
+    def sample(self, rngs: Sequence[np.random.Generator]) -> Array:
+        z = super().sample(rngs)
+        z[: self.impossible] = -1.0
+        return z
+
+
+def chosen_of(impossible: int) -> Chosen:
+    """Among policies that push a block, in four contexts."""
     model = from_spec("block", mujoco.MjSpec.from_string(XML), PARAMETERS)
     task = Push(frame_skip=1, time_limit=LIMIT)
     setting = Setting(
         name="block", model=model, task=task, show_context=False, infeasible_return=-7.0, speed_limit=200.0
     )
-    forces = (1.0, 3.0, 3.0, 2.0)
-    snapshots = [PolicySnapshot(i, constant(f), constant(f)) for i, f in enumerate(forces)]
-    source = FixedRandomizer(model.space, {"cube.mass": 4.0})
-    chosen = Choice(snapshots=4, episodes=2).choose(snapshots, setting, source, 0, 1)
+    snapshots = [PolicySnapshot(i, constant(f), constant(f)) for i, f in enumerate(FORCES)]
+    source = Partly(model.space, {"cube.mass": 4.0})
+    source.impossible = impossible
+    return Choice(snapshots=4, episodes=4).choose(snapshots, setting, source, 0, 1)
+
+
+def test_the_newest_of_the_best_is_chosen_and_its_episodes_are_counted() -> None:
+    chosen = chosen_of(impossible=0)
     assert chosen.index == 2
-    # v = F t/m, summed over the steps
-    expected = np.array(forces) / 4.0 * DT * LIMIT * (LIMIT + 1) / 2
-    np.testing.assert_allclose(cast(list[float], chosen.returns), expected)
-    assert chosen.frames == 4 * 2 * LIMIT
+    np.testing.assert_allclose(cast(list[float], chosen.returns), RETURNS)
+    assert chosen.frames == 4 * 4 * LIMIT
+
+
+def test_contexts_that_do_not_compile_lower_no_return() -> None:
+    chosen = chosen_of(impossible=3)
+    assert chosen.index == 2
+    np.testing.assert_allclose(cast(list[float], chosen.returns), RETURNS)
+
+
+def test_where_no_context_is_feasible_the_newest_is_chosen_and_no_return_is_known() -> None:
+    chosen = chosen_of(impossible=4)
+    assert chosen.index == 3
+    assert np.isnan(chosen.returns).all()
 
 
 def test_a_choice_without_episodes_is_refused() -> None:
