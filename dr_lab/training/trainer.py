@@ -151,10 +151,11 @@ class Trainer:
     def _take(self, batch: TensorDict) -> None:
         """Note what ended in a batch, and let the learner shape the distribution where its turn has come."""
         self._finished.append(self._episodes.take(batch))
-        before, between = self.frames + self._collected, self._learner.every
+        before, learner = self.frames + self._collected, self._learner
+        seen = before + batch.numel()
         self._collected += batch.numel()
-        if (before + batch.numel()) // between > before // between:
-            self._shaped |= self._learner.update(batch, self._experience)
+        if seen >= learner.first and seen // learner.every > before // learner.every:
+            self._shaped |= learner.update(batch, self._experience)
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""

@@ -58,7 +58,7 @@ class SimOpt(DistributionLearner):
         updates: of φ in an iteration.
         max_kl: ε.
         least_temperature: lowest temperature of the samples' weights.
-        warm_up: turns of `every` control steps that pass before the first iteration.
+        warm_up: turns of `every` control steps that pass before the turn that ends with the first iteration.
         every: control steps of training between two iterations, which wait for a batch of the policy's to end.
 
     Raises:
@@ -93,7 +93,6 @@ class SimOpt(DistributionLearner):
         self._measured = discrepancy.measured(self._compiled, self._setting.task.measured)
         self._discrepancy, self._target = discrepancy, target(self._setting)
         self.rng = stream(seed, "simopt")
-        self._turns = 0
         self._compared: Sequence[Comparison] = ()
 
     def update(self, batch: TensorDict, experience: Experience) -> Mapping[str, float]:
@@ -103,9 +102,6 @@ class SimOpt(DistributionLearner):
         steps of the target's episodes.
         """
         del batch
-        self._turns += 1
-        if self._turns <= self.warm_up:
-            return {}
         trial = self._trial(experience)
         tried, steps = zip(*(self._step(experience, trial) for _ in range(self.updates)), strict=True)
         return {
@@ -124,13 +120,12 @@ class SimOpt(DistributionLearner):
 
     def state_dict(self) -> dict[str, Any]:
         """All that an exact continuation needs."""
-        return super().state_dict() | {"rng": self.rng.bit_generator.state, "turns": self._turns}
+        return super().state_dict() | {"rng": self.rng.bit_generator.state}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
         """Continue from what `state_dict` gave."""
         super().load_state_dict(state)
         self.rng.bit_generator.state = state["rng"]
-        self._turns = state["turns"]
 
     def _trial(self, experience: Experience) -> Trial:
         """What this iteration has of the target."""

@@ -190,3 +190,14 @@ def test_the_distribution_is_learnt_after_so_many_control_steps(tmp_path: Path) 
     run.run(4 * FRAMES, ignore)
     learnt = ["entropy" in row for row in run.history]
     assert learnt == [False, True, True, True]  # 481 is passed at 960, 962 at 1440, 1443 at 1920
+
+
+@pytest.mark.parametrize(("between", "first"), [(FRAMES, 3 * FRAMES), (FRAMES // 4, 9 * FRAMES // 4)])
+def test_nothing_is_learnt_of_a_distribution_before_its_first_control_step(
+    between: int, first: int, tmp_path: Path
+) -> None:
+    """Also where a batch is longer than a turn."""
+    run = trainer(tmp_path, between=between)
+    cast(Any, run)._learner.first = first
+    run.run(4 * FRAMES, ignore)
+    assert ["entropy" in row for row in run.history] == [False, False, True, True]
