@@ -153,13 +153,13 @@ class DDPG(Algorithm):
     def _step(self, batch: Transitions) -> Tensor:
         """One step of both networks and their targets; gives the loss of Q and its mean."""
         critic_loss, value = self.loss.differentiate_critics(batch)
-        self.loss.differentiate_actor(batch.observation)
         self.critic_adam.step(self.critic_rate)
-        self._step_actor()
+        self._step_actor(batch.observation)
         return torch.stack([critic_loss, value])
 
-    def _step_actor(self) -> None:
-        """A step along the actor's gradient, which its mean and the targets follow."""
+    def _step_actor(self, observation: Tensor) -> None:
+        """A step up the slope of Q as it is by now, which the actor's mean and the targets follow."""
+        self.loss.differentiate_actor(observation)
         self.actor_adam.step(self.actor_rate)
         self.average.take(self.loss.actor_parameters.vector)
         self.loss.follow(self.tau)

@@ -64,8 +64,7 @@ class TD3(DDPG):
         self.critic_adam.step(self.critic_rate)
         self.steps += 1
         if self.steps % self.actor_every == 0:
-            self.loss.differentiate_actor(batch.observation)
-            self._step_actor()
+            self._step_actor(batch.observation)
         return torch.stack([critic_loss, value])
 
     def state_dict(self) -> dict[str, Any]:

@@ -104,6 +104,22 @@ def test_control_steps_earn_gradient_steps_over_several_batches(
     assert sum(np.isfinite(each["critic_loss"]) for each in figures) == min(steps, 20)
 
 
+def test_the_actor_climbs_q_as_it_has_just_become(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lillicrap et al. 2016, algorithm 1: Q learns first."""
+    algorithm, seen = ddpg(), list[Tensor]()
+    differentiate, critic = algorithm.loss.differentiate_actor, algorithm.loss.critic_parameters.vector
+
+    def note(observation: Tensor) -> Tensor:
+        seen.append(critic.clone())
+        return differentiate(observation)
+
+    monkeypatch.setattr(algorithm.loss, "differentiate_actor", note)
+    batches = collector(algorithm)
+    while not seen:
+        algorithm.update(next(batches))
+    assert torch.equal(seen[-1], critic)
+
+
 def test_the_end_in_an_infeasible_context_is_not_learnt_from() -> None:
     algorithm = ddpg()
     batch = next(collector(algorithm))
