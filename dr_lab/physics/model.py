@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.errors import ModelError
-from dr_lab.physics.actuator_attributes import require_ends_apart
+from dr_lab.physics.actuator_attributes import require_ends_apart, write_out_damping
 from dr_lab.physics.body_contexts import apart
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.context import ContextSpace
@@ -221,6 +221,7 @@ def from_spec(
     """Declare the free parameters of a spec, whose unnamed elements get names; arguments and errors as `load`."""
     spec = spec.copy()
     name_elements(spec)
+    write_out_damping(spec)
     require_joints_apart(name, spec)
     parameters, bodies = _apart(name, parameters)
     for key, entry in parameters.items():
@@ -284,8 +285,7 @@ def require_live(model: Model, parameter: str) -> None:
     if ends[0] and ends[0] == ends[1]:
         raise ModelError(
             f"Parameter {parameter!r} of model {model.name!r} changes nothing between {space.low[index]:g} and "
-            f"{space.high[index]:g}. "
-            "Point its target at something the physics uses, or delete it."
+            f"{space.high[index]:g}. Point its target at something the physics uses, or delete it."
         )
 
 

@@ -137,3 +137,18 @@ def test_what_a_frame_moves_is_refused(text: str) -> None:
       <frame quat="0.6 0 0.8 0"><joint name="inner"/></frame><geom size="0.1"/></body></frame></worldbody></mujoco>"""
     with pytest.raises(ModelError, match="stands in a <frame>"):
         Target.parse(text).read(mujoco.MjSpec.from_string(framed))
+
+
+def test_a_servo_with_a_damping_ratio_keeps_its_gain() -> None:
+    """MuJoCo would compute it anew of what the joint carries, and of kp."""
+    by_ratio = mujoco.MjSpec.from_string(XML.replace('kv="2"', 'dampratio="0.7"'))
+    kv = -by_ratio.compile().actuator("servo").biasprm[2]
+    targets = {"mass": "body.arm.mass", "kp": "actuator.servo.kp", "kv": "actuator.servo.kv"}
+    declared = {name: {"target": target, "unit": "1", "low": 0.5, "high": 60.0} for name, target in targets.items()}
+    model = from_spec("toy", by_ratio, declared)
+    np.testing.assert_allclose(model.space.nominal, [2.0, 30.0, kv])
+    heavy = np.array([8.0, 60.0, kv])
+    np.testing.assert_allclose(model.compile(heavy).actuator("servo").biasprm[:3], [0.0, -60.0, -kv])
+    simulator = Simulator(model, 1)
+    simulator.set_contexts(heavy[None])
+    np.testing.assert_allclose(simulator.batch.expand("actuator_biasprm")[0, 0, :3], [0.0, -60.0, -kv])
