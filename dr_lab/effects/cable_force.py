@@ -7,6 +7,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
+from dr_lab.effects.bare_tendon import add_bare_tendon
 from dr_lab.effects.body_effect import body_of, moving_bodies
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.effects.generalised_forces import pulls
@@ -90,10 +91,9 @@ class CableForce(Effect, SpecPreparation, SpecEdit):
         compiled, label = spec.copy().compile(), f"{self.name}@{site}"
         body_of(spec, site).add_site(name=f"{label}.end", pos=compiled.body(site).ipos)
         spec.worldbody.add_site(name=f"{label}.anchor", pos=_centre(compiled, site))
-        tendon = spec.add_tendon(name=label)
+        tendon = add_bare_tendon(spec, label)
         tendon.wrap_site(f"{label}.anchor")
         tendon.wrap_site(f"{label}.end")
-        tendon.springlength = [0.0, 0.0]
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Write its numbers."""

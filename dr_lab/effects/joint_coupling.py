@@ -7,6 +7,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
+from dr_lab.effects.bare_tendon import add_bare_tendon
 from dr_lab.effects.effect import Scales
 from dr_lab.effects.joint_effect import JointEffect, slides
 from dr_lab.physics.effect_parts import SpecEdit
@@ -72,7 +73,7 @@ class JointCoupling(JointEffect, SpecEdit):
 
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Add the tendon."""
-        tendon = spec.add_tendon(name=f"{self.name}@{site}")
+        tendon = add_bare_tendon(spec, f"{self.name}@{site}")
         tendon.wrap_joint(_before(spec, site), 1.0)
         tendon.wrap_joint(site, -values["ratio"])
         tendon.stiffness = [values["stiffness"], 0.0, 0.0]

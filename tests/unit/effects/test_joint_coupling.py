@@ -4,7 +4,7 @@ import pytest
 from effect_machines import CONF, block, catalogue_effect, energies, hanging, scales_of, with_effect
 
 from dr_lab.effects.effect import place
-from dr_lab.physics.model import Model, load
+from dr_lab.physics.model import Model, from_spec, load
 
 STIFFNESS, RATIO, REST = 2.0, 0.5, 0.1  # N·m/rad; 1; rad
 
@@ -34,6 +34,16 @@ def test_a_rest_of_minus_one_is_a_number_like_others() -> None:
     data.qpos[:] = [0.3, 0.7]
     mujoco.mj_forward(model, data)
     assert data.qfrc_passive[0] == pytest.approx(-STIFFNESS * (0.3 - RATIO * 0.7 + 1.0))
+
+
+def test_the_files_default_tendon_is_another_one() -> None:
+    spec = mujoco.MjSpec.from_file(str(CONF / "model" / "strangers" / "elbow.xml"))
+    default = spec.default.tendon
+    default.frictionloss, default.armature, default.limited, default.range = 0.5, 0.2, True, [0.0, 0.1]
+    default.damping = [1.0, 0.0, 0.0]
+    for name, site in (("joint_coupling", "elbow"), ("cable_force", "forearm")):
+        found = energies(with_effect(from_spec("elbow", spec, {}), name, site), [0.8, -0.5], [2.0, 1.0])
+        np.testing.assert_array_equal(found, energies(with_effect(elbow(), name, site), [0.8, -0.5], [2.0, 1.0]))
 
 
 def test_energy_is_kept() -> None:
