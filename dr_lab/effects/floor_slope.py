@@ -10,7 +10,8 @@ import numpy as np
 from dr_lab.effects.contact_pairs import meeting
 from dr_lab.effects.effect import Effect, Scales
 from dr_lab.errors import ModelError
-from dr_lab.physics.effect_parts import SpecEdit
+from dr_lab.physics.compiling import compiled
+from dr_lab.physics.effect_parts import SpecEdit, SpecPreparation
 from dr_lab.physics.parameter import Parameter
 
 _AXES = ("about_x", "about_y")
@@ -18,7 +19,7 @@ _STILL = 1e-9  # m/s for a unit velocity of a joint; rounding
 
 
 @dataclass(frozen=True)
-class FloorSlope(Effect, SpecEdit):
+class FloorSlope(Effect, SpecPreparation, SpecEdit):
     """A plane that is turned about the world's x and y through its own origin, while gravity stays.
 
     n' = exp([r]×) n with r = (r_x, r_y, 0), n the plane's normal.
@@ -26,6 +27,7 @@ class FloorSlope(Effect, SpecEdit):
     Parameters (nominal = absent): about_x, about_y [rad]; each only if a body that touches the plane can move in the
     direction in which the angle tips the normal (a planar machine in x and z does not feel a turn about x).
     Limits: planes fixed to the world that something can touch; where the robot's frame tilts along, it is a base tilt.
+    Raises: ModelError for a plane in a <frame>, whose orientation in the file is not that in the world.
     Source: Rodrigues' rotation formula; MuJoCo geom/plane.
 
     Attributes:
@@ -52,6 +54,18 @@ class FloorSlope(Effect, SpecEdit):
         del scales
         return tuple(Parameter(axis, "rad", 0.0, -self.largest, self.largest) for axis in _felt(model, site))
 
+    def prepare(self, spec: mujoco.MjSpec, site: str) -> None:
+        """Write the plane's orientation as a quat, in whichever form it stands."""
+        plane = spec.geom(site)
+        if plane.frame is not None:
+            raise ModelError(
+                f"Plane {site!r} stands in a <frame>, whose axes are not the world's. Write the plane with a pos and "
+                "an orientation of its own."
+            )
+        if plane.alt.type != mujoco.mjtOrientation.mjORIENTATION_QUAT:
+            plane.quat = compiled(spec.copy()).geom(site).quat
+            plane.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+
     def edit(self, spec: mujoco.MjSpec, site: str, values: Mapping[str, float]) -> None:
         """Turn the plane."""
         vector = np.array([*(values.get(axis, 0.0) for axis in _AXES), 0.0])
@@ -59,8 +73,6 @@ class FloorSlope(Effect, SpecEdit):
         if angle == 0:
             return
         plane, turn, turned = spec.geom(site), np.zeros(4), np.zeros(4)
-        if plane.alt.type != mujoco.mjtOrientation.mjORIENTATION_QUAT:
-            raise ModelError(f"Plane {site!r} is oriented by angles; floor_slope turns planes that have a quat.")
         mujoco.mju_axisAngle2Quat(turn, vector / angle, angle)
         mujoco.mju_mulQuat(turned, turn, np.array(plane.quat))
         plane.quat = turned

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from effect_machines import catalogue_effect, placed, with_effect
 
+from dr_lab.errors import ModelError
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.trajectory import Array
 
@@ -77,3 +78,24 @@ def test_it_sits_at_a_floor_that_something_touches() -> None:
     assert catalogue_effect("floor_slope").sites(block().nominal()) == ("floor",)
     names = [p.name.rpartition(".")[2] for p in placed(block(), "floor_slope", "floor").parameters]
     assert names == ["about_x", "about_y"]
+
+
+def standing(floor: str) -> Model:
+    xml = f"""<mujoco><compiler angle="radian"/><worldbody>{floor}<body name="ball" pos="0 0 0.1"><freejoint/>
+      <geom size="0.05"/></body></worldbody></mujoco>"""
+    return from_spec("standing", mujoco.MjSpec.from_string(xml), {})
+
+
+@pytest.mark.parametrize("orientation", ["", 'quat="0.8 0 0 0.6"', 'euler="0 0 1.2"', 'zaxis="0 0 1"'])
+def test_a_floor_is_turned_however_it_is_oriented(orientation: str) -> None:
+    machine = standing(f'<geom name="floor" type="plane" size="0 0 1" {orientation}/>')
+    data = mujoco.MjData(with_effect(machine, "floor_slope", "floor", about_x=STEEP))
+    mujoco.mj_forward(data.model, data)
+    normal = data.geom("floor").xmat.reshape(3, 3)[:, 2]
+    np.testing.assert_allclose(normal, [0.0, -np.sin(STEEP), np.cos(STEEP)], atol=1e-12)
+
+
+def test_a_floor_in_a_frame_is_refused() -> None:
+    machine = standing('<frame euler="0 0 1.2"><geom name="floor" type="plane" size="0 0 1"/></frame>')
+    with pytest.raises(ModelError, match="Write the plane with a pos and an orientation of its own"):
+        with_effect(machine, "floor_slope", "floor")
