@@ -7,7 +7,6 @@ import mujoco
 from dr_lab.errors import ModelError
 from dr_lab.physics.address import Address, FieldEdit
 from dr_lab.physics.attribute import Attribute, Edits, Element, Entry
-from dr_lab.physics.compiling import compiled
 
 # entries that a servo's gains share, force = kp setpoint - kp length - kv velocity
 _SERVO = {"kp": (("actuator_gainprm", 0), ("actuator_biasprm", 1)), "kv": (("actuator_biasprm", 2),)}
@@ -96,23 +95,6 @@ class TimeConstant(Entry):
     def fields(self, at: Address, model: mujoco.MjModel) -> Edits:
         """Compiled fields that carry the value."""
         return (FieldEdit("actuator_dynprm", (at.row(model), 0), relative=False),)
-
-
-def write_out_damping(spec: mujoco.MjSpec) -> None:
-    """Give servos that have a ``dampratio`` the kv that MuJoCo makes of it.
-
-    MuJoCo computes kv whenever it compiles, of kp and the inertia that it finds then. But a controller keeps its gain,
-    whatever it is that it carries.
-    Source: MuJoCo 4.0, XML reference, actuator/position/dampratio.
-
-    Args:
-        spec: its actuators have names; it is edited.
-    """
-    by_ratio = [each for each in spec.actuators if each.gainprm[0] == -each.biasprm[1] != 0.0 < each.biasprm[2]]
-    if by_ratio:
-        model = compiled(spec.copy())
-        for servo in by_ratio:
-            servo.biasprm[2] = model.actuator(servo.name).biasprm[2]
 
 
 def require_ends_apart(spec: mujoco.MjSpec, bounds: Mapping[Address, tuple[float, float]]) -> None:

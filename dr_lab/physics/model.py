@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.errors import ModelError
-from dr_lab.physics.actuator_attributes import require_ends_apart, write_out_damping
+from dr_lab.physics.actuator_attributes import require_ends_apart
 from dr_lab.physics.body_contexts import apart
 from dr_lab.physics.compiling import compiled
 from dr_lab.physics.context import ContextSpace
@@ -21,8 +21,9 @@ from dr_lab.physics.inertial import KEY, BodyInertial, declare, require_alone
 from dr_lab.physics.inertias import written_out
 from dr_lab.physics.law import Law
 from dr_lab.physics.model_effect import ModelEffect
-from dr_lab.physics.naming import name_elements, require_joints_apart
+from dr_lab.physics.naming import require_joints_apart
 from dr_lab.physics.parameter import Parameter
+from dr_lab.physics.settling import settled
 from dr_lab.physics.shared_target import SharedTarget, parse, places
 from dr_lab.physics.signal import Reading
 from dr_lab.physics.target import Target
@@ -219,9 +220,7 @@ def from_spec(
     derived: Mapping[str, str] | None = None,
 ) -> Model:
     """Declare the free parameters of a spec, whose unnamed elements get names; arguments and errors as `load`."""
-    spec = spec.copy()
-    name_elements(spec)
-    write_out_damping(spec)
+    spec = settled(spec)
     require_joints_apart(name, spec)
     parameters, bodies = _apart(name, parameters)
     for key, entry in parameters.items():

@@ -1,0 +1,45 @@
+import mujoco
+import numpy as np
+import pytest
+from effect_machines import placed
+
+from dr_lab.physics.model import Declared, from_spec
+from dr_lab.physics.straight import Straight
+
+ROBOT = """<robot name="arm">
+  <link name="base"/>
+  <link name="arm"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="tool"><inertial><origin xyz="0 0 0"/><mass value="0.5"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="shoulder" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+  <joint name="mount" type="fixed"><parent link="arm"/><child link="tool"/><origin xyz="0 0 -1"/></joint>
+</robot>"""
+FREE = """<mujoco><compiler fusestatic="true"/><worldbody><body name="frame"><freejoint/>
+  <geom type="box" size="0.1 0.2 0.3"/><body name="antenna" pos="0 0 1"><geom size="0.05"/></body>
+</body></worldbody></mujoco>"""
+
+
+def swinging(model: mujoco.MjModel) -> np.ndarray:
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.4
+    mujoco.mj_step(model, data, 200)
+    return data.qpos.copy()
+
+
+@pytest.mark.parametrize("parameters", [{}, "inertial", {"inertial": ["arm"]}])
+def test_the_inertia_of_a_welded_link_counts_once(parameters: Declared) -> None:
+    """MuJoCo fuses the links of a URDF: its arm has the tool's inertia, which the tool brings as well."""
+    spec = mujoco.MjSpec.from_string(ROBOT)
+    model = from_spec("arm", spec, parameters).nominal()
+    assert model.body("arm").subtreemass[0] == pytest.approx(1.5)
+    np.testing.assert_allclose(swinging(model), swinging(spec.compile()), rtol=1e-9)
+
+
+def test_bodies_that_the_file_lets_fuse_keep_their_names() -> None:
+    spec = mujoco.MjSpec.from_string(FREE)
+    varied = {"mass": {"target": "body.antenna.mass", "unit": "kg", "low": 0.1, "high": 1.0}}
+    model = from_spec("frame", spec, varied)
+    assert model.nominal().body("frame").subtreemass[0] == pytest.approx(spec.compile().body("frame").mass[0])
+    loaded = model.with_effect(placed(model, "rigid_payload", "frame"))
+    assert not Straight.of(loaded).plain
