@@ -14,7 +14,7 @@ _READABLE = (".stl", ".obj", ".msh")  # meshes that MuJoCo reads
 
 
 def read_urdf(path: Path) -> tuple[mujoco.MjSpec, tuple[str, ...]]:
-    """A URDF file as a spec; its base is welded to the world.
+    """A URDF file as a spec; its base is welded to the world, and links that are welded together are one.
 
     Shapes that are only looked at are left out, as MuJoCo does by default, and so are collision meshes that are not
     there or in a format that MuJoCo does not read.
@@ -43,7 +43,7 @@ def read_urdf(path: Path) -> tuple[mujoco.MjSpec, tuple[str, ...]]:
     compiler.attrib |= {"strippath": "false"}
     try:
         spec = mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
-        compiled(spec.copy())
+        compiled(spec)  # in which MuJoCo fuses links that are welded together
     except ValueError as error:
         raise ModelError(f"{path} does not compile: {str(error).splitlines()[0]}. Correct it in the URDF.") from error
     return spec, tuple(notes)

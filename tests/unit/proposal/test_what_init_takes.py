@@ -142,6 +142,18 @@ def test_meshes_of_a_package_are_found_and_others_left_out(here: Path) -> None:
     )
 
 
+def test_links_that_are_welded_together_are_one(here: Path) -> None:
+    """A heavy tool on a light link."""
+    tool = """<link name="tool"><inertial><origin xyz="0 0 0"/><mass value="3"/>
+      <inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <joint name="mount" type="fixed"><parent link="lower"/><child link="tool"/><origin xyz="0 0 -0.1"/></joint>"""
+    Path("two.urdf").write_text(URDF.replace("</robot>", f"{tool}</robot>"))
+    assert main(["init", "two.urdf", *map(str, plain_logs(here / "logs"))]) == 0
+    np.testing.assert_allclose(mujoco.MjModel.from_xml_path("mine/model/two.xml").body_mass, [0.0, 0.8, 3.4])
+    mass = yaml.safe_load(Path("mine/model/two.yaml").read_text(encoding="utf-8"))["parameters"]["lower.mass"]
+    assert mass["low"] < 3.4 < mass["high"]
+
+
 def test_a_name_of_robot_descriptions(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The package is stood for by modules of the same names."""
     package, listed, robot = (
