@@ -11,10 +11,12 @@ def settled(spec: mujoco.MjSpec) -> mujoco.MjSpec:
 
     Every body, joint, actuator and sensor has a name. Bodies that are welded together stay apart: where MuJoCo fuses
     them (``fusestatic``, as it does with a URDF), one would have the inertia of the others, and these no names.
+    Nothing sleeps (``flag/sleep``), for batches forget between two calls what does.
     """
     spec = spec.copy()
     name_elements(spec)
     spec.compiler.fusestatic = False
+    spec.option.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     _write_out_damping(spec)
     return spec
 

@@ -4,6 +4,7 @@ import pytest
 from effect_machines import placed
 
 from dr_lab.physics.model import Declared, from_spec
+from dr_lab.physics.simulator import Simulator
 from dr_lab.physics.straight import Straight
 
 ROBOT = """<robot name="arm">
@@ -43,3 +44,10 @@ def test_bodies_that_the_file_lets_fuse_keep_their_names() -> None:
     assert model.nominal().body("frame").subtreemass[0] == pytest.approx(spec.compile().body("frame").mass[0])
     loaded = model.with_effect(placed(model, "rigid_payload", "frame"))
     assert not Straight.of(loaded).plain
+
+
+def test_a_model_whose_bodies_may_sleep_is_simulated() -> None:
+    sleepy = FREE.replace("<worldbody>", '<option><flag sleep="enable"/></option><worldbody>')
+    simulator = Simulator(from_spec("frame", mujoco.MjSpec.from_string(sleepy), {}), 2)
+    simulator.step(np.zeros((2, 0)), 10)
+    assert (simulator.batch.bind("qvel")[:, 2] < 0.0).all()
