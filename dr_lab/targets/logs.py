@@ -6,13 +6,14 @@ import numpy as np
 from tensordict import TensorDict, pad_sequence
 
 from dr_lab.collectors.collector import Drive
+from dr_lab.diagnosis.windows.commands import averages
 from dr_lab.envs.setting import Setting
 from dr_lab.envs.slots import Starts
 from dr_lab.errors import ConfigError
 from dr_lab.measurements.smoothing import local_polynomial
 from dr_lab.targets.target import Target
 from dr_lab.targets.task_view import TaskView
-from dr_lab.trajectory import Array, Log, MeasurementSet, Signal
+from dr_lab.trajectory import Array, Log, MeasurementSet
 
 _ROUNDING = 1e-9  # relative; a command at a bound is within it
 
@@ -21,7 +22,7 @@ class LogsTarget(Target):
     """The fitted logs, whole or cut into stretches, on the task's control steps; held-out logs stay unseen.
 
     Positions and velocities are value and slope of a local cubic through the measured positions; an action is the mean
-    of what was commanded during its step.
+    of what was commanded during its step, held or straight from sample to sample as the measurements say.
 
     Args:
         setting: machine and task as this side knows them; every joint is a hinge or a slide.
@@ -88,11 +89,17 @@ class LogsTarget(Target):
         instants = first + np.arange(whole + 1) * self._view.seconds
         fits = [local_polynomial(signal, instants, self._half_width) for signal in measured]
         qpos, qvel = (np.stack(columns, 1) for columns in ([f.value for f in fits], [f.slope for f in fits]))
-        action = self._within(log, np.stack([_means(signal, instants) for signal in sent], 1))
+        action = self._within(log, self._actions(log, instants))
         begins = range(0, whole - steps + 1, steps)[: 1 if stretch is None else None]
         return [
             self._episode(log, qpos[k : k + steps + 1], qvel[k : k + steps + 1], action[k : k + steps]) for k in begins
         ]
+
+    def _actions(self, log: Log, instants: Array) -> Array:
+        """Mean of what was commanded between each two instants, shape (len(instants) − 1, nu)."""
+        columns = {name: column for column, name in enumerate(self._actuators)}
+        commands = {name: log.commands[name] for name in columns}
+        return averages(commands, columns, len(columns), instants[None])[0]
 
     def _within(self, log: Log, action: Array) -> Array:
         """The actions, unless one is outside of the task's bounds: in the model it would be cut off."""
@@ -118,10 +125,3 @@ class LogsTarget(Target):
 
 def _listed(values: Array) -> str:
     return ", ".join(f"{value:g}" for value in values)
-
-
-def _means(command: Signal, instants: Array) -> Array:
-    """Mean between each two instants of what holds from one sample to the next, shape (len(instants) − 1,)."""
-    edges = np.append(command.time, max(instants[-1], command.time[-1]))
-    integral = np.concatenate([[0.0], np.cumsum(command.value * np.diff(edges))])
-    return np.diff(np.interp(instants, edges, integral)) / np.diff(instants)

@@ -1,5 +1,7 @@
 """Recorded logs as a target: known motions come back on the task's clock."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from settings import setting
@@ -37,6 +39,13 @@ def test_a_log_comes_back_as_an_episode() -> None:
     np.testing.assert_allclose(played["next", "qpos"][1, :29], qpos[1:30], atol=1e-5)
     np.testing.assert_allclose(played["action"][0, :3, 0], [1.0, 2.0, 3.0])  # held, and changed amid the second step
     assert played["next", "truncated"][0, -1]
+
+
+def test_a_command_that_goes_straight_between_its_samples_is_averaged_so() -> None:
+    ramp = log("ramp", 2.0)
+    straight = Signal("motor", "V", np.array([0.0, 0.02, 0.04]), np.array([1.0, 3.0, 2.0]), "line")
+    played = target(replace(ramp, commands={"motor": straight})).play(None, None, 1)
+    np.testing.assert_allclose(played["action"][0, :5, 0], [1.5, 2.5, 2.75, 2.25, 2.0])
 
 
 def test_stretches_follow_one_another_and_are_spread_over_the_fitted_logs() -> None:
