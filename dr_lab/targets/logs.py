@@ -15,7 +15,7 @@ from dr_lab.targets.target import Target
 from dr_lab.targets.task_view import TaskView
 from dr_lab.trajectory import Array, Log, MeasurementSet
 
-_ROUNDING = 1e-9  # relative; a command at a bound is within it
+_ROUNDING = 1e-9  # relative; a command at a bound is within it, and a log of whole steps has the last one
 
 
 class LogsTarget(Target):
@@ -83,7 +83,7 @@ class LogsTarget(Target):
         """The episodes of a log."""
         measured, sent = [log.outputs[name] for name in self._joints], [log.commands[name] for name in self._actuators]
         first, last = max(s.time[0] for s in (*measured, *sent)), min(signal.time[-1] for signal in measured)
-        whole = int((last - first) / self._view.seconds)
+        whole = int((last - first) / self._view.seconds * (1 + _ROUNDING))
         wanted = whole if stretch is None else round(stretch / self._view.seconds)
         steps = max(1, min(wanted, self._view.steps))
         instants = first + np.arange(whole + 1) * self._view.seconds

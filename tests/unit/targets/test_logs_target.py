@@ -61,6 +61,10 @@ def test_stretches_follow_one_another_and_are_spread_over_the_fitted_logs() -> N
         target(log("short", 0.305), env="furuta", stretch=2.0).play(None, None, 1)
 
 
+def test_a_log_as_long_as_a_stretch_is_one() -> None:
+    assert len(target(log("short", 0.291), stretch=0.29).play(None, None, 1)[0]) == 29  # it ends at 0.29 s
+
+
 def test_what_the_task_cannot_do_is_refused() -> None:
     strong = log("strong", 1.0)
     strong.commands["motor"].value[1] = 5.0  # V; the task has 4
