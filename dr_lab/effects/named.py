@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Mapping
 
 from dr_lab.effects.effect import Effect, Scales, place
-from dr_lab.errors import UnknownNameError
+from dr_lab.errors import ConfigError, ModelError, UnknownNameError
 from dr_lab.physics.model import Model
+from dr_lab.trajectory import Array
 
 _UNKNOWN_MACHINE = Scales({}, {}, {}, {}, {})
 
@@ -32,3 +33,27 @@ def with_named_effects(model: Model, effects: Mapping[str, Effect], names: Itera
             raise UnknownNameError("effect", kind, effects, f"the catalogue (parameter {name!r})")
         model = model.with_effect(place(effects[kind], compiled, site, _UNKNOWN_MACHINE))
     return model
+
+
+def require_possible(model: Model, z: Array, called: str) -> None:
+    """Refuse values that no machine has: a negative mass, or an effect that is less than absent.
+
+    Args:
+        model: the model.
+        z: its context, shape (n,).
+        called: what the message calls the context.
+
+    Raises:
+        ConfigError: no machine has them.
+    """
+    absent = {p.name: p.low for effect in model.effects for p in effect.parameters if p.low == p.nominal}
+    values = model.space.mapping(z)
+    below = [
+        f"{name} {values[name]:g}, expected at least {low:g}" for name, low in absent.items() if values[name] < low
+    ]
+    if below:
+        raise ConfigError(f"{called} has {'; '.join(below)}, where the effect is absent.")
+    try:
+        model.compile(z)
+    except ModelError as error:
+        raise ConfigError(f"{called} makes no machine: {error}") from error

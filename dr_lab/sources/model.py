@@ -11,7 +11,7 @@ import yaml
 from dr_lab.bounds import Positive, above, below, require_bounds
 from dr_lab.diagnosis.experiment import readings
 from dr_lab.effects.effect import Effect
-from dr_lab.effects.named import with_named_effects
+from dr_lab.effects.named import require_possible, with_named_effects
 from dr_lab.errors import ConfigError, ModelError, UnknownNameError
 from dr_lab.physics.model import Model
 from dr_lab.physics.naming import joints
@@ -52,7 +52,7 @@ class ModelSource:
 
     Raises:
         ConfigError: no log is asked for, or one too short for a command and a sample; the peak of a command is missing,
-            a number is not finite, or a parameter lies outside its bounds.
+            a number is not finite, a parameter lies outside its bounds, or no machine has such values.
         ModelError: there is no joint to record.
         UnknownNameError: a parameter, effect, site, actuator or joint does not exist.
     """
@@ -128,7 +128,9 @@ class ModelSource:
                     f"{parameter.low:g} to {parameter.high:g}. Widen them: model.parameters.{parameter.name}.high=…"
                 )
         machine = with_named_effects(self.model, self.effects, values)
-        return machine, machine.space.vector(values)
+        z = machine.space.vector(values)
+        require_possible(machine, z, "context")
+        return machine, z
 
     def _clock(self, seed: int) -> RobotClock:
         return self.instruments.clock(0.0, stream(seed, "clock"))

@@ -12,15 +12,14 @@ from torch import Tensor
 from dr_lab.collectors.collector import Drive, Policy
 from dr_lab.collectors.play import play
 from dr_lab.effects.effect import Effect
-from dr_lab.effects.named import with_named_effects
+from dr_lab.effects.named import require_possible, with_named_effects
 from dr_lab.envs.batched_env import single
 from dr_lab.envs.setting import Setting
 from dr_lab.envs.slots import Starts
-from dr_lab.errors import ConfigError, ModelError
+from dr_lab.errors import ConfigError
 from dr_lab.physics.model import Model
 from dr_lab.seeding import derived_seed
 from dr_lab.targets.target import Target, require_drive
-from dr_lab.trajectory import Array
 
 
 class ModelTarget(Target):
@@ -57,7 +56,7 @@ class ModelTarget(Target):
         machine = with_named_effects(machine, effects, [name for name in values if name not in asked])
         self._setting = replace(setting, model=machine, show_context=False)
         self._z, self._seed = self._setting.space.vector(values), derived_seed(seed, "target")
-        _require_possible(machine, self._z)
+        require_possible(machine, self._z[: len(machine.space.names)], "The target's context")
         self._told = single(setting.space.to_unit(setting.space.nominal)) if setting.show_context else None
 
     def play(self, drive: Drive | None, starts: Starts | None, count: int) -> TensorDict:
@@ -73,21 +72,6 @@ class ModelTarget(Target):
             for key in ("observation", ("next", "observation")):
                 played[key] = _joined(cast(Tensor, played[key]), self._told)
         return played.exclude("context", ("next", "context"))
-
-
-def _require_possible(model: Model, z: Array) -> None:
-    """Refuse values that no machine has: a negative mass, or an effect that is less than absent."""
-    absent = {p.name: p.low for effect in model.effects for p in effect.parameters if p.low == p.nominal}
-    values = model.space.mapping(z[: len(model.space.names)])
-    below = [
-        f"{name} {values[name]:g}, expected at least {low:g}" for name, low in absent.items() if values[name] < low
-    ]
-    if below:
-        raise ConfigError(f"The target's context has {'; '.join(below)}, where the effect is absent.")
-    try:
-        model.compile(z[: len(model.space.names)])
-    except ModelError as error:
-        raise ConfigError(f"The target's context makes no machine: {error}") from error
 
 
 def _require_same(known: Model, true: Model) -> Model:

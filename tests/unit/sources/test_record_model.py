@@ -168,6 +168,11 @@ def test_commands_fill_the_range_about_its_middle(tmp_path: Path) -> None:
         (UnknownNameError, "Did you mean 'spring'", [MOTOR, "context={sprin@arm.stiffness:0.1}"]),
         (UnknownNameError, "site for spring 'leg'", [MOTOR, "context={spring@leg.stiffness:0.1}"]),
         (UnknownNameError, "Did you mean 'spring@arm.stiffness'", [MOTOR, "context={spring@arm.stifness:0.1}"]),
+        (
+            ConfigError,
+            "context has coulomb_friction@arm.torque -0.1, expected at least 0, where the effect is absent",
+            [MOTOR, "context={coulomb_friction@arm.torque:-0.1}"],
+        ),
         (UnknownNameError, "There is no actuator 'moter'", ["peaks={moter:6}"]),
         (UnknownNameError, "There is no joint 'leg'", [MOTOR, "start={leg:1}"]),
     ],
