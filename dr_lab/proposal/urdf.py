@@ -117,10 +117,12 @@ def _link(joint: ET.Element, end: str, path: Path) -> str:
     return str(element.get("link"))
 
 
-def _welded(name: str, below: dict[str, list[str]]) -> Iterator[str]:
-    yield name
-    for child in below.get(name, []):
-        yield from _welded(child, below)
+def _welded(name: str, below: dict[str, list[str]]) -> list[str]:
+    """A link and those that are welded to it, each once, also where a mistake welds them in a ring."""
+    found = [name]
+    for each in found:
+        found += [child for child in below.get(each, []) if child not in found]
+    return found
 
 
 def _mass(link: ET.Element) -> float:

@@ -154,6 +154,16 @@ def test_links_that_are_welded_together_are_one(here: Path) -> None:
     assert mass["low"] < 3.4 < mass["high"]
 
 
+def test_links_that_are_welded_in_a_ring_are_told() -> None:
+    ring = "".join(
+        f'<joint name="{a}{b}" type="fixed"><parent link="{a}"/><child link="{b}"/></joint>'
+        for a, b in (("upper", "hand"), ("hand", "upper"))
+    )
+    Path("two.urdf").write_text(URDF.replace("</robot>", f'<link name="hand"/>{ring}</robot>'))
+    with pytest.raises(ModelError, match=r"two.urdf does not compile: .*Correct it in the URDF"):
+        read_robot("two.urdf", None)
+
+
 def test_a_name_of_robot_descriptions(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The package is stood for by modules of the same names."""
     package, listed, robot = (
