@@ -262,9 +262,11 @@ def _control(model: mujoco.MjModel, k: int, dof: int) -> tuple[str, bool]:
     if int(model.actuator_gaintype[k]) == int(mujoco.mjtGain.mjGAIN_DCMOTOR):
         return "V", False
     gain, (_, stiffness, damping) = model.actuator_gainprm[k, 0], model.actuator_biasprm[k, :3]
-    if stiffness < 0 and math.isclose(gain, -stiffness):
+    servo = stiffness < 0 and math.isclose(gain, -stiffness)
+    integrated = int(model.actuator_dyntype[k]) == int(mujoco.mjtDyn.mjDYN_INTEGRATOR)
+    if servo and not integrated:
         return ("m" if slide else "rad"), True
-    if stiffness == 0 and damping < 0 and math.isclose(gain, -damping):
+    if servo or (stiffness == 0 and damping < 0 and math.isclose(gain, -damping)):
         return ("m/s" if slide else "rad/s"), False
     if int(model.actuator_biastype[k]) == int(mujoco.mjtBias.mjBIAS_NONE) and gain == 1.0 and not _geared(model, k):
         return ("N" if slide else "N·m"), False

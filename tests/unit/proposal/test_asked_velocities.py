@@ -17,6 +17,7 @@ CART = """<mujoco model="it"><option timestep="0.001" integrator="RK4"/><worldbo
     <geom type="capsule" fromto="0 0 0 0 0 -0.4" size="0.01" mass="0.3"/></body>
 </body></worldbody><actuator>{}</actuator></mujoco>"""
 SERVO = CART.format('<velocity name="rail_drive" joint="rail" kv="40"/>')
+INTEGRATED = CART.format('<intvelocity name="rail_drive" joint="rail" kp="200" kv="40" actrange="-2 2"/>')
 MOTOR = CART.format('<motor name="rail_drive" joint="rail"/>')
 
 
@@ -45,6 +46,11 @@ def test_a_velocity_that_is_asked_for_commands_a_velocity_servo(column: str, fac
     found = proposed(SERVO, f"t,rail_pos,pivot_pos,{column}", factor=factor)
     assert found["commands"] == {"rail_drive": {"column": column, "unit": unit}}
     assert list(found["outputs"]) == ["rail.position", "pivot.position"]
+
+
+def test_a_velocity_that_is_asked_for_commands_a_servo_that_holds_its_integral() -> None:
+    found = proposed(INTEGRATED, "t,rail_pos,pivot_pos,rail_speed_setpoint")
+    assert found["commands"] == {"rail_drive": {"column": "rail_speed_setpoint", "unit": "m/s"}}
 
 
 def test_a_velocity_that_is_asked_for_commands_no_motor(capsys: pytest.CaptureFixture[str]) -> None:
