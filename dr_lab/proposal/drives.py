@@ -95,7 +95,7 @@ class Command:
 
 
 def drives_of(model: mujoco.MjModel, force: Array) -> tuple[Drive, ...]:
-    """The actuators of a model, or, where it has none, a motor at every hinge and slide that might be there.
+    """The actuators of a model with one control, or, without any, a motor at every hinge and slide that might be there.
 
     Args:
         model: compiled.
@@ -108,11 +108,12 @@ def drives_of(model: mujoco.MjModel, force: Array) -> tuple[Drive, ...]:
             if (name := _joint(model, dof))
         )
     found = []
-    for k in range(model.nactuator):
-        dof = int(np.argmax(np.abs(force[k]))) if model.nv else 0
+    for k in map(int, np.flatnonzero(model.actuator_ctrlnum == 1)):
+        acting = force[model.actuator_ctrladr[k]]
+        dof = int(np.argmax(np.abs(acting))) if model.nv else 0
         unit, servo = _control(model, k, dof)
         name, joint, slides = model.actuator(k).name, _joint(model, dof), _slides(model, dof)
-        found.append(Drive(name, dof, joint, unit, float(force[k, dof]), servo, added=False, slides=slides))
+        found.append(Drive(name, dof, joint, unit, float(acting[dof]), servo, added=False, slides=slides))
     return tuple(found)
 
 

@@ -18,6 +18,7 @@ MACHINE = """<mujoco><worldbody>
         ('<motor joint="{}" gear="3"/>', ("1", "1")),  # a current, a duty cycle, …
         ('<position joint="{}" kp="20" kv="1"/>', ("rad", "m")),
         ('<velocity joint="{}" kv="3"/>', ("rad/s", "m/s")),
+        ('<intvelocity joint="{}" kp="20" kv="1" actrange="-1 1"/>', ("rad/s", "m/s")),
         ('<general joint="{}" gainprm="7"/>', ("1", "1")),
         ('<general joint="{}" gainprm="3" biastype="affine" biasprm="0 0 -2"/>', ("1", "1")),
     ],
@@ -27,6 +28,15 @@ def test_the_unit_of_a_control_is_that_of_what_the_actuator_holds(actuator: str,
     found = drives_of(mujoco.MjModel.from_xml_string(xml), np.eye(2))
     assert tuple(drive.unit for drive in found) == units
     assert all(drive.servo == ("position" in actuator) for drive in found)
+
+
+def test_an_actuator_that_takes_no_command_is_none_of_them() -> None:
+    """As in the files that dr-lab close writes, where it adds a force."""
+    force = """<general joint="turn" gaintype="dcmotor" dyntype="dcmotor" actearly="true" input="none" biastype="affine"
+      biasprm="1"/>"""
+    motors = "".join(f'<motor name="{joint}_motor" joint="{joint}"/>' for joint in ("slide", "turn"))
+    found = drives_of(mujoco.MjModel.from_xml_string(MACHINE.format(force + motors)), np.eye(2)[::-1])
+    assert [(drive.name, drive.joint) for drive in found] == [("slide_motor", "slide"), ("turn_motor", "turn")]
 
 
 def test_what_a_control_without_a_unit_gives_is_told_in_the_unit_of_its_joint() -> None:
