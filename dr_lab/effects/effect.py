@@ -235,8 +235,8 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
 
     Raises:
         UnknownNameError: the effect cannot sit there; the message lists where it can.
-        ModelError: the effect acts in no part of the physics or declares no parameter, or the size of its bounds is not
-            known.
+        ModelError: the effect acts in no part of the physics or declares no parameter, the size of its bounds is not
+            known, or the model's file has it.
     """
     sites = effect.sites(model)
     if site not in sites:
@@ -255,6 +255,22 @@ def place(effect: Effect, model: mujoco.MjModel, site: str, scales: Scales) -> P
             "the nominal model rests there in the logs, or diverges. Log the joint's position or excite it."
         )
     label = f"{effect.name}@{site}."
+    _require_new(model, label)
     full = tuple(Parameter(label + p.name, p.unit, p.nominal, p.low, p.high) for p in short)
     starts = tuple({label + k: v for k, v in start.items()} for start in effect.starts(short))
     return PlacedEffect(effect, site, full, elements, starts)
+
+
+def _require_new(model: mujoco.MjModel, label: str) -> None:
+    """Refuse an effect whose elements stand in the model's file, as where that is the improved one of an earlier run.
+
+    Raises:
+        ModelError: they do.
+    """
+    for kind, count in (("body", model.nbody), ("actuator", model.nactuator), ("tendon", model.ntendon)):
+        for name in (getattr(model, kind)(row).name for row in range(count)):
+            if f"{name}.".startswith(label):
+                raise ModelError(
+                    f"The model's file has this effect already, as {kind} {name!r}, which an earlier run wrote. Make "
+                    "its numbers parameters of the model, or begin with the file that the run began with."
+                )

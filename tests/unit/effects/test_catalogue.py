@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import mujoco
 import pytest
-from effect_machines import NAMES, block, catalogue_effect, scales_of
+from effect_machines import NAMES, block, catalogue_effect, placed, scales_of
 
 from dr_lab.effects.catalogue import Candidates, candidates, require_names
 from dr_lab.effects.effect import Scales, place
 from dr_lab.effects.joint_effect import JointEffect
 from dr_lab.errors import ConfigError, ModelError
+from dr_lab.physics.mjcf import mjcf
 from dr_lab.physics.model import Model, from_spec
 from dr_lab.physics.parameter import Parameter
 
@@ -34,6 +35,15 @@ def test_an_effect_that_a_model_holds_is_not_offered_again() -> None:
     model = block()
     held = place(EFFECTS["spring"], model.nominal(), "rail", scales_of(model))
     assert labels(model) - labels(model.with_effect(held)) == {"spring@rail"}
+
+
+@pytest.mark.parametrize("name", ["constant_offset", "stribeck_friction", "payload", "cogging"])
+def test_an_effect_that_the_file_of_an_earlier_run_holds_is_refused(name: str) -> None:
+    site = "block" if name == "payload" else "rail"
+    improved = block().with_effect(placed(block(), name, site))
+    refused = found(from_spec("again", mujoco.MjSpec.from_string(mjcf(improved, improved.space.high)), {})).refused
+    assert set(refused) == {f"{name}@{site}"}
+    assert "The model's file has this effect already" in refused[f"{name}@{site}"]
 
 
 def test_an_actuator_with_a_delay_takes_no_other() -> None:
