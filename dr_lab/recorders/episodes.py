@@ -11,6 +11,7 @@ import rerun.blueprint as rrb
 from dr_lab.recorders.branch import Branch, entity_path
 from dr_lab.recorders.episode import Episode
 from dr_lab.recorders.eye import eye_controls, followed_box
+from dr_lab.recorders.joint_labels import commanded
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.scene import (
     body_poses,
@@ -55,7 +56,8 @@ def log_episodes(root: Branch, episodes: Sequence[Episode], look: Look, counting
         _log_machine(place / "world", episode, shot, look)
         shown = episode.time[:-1] <= look.longest
         _log_steps(place / "reward", episode.time[1:][shown], episode.reward[shown, None], ["reward"], look)
-        actuators = [episode.geometry.actuator(i).name or f"action {i}" for i in range(episode.geometry.nu)]
+        model = episode.geometry
+        actuators = [model.actuator(row).name or f"action {i}" for i, row in enumerate(commanded(model))]
         _log_steps(place / "action", episode.time[:-1][shown], episode.action[shown], actuators, look)
         if counting is not None:
             send_start(place / "world" / "machine", episode.geometry, shot.pose, counting)

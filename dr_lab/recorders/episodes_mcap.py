@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from dr_lab.recorders.episode import Episode
-from dr_lab.recorders.joint_labels import LABELS
+from dr_lab.recorders.joint_labels import LABELS, commanded
 from dr_lab.recorders.mcap import FloatArrays, JointStates, write_mcap
 
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
@@ -44,7 +44,7 @@ def write_episodes(
 def _topics(episode: Episode) -> list[JointStates | FloatArrays]:
     model, place = episode.geometry, f"/{episode.name}"
     seen = tuple(f"observation_{i}" for i in range(episode.observation.shape[1]))
-    actuators = tuple(model.actuator(i).name or f"action_{i}" for i in range(model.nu))
+    actuators = tuple(model.actuator(row).name or f"action_{i}" for i, row in enumerate(commanded(model)))
     topics = [
         *_scalar_joints(episode, place),
         *_other_joints(episode, place),

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
 
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 _QUATERNION, _RATES = ("qw", "qx", "qy", "qz"), ("wx", "wy", "wz")
@@ -58,9 +59,14 @@ def entries(model: mujoco.MjModel) -> tuple[list[Entry], list[Entry]]:
     return positions, velocities
 
 
+def commanded(model: mujoco.MjModel) -> list[int]:
+    """Row of the actuator that each control commands, shape (nu,); some actuators take none, and some take two."""
+    return np.repeat(np.arange(model.nactuator), model.actuator_ctrlnum).tolist()
+
+
 def actuators(model: mujoco.MjModel) -> tuple[str, ...]:
-    """Name of each actuator; one without is called by the joint that it moves, or by its number."""
-    return tuple(model.actuator(i).name or _moved(model, i) for i in range(model.nu))
+    """Name of each control's actuator; one without is called by the joint that it moves, or by its number."""
+    return tuple(model.actuator(i).name or _moved(model, i) for i in commanded(model))
 
 
 def _moved(model: mujoco.MjModel, actuator: int) -> str:

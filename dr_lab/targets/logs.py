@@ -11,6 +11,7 @@ from dr_lab.envs.setting import Setting
 from dr_lab.envs.slots import Starts
 from dr_lab.errors import ConfigError
 from dr_lab.measurements.smoothing import local_polynomial
+from dr_lab.recorders.joint_labels import commanded
 from dr_lab.targets.target import Target
 from dr_lab.targets.task_view import TaskView
 from dr_lab.trajectory import Array, Log, MeasurementSet
@@ -45,7 +46,7 @@ class LogsTarget(Target):
     ) -> None:
         compiled = setting.model.nominal()
         self._joints = [f"{compiled.joint(i).name}.position" for i in range(compiled.njnt)]
-        self._actuators = [compiled.actuator(i).name for i in range(compiled.nu)]
+        self._actuators = [compiled.actuator(row).name for row in commanded(compiled)]
         self._view, self._half_width = TaskView(setting), half_width
         for log in measurements.fit:
             missing = [name for name in self._joints if name not in log.outputs]

@@ -16,6 +16,7 @@ from dr_lab.plants.machine import Vector
 from dr_lab.plants.operator import Experiment
 from dr_lab.plants.rig import Rig
 from dr_lab.plants.tracking import track
+from dr_lab.recorders.joint_labels import commanded
 from dr_lab.seeding import stream
 from dr_lab.targets.target import Target, require_drive
 from dr_lab.targets.task_view import TaskView
@@ -96,7 +97,7 @@ class PlantTarget(Target):
     def _require_same(self) -> None:
         compiled, plant = self._compiled, self._plant
         joints = [compiled.joint(i).name for i in range(compiled.njnt)]
-        actuators = [compiled.actuator(i).name for i in range(compiled.nu)]
+        actuators = [compiled.actuator(row).name for row in commanded(compiled)]
         if joints != list(plant.joints) or actuators != list(plant.actuators):
             raise ConfigError(
                 f"The target's plant has joints {', '.join(plant.joints)} and actuators {', '.join(plant.actuators)}; "

@@ -72,3 +72,14 @@ def test_columns_of_free_and_ball_joints_are_named_as_mujoco_has_them() -> None:
 
 def test_an_actuator_without_a_name_is_called_by_its_joint() -> None:
     assert actuators(ARM) == ("actuator of rail", "drive", "actuator_2")
+
+
+def test_an_actuator_without_a_command_has_no_action() -> None:
+    """As a force that a user's file adds before its motors."""
+    model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody><body><joint name="pole"/><geom size="1"/></body>
+      </worldbody><actuator>
+        <general name="weight" joint="pole" gaintype="dcmotor" dyntype="dcmotor" actearly="true" input="none"
+          biastype="affine" biasprm="1"/>
+        <motor name="drive" joint="pole"/>
+      </actuator></mujoco>""")
+    assert actuators(model) == ("drive",)
