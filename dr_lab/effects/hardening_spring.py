@@ -23,7 +23,7 @@ class HardeningSpring(JointEffect, SpecEdit):
 
     Parameters (nominal = absent): cubic c [N·m/rad³, slide: N/m³], of either sign; reference q_r [rad, slide: m], which
     acts only where c is not 0, and is where the model's own spring rests at first (fits start away from absent).
-    Limits: hinge and slide joints without ``springdamper``; the linear term is `spring`.
+    Limits: hinge and slide joints without ``springdamper`` or ``springyield``; the linear term is `spring`.
     Source: Kovacic and Brennan, The Duffing Equation, Wiley 2011, chapter 2.
 
     Attributes:

@@ -5,6 +5,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from dr_lab.effects.joint_effect import joint_of
+from dr_lab.errors import ModelError
 
 
 def add_spring(spec: mujoco.MjSpec, site: str, pull: Polynomial, rest: float) -> None:
@@ -21,11 +22,16 @@ def add_spring(spec: mujoco.MjSpec, site: str, pull: Polynomial, rest: float) ->
 
     Raises:
         UnknownNameError: there is no such joint.
-        ModelError: the joint's ``springdamper`` would overwrite it.
+        ModelError: the joint's ``springdamper`` would overwrite it, or it would yield with the joint's own spring.
 
-    Source: MuJoCo joint/stiffness and joint/springref, computation chapter ("Polynomial forces").
+    Source: MuJoCo joint/stiffness, joint/springref and joint/springyield, computation chapter ("Polynomial forces").
     """
     joint = joint_of(spec, site)
+    if joint.springyield > 0:
+        raise ModelError(
+            f"Joint {site!r} has springyield {joint.springyield:g}, at which a further spring would yield as the "
+            "joint's own does. Take springyield out of the MJCF, or write the spring as effect=formula."
+        )
     if not pull.coef.any():
         return
     hinge = joint.type == mujoco.mjtJoint.mjJNT_HINGE

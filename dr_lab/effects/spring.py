@@ -24,8 +24,8 @@ class Spring(JointEffect, SpecEdit):
 
     Parameters (nominal = absent): stiffness k ≥ 0 [N·m/rad, slide: N/m]; reference q_r [rad, slide: m], which acts
     only where k > 0 (fits start away from absent).
-    Limits: hinge and slide joints without ``springdamper``; tendons whose rest length MuJoCo takes from the springs'
-    references move with it.
+    Limits: hinge and slide joints without ``springdamper`` or ``springyield``; tendons whose rest length MuJoCo takes
+    from the springs' references move with it.
     Source: Hooke's law.
 
     Attributes:

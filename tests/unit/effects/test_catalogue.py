@@ -60,6 +60,12 @@ def test_a_springdamper_keeps_passive_forces_out() -> None:
     assert {"actuator_delay@drive", "payload@block", "sensor_time_offset@rail"} <= {p.label for p in damped.placed}
 
 
+def test_a_spring_that_yields_takes_no_other() -> None:
+    yielding = found(block(joint='stiffness="2" springyield="0.05"')).refused
+    assert set(yielding) == {"spring@rail", "hardening_spring@rail"}
+    assert all("Take springyield out" in reason for reason in yielding.values())
+
+
 def test_inertia_from_geometry_keeps_a_payload_out() -> None:
     xml = """<mujoco><compiler inertiafromgeom="true"/><worldbody><body name="ball">
       <joint name="hinge" axis="0 1 0"/><geom size="0.1" pos="0 0 -1"/></body></worldbody></mujoco>"""
