@@ -16,10 +16,10 @@ _ARM, _GOAL = slice(0, 4), slice(4, 6)  # columns of the positions
 
 @dataclass(frozen=True, kw_only=True)
 class ErgoReacher(Task):
-    """ErgoReacher-v0, half disc: r = −|tip − goal|, and 1 where this is less than `reached`; places after the step.
+    """ErgoReacher-v0, half disc: r = −|tip − goal|, and 1 where this is less than `reached`, after the step.
 
-    An episode lasts to the time limit. Actions are the servos' angles. The goal is two joints of the model that nothing
-    drives, so that it is part of an episode's start.
+    The tip is where it was before the last physics step. An episode lasts to the time limit. Actions are the servos'
+    angles. The goal is two joints of the model that nothing drives, so that it is part of an episode's start.
 
     Source: gym-ergojr, envs/ergo_reacher_env.py, whose distance is that in space but for commits of 2019 (x and y
     alone); active-domainrand, common/envs/ergoreacher.py, by which reaching does not end the episode.
