@@ -17,19 +17,27 @@ def settled(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     name_elements(spec)
     spec.compiler.fusestatic = False
     spec.option.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
-    _write_out_damping(spec)
+    _write_out_gains(spec)
     return spec
 
 
-def _write_out_damping(spec: mujoco.MjSpec) -> None:
-    """Give servos that have a ``dampratio`` the kv that MuJoCo makes of it.
+def _write_out_gains(spec: mujoco.MjSpec) -> None:
+    """Give servos with a ``dampratio`` their kv, and muscles without a ``force`` theirs, as MuJoCo makes them.
 
-    MuJoCo computes kv whenever it compiles, of kp and the inertia that it finds then. But a controller keeps its gain,
-    whatever it is that it carries.
-    Source: MuJoCo 4.0, XML reference, actuator/position/dampratio.
+    MuJoCo computes both whenever it compiles, of the inertia that it finds then. But a controller keeps its gain, and a
+    muscle its strength, whatever it is that they carry.
+    Source: MuJoCo 4.0, XML reference, actuator/position/dampratio and actuator/muscle (force, scale).
     """
-    by_ratio = [each for each in spec.actuators if each.gainprm[0] == -each.biasprm[1] != 0.0 < each.biasprm[2]]
-    if by_ratio:
-        model = compiled(spec.copy())
-        for servo in by_ratio:
-            servo.biasprm[2] = model.actuator(servo.name).biasprm[2]
+    servos = [each for each in spec.actuators if each.gainprm[0] == -each.biasprm[1] != 0.0 < each.biasprm[2]]
+    muscles = [each for each in spec.actuators if each.gaintype == mujoco.mjtGain.mjGAIN_MUSCLE]
+    if not servos and not muscles:
+        return
+    model = compiled(spec.copy())
+    for servo in servos:
+        servo.biasprm[2] = model.actuator(servo.name).biasprm[2]
+    for muscle in muscles:
+        acceleration = float(model.actuator(muscle.name).acc0[0])  # by a unit of force
+        passive = muscle.biastype == mujoco.mjtBias.mjBIAS_MUSCLE
+        for law in (muscle.gainprm, muscle.biasprm) if passive else (muscle.gainprm,):
+            force, scale = law[2:4]
+            law[2] = force if force >= 0 else scale / max(acceleration, mujoco.mjMINVAL)

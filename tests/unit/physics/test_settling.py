@@ -51,3 +51,22 @@ def test_a_model_whose_bodies_may_sleep_is_simulated() -> None:
     simulator = Simulator(from_spec("frame", mujoco.MjSpec.from_string(sleepy), {}), 2)
     simulator.step(np.zeros((2, 0)), 10)
     assert (simulator.batch.bind("qvel")[:, 2] < 0.0).all()
+
+
+def test_a_muscle_keeps_its_strength() -> None:
+    """MuJoCo would make it of the inertia that it carries."""
+    spec = mujoco.MjSpec.from_string("""<mujoco><worldbody><body name="arm"><joint name="elbow" axis="0 1 0"/>
+      <inertial pos="0 0 -0.3" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody>
+      <actuator><muscle name="biceps" joint="elbow" lengthrange="-1 1"/></actuator></mujoco>""")
+    varied = {"mass": {"target": "body.arm.mass", "unit": "kg", "low": 0.5, "high": 8.0}}
+    model = from_spec("arm", spec, varied)
+    forces = [pulling(each) for each in (spec.compile(), model.nominal(), model.compile(np.array([4.0])))]
+    np.testing.assert_allclose(forces, forces[0])
+    assert abs(forces[0]) > 1.0
+
+
+def pulling(model: mujoco.MjModel) -> float:
+    data = mujoco.MjData(model)
+    data.qpos[0], data.act[0] = 0.3, 1.0
+    mujoco.mj_forward(model, data)
+    return float(data.actuator_force[0])
