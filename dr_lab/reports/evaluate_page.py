@@ -7,7 +7,7 @@ from pathlib import Path
 
 from dr_lab.reports.evaluate import Cell, EvaluateReport
 from dr_lab.reports.page import Page, Section
-from dr_lab.reports.quantity import number, titled
+from dr_lab.reports.quantity import titled, written
 from dr_lab.reports.tables import table
 
 _FIRST = 3  # figures that the first sentence tells
@@ -26,10 +26,10 @@ def evaluate_page(
         rows: of the table, with the same keys.
         file: that holds them all.
     """
-    figures = [[name.replace("_", " "), number(value)] for name, value in report.figures.items()]
+    figures = [[name.replace("_", " "), written(value)] for name, value in report.figures.items()]
     header = [_column(name, report.units) for name in (rows[0] if rows else ())]
     shown, left_out = _most_important(rows, file)
-    cells = [[_cell(value) for value in row.values()] for row in shown]
+    cells = [[written(value) for value in row.values()] for row in shown]
     sections = [
         Section("figures", "Figures", table(["figure", "value"], figures)),
         Section("rows", "Table", "\n\n".join(filter(None, (table(header, cells), left_out)))),
@@ -85,7 +85,3 @@ def _named(figure: str) -> str:
 def _column(name: str, units: Mapping[str, str]) -> str:
     """Its title; a parameter's name, which has a unit, stays as it is written in overrides."""
     return titled(name, units[name]) if name in units else name.replace("_", " ")
-
-
-def _cell(value: Cell) -> str:
-    return value if isinstance(value, str) else number(value)

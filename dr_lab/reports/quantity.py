@@ -4,6 +4,7 @@ import math
 
 ABSENT = "–"
 _WRITTEN_OUT = 6  # digits before the point up to which no power of ten is written
+_COUNTED = 1e9  # whole numbers below it are counts, such as control steps, and have all their digits
 _MOST = 10.0  # share of one, either sign, beyond which it says no more than that it is large
 
 
@@ -21,6 +22,19 @@ def number(value: float | None, digits: int = 4) -> str:
     if "e+" in rounded and abs(float(rounded)) < 10.0**_WRITTEN_OUT:
         return f"{float(rounded):.0f}"
     return _short_exponent(rounded)
+
+
+def written(value: float | str | None) -> str:
+    """What stands in a table: words as they are, whole numbers with all their digits, others rounded.
+
+    >>> written("hopper"), written(16384.0), written(16384.5), written(-0.0)
+    ('hopper', '16384', '16380', '0')
+    """
+    if isinstance(value, str):
+        return value
+    if value is not None and abs(value) < _COUNTED and value == round(value):
+        return f"{value + 0.0:.0f}"
+    return number(value)
 
 
 def uncertain(value: float | None, std: float | None, unit: str) -> str:

@@ -6,7 +6,7 @@ from dr_lab.evaluators.statistics import Interval
 from dr_lab.reports.csv_rows import rows_csv
 from dr_lab.reports.interval_level import levels_told
 from dr_lab.reports.page import Page, Section
-from dr_lab.reports.quantity import number
+from dr_lab.reports.quantity import number, written
 from dr_lab.reports.tables import table
 from dr_lab.summaries.groups import (
     Cell,
@@ -60,7 +60,7 @@ def summary_page(
         for group, row in zip(groups, cells, strict=True)
         if name in row
     ]
-    alike = ", ".join(f"{name} {value if isinstance(value, str) else number(value)}" for name, value in shared.items())
+    alike = ", ".join(f"{name} {written(value)}" for name, value in shared.items())
     told = [f"The same in all runs: {alike}."] if shared else []
     count = sum(len(group.runs) for group in groups)
     columns, about = [*_short(keys), "runs", "mean (interval)"], [_INTERVALS.format(100 * statistics.confidence)]
@@ -132,7 +132,7 @@ def _runs_table(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> li
 def runs_page(runs: Sequence[Run], figures: Mapping[str, Sequence[str]]) -> str:
     """Every run with what differs, as Markdown."""
     rows = _runs_table(runs, figures)
-    cells = [[value if isinstance(value, str) else number(value) for value in row.values()] for row in rows]
+    cells = [[written(value) for value in row.values()] for row in rows]
     return table(list(rows[0]), cells) + "\n"
 
 

@@ -47,3 +47,12 @@ def test_a_long_table_of_returns_shows_the_worst() -> None:
     assert "| 0 |" not in body
     assert body.endswith("The 40 worst of 42, worst return first; returns.csv has all.")
     assert evaluate_page(report, "Told.", rows[:40]).sections[1].body.splitlines()[2].split()[1] == "0"  # in grid order
+
+
+def test_counts_keep_all_their_digits() -> None:
+    rows = [{"frames": 32768.0, "return": 281.7345}]
+    figures = {"parameters": 13572.0}
+    report = EvaluateReport(SCHEMA, "evaluate", "runs/swing", "hopper", "SnapshotsEvaluator", figures, (), "run")
+    found, played = (section.body for section in evaluate_page(report, "Told.", rows).sections)
+    assert "| parameters | 13572 |" in found
+    assert "| 32768 | 281.7 |" in played
