@@ -1,6 +1,6 @@
 """A channel: measured and simulated, what is left of it, and whether that is noise."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import plotly.graph_objects as go
@@ -11,7 +11,6 @@ from dr_lab.html.figure import INK, NOISE, ROLES, Plot, band, chart, line, numbe
 from dr_lab.html.thinning import thinned
 from dr_lab.recorders.overlay import AFTER, MEASURED, SIMULATED, Overlay, components
 from dr_lab.recorders.signals import held_until, residual
-from dr_lab.reports.gap_entries import ByChannel
 from dr_lab.reports.quantity import number, percent
 from dr_lab.trajectory import Array, Signal
 
@@ -21,24 +20,23 @@ _ANEW = "The simulation begins anew from the measured state{}: there its curves 
 _HEIGHT, _ROOM = 170, 100  # px of a row, and of legend and title
 
 
-def channel_plots(overlay: Overlay, fits: Sequence[ByChannel], points: int) -> list[Plot]:
+def channel_plots(overlay: Overlay, points: int) -> list[Plot]:
     """Plots of one log.
 
     Args:
         overlay: the log.
-        fits: fit in % by channel, of the models that are shown.
         points: of a curve, about.
     """
-    curves = [_curves(overlay, channel, fits, points) for channel in overlay.measured]
+    curves = [_curves(overlay, channel, points) for channel in overlay.measured]
     correlations = [plot for channel in overlay.measured for plot in _correlation(overlay, channel)]
     return [*curves, *correlations, *_commands(overlay, points)]
 
 
-def _curves(overlay: Overlay, channel: str, fits: Sequence[ByChannel], points: int) -> Plot:
+def _curves(overlay: Overlay, channel: str, points: int) -> Plot:
     """Signal, residuals, and the residual after, whose axis the one before does not stretch."""
     signal, left = overlay.measured[channel], _residuals(overlay, channel)
     rows = [*([left] if left else []), *([{AFTER: left[AFTER]}] if len(left) > 1 else [])]
-    titles = [f"{channel} [{signal.unit}]{_fit(channel, fits)}", *(_title(row) for row in rows)]
+    titles = [f"{channel} [{signal.unit}]{_fit(signal, left)}", *(_title(row) for row in rows)]
     figure = chart(len(titles), 1, titles, shared_xaxes=True, vertical_spacing=0.1)
     shown = {MEASURED: signal.value, **{role: overlay.simulated[role][channel] for role in left}}
     for role, value in shown.items():
@@ -69,10 +67,16 @@ def _residuals(overlay: Overlay, channel: str) -> dict[str, Array]:
     return {role: components(residual(measured, overlay.simulated[role][channel])) for role in roles}
 
 
-def _fit(channel: str, fits: Sequence[ByChannel]) -> str:
-    """How well the models fit the channel, as far as it is known."""
-    known = [value for fit in fits if (value := fit.get(channel)) is not None]
-    return f" · fit {' → '.join(percent(value / 100) for value in known)}" if known else ""
+def _fit(signal: Signal, left: Mapping[str, Array]) -> str:
+    """How well the curves that are drawn fit, 1 − ‖y − ŷ‖/‖y − ȳ‖; of orientations, whose residual is a turn, none."""
+    told = []
+    for value in left.values():
+        known = np.isfinite(value).all(axis=1)
+        own = components(signal.value)[known]
+        spread = float(np.linalg.norm(own - own.mean(axis=0))) if known.any() else 0.0
+        if spread > 0 and own.shape == value[known].shape:
+            told.append(percent(1.0 - float(np.linalg.norm(value[known])) / spread))
+    return f" · fit {' → '.join(told)}" if told else ""
 
 
 def _title(row: Mapping[str, Array]) -> str:

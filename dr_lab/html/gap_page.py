@@ -13,7 +13,6 @@ from dr_lab.html.ranking_figures import ranking_parts
 from dr_lab.recorders.look import Look
 from dr_lab.recorders.overlay import Overlay
 from dr_lab.reports.gap import GapReport
-from dr_lab.reports.ladder import before_after
 from dr_lab.reports.markdown import gap_page
 
 _POINTS = 90_000  # of all curves against time together: about 1.5 MB
@@ -46,7 +45,7 @@ def _plots(report: GapReport, overlays: Sequence[Overlay], look: Look) -> dict[s
     """By the section that they belong to."""
     return {
         "ladder": ladder_plots(report),
-        "channels": _signals(report, overlays),
+        "channels": _signals(overlays),
         "candidates": ranking_parts(report),
         "parameters": parameter_plots(report),
         "missing_forces": _by_log(overlays, [force_plots(overlay, look) for overlay in overlays]),
@@ -54,13 +53,12 @@ def _plots(report: GapReport, overlays: Sequence[Overlay], look: Look) -> dict[s
     }
 
 
-def _signals(report: GapReport, overlays: Sequence[Overlay]) -> list[Part]:
+def _signals(overlays: Sequence[Overlay]) -> list[Part]:
     """As many logs as the page has room for; that points are left out, and which logs."""
     channels = max((len(overlay.measured) for overlay in overlays), default=1)
     shown = overlays[: max(1, _POINTS // (_LEAST * _CURVES * channels))]
     points = min(_MOST, max(_LEAST, _POINTS // (_CURVES * channels * max(len(shown), 1))))
-    fits = [step.held_out.fit_percent for step in before_after(report)]
-    parts = _by_log(shown, [channel_plots(overlay, fits, points) for overlay in shown])
+    parts = _by_log(shown, [channel_plots(overlay, points) for overlay in shown])
     others = ", ".join(overlay.log for overlay in overlays[len(shown) :])
     left = f" It also holds {others}." if others else ""
     told = f"Curves are thinned to about {points} points, the extremes of every stretch; review.rrd holds all.{left}"

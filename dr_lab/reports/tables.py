@@ -73,7 +73,7 @@ def channel_table(report: GapReport) -> str:
         ]
         fit = percent(_share(pair[-1].held_out.fit_percent.get(channel)))
         rows.append([f"`{channel}`", noise.unit, number(noise.std, 3), *values, fit])
-    return table(["channel", "unit", "noise std", *errors, "fit"], rows)
+    return table(["channel", "unit", "noise std", *errors, "fit, starts fitted"], rows)
 
 
 def ranking_table(ranking: Sequence[CandidateEntry], verdict: str | None) -> str:
