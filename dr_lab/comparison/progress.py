@@ -7,7 +7,6 @@ from threading import Lock
 from typing import Protocol
 
 from rich.console import Console
-from rich.markdown import Markdown
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -22,6 +21,7 @@ from rich.text import Text
 
 from dr_lab.diagnosis.search.climb_watch import ClimbWatch
 from dr_lab.reports.quantity import number
+from dr_lab.reports.screen import ScreenMarkdown
 
 _PARTS = 4  # of a ranking that get a line each
 _ANEW = "The model itself was found to fit better: trying all anew"
@@ -80,7 +80,7 @@ class _Lines:
 
     def show(self, markdown: str) -> None:
         self._console.print()
-        self._console.print(Markdown(markdown))
+        self._console.print(ScreenMarkdown(markdown))
         self._console.print()
 
     def _line(self, text: str) -> None:
@@ -111,7 +111,7 @@ class _Bars:
         self._bars.console.print(_so_far(labels, before, after), markup=False, highlight=False, soft_wrap=True)
 
     def show(self, markdown: str) -> None:
-        self._bars.console.print(Markdown(markdown))
+        self._bars.console.print(ScreenMarkdown(markdown))
 
     def _begin(self, text: str, total: int | None) -> TaskID:
         for task in self._bars.task_ids:

@@ -4,7 +4,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
-from rich.markdown import Markdown
 
 from dr_lab.envs.environment import Environment
 from dr_lab.files import write_text
@@ -14,6 +13,7 @@ from dr_lab.recorders.training_review import TrainingRecord, write_training_revi
 from dr_lab.reports.evaluate import EvaluateReport
 from dr_lab.reports.json_file import write_json
 from dr_lab.reports.page import Page
+from dr_lab.reports.screen import ScreenMarkdown
 from dr_lab.reports.train import TrainReport
 from dr_lab.training.episodes import keep_episodes
 
@@ -42,4 +42,4 @@ def finish(
     write_training_page(run_dir / "report.html", page, report, record)
     keep_episodes(run_dir, environment, record.episodes)
     write_training_review(run_dir / "review.rrd", replace(record, pages={"Report": text}), look)
-    Console().print(Markdown(text))
+    Console().print(ScreenMarkdown(text))

@@ -6,7 +6,6 @@ from contextlib import closing
 from pathlib import Path
 
 from rich.console import Console
-from rich.markdown import Markdown
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from dr_lab.benchmark.case import Case
@@ -27,6 +26,7 @@ from dr_lab.recorders.confusion import confusion_csv, confusion_picture, write_p
 from dr_lab.recorders.look import Look
 from dr_lab.reports.benchmark import BenchmarkReport
 from dr_lab.reports.json_file import write_json
+from dr_lab.reports.screen import ScreenMarkdown
 from dr_lab.reports.typed import typed
 
 CASES = "cases"
@@ -126,4 +126,4 @@ def _write(run_dir: Path, report: BenchmarkReport, outcomes: Sequence[Outcome], 
         "Hidden effects": effects_page(outcomes, aliases),
     }
     write_benchmark_review(run_dir / "review.rrd", picture, pages)
-    Console().print(Markdown(f"{pages['Figures']}\n\nMisses:\n\n{pages['Misses']}"))
+    Console().print(ScreenMarkdown(f"{pages['Figures']}\n\nMisses:\n\n{pages['Misses']}"))

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import torch
 from rich.console import Console
-from rich.markdown import Markdown
 
 from dr_lab.deployment.described import course_csv, described, told
 from dr_lab.deployment.onnx_file import Bounded, OnnxSettings, difference, onnx_of
@@ -15,6 +14,7 @@ from dr_lab.files import write_bytes, write_text
 from dr_lab.reports.json_file import write_json
 from dr_lab.reports.plain import to_plain
 from dr_lab.reports.policy import PolicyReport
+from dr_lab.reports.screen import ScreenMarkdown
 from dr_lab.training.episodes import play_episodes
 
 
@@ -49,6 +49,6 @@ def export(trained: TrainedRun, onnx: OnnxSettings, seed: int, compose: Compose,
     write_bytes(run_dir / "policy.onnx", file)
     write_json(run_dir / "policy.json", report)
     write_text(run_dir / "episode.csv", course_csv(played[0]))
-    Console().print(Markdown(told(report)))
+    Console().print(ScreenMarkdown(told(report)))
     print(f"\npolicy.onnx acts as the policy, to {apart:.1g} of a command's range, in {len(seen)} observations.")
     return report

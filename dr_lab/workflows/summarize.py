@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
-from rich.markdown import Markdown
 
 from dr_lab.files import write_text
 from dr_lab.html.sweep_page import write_sweep_page
@@ -14,6 +13,7 @@ from dr_lab.recorders.look import Look
 from dr_lab.recorders.sweep_review import SweepRecord, write_sweep_review
 from dr_lab.reports.json_file import write_json
 from dr_lab.reports.plain import Number, finite
+from dr_lab.reports.screen import ScreenMarkdown
 from dr_lab.reports.summarize import SCHEMA, GroupEntry, SummarizeReport
 from dr_lab.summaries.doubts import divided_runs, lost_trainings, missing_figures, repeated_runs, require_known
 from dr_lab.summaries.evaluated import with_trained
@@ -63,7 +63,7 @@ def summarize(sweep: str, settings: SummarySettings, recorder: Look, run_dir: Pa
     record = _record(found, settings, text)
     write_sweep_page(run_dir / "report.html", page, report, record)
     write_sweep_review(run_dir / "review.rrd", record, recorder)
-    Console().print(Markdown(text))
+    Console().print(ScreenMarkdown(text))
     return report
 
 
