@@ -27,7 +27,7 @@ def grid_plots(grids: Sequence[Grid]) -> list[Plot]:
     for grid in grids:
         if len(grid.axes) == 1:
             lines.setdefault(grid.axes[0].name, {})[grid.title] = grid
-    maps = [grid_map(grid) for grid in grids if len(grid.axes) == 2]
+    maps = grid_maps([grid for grid in grids if len(grid.axes) == 2])
     return maps + [grid_lines(each, list(each)) for each in lines.values()]
 
 
@@ -56,22 +56,36 @@ def grid_lines(grids: Mapping[str, Grid], groups: Sequence[str]) -> Plot:
     return Plot(figure, _LINE, told + " Grey: infeasible." * unknown)
 
 
-def grid_map(grid: Grid) -> Plot:
-    """Mean return over two parameters."""
-    more = {"customdata": numbers(grid.spread.T), **_beyond_scatter(grid)}
+def grid_maps(grids: Sequence[Grid]) -> list[Plot]:
+    """Mean returns over two parameters each; maps over the same ones share their colours, so that they compare."""
+    alike: dict[tuple[str, ...], list[Grid]] = {}
+    for grid in grids:
+        alike.setdefault(_parameters(grid), []).append(grid)
+    return [_grid_map(grid, alike[_parameters(grid)]) for grid in grids]
+
+
+def _parameters(grid: Grid) -> tuple[str, ...]:
+    return tuple(axis.name for axis in grid.axes)
+
+
+def _grid_map(grid: Grid, alike: Sequence[Grid]) -> Plot:
+    more = {"customdata": numbers(grid.spread.T), **_beyond_scatter(alike)}
     figure = _map(grid.axes, grid.mean, DENSITY, "return", more)
     figure.update_traces(hovertemplate="%{x:.4g}, %{y:.4g}: %{z:.4g} ± %{customdata:.3g}<extra></extra>", selector=0)
-    told = f"Colours span four standard deviations over {grid.over} in a cell, or more."
-    return Plot(figure, _MAP, f"Mean returns, {grid.title}. {told}{hatched(grid.mean)}", half=True)
+    told = f"Colours span four standard deviations over {over_what(alike)} in a cell, or more"
+    same = ", and are the same in all maps over these parameters" if len(alike) > 1 else ""
+    return Plot(figure, _MAP, f"Mean returns, {grid.title}. {told}{same}.{hatched(grid.mean)}", half=True)
 
 
-def _beyond_scatter(grid: Grid) -> dict[str, float]:
+def _beyond_scatter(grids: Sequence[Grid]) -> dict[str, float]:
     """Ends of the colours that hold all means, and so far apart that the scatter within a cell is no pattern."""
-    known = np.isfinite(grid.mean)
+    mean = np.concatenate([grid.mean.ravel() for grid in grids])
+    spread = np.concatenate([grid.spread.ravel() for grid in grids])
+    known = np.isfinite(mean)
     if not known.any():
         return {}
-    low, high = float(grid.mean[known].min()), float(grid.mean[known].max())
-    half = max((high - low) / 2, _SCATTER / 2 * float(np.median(grid.spread[known])))
+    low, high = float(mean[known].min()), float(mean[known].max())
+    half = max((high - low) / 2, _SCATTER / 2 * float(np.median(spread[known])))
     return {"zmin": (low + high) / 2 - half, "zmax": (low + high) / 2 + half}
 
 

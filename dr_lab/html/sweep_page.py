@@ -10,7 +10,7 @@ from dr_lab.html.curve_figures import band_plots
 from dr_lab.html.document import Chapter, Text, write_document
 from dr_lab.html.figure import Plot, chart, rows_height, series
 from dr_lab.html.interference_figures import interference_plots
-from dr_lab.html.return_figures import grid_lines, grid_map, sample_plots
+from dr_lab.html.return_figures import grid_lines, grid_maps, sample_plots
 from dr_lab.html.sampling_figures import sampling_plots
 from dr_lab.recorders.sweep_review import SweepRecord
 from dr_lab.reports.page import Page, Section
@@ -38,7 +38,7 @@ def write_sweep_page(path: Path, page: Page, report: SummarizeReport, record: Sw
         DrLabError: the folder cannot be written to.
     """
     lines = [grid_lines(each, record.groups) for each in record.lines.values()]
-    maps = [grid_map(grid) for grid in record.maps.values()]
+    maps = grid_maps(list(record.maps.values()))
     colours = {group: series(index) for index, group in enumerate(record.groups)}
     scattered = [(sample, colours[group]) for group, samples in record.violins.items() for sample in samples]
     chapters = [

@@ -7,7 +7,7 @@ import pytest
 from html_pages import figures, require_whole, text, traces, values
 from written_runs import grid_report, train_report
 
-from dr_lab.html.return_figures import grid_map, grid_plots
+from dr_lab.html.return_figures import grid_maps, grid_plots
 from dr_lab.html.training_page import write_training_page
 from dr_lab.recorders import grids
 from dr_lab.recorders.training import (
@@ -130,7 +130,7 @@ def test_captions_say_what_the_spread_is_over() -> None:
     assert alone.caption == "Bands: ± a standard deviation over contexts."
     (both,) = grid_plots([of_contexts, of_runs])
     assert both.caption == "Bands: ± a standard deviation over contexts (after), runs (each)."
-    assert "span four standard deviations over adaptations in a cell" in grid_map(area).caption
+    assert "span four standard deviations over adaptations in a cell" in grid_maps([area])[0].caption
     assert grids.told([of_runs]) == " (thin: ± std over runs)"
 
 
@@ -141,6 +141,23 @@ def test_colours_of_a_map_span_what_chance_does(spread: float, ends: tuple[float
     page = evaluated(tmp_path, TrainingRecord("run", grids=[grid]))
     (heat,) = [t for t in figures(page)[0]["data"] if t["type"] == "heatmap"]
     assert (heat["zmin"], heat["zmax"]) == pytest.approx(ends)
+
+
+def test_maps_over_the_same_parameters_share_their_colours(tmp_path: Path) -> None:
+    """Before and after an update: as dark is as good."""
+    other = ContextAxis("mass", "kg", AXIS.values)
+    before, after, apart = (
+        Grid(title, axes, mean + np.arange(9.0).reshape(3, 3), np.full((3, 3), 0.1), "adaptations")
+        for title, axes, mean in (
+            ("before", [AXIS, AXIS], 0.0),
+            ("after", [AXIS, AXIS], 50.0),
+            ("apart", [AXIS, other], 900.0),
+        )
+    )
+    page = evaluated(tmp_path, TrainingRecord("run", grids=[before, after, apart]))
+    heats = [t for figure in figures(page) for t in figure["data"] if t["type"] == "heatmap"]
+    assert [(heat["zmin"], heat["zmax"]) for heat in heats] == [(0.0, 58.0), (0.0, 58.0), (900.0, 908.0)]
+    assert text(page).count("and are the same in all maps over these parameters") == 2
 
 
 def test_violins_hold_what_is_known(tmp_path: Path) -> None:
