@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dr_lab.algorithms.reinforce.baseline import Baseline
 from dr_lab.algorithms.reinforce.score_function import episode_gradients
@@ -102,8 +103,8 @@ class GradientInterferenceEvaluator(IntervalEvaluator):
             "over the episodes; by what noise is left it may lie beyond ±1, and nothing stands where a gradient is not "
             "told from noise. sign: −1 where the two contexts "
             "interfere, 1 where one helps the other, 0 where the interval holds 0, which is a dot in the picture. "
-            "Figures are those of the last policy: the shares of pairs that interfere, help or are in doubt, and of "
-            "contexts whose gradient is told from noise."
+            "Figures are those of the last policy and of contexts with a gradient, which infeasible ones lack: the "
+            "shares of their pairs that interfere, help or are in doubt, and of those told from noise."
         )
 
 
@@ -124,13 +125,20 @@ def _rows(frames: int, axis: ContextAxis, found: Cosines) -> list[Row]:
 
 
 def _shares(found: Cosines) -> dict[str, float]:
-    pairs = found.sign[np.triu_indices(len(found.sign), 1)]
+    """Of the contexts that have a gradient, which infeasible ones lack, and of their pairs; NaN where there is none."""
+    half = np.triu_indices(len(found.sign), 1)
+    pairs = found.sign[half][np.isfinite(found.raw[half])]
+    alone = np.diagonal(found.corrected)[np.isfinite(np.diagonal(found.raw))]
     return {
-        "share_interfering": float(np.mean(pairs < 0)),
-        "share_helping": float(np.mean(pairs > 0)),
-        "share_in_doubt": float(np.mean(pairs == 0)),
-        "share_told_from_noise": float(np.mean(np.isfinite(np.diagonal(found.corrected)))),
+        "share_interfering": _share(pairs < 0),
+        "share_helping": _share(pairs > 0),
+        "share_in_doubt": _share(pairs == 0),
+        "share_told_from_noise": _share(np.isfinite(alone)),
     }
+
+
+def _share(told: NDArray[np.bool_]) -> float:
+    return float(told.mean()) if len(told) else np.nan
 
 
 def _pictures(axis: ContextAxis, found: Mapping[int, Cosines]) -> list[Matrix]:

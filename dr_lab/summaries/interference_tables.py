@@ -16,7 +16,8 @@ _TOLD = (
     "Cosines between the policy gradients of every two contexts, mean of the runs of a setting; below 0 a step that "
     "improves the policy in one context makes it worse in the other. Noise of the gradients draws them to 0. spread is "
     "their standard deviation over the runs, mean of the pairs of different contexts; interfere, help and in doubt say "
-    "how many of these pairs have a mean whose interval lies below 0, above 0, or about it."
+    "how many of these pairs, as far as both have a gradient, have a mean whose interval lies below 0, above 0, or "
+    "about it."
 )
 
 
@@ -48,8 +49,9 @@ def interference_entries(found: Sequence[Interference]) -> tuple[InterferenceEnt
 
 def _row(found: Interference) -> list[str]:
     pairs = np.triu_indices(len(found.mean), 1)
-    mean, sure = found.mean[pairs], ~found.doubtful[pairs]
-    shares = (np.mean(sure & (mean < 0.0)), np.mean(sure & (mean > 0.0)), np.mean(~sure))
+    known = np.isfinite(found.mean[pairs])
+    mean, sure = found.mean[pairs][known], ~found.doubtful[pairs][known]
+    shares = [each.mean() if len(each) else np.nan for each in (sure & (mean < 0.0), sure & (mean > 0.0), ~sure)]
     count = [str(found.frames), str(found.runs), str(len(found.mean))]
     means = [_mean(mean), _mean(found.spread[pairs])]
     return [found.group, *count, *means, *(percent(float(share)) for share in shares)]

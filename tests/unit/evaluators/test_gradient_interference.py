@@ -60,6 +60,9 @@ def test_a_goal_that_rewards_nothing_is_neither_helped_nor_harmed(tmp_path: Path
     beside = [row for row in found.rows if 0.0 in (row["goal.side a"], row["goal.side b"])]
     assert [row["sign"] for row in beside] == [0.0] * 3
     assert found.matrices[0].doubtful.sum() == 5
+    assert found.figures == {  # of −1 and 1, the only ones with a gradient
+        "share_interfering": 1.0, "share_helping": 0.0, "share_in_doubt": 0.0, "share_told_from_noise": 1.0
+    }  # fmt: skip
 
 
 def test_policies_of_all_of_the_training_are_compared_the_newest_first(tmp_path: Path) -> None:

@@ -98,7 +98,7 @@ def test_the_verb_tells_and_draws_it(tmp_path: Path) -> None:
     assert main(["summarize", f"sweep={tmp_path / 'sweep'}", f"hydra.run.dir={folder}"]) == 0
     page = (folder / "report.md").read_text("utf-8")
     assert "| low | 100 | 2 | 3 | 0.167 | 0 | 33 % | 67 % | 0 % |" in page
-    assert "| high | 200 | 2 | 3 | -0.5 | 0 | 67 % | 0 % | 33 % |" in page
+    assert "| high | 200 | 2 | 3 | -0.5 | 0 | 100 % | 0 % | 0 % |" in page
     entries = json.loads((folder / "report.json").read_text("utf-8"))["interference"]
     assert [(entry["group"], entry["frames"], entry["mean"][0]) for entry in entries] == [
         ("low", 100, [0.9, 0.5, -0.5]),
