@@ -19,6 +19,7 @@ _SCATTER = 4.0  # standard deviations within a cell
 _TICKS = 9  # values of an axis, each of which has room for its number
 ABOUT_ZERO = [[0.0, BEFORE], [0.5, "var(--low)"], [1.0, AFTER]]
 _INFEASIBLE = "infeasible"
+_VIOLIN = "Dots: these values; box: quartiles and median; dashed: mean; outline: how dense they lie."
 
 
 def grid_plots(grids: Sequence[Grid]) -> list[Plot]:
@@ -100,8 +101,12 @@ def matrix_plots(matrices: Sequence[Matrix]) -> list[Plot]:
     for each in matrices:
         figure = _map([each.axis, each.axis], each.value, ABOUT_ZERO, "cosine", {"zmin": -1.0, "zmax": 1.0})
         figure.add_trace(dots([each.axis, each.axis], each.doubtful & np.isfinite(each.value)))
-        plots.append(Plot(figure, _MAP, f"{each.title}. Dots: the sign is in doubt.{hatched(each.value)}", half=True))
+        plots.append(Plot(figure, _MAP, f"{each.title}. Dots: the sign is in doubt.{_untold(each)}", half=True))
     return plots
+
+
+def _untold(matrix: Matrix) -> str:
+    return "" if np.isfinite(matrix.value).all() else " Hatched: infeasible, or no gradient that is told from noise."
 
 
 def ways_plots(ways: Sequence[Ways]) -> list[Plot]:
@@ -143,7 +148,7 @@ def sample_plots(samples: Sequence[Sample], colours: Sequence[str] = ()) -> list
         figure.add_trace(go.Violin(y=numbers(values), name=each.name, **style, **inside, **dots))
     figure.update_layout(showlegend=False)
     figure.update_yaxes(title="return", zeroline=False)
-    return [Plot(figure, _MAP, samples[0].told)]
+    return [Plot(figure, _MAP, f"{samples[0].told} {_VIOLIN}".lstrip())]
 
 
 def _gain_map(gain: Gain) -> Plot:

@@ -166,7 +166,7 @@ def test_violins_hold_what_is_known(tmp_path: Path) -> None:
     (uniform,) = traces(page, "uniform")
     assert uniform["type"] == "violin"
     assert values(uniform["y"]).tolist() == [1.0, 3.0]
-    assert "A context each." in text(page)
+    assert "A context each. Dots: these values; box: quartiles and median; dashed: mean" in text(page)
 
 
 def test_what_is_in_doubt_is_marked(tmp_path: Path) -> None:
@@ -182,6 +182,12 @@ def test_what_is_in_doubt_is_marked(tmp_path: Path) -> None:
     assert [values(t["x"]).tolist() for t in doubtful] == [[-1.0], [-1.0, 1.0]]
     (after,) = traces(page, "after")
     assert np.isnan(values(after["x"])).sum() == 2  # a gap behind each way
+
+
+def test_a_pair_of_contexts_without_a_cosine_need_not_be_infeasible(tmp_path: Path) -> None:
+    value = np.array([[1.0, np.nan, np.nan], [np.nan] * 3, [np.nan] * 3])
+    page = evaluated(tmp_path, TrainingRecord("run", matrices=[Matrix("cosine", AXIS, value, np.isnan(value))]))
+    assert "Hatched: infeasible, or no gradient that is told from noise." in text(page)
 
 
 @pytest.mark.parametrize("count", [1, 400])
