@@ -74,12 +74,13 @@ def _deployed(report: TrainReport) -> str:
         return ""
     kept = len(choice.snapshots)
     best = f", the best of the {kept} that were kept" if kept > 1 else ""
-    returns, lucky = "", ""
-    if report.deployed_return is not None:
-        returns = f"The deployed policy returns {number(report.deployed_return)} on average, without exploration. "
-        lucky = ", by which that return is somewhat too high" if kept > 1 else ""
+    played = f"The episodes by which it was chosen, {choice.choice_frames} control steps in all"
+    if report.deployed_return is None:
+        which = f"The deployed policy is that of control step {choice.chosen}{best}."
+        return f"{which} {played}, are no part of the training. dr-lab evaluate plays others."
+    lucky = f", and make the best of {kept} seem somewhat better than it is" if kept > 1 else ""
     return (
-        f"{returns}It is that of control step {choice.chosen}{best}. The episodes by which it was chosen, "
-        f"{choice.choice_frames} control steps in all, are no part of the training{lucky}. dr-lab evaluate plays "
+        f"The deployed policy returns {number(report.deployed_return)} on average, without exploration. It is that of "
+        f"control step {choice.chosen}{best}. {played}, are no part of the training{lucky}. dr-lab evaluate plays "
         "others."
     )
