@@ -1,11 +1,12 @@
 """Figures over training: one run's curves, several runs' bands, and the choice of the policy."""
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
 import plotly.graph_objects as go
 
-from dr_lab.html.curve_meanings import MEANINGS
+from dr_lab.html.curve_meanings import meaning
 from dr_lab.html.figure import AFTER, NOISE, Plot, band, chart, line, numbers, series
 from dr_lab.html.thinning import Numbers, spread, thinned
 from dr_lab.recorders.training import Band, Curve
@@ -18,6 +19,7 @@ _ALL, _LINES = 120_000, 5  # points of all bands together, about 2 MB; and colum
 _SMOOTHED = 20  # parts of training, the width of the running mean
 _FEW = 6  # points that are drawn as dots, too
 _LARGE, _SMALL = 340, 230  # px
+_TITLE = 26  # characters of a line beside a small plot
 _COUNTED = {"iteration": "iteration", "frames": "control steps"}
 
 
@@ -69,10 +71,15 @@ def _curve(curve: Curve, first: bool) -> Plot:
         named = {"name": f"mean over 1/{_SMOOTHED} of the training", "showlegend": first}
         figure.add_trace(go.Scatter(x=at, y=numbers(mean), **line(AFTER, 2.5), **named))
     figure.update_xaxes(title=_COUNTED[curve.over], rangemode="tozero", exponentformat="SI")
-    figure.update_yaxes(title=titled(curve.name.replace("_", " "), curve.unit))
+    figure.update_yaxes(title=_lines(titled(curve.name.replace("_", " "), curve.unit)))
     alone = f"One point alone: {number(float(y[0]))}." if len(y) == 1 else ""
-    told = " ".join(filter(None, (MEANINGS.get(curve.name, ""), alone)))
+    told = " ".join(filter(None, (meaning(curve.name), alone)))
     return Plot(figure, _LARGE if first else _SMALL, told, half=not first)
+
+
+def _lines(title: str) -> str:
+    """A title of an axis in lines that have room beside a small plot: its ends would be cut off."""
+    return textwrap.fill(title, _TITLE)
 
 
 def _running_mean(x: Numbers, y: Array) -> tuple[Array, Array]:
@@ -101,7 +108,7 @@ def _bands(name: str, bands: Sequence[Band], groups: Sequence[str], first: bool)
         look = {"mode": mode, "line": {"color": colour, "width": 2}}
         figure.add_trace(go.Scatter(x=x, y=numbers(y), name=each.group, showlegend=first, **look, **common))
     figure.update_xaxes(title="control steps", rangemode="tozero", exponentformat="SI")
-    figure.update_yaxes(title=name.replace("_", " "))
+    figure.update_yaxes(title=_lines(name.replace("_", " ")))
     told = "Interquartile mean over the runs of a group, with its interval where they are three or more."
     caption = [told] if first else []
     return Plot(figure, _LARGE if first else _SMALL, " ".join([*caption, *_alone(bands)]), half=not first)

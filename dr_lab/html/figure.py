@@ -123,9 +123,11 @@ def band(x: Numbers, low: Array, high: Array, colour: str, **more: Any) -> go.Sc
 
 
 def _escaped(value: object, key: str = "") -> object:
-    """Texts in which Plotly finds no markup of its own."""
+    """Texts in which Plotly finds no markup of its own but ends of lines."""
     if isinstance(value, Mapping):
         return {name: _escaped(item, str(name)) for name, item in value.items()}
     if isinstance(value, list):
         return [_escaped(item, key) for item in value]
-    return html.escape(value, quote=False) if isinstance(value, str) and key not in _MARKUP else value
+    if not isinstance(value, str) or key in _MARKUP:
+        return value
+    return html.escape(value, quote=False).replace("\n", "<br>")

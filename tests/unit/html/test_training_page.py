@@ -190,6 +190,16 @@ def test_a_pair_of_contexts_without_a_cosine_need_not_be_infeasible(tmp_path: Pa
     assert "Hatched: infeasible, or no gradient that is told from noise." in text(page)
 
 
+def test_long_names_of_figures_are_not_cut_and_their_meaning_is_told(tmp_path: Path) -> None:
+    """At the height of a small plot "infeasible share while training on" began with "feasible share"."""
+    names = ["episode_return", "infeasible share while training on", "return_after_3"]
+    page = trained(tmp_path, TrainingRecord("run", [Curve(name, "", ITERATION, np.ones(5)) for name in names]))
+    titles = [figure["layout"]["yaxis"]["title"]["text"] for figure in figures(page)]
+    assert titles[:3] == ["episode return", "infeasible share while<br>training on", "return after 3"]
+    assert "Share of the contexts without a return." in text(page)
+    assert "Mean return over the tasks after so many updates, with exploration." in text(page)
+
+
 @pytest.mark.parametrize("count", [1, 400])
 def test_long_curves_have_a_running_mean_and_short_ones_do_not(tmp_path: Path, count: int) -> None:
     curve = Curve("loss", "", np.arange(count), np.full(count, 2.0))
